@@ -53,8 +53,8 @@ from agents.rules import (
     wvem,
     zones,
 )
+from worlds.input_error import InputError, unknown
 from worlds.plug_ins import plug_ins
-from worlds.refusal import Refusal, unknown
 
 CONSTANT = constant_speed.BODY
 NEUTRAL = {"heading": CONSTANT, "acceleration": point_mass.BODY}
@@ -245,16 +245,16 @@ FILES: dict[str, Path] = {}
 
 
 def from_file(path: str) -> Model:
-    """Load the model of a rule file and add it to the catalogue. Raises Refusal.
+    """Load the model of a rule file and add it to the catalogue. Raises InputError.
 
     An edited file replaces what it brought before; none replaces a model of anything else.
     """
     try:
         name, found = brought(path, thing_in(path))
     except (TypeError, AssertionError) as error:
-        raise Refusal(f"{path}: {error}") from None
+        raise InputError(f"{path}: {error}") from None
     if name in MODELS and FILES.get(name) != Path(path).resolve():
-        raise Refusal(f"{path}: there is a model {name!r} already; its rule needs another name")
+        raise InputError(f"{path}: there is a model {name!r} already; its rule needs another name")
     if name not in MODELS or found.rule is not MODELS[name].rule:
         MODELS[name] = found
         FILES[name] = Path(path).resolve()
@@ -264,9 +264,9 @@ def from_file(path: str) -> Model:
 def model(name: str) -> Model:
     """The model of that name; `NAME-cars` has the rule of the model NAME drive cars.
 
-    So `NAME-BODY` is that rule with one of `BODIES`. Raises Refusal with the nearest name, or for a
-    rule that cannot drive cars. A name is never that of a file, which would be run: names come from
-    browsers and from specs of others too.
+    So `NAME-BODY` is that rule with one of `BODIES`. Raises InputError with the nearest name, or
+    for a rule that cannot drive cars. A name is never that of a file, which would be run: names
+    come from browsers and from specs of others too.
     """
     rule = name.removesuffix(ON_WHEELS)
     if name not in MODELS and rule != name and rule in MODELS and MODELS[rule].rule.name == rule:
@@ -279,7 +279,7 @@ def model(name: str) -> Model:
 
 
 def with_body(name: str) -> None:
-    """Add the model `RULE-BODY` to the catalogue if both exist. Raises Refusal."""
+    """Add the model `RULE-BODY` to the catalogue if both exist. Raises InputError."""
     for body in BODIES.values():
         rule = name.removesuffix(f"-{body.name}")
         if rule != name and rule in MODELS and MODELS[rule].rule.name == rule:
@@ -289,16 +289,16 @@ def with_body(name: str) -> None:
                     own, body=body, suffix=f"-{body.name}", defaults={}, tries=()
                 )
             except TypeError as error:
-                raise Refusal(str(error)) from None
+                raise InputError(str(error)) from None
 
 
 def on_wheels(rule: Rule) -> Model:
-    """The model of cars driven by a rule, on an unbounded floor. Raises Refusal if it cannot be.
+    """The model of cars driven by a rule, on an unbounded floor. Raises InputError if it cannot be.
 
     Cars of another rule that wishes a velocity are declared one by one: it may need its own body.
     """
     if rule.wish != "heading" or 2 not in rule.dimensions:
-        raise Refusal(
+        raise InputError(
             f"{rule.name} cannot drive cars: it wishes {rule.wish} in "
             f"{' and '.join(f'{dim}-D' for dim in rule.dimensions)}, they take a heading in 2-D"
         )
@@ -315,7 +315,8 @@ def obedient() -> tuple[str, ...]:
 
 
 def cars_by(name: str) -> Model:
-    """The cars that go by a rule: a model of cars, or the rule of another one. Raises Refusal."""
+    """The cars that go by a rule: a model of cars, or the rule of another one. Raises
+    InputError."""
     models = obedient()
     if name in models:
         return MODELS[name]
@@ -328,14 +329,14 @@ def cars_by(name: str) -> Model:
     if rule.name + ON_WHEELS in MODELS:
         return MODELS[rule.name + ON_WHEELS]
     if 2 not in rule.dimensions or rule.wish not in ("heading", "velocity"):
-        raise Refusal(
+        raise InputError(
             f"rule {name} cannot drive cars: it wishes {rule.wish} in "
             f"{' and '.join(f'{d}-D' for d in rule.dimensions)}, and cars take a heading or a "
             "velocity in 2-D"
         )
     taken = set(rule.parameters.model_fields) & set(car.Car.model_fields)
     if taken and not issubclass(rule.parameters, Tracking):
-        raise Refusal(
+        raise InputError(
             f"rule {name} cannot drive cars: it has a parameter {sorted(taken)[0]} of its own, "
             "and so have they"
         )

@@ -12,10 +12,10 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from agents.engine.past import Messages
+from agents.engine.message_past import MessageDelays
 from agents.engine.wind import NO_WIND
 from agents.option import between, option
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 MOST_SECONDS = 1e6
 MOST_SPEED = 1e6
@@ -154,16 +154,16 @@ class Conditions(BaseModel):
         return any((self.wind, self.wind_up, self.gusts, self.pulse))
 
 
-def messages(conditions: Conditions, dt: float) -> Messages:
+def messages(conditions: Conditions, dt: float) -> MessageDelays:
     """Delay and loss of messages in ticks of `dt`, and how exact they are."""
     late = round(conditions.delay / dt), conditions.jitter / dt, conditions.lost
-    return Messages(*late, conditions.place_error)
+    return MessageDelays(*late, conditions.place_error)
 
 
 def ticks_back(conditions: Conditions, dt: float) -> int:
     """Ticks of the past that are kept, the present among them; 0 where nothing is late.
 
-    Raises Refusal if they are too many.
+    Raises InputError if they are too many.
     """
     if not conditions.is_late:
         return 0
@@ -171,7 +171,7 @@ def ticks_back(conditions: Conditions, dt: float) -> int:
     lost = math.ceil(math.log(UNHEARD) / math.log(loss)) if loss > 0.0 else 0
     ages = delay + math.ceil(-math.log(UNHEARD) * jitter) + lost + 1
     if ages > MOST_TICKS:
-        raise Refusal(
+        raise InputError(
             f"delay = {conditions.delay:g}, jitter = {conditions.jitter:g}, "
             f"lost = {conditions.lost:g}: messages would be up to {ages} ticks of {dt:g} old; "
             f"the most is {MOST_TICKS}"

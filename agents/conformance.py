@@ -1,7 +1,8 @@
 """Checks that every model has to pass, built in or not, with few agents and few ticks.
 
 Each check states a fact about a model in its own world or in empty space. It returns None, raises
-`Skipped` for a model to which it does not apply, or `Failed` with what was seen instead.
+`InapplicableCheck` for a model to which it does not apply, or `ConformanceFailure` with what was
+seen instead.
 """
 
 from __future__ import annotations
@@ -15,16 +16,16 @@ from typing import Any, Literal
 import numpy as np
 
 from agents.flock import Flock
-from agents.models.calling import Fault
 from agents.models.declare import declared
 from agents.models.model import Model
-from agents.models.proposed import demand_proposed
-from agents.models.tries import Try
+from agents.models.model_calls import ModelCodeError
+from agents.models.proposed_range import demand_proposed
+from agents.models.tries import LessonStep
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import OPTIONS
 from worlds.extra import demand_parquet
+from worlds.input_error import InputError
 from worlds.obstacles import Disc
-from worlds.refusal import Refusal
 from worlds.world import World
 
 AGENTS, TICKS = 12, 5
@@ -39,22 +40,22 @@ FAR = 400.0
 in lengths of their reach."""
 
 
-class Skipped(Exception):
+class InapplicableCheck(Exception):
     """The check does not apply to this model."""
 
 
-class Failed(Exception):
+class ConformanceFailure(Exception):
     """The model does not pass the check."""
 
 
 def demand(holds: Any, seen: str) -> None:
     """Raise Failed with what was seen, unless it holds."""
     if not holds:
-        raise Failed(seen)
+        raise ConformanceFailure(seen)
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ConformanceResult:
     """The result of one check."""
 
     check: str
@@ -158,8 +159,8 @@ def saved(model: Model) -> None:
     """A run that is saved and loaded goes on to the bit."""
     try:
         demand_parquet("a state")
-    except Refusal as missing:
-        raise Skipped(str(missing)) from None
+    except InputError as missing:
+        raise InapplicableCheck(str(missing)) from None
     flock = at_home(model)
     flock.run(TICKS)
     with tempfile.TemporaryDirectory() as folder:
@@ -191,7 +192,7 @@ def demand_close(flock: Flock, position: np.ndarray, heading: np.ndarray, seen: 
 def symmetric(model: Model, name: str, there: Callable, turned: Callable) -> None:
     """Raise Failed unless moved agents move alike; `there` moves places, `turned` headings."""
     if name not in model.symmetries:
-        raise Skipped(f"{model.name} declares that a {name} makes a difference")
+        raise InapplicableCheck(f"{model.name} declares that a {name} makes a difference")
     start = crowd(model)
     moved = {**start, "position": there(start["position"]), "heading": turned(start["heading"])}
     here, other = (in_space(model, one, **quiet(model)) for one in (start, moved))
@@ -276,7 +277,7 @@ def proposed(model: Model) -> None:
         try:
             demand_proposed(one.proposed, one.default, one.low, one.high)
         except ValueError as why:
-            raise Failed(f"{one.name}: {why}") from None
+            raise ConformanceFailure(f"{one.name}: {why}") from None
 
 
 def bounds(model: Model) -> None:
@@ -289,7 +290,7 @@ def bounds(model: Model) -> None:
             demand_sound(flock, f"{one.name} = {value}")
 
 
-def lately(flock: Flock, one: Try) -> float:
+def lately(flock: Flock, one: LessonStep) -> float:
     """Run a flock the ticks of a try; the mean of the observable over the last fifth of them."""
     looks = 5
     short = max(1, one.proof.ticks // (5 * looks))
@@ -301,7 +302,7 @@ def lately(flock: Flock, one: Try) -> float:
     return float(np.mean(seen))
 
 
-def made(model: Model, one: Try, seed: int) -> tuple[float, float]:
+def made(model: Model, one: LessonStep, seed: int) -> tuple[float, float]:
     """Make a try with a model at home: the observable without the change, and with it."""
     flock = Flock(model.name, rng=seed)
     before = lately(flock, one)
@@ -315,10 +316,12 @@ def made(model: Model, one: Try, seed: int) -> tuple[float, float]:
 def tries(model: Model) -> None:
     """What it proposes to try comes true, in its own world from three starts."""
     if not model.to_try:
-        raise Skipped(f"{model.name} declares nothing to try")
+        raise InapplicableCheck(f"{model.name} declares nothing to try")
     for one in model.to_try:
         if one.proof.observable not in OBSERVABLES:
-            raise Failed(f"{one.changes}: there is no observable {one.proof.observable}")
+            raise ConformanceFailure(
+                f"{one.changes}: there is no observable {one.proof.observable}"
+            )
         options = sorted(OPTIONS.keys() & one.set.keys())
         demand(one.anew or not options, f"{one.changes}: {', '.join(options)} needs anew=True")
         for seed in SEEDS:
@@ -348,14 +351,14 @@ CHECKS: dict[str, Callable[[Model], None]] = {
 }
 
 
-def outcome(model: Model, name: str) -> Outcome:
-    """Run a check. Raises Refusal for a model that cannot be run at all."""
+def outcome(model: Model, name: str) -> ConformanceResult:
+    """Run a check. Raises InputError for a model that cannot be run at all."""
     check = CHECKS[name]
     fact = (check.__doc__ or "").splitlines()[0]
     try:
         check(model)
-    except Skipped as reason:
-        return Outcome(name, fact, "does not apply", str(reason))
-    except (Failed, Fault, ArithmeticError) as reason:
-        return Outcome(name, fact, "fails", str(reason))
-    return Outcome(name, fact, "holds")
+    except InapplicableCheck as reason:
+        return ConformanceResult(name, fact, "does not apply", str(reason))
+    except (ConformanceFailure, ModelCodeError, ArithmeticError) as reason:
+        return ConformanceResult(name, fact, "fails", str(reason))
+    return ConformanceResult(name, fact, "holds")

@@ -14,7 +14,7 @@ import numpy as np
 
 from agents import catalogue
 from agents.clock import TickClock
-from agents.home import at_home, find_world, is_built_in
+from agents.flock_world import at_home, find_world, is_built_in
 from agents.inspection import Inspection, inspect, warm
 from agents.member import FlockSpace, Member
 from agents.models.declare import checked
@@ -25,9 +25,9 @@ from agents.record import STATES, Recorder
 from agents.recording import Recording
 from agents.snapshot import Snapshot
 from agents.spec import DEFAULT, OPTIONS, Spec, versions, whole
-from agents.state.rows import begun, chosen, demand_memory_for, joined, with_past
+from agents.state.agent_rows import begun, chosen, demand_memory_for, joined, with_past
 from agents.state.start import Start, free_positions, given_start, random_headings, random_start
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
 
 MOST_THREADS = 1024
 MADE_ANEW = {"_engine", "_wind", "context", "passing"}
@@ -99,16 +99,16 @@ class Flock(TickClock, Motion):
         **words: Any,
     ):
         if "scenario" in words:
-            raise Refusal(
+            raise InputError(
                 "scenario is not a parameter of Flock: give its values by name, as in "
                 "Flock('vem', agents=50, eta=0.5), or as a flockscope.Spec"
             )
         rng = seed_from(rng)
         if rng is not None and words.setdefault("seed", rng) != rng:
-            raise Refusal(f"rng = {rng} and seed = {words['seed']}: both are the seed, give one")
+            raise InputError(f"rng = {rng} and seed = {words['seed']}: both are the seed, give one")
         spec = (model if isinstance(model, Spec) else Spec(model)).taking(**words)
         if spec.start == "given" and start is None:
-            raise Refusal(
+            raise InputError(
                 "start = 'given' in the spec: a run from given arrays begins again only from its "
                 "saved state, with Flock.load"
             )
@@ -125,7 +125,7 @@ class Flock(TickClock, Motion):
         )
         self.world = find_world(self.options, self.model)
         if spec.informed and not self.model.rule.led:
-            raise Refusal(
+            raise InputError(
                 f"informed = {spec.informed} is not allowed: {spec.model} has no information agents"
             )
         super().__init__(rng=self.seed)
@@ -146,7 +146,7 @@ class Flock(TickClock, Motion):
         )
 
     def _begin(self) -> Start:
-        """A random start, with the speeds that the body begins with. Raises Refusal."""
+        """A random start, with the speeds that the body begins with. Raises InputError."""
         run = self.options
         begin = random_start(
             self.world, run.agents or 0, run.informed or 0, self.rng, run.spacing, self._gap
@@ -154,7 +154,8 @@ class Flock(TickClock, Motion):
         return self._set_off(begin, bool(begin.speed.any()))
 
     def _given(self, start: Mapping[str, Any]) -> Start:
-        """A start from arrays; without speeds with those that the body begins with. Or Refusal."""
+        """A start from arrays; without speeds with those that the body begins with. Or
+        InputError."""
         begin = given_start(self.world, start, bool(self.model.passing(self.parameters)))
         return self._set_off(begin, "speed" in start)
 
@@ -353,27 +354,28 @@ class Flock(TickClock, Motion):
 
     def reset_rng(self, rng: Any = None) -> None:  # noqa: ARG002 - as in Mesa
         """Refused: the noise of a run follows its seed alone."""
-        raise Refusal(
+        raise InputError(
             "reset_rng would not reset a flock: its noise follows its seed, tick and agents; make "
             "a new Flock(..., rng=SEED)"
         )
 
     def reset_randomizer(self, seed: int | None = None) -> None:  # noqa: ARG002 - as in Mesa
         """Refused, as `reset_rng`."""
-        raise Refusal(
+        raise InputError(
             "reset_randomizer would not reset a flock: its noise follows its seed, tick and "
             "agents; make a new Flock(..., rng=SEED)"
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but what is compiled. Raises Refusal within a tick of agents that step one by one."""
+        """All but what is compiled. Raises InputError within a tick of agents that step one by
+        one."""
         self._demand_whole_tick()
         state = {name: value for name, value in vars(self).items() if name not in MADE_ANEW}
         return state | {"model": self.model.name, "parameters": self.parameters.model_dump()}
 
     def _demand_whole_tick(self) -> None:
         if self._acted:
-            raise Refusal(
+            raise InputError(
                 f"tick {self.tick} is not over: {len(self._acted)} of {len(self.ids)} agents have "
                 "stepped; save, copy or pickle the flock between ticks"
             )
@@ -398,13 +400,13 @@ class Flock(TickClock, Motion):
 
     @classmethod
     def from_spec(cls, spec: Spec, **more: Any) -> Flock:
-        """The run that a spec describes, at its first tick. Raises Refusal."""
+        """The run that a spec describes, at its first tick. Raises InputError."""
         return cls(spec, **more)
 
     def save(self, path: str | Path) -> None:
         """Write the state to a Parquet file; `Flock.load` goes on from it to the bit.
 
-        The name ends in .parquet or .pq; a file of that name is replaced. Raises Refusal, also
+        The name ends in .parquet or .pq; a file of that name is replaced. Raises InputError, also
         within a tick of agents that step one by one.
         """
         self._demand_whole_tick()
@@ -413,13 +415,14 @@ class Flock(TickClock, Motion):
 
     @classmethod
     def load(cls, path: str | Path, tick: int | None = None, **more: Any) -> Flock:
-        """The flock of a saved state, or of one tick (the last) of a recording. Raises Refusal."""
+        """The flock of a saved state, or of one tick (the last) of a recording. Raises
+        InputError."""
         saved = Recording(path)
         return cls.from_snapshot(saved.spec, saved.state(tick), **more)
 
     @classmethod
     def from_snapshot(cls, spec: Spec, saved: Snapshot, **more: Any) -> Flock:
-        """The run of a spec as it was in a snapshot, from which it goes on. Raises Refusal."""
+        """The run of a spec as it was in a snapshot, from which it goes on. Raises InputError."""
         start = {"position": saved.position, "heading": saved.heading}
         flock = cls(spec, start=start, **more)
         flock.options = spec
@@ -438,11 +441,11 @@ def seed_from(rng: Any) -> Any:
     try:
         return int(np.random.default_rng(rng).integers(2**31))
     except (TypeError, ValueError) as error:
-        raise Refusal(f"rng = {rng!r} is not allowed: {error}") from None
+        raise InputError(f"rng = {rng!r} is not allowed: {error}") from None
 
 
 def known(name: str) -> str:
-    """The name of an observable. Raises Refusal."""
+    """The name of an observable. Raises InputError."""
     if name not in OBSERVABLES:
         raise unknown("observable", name, OBSERVABLES)
     return name

@@ -14,8 +14,8 @@ from agents.parquet import BATCH, MOST_NUMBERS, ParquetTable
 from agents.record import arrays_of
 from agents.snapshot import Snapshot
 from agents.spec import Spec
-from agents.state.usable import LARGEST, demand_usable
-from worlds.refusal import Refusal
+from agents.state.state_checks import LARGEST, demand_usable
+from worlds.input_error import InputError
 from worlds.world import World
 
 AT_HAND = 64 * 2**20
@@ -30,7 +30,7 @@ class TickIndex:
     """Where each tick of a recording begins, found by a look at every row, a piece at a time.
 
     The rows of a tick follow each other in the file, and ticks rise in it, as recordings are
-    written. Raises Refusal for any other file.
+    written. Raises InputError for any other file.
 
     Attributes
     ----------
@@ -50,9 +50,9 @@ class TickIndex:
             tick, ids = self.whole(batch["tick"], "ticks"), self.whole(batch["id"], "identities")
             step = np.diff(tick, prepend=last)
             if (tick < 0).any() or (tick >= LARGEST).any():
-                raise Refusal(f"{file.origin} holds ticks outside [0, 2^53)")
+                raise InputError(f"{file.origin} holds ticks outside [0, 2^53)")
             if (step < 0).any():
-                raise Refusal(f"{file.origin} is no recording: its ticks do not rise")
+                raise InputError(f"{file.origin} is no recording: its ticks do not rise")
             first = np.flatnonzero(step)
             ticks.append(tick[first])
             starts.append(first + row)
@@ -74,23 +74,23 @@ class TickIndex:
         self.agents = len(np.unique(np.concatenate([known, *fresh])))
 
     def whole(self, column: Any, what: str) -> np.ndarray:
-        """A column of whole numbers, int64. Raises Refusal."""
+        """A column of whole numbers, int64. Raises InputError."""
         import pyarrow as pa
 
         if not pa.types.is_integer(column.type) or column.null_count:
-            raise Refusal(f"{self.file.origin} is no recording: its {what} are no whole numbers")
+            raise InputError(f"{self.file.origin} is no recording: its {what} are no whole numbers")
         found: np.ndarray = column.to_numpy().astype(np.int64)
         return found
 
     def unique(self, tick: np.ndarray, ids: np.ndarray) -> np.ndarray:
-        """The identities of the last tick. Raises Refusal where one is twice in a tick."""
+        """The identities of the last tick. Raises InputError where one is twice in a tick."""
         step, same = np.diff(ids), np.diff(tick) == 0
         if (step[same] <= 0).any():  # mostly they rise
             order = np.lexsort((ids, tick))
             twice = (np.diff(ids[order]) == 0) & (np.diff(tick[order]) == 0)
             if twice.any():
                 at = tick[order][np.argmax(twice)]
-                raise Refusal(
+                raise InputError(
                     f"{self.file.origin} has two agents of one identity at one tick ({at})"
                 )
         return ids[tick == tick[-1]]
@@ -101,7 +101,7 @@ class TickIndex:
         return place if place < len(self.ticks) and self.ticks[place] == tick else None
 
 
-class Frames:
+class SnapshotReader:
     """Takes snapshots from a recording; the rows that lie together are kept at hand."""
 
     def __init__(self, index: TickIndex, spec: Spec, model: Model, world: World, next_id: int):
@@ -120,10 +120,11 @@ class Frames:
         return int(self.ticks[max(0, int(np.searchsorted(self.ticks, tick, side="right")) - 1)])
 
     def at(self, tick: int) -> Snapshot:
-        """The flock at a recorded tick. Raises Refusal for another, and for rows that are none."""
+        """The flock at a recorded tick. Raises InputError for another, and for rows that are
+        none."""
         place = self.index.place(tick)
         if place is None:
-            raise Refusal(f"tick = {tick} is not in {self.origin}")
+            raise InputError(f"tick = {tick} is not in {self.origin}")
         table = self.rows(int(self.starts[place]), int(self.ends[place]))
         arrays = arrays_of(table, self.world.dim, self.model, self.origin)
         demand_usable(arrays, self.world, self.origin)
@@ -134,7 +135,7 @@ class Frames:
         )
 
     def rows(self, first: int, end: int) -> Any:
-        """The rows from one up to another, a pyarrow Table. Raises Refusal."""
+        """The rows from one up to another, a pyarrow Table. Raises InputError."""
         import pyarrow as pa
 
         low = int(np.searchsorted(self.file.offsets, first, side="right")) - 1
@@ -147,7 +148,7 @@ class Frames:
         return pa.concat_tables(parts).combine_chunks()
 
     def group(self, k: int) -> Any:
-        """A row group of the file, decoded, a pyarrow Table. Raises Refusal."""
+        """A row group of the file, decoded, a pyarrow Table. Raises InputError."""
         if k in self.groups:
             self.groups.move_to_end(k)
             return self.groups[k]
@@ -160,14 +161,14 @@ class Frames:
 
 
 def demand_numbers(table: Any, origin: str) -> None:
-    """Raise Refusal where a column of a table holds nothing in a row."""
+    """Raise InputError where a column of a table holds nothing in a row."""
     for name, column in zip(table.column_names, table.columns, strict=True):
         if column.null_count:
-            raise Refusal(f"{origin}: its column {name!r} holds what is no number")
+            raise InputError(f"{origin}: its column {name!r} holds what is no number")
 
 
 def demand_kinds(schema: Any, origin: str) -> None:
-    """Raise Refusal for a table whose columns cannot be those of a recording by their types."""
+    """Raise InputError for a table whose columns cannot be those of a recording by their types."""
     import pyarrow as pa
 
     types = pa.types
@@ -184,4 +185,4 @@ def demand_kinds(schema: Any, origin: str) -> None:
         else:
             sound, what = any(one(kind) for one in numbers), "what is no number"
         if not sound:
-            raise Refusal(f"{origin}: its column {field.name!r} holds {what}")
+            raise InputError(f"{origin}: its column {field.name!r} holds {what}")

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from agents.engine.arrays import Context
-from agents.engine.block import Me, Near
+from agents.engine.block import Me, NeighbourBlock
 from agents.engine.noise import tick_key
-from agents.models.calling import call
 from agents.models.model import Model
+from agents.models.model_calls import call
 from agents.observables.neighbours import nearest_of, separation
 from agents.rules.terms.potential_field import push
-from agents.snapshot import Snapshot, State
-from worlds.compiled import plain_python
+from agents.snapshot import FlockState, Snapshot
+from worlds.compilation import plain_python
 from worlds.queries.surroundings import Surroundings, points_within, set_goal
 
 NO_POINTS = np.empty((0, 2))
@@ -67,7 +67,7 @@ class Inspection:
     """What it is of: the words and units of its signals."""
 
 
-def as_me(flock: State, row: int, signals: np.ndarray) -> Me:
+def as_me(flock: FlockState, row: int, signals: np.ndarray) -> Me:
     """A row as rules see themselves; `signals` (K,) are its columns."""
     x, y, *z = (float(c) for c in flock.position[row])
     ux, uy, *uz = (float(c) for c in flock.heading[row])
@@ -93,8 +93,8 @@ def as_me(flock: State, row: int, signals: np.ndarray) -> Me:
 
 
 def as_near(
-    flock: State, row: int, rows: np.ndarray, apart: np.ndarray, signals: np.ndarray, seen
-) -> Near:
+    flock: FlockState, row: int, rows: np.ndarray, apart: np.ndarray, signals: np.ndarray, seen
+) -> NeighbourBlock:
     """Other rows, `apart` (M, dim) from a row, and boundary points (P, 2), as rules see them."""
     dim, shared = flock.world.dim, len(flock.model.signals)
     x, y, z = np.zeros((3, len(rows)))
@@ -107,10 +107,12 @@ def as_near(
     heard = sent[shared - 1] if flock.model.body.deafens else np.ones(len(rows))
     px, py = np.ascontiguousarray(seen.T)
     speed, spare = flock.speed[rows], np.zeros((4, max(len(rows), len(seen))))
-    return Near(len(rows), x, y, z, ux, uy, uz, speed, sent, heard, len(seen), px, py, spare)
+    return NeighbourBlock(
+        len(rows), x, y, z, ux, uy, uz, speed, sent, heard, len(seen), px, py, spare
+    )
 
 
-def perceived(flock: State, surroundings: Surroundings, row: int) -> np.ndarray:
+def perceived(flock: FlockState, surroundings: Surroundings, row: int) -> np.ndarray:
     """The boundary points that an agent's rule sees, (P, 2), length."""
     if not flock.model.rule.sees_points:
         return NO_POINTS
@@ -121,7 +123,12 @@ def perceived(flock: State, surroundings: Surroundings, row: int) -> np.ndarray:
 
 
 def forces_on(
-    flock: State, surroundings: Surroundings, context: Context, me: Me, near: Near, interpret: bool
+    flock: FlockState,
+    surroundings: Surroundings,
+    context: Context,
+    me: Me,
+    near: NeighbourBlock,
+    interpret: bool,
 ) -> dict[str, np.ndarray]:
     """The terms of the rule's next wish and of its body's velocity, by name, (dim,) each."""
     p, rule, body = context.parameters, flock.model.rule, flock.model.body
@@ -137,7 +144,11 @@ def forces_on(
 
 
 def obstacle_push(
-    flock: State, surroundings: Surroundings, context: Context, row: int, interpret: bool = False
+    flock: FlockState,
+    surroundings: Surroundings,
+    context: Context,
+    row: int,
+    interpret: bool = False,
 ) -> np.ndarray:
     """The force (dim,) of the obstacles ahead on an agent whose rule has the thesis's field (4.1).
 
@@ -148,7 +159,7 @@ def obstacle_push(
     return np.array(force[: flock.world.dim])
 
 
-def shells(flock: State) -> tuple[Shell, ...]:
+def shells(flock: FlockState) -> tuple[Shell, ...]:
     """The zones of a flock's rule, with its parameters as they are; none where it has none."""
     parameters = flock.parameters
     return tuple(
@@ -157,7 +168,7 @@ def shells(flock: State) -> tuple[Shell, ...]:
     )
 
 
-def field_of_view(flock: State) -> float:
+def field_of_view(flock: FlockState) -> float:
     """The full angle (deg) of a flock's field of view; 360 where its rule has none."""
     name = flock.model.rule.view
     return float(getattr(flock.parameters, name)) if name else 360.0

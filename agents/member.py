@@ -11,7 +11,7 @@ from mesa.agent import AgentSet
 from mesa.experimental.continuous_space import ContinuousSpace
 
 from agents.observables.neighbours import separation
-from worlds.refusal import Refusal, shortened
+from worlds.input_error import InputError, shortened
 from worlds.world import World
 
 
@@ -53,9 +53,10 @@ class Member(mesa.Agent):
 
     @property
     def row(self) -> int:
-        """Its row in the flock's arrays now. Raises Refusal once it is gone, as all else does."""
+        """Its row in the flock's arrays now. Raises InputError once it is gone, as all else
+        does."""
         if self._row is None:
-            raise Refusal(
+            raise InputError(
                 f"agent {self.unique_id} is gone: it left the flock at tick {self._gone_at}"
             )
         return self._row
@@ -99,7 +100,7 @@ class Member(mesa.Agent):
         row = self.row
         direction = vector("heading", value, self.model.world.dim)
         if not direction.any():
-            raise Refusal("heading is a zero vector: a heading needs a direction")
+            raise InputError("heading is a zero vector: a heading needs a direction")
         self.model.heading[row] = direction / np.linalg.norm(direction)
 
     @property
@@ -114,12 +115,12 @@ class Member(mesa.Agent):
     def speed(self, value: float) -> None:
         row, flock = self.row, self.model
         if flock.model.body.speed is not None:
-            raise Refusal(
+            raise InputError(
                 f"agents of {flock.model.name} all have one speed, a parameter: use "
                 "flock.set(...), see `flockscope list`"
             )
         if not (isinstance(value, (int, float, np.number)) and 0.0 <= value < np.inf):
-            raise Refusal(
+            raise InputError(
                 f"speed = {shortened(value)} is not allowed: a finite number >= 0 is needed"
             )
         flock.speed[row] = value
@@ -166,13 +167,13 @@ class Member(mesa.Agent):
 
 
 def vector(name: str, value: Any, dim: int) -> np.ndarray:
-    """Finite numbers (dim,). Raises Refusal."""
+    """Finite numbers (dim,). Raises InputError."""
     try:
         array = np.asarray(value, float)
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.shape != (dim,) or not np.isfinite(array).all():
-        raise Refusal(
+        raise InputError(
             f"{name} = {shortened(value)} is not allowed: {dim} finite numbers are needed"
         )
     return array
@@ -210,7 +211,9 @@ class FlockSpace(ContinuousSpace):
         if not self.is_mixed:
             return super().calculate_distances(point, agents, **kwargs)
         if kwargs:
-            raise Refusal(f"{next(iter(kwargs))} is not taken where a world wraps along some axes")
+            raise InputError(
+                f"{next(iter(kwargs))} is not taken where a world wraps along some axes"
+            )
         apart = np.linalg.norm(self.calculate_difference_vector(point, agents), axis=-1)
         return apart, self.active_agents if agents is None else np.asarray(agents)
 

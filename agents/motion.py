@@ -10,25 +10,31 @@ from typing import Any
 import numpy as np
 
 from agents.conditions import Wind, messages, ticks_back
-from agents.engine.arrays import NEVER, Arrays, Context, Place, Until
+from agents.engine.arrays import NEVER, Arrays, Context, EngineStopCondition, WorldContext
 from agents.engine.cells import Space
-from agents.engine.loop import delayed_module, is_compiled, loop_module, turns_module
+from agents.engine.compiled_loop import delayed_module, is_compiled, loop_module, turns_module
 from agents.engine.noise import ANGULAR, VECTORIAL
-from agents.engine.pairs.runner import OfPairs
-from agents.engine.runner import SPLIT_FROM, UNTRACED, Delayed, InTurn, Synchronous
+from agents.engine.pairs.pair_runner import PairEngine
+from agents.engine.runner import (
+    SPLIT_FROM,
+    UNTRACED,
+    DelayedEngine,
+    SequentialEngine,
+    SynchronousEngine,
+)
 from agents.engine.wind import NO_WIND
-from agents.models.calling import call
 from agents.models.declare import as_floats, checked
 from agents.models.model import Model
+from agents.models.model_calls import call
 from agents.observables.consistency import DESIRED, HOLD, is_consistent, until_consistent
-from agents.snapshot import Snapshot, State
+from agents.snapshot import FlockState, Snapshot
 from agents.spec import Options
-from agents.state.rows import with_past
-from agents.state.whereabouts import Stray, stray
-from worlds.compiled import DISABLED
+from agents.state.agent_rows import with_past
+from agents.state.stray_agents import StrayAgents, stray
+from worlds.compilation import DISABLED
+from worlds.input_error import InputError
 from worlds.memory import demand_memory
 from worlds.queries.survey import survey
-from worlds.refusal import Refusal
 from worlds.world import World
 
 NOISE = "eta"
@@ -39,7 +45,7 @@ CHUNK = 500
 """Ticks of a long run between two looks at the world outside."""
 
 
-class Motion(State):
+class Motion(FlockState):
     """State and ticks of a flock; what `agents.Flock` is beside a Mesa model.
 
     The arrays are the truth and may be written to between ticks.
@@ -57,7 +63,7 @@ class Motion(State):
     """The setting with which agents go through what is solid here, or an empty string."""
     split_from: int = SPLIT_FROM
     """Agents from which on a tick is shared among threads."""
-    _engine: Synchronous | OfPairs | InTurn | None
+    _engine: SynchronousEngine | PairEngine | SequentialEngine | None
     _wind: Wind
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
@@ -93,31 +99,33 @@ class Motion(State):
         return loop_of(self.model, *where, *how)
 
     @property
-    def engine(self) -> Synchronous | OfPairs | InTurn:
+    def engine(self) -> SynchronousEngine | PairEngine | SequentialEngine:
         """The compiled loop over these arrays."""
         if self._engine is None:
             self._engine = self._make_engine()
         return self._engine
 
-    def _make_engine(self) -> Synchronous | OfPairs | InTurn:
+    def _make_engine(self) -> SynchronousEngine | PairEngine | SequentialEngine:
         space = Space(
             in_space(self.world.size, float),
             in_space(self.world.wraps, int),
             in_space(self.world.images, int),
             self.world.low[2] if self.world.dim == 3 else 0.0,
         )
-        place = Place(space, survey(self.world, self.sight))
+        place = WorldContext(space, survey(self.world, self.sight))
         if self.options.is_late:
             late = messages(self.options, self.dt)
             module = delayed_module(self.loop)
-            return Delayed(module, self.arrays, place, self.seed, late, self.call)
+            return DelayedEngine(module, self.arrays, place, self.seed, late, self.call)
         if self.options.activation == "synchronous":
             split = not self.interpret and len(self.ids) >= self.split_from
             threads = self.threads if split else 1
-            engine = OfPairs if self.of_pairs else Synchronous
+            engine = PairEngine if self.of_pairs else SynchronousEngine
             return engine(self.loop, self.arrays, place, self.seed, threads, self.call)
         shuffled = self.options.activation == "random"
-        return InTurn(turns_module(self.loop), self.arrays, place, self.seed, shuffled, self.call)
+        return SequentialEngine(
+            turns_module(self.loop), self.arrays, place, self.seed, shuffled, self.call
+        )
 
     def call(self, function: Callable, *arguments: Any) -> Any:
         """Call a compiled function of the model, as plain Python where that is asked for."""
@@ -141,7 +149,7 @@ class Motion(State):
         wind = self._wind.during(self.tick, ticks)
         return self.context._replace(wind=wind, since=self.tick)
 
-    def stray(self) -> Stray | None:
+    def stray(self) -> StrayAgents | None:
         """The first agent that is inside an obstacle or beyond a solid edge, None if nobody is.
 
         Where nothing is solid, or agents go through it by their model's own setting, all can be
@@ -208,7 +216,7 @@ class Motion(State):
         return self.interpret or DISABLED or is_compiled(self.engine.module)
 
     def set(self, **values: Any) -> None:
-        """Change parameters of the running flock. Raises Refusal, and then changes nothing."""
+        """Change parameters of the running flock. Raises InputError, and then changes nothing."""
         before = self.loop
         self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})
         self.context = self._make_context()
@@ -222,11 +230,11 @@ class Motion(State):
     def change_world(self, world: World) -> None:
         """Put the running flock among other obstacles, edges or another mission.
 
-        Raises Refusal if the world has other dimensions; nothing then changes. Agents stay where
+        Raises InputError if the world has other dimensions; nothing then changes. Agents stay where
         they are: see `worlds.queries.clearance` for those that an obstacle has come upon.
         """
         if world.dim != self.world.dim:
-            raise Refusal(f"a {self.world.dim}-D flock cannot go on in a {world.dim}-D world")
+            raise InputError(f"a {self.world.dim}-D flock cannot go on in a {world.dim}-D world")
         self._end_tick()
         self.world = world
         self._engine = None
@@ -261,7 +269,7 @@ class Motion(State):
         self.tick += ticks
         self._fire_due()
 
-    def _run(self, ticks: int, until: Until = NEVER, trace: np.ndarray = UNTRACED):
+    def _run(self, ticks: int, until: EngineStopCondition = NEVER, trace: np.ndarray = UNTRACED):
         """Run the compiled loop from this tick on; what its `run` answers."""
         return self.engine.run(self._during(ticks), self.tick, ticks, until, trace)
 
@@ -279,9 +287,9 @@ class Motion(State):
         return kept
 
     def _demand_as_many(self, n: int) -> None:
-        """Raise Refusal where an event has changed the number of agents of such a run."""
+        """Raise InputError where an event has changed the number of agents of such a run."""
         if len(self.ids) != n:
-            raise Refusal(
+            raise InputError(
                 f"an event at tick {self.tick} left {len(self.ids)} agents of {n}: a run that "
                 "traces positions, or waits for consistency, needs the same agents throughout"
             )
@@ -303,7 +311,7 @@ class Motion(State):
         return self.run_until_held(until, limit, between)
 
     def run_until_held(
-        self, until: Until, limit: int, between: Callable[[], None] = lambda: None
+        self, until: EngineStopCondition, limit: int, between: Callable[[], None] = lambda: None
     ) -> int | None:
         """Run until something has held; the tick from which it does, None if not by `limit`.
 
@@ -354,7 +362,7 @@ class Motion(State):
         return self.arrays.memory
 
     def signal(self, name: str) -> np.ndarray:
-        """One row of `signals` by name, a copy (N,); a layer of N + 1 is unknown. Or Refusal."""
+        """One row of `signals` by name, a copy (N,); a layer of N + 1 is unknown. Or InputError."""
         return self.snapshot(copy=False, signals=name in self.model.signals).signal(name)
 
 

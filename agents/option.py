@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo
 
-from worlds.refusal import Refusal, shortened
+from worlds.input_error import InputError, shortened
 
 MOST = 10**15
 """The largest count, unless there is a reason for a smaller one."""
@@ -40,14 +40,14 @@ def option(title: str, help: str, default: Any = None, kind: type = str, **more:
 
 
 def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
-    """`value` as a whole number in [least, most]. Raises Refusal."""
+    """`value` as a whole number in [least, most]. Raises InputError."""
     right = isinstance(value, int | np.integer) and not isinstance(value, bool)
     if not right or value < least:
-        raise Refusal(
+        raise InputError(
             f"{name} = {shortened(value)} is not allowed: a whole number >= {least} is needed"
         )
     if value > most:
-        raise Refusal(f"{name} = {shortened(value)} is not allowed: the largest is {most}")
+        raise InputError(f"{name} = {shortened(value)} is not allowed: the largest is {most}")
     return int(value)
 
 
@@ -57,10 +57,10 @@ def from_(least: int, most: int = MOST) -> BeforeValidator:
 
 
 def distance(value: Any, info: ValidationInfo) -> float:
-    """A length >= 0. Raises Refusal."""
+    """A length >= 0. Raises InputError."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if not number or not 0.0 <= value < float("inf"):
-        raise Refusal(
+        raise InputError(
             f"{info.field_name} = {shortened(value)} is not allowed: a finite number >= 0 is needed"
         )
     return float(value)
@@ -72,7 +72,7 @@ def between(least: float, most: float, unit: str = "") -> BeforeValidator:
     def number(value: Any, info: ValidationInfo) -> float:
         right = isinstance(value, int | float | np.number) and not isinstance(value, bool)
         if not right or not least <= value <= most:
-            raise Refusal(
+            raise InputError(
                 f"{info.field_name} = {shortened(value)} is not allowed: a number in "
                 f"[{least:g}, {most:g}]{unit and ' ' + unit} is needed"
             )

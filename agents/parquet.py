@@ -20,9 +20,9 @@ import numpy as np
 
 from agents.parquet_footer import sound_footer
 from agents.parquet_pages import unpacked_bytes
-from agents.parquet_thrift import Damaged
+from agents.parquet_thrift import ParquetError
 from worlds.extra import demand_parquet
-from worlds.refusal import Refusal, shortened
+from worlds.input_error import InputError, shortened
 
 MOST_NUMBERS = 2**27
 """Numbers that are decoded together, those of a row group or of a tick: 1 GB."""
@@ -43,8 +43,8 @@ class ParquetTable:
     """A Parquet file, its rows read as they are asked for.
 
     `path` names it; `content`: its bytes where there is no file. `kind`: what it should be, for
-    messages, as "a recording". `longest`: bytes of a text in it. Raises Refusal for what cannot be
-    read.
+    messages, as "a recording". `longest`: bytes of a text in it. Raises InputError for what cannot
+    be read.
 
     Attributes
     ----------
@@ -82,38 +82,38 @@ class ParquetTable:
         except OSError as error:
             if error.strerror is None:  # of pyarrow, not of the disk
                 raise self.damaged("its footer cannot be read") from None
-            raise Refusal(f"{self.origin} cannot be read: {error.strerror}") from None
+            raise InputError(f"{self.origin} cannot be read: {error.strerror}") from None
         except (pa.ArrowException, ValueError):
             raise self.damaged("its footer cannot be read") from None
         self.offsets = np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)])
         for name in self.names:
             if self.names.count(name) > 1:
-                raise Refusal(f"{self.origin} has the column {shortened(name)} twice")
+                raise InputError(f"{self.origin} has the column {shortened(name)} twice")
 
     def open(self) -> BinaryIO:
         """Its bytes, to be read. Raises OSError."""
         return open(self.path, "rb") if self.content is None else BytesIO(self.content)
 
-    def is_none(self) -> Refusal:
+    def is_none(self) -> InputError:
         """The refusal for a file that is something else."""
-        return Refusal(f"{self.origin} is not {self.kind}")
+        return InputError(f"{self.origin} is not {self.kind}")
 
-    def damaged(self, how: str = "its rows cannot be read") -> Refusal:
+    def damaged(self, how: str = "its rows cannot be read") -> InputError:
         """The refusal for a file that is none in its inside."""
-        return Refusal(f"{self.origin} is damaged: {how}")
+        return InputError(f"{self.origin} is damaged: {how}")
 
     def metadata(self, key: bytes) -> dict[str, Any]:
-        """The JSON object under a key of the metadata. Raises Refusal."""
+        """The JSON object under a key of the metadata. Raises InputError."""
         text = (self.schema.metadata or {}).get(key, b"")
         if len(text) > MOST_METADATA:
-            raise Refusal(
+            raise InputError(
                 f"the metadata of {self.origin} has {len(text)} bytes: at most {MOST_METADATA} "
                 "are read"
             )
         try:
             found = json.loads(text)
         except RecursionError:
-            raise Refusal(f"the metadata of {self.origin} is nested too deeply") from None
+            raise InputError(f"the metadata of {self.origin} is nested too deeply") from None
         except ValueError:
             raise self.is_none() from None
         if not isinstance(found, dict):
@@ -125,7 +125,7 @@ class ParquetTable:
     ) -> Iterator[Any]:
         """Record batches of some columns (all), of a row group (all), at most `rows` at once.
 
-        Raises Refusal.
+        Raises InputError.
         """
         names = self.names if columns is None else list(columns)
         for k in range(self.meta.num_row_groups) if group is None else (group,):
@@ -147,18 +147,18 @@ class ParquetTable:
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """While entered, what pyarrow raises of a broken file is a Refusal."""
+        """While entered, what pyarrow raises of a broken file is an InputError."""
         import pyarrow as pa
 
         try:
             yield
-        except Refusal:
+        except InputError:
             raise
         except (pa.ArrowException, OSError, ValueError, KeyError):
             raise self.damaged() from None
 
     def plain(self, batch: Any) -> Any:
-        """A batch with its texts as texts. Raises Refusal for long ones."""
+        """A batch with its texts as texts. Raises InputError for long ones."""
         import pyarrow as pa
         import pyarrow.compute as pc
 
@@ -182,13 +182,13 @@ class ParquetTable:
         return pa.RecordBatch.from_arrays(columns, schema=pa.schema(fields, self.schema.metadata))
 
     def group(self, k: int, columns: Iterable[str] | None = None) -> Any:
-        """Some columns (all) of a row group, a pyarrow Table. Raises Refusal."""
+        """Some columns (all) of a row group, a pyarrow Table. Raises InputError."""
         return self.table(
             self.batches(columns, max(self.meta.row_group(k).num_rows, 1), k), columns
         )
 
     def read(self, columns: Iterable[str] | None = None) -> Any:
-        """Some columns (all), a pyarrow Table. Raises Refusal for more than MOST_NUMBERS."""
+        """Some columns (all), a pyarrow Table. Raises InputError for more than MOST_NUMBERS."""
         names = self.names if columns is None else list(columns)
         if self.rows * len(names) > MOST_NUMBERS:
             raise self.too_much(f"{self.rows} rows of {len(names)} columns")
@@ -198,7 +198,8 @@ class ParquetTable:
         return self.table(self.batches(names), names)
 
     def table(self, batches: Iterable[Any], columns: Iterable[str] | None = None) -> Any:
-        """Batches of some columns (all) as a pyarrow Table, which may be empty. Raises Refusal."""
+        """Batches of some columns (all) as a pyarrow Table, which may be empty. Raises
+        InputError."""
         import pyarrow as pa
 
         made, size = [], 0
@@ -211,14 +212,14 @@ class ParquetTable:
         none = pa.schema([self.schema.field(name) for name in names], self.schema.metadata)
         return pa.Table.from_batches(made, made[0].schema if made else none)
 
-    def too_much(self, what: str) -> Refusal:
+    def too_much(self, what: str) -> InputError:
         """The refusal for more than is decoded together."""
-        return Refusal(
+        return InputError(
             f"{self.origin} holds {what}: at most {MOST_NUMBERS} numbers are read at once"
         )
 
     def demand_modest(self, k: int, names: Iterable[str]) -> None:
-        """Raise Refusal for columns of a row group that unpack to too much."""
+        """Raise InputError for columns of a row group that unpack to too much."""
         if (numbers := self.numbers(k, names)) > MOST_NUMBERS:
             raise self.too_much(f"{numbers} numbers in a row group")
         if self.unpacked(k, names) > MOST_BYTES:
@@ -240,7 +241,7 @@ class ParquetTable:
     def unpacked(self, k: int, names: Iterable[str]) -> int:
         """Bytes that the pages of columns of a row group unpack to, by their own headers.
 
-        A reader makes room for what these say, whatever the footer says. Raises Refusal.
+        A reader makes room for what these say, whatever the footer says. Raises InputError.
         """
         total = 0
         try:
@@ -249,7 +250,7 @@ class ParquetTable:
                     starts = (chunk.dictionary_page_offset, chunk.data_page_offset)
                     file.seek(min(start for start in starts if start))
                     total += unpacked_bytes(file.read(max(chunk.total_compressed_size, 0)))
-        except (Damaged, OSError, ValueError):
+        except (ParquetError, OSError, ValueError):
             raise self.damaged() from None
         return total
 
@@ -275,10 +276,10 @@ def is_text(kind: Any) -> bool:
 
 
 def demand_format(meta: dict[str, Any], newest: int, origin: str) -> int:
-    """The number of the format that a file is written in. Raises Refusal for one not known."""
+    """The number of the format that a file is written in. Raises InputError for one not known."""
     number = meta.get("format")
     if not isinstance(number, int) or isinstance(number, bool) or not 1 <= number <= newest:
         newer = isinstance(number, int) and number > newest
         why = "it is newer than this version of flockscope reads" if newer else "it is none"
-        raise Refusal(f"{origin} has format {shortened(number)}: {why} (1 to {newest})")
+        raise InputError(f"{origin} has format {shortened(number)}: {why} (1 to {newest})")
     return number

@@ -20,8 +20,8 @@ from agents.parquet_thrift import (
     I32,
     I64,
     TRUE,
-    Damaged,
-    Shape,
+    ParquetError,
+    StructSchema,
     read_struct,
     written_struct,
 )
@@ -39,38 +39,45 @@ ARROW = b"ARROW:schema"
 EXTENSION = b"ARROW:extension"
 """Stands where a type has a reader of its own, to which it hands whatever the file says."""
 
-EMPTY = Shape({})
-UNIT = Shape({1: EMPTY, 2: EMPTY, 3: EMPTY})
-MOMENT = Shape({1: TRUE, 2: UNIT})
-MEANING = Shape(
+EMPTY = StructSchema({})
+UNIT = StructSchema({1: EMPTY, 2: EMPTY, 3: EMPTY})
+MOMENT = StructSchema({1: TRUE, 2: UNIT})
+MEANING = StructSchema(
     dict.fromkeys((1, 2, 3, 4, 6, 11, 12, 13, 14, 15), EMPTY)
-    | {5: Shape({1: I32, 2: I32}), 7: MOMENT, 8: MOMENT, 10: Shape({1: BYTE, 2: TRUE})}
+    | {
+        5: StructSchema({1: I32, 2: I32}),
+        7: MOMENT,
+        8: MOMENT,
+        10: StructSchema({1: BYTE, 2: TRUE}),
+    }
 )
 """What a column's values mean: text, a moment, a whole number of so many bits ..."""
 KIND, LENGTH, REPETITION, NAME, CHILDREN, CONVERTED, SCALE, PRECISION, LOGICAL = (
     1, 2, 3, 4, 5, 6, 7, 8, 10,
 )  # fmt: skip
-ELEMENT = Shape(
+ELEMENT = StructSchema(
     {
         KIND: I32, LENGTH: I32, REPETITION: I32, NAME: BINARY, CHILDREN: I32, CONVERTED: I32,
         SCALE: I32, PRECISION: I32, LOGICAL: MEANING,
     }
 )  # fmt: skip
 ENCODINGS, PATH, CODEC, VALUES, UNPACKED, PACKED, DATA, DICTIONARY = 2, 3, 4, 5, 6, 7, 9, 11
-CONTENT = Shape(
+CONTENT = StructSchema(
     {
         KIND: I32, ENCODINGS: [I32], PATH: [BINARY], CODEC: I32, VALUES: I64, UNPACKED: I64,
         PACKED: I64, DATA: I64, DICTIONARY: I64,
     }
 )  # fmt: skip
 ELSEWHERE, OFFSET, META, CRYPTED, CRYPTED_META = 1, 2, 3, 8, 9
-CHUNK = Shape({ELSEWHERE: BINARY, OFFSET: I64, META: CONTENT, CRYPTED: EMPTY, CRYPTED_META: BINARY})
+CHUNK = StructSchema(
+    {ELSEWHERE: BINARY, OFFSET: I64, META: CONTENT, CRYPTED: EMPTY, CRYPTED_META: BINARY}
+)
 CHUNKS, BYTES, GROUP_ROWS = 1, 2, 3
-GROUP = Shape({CHUNKS: [CHUNK], BYTES: I64, GROUP_ROWS: I64})
+GROUP = StructSchema({CHUNKS: [CHUNK], BYTES: I64, GROUP_ROWS: I64})
 KEY, VALUE = 1, 2
-PAIR = Shape({KEY: BINARY, VALUE: BINARY})
+PAIR = StructSchema({KEY: BINARY, VALUE: BINARY})
 VERSION, SCHEMA, ROWS, GROUPS, PAIRS, ENCRYPTION = 1, 2, 3, 4, 5, 8
-FOOTER = Shape(
+FOOTER = StructSchema(
     {VERSION: I32, SCHEMA: [ELEMENT], ROWS: I64, GROUPS: [GROUP], PAIRS: [PAIR], ENCRYPTION: EMPTY}
 )
 
@@ -105,7 +112,7 @@ def sound_footer(file: BinaryIO) -> bytes:
     if size < 12 or end[4:] != MAGIC or file.read(4) != MAGIC or length > size - 12:
         raise LookupError
     if length > LONGEST_FOOTER:
-        raise Damaged
+        raise ParquetError
     start = size - 8 - length
     file.seek(start)
     footer, _ = read_struct(file.read(length), 0, FOOTER)
@@ -116,11 +123,11 @@ def sound_footer(file: BinaryIO) -> bytes:
 def checked(footer: dict[int, Any], start: int) -> dict[int, Any]:
     """What is needed of a footer that begins at byte `start` of its file. Raises Damaged."""
     if not {VERSION, SCHEMA, ROWS, GROUPS} <= footer.keys() or ENCRYPTION in footer:
-        raise Damaged
+        raise ParquetError
     leaves = list(leaves_of(footer[SCHEMA]))
     groups = [checked_group(group, leaves, start) for group in footer[GROUPS]]
     if footer[ROWS] < 0 or sum(group[GROUP_ROWS] for group in groups) != footer[ROWS]:
-        raise Damaged
+        raise ParquetError
     pairs = [pair for pair in footer.get(PAIRS, []) if is_plain(pair)]
     return {
         VERSION: footer[VERSION],
@@ -137,14 +144,14 @@ def leaves_of(elements: list[dict[int, Any]]) -> Iterator[Leaf]:
     Raises Damaged.
     """
     if not 1 < len(elements) <= MOST_COLUMNS or KIND in elements[0]:
-        raise Damaged
+        raise ParquetError
     left: list[tuple[int, list[bytes], bool]] = [(elements[0].get(CHILDREN, 0), [], False)]
     """Of each group that is open: how many are still to come in it, its path, its repetition."""
     if left[0][0] < 1:
-        raise Damaged
+        raise ParquetError
     for element in elements[1:]:
         if not left or len(left) > DEEPEST_COLUMN:
-            raise Damaged
+            raise ParquetError
         to_come, above, repeated = left.pop()
         if to_come > 1:
             left.append((to_come - 1, above, repeated))
@@ -156,28 +163,28 @@ def leaves_of(elements: list[dict[int, Any]]) -> Iterator[Leaf]:
         else:
             left.append((element[CHILDREN], path, repeated))
     if left:
-        raise Damaged
+        raise ParquetError
 
 
 def demand_element(element: dict[int, Any]) -> None:
     """Raise Damaged for what is neither a column nor a group of columns."""
     if NAME not in element or element.get(REPETITION) not in REPETITIONS:
-        raise Damaged
+        raise ParquetError
     if (KIND in element) == (element.get(CHILDREN, 0) > 0) or element.get(CHILDREN, 0) < 0:
-        raise Damaged
+        raise ParquetError
     if KIND in element and element[KIND] not in KINDS:
-        raise Damaged
+        raise ParquetError
     if element.get(KIND) == FIXED and not 0 < element.get(LENGTH, 0) <= LONGEST_VALUE:
-        raise Damaged
+        raise ParquetError
     if element.get(CONVERTED, 0) not in MEANINGS or len(element.get(LOGICAL, {0: 0})) != 1:
-        raise Damaged
+        raise ParquetError
 
 
 def checked_group(group: dict[int, Any], leaves: list[Leaf], start: int) -> dict[int, Any]:
     """What is needed of a row group, which must have every column. Raises Damaged."""
     rows, chunks = group.get(GROUP_ROWS, -1), group.get(CHUNKS, [])
     if rows < 0 or len(chunks) != len(leaves):
-        raise Damaged
+        raise ParquetError
     made = [
         checked_chunk(chunk, leaf, rows, start) for chunk, leaf in zip(chunks, leaves, strict=True)
     ]
@@ -189,20 +196,20 @@ def checked_chunk(chunk: dict[int, Any], leaf: Leaf, rows: int, start: int) -> d
     """What is needed of the values of a column in a row group. Raises Damaged."""
     content = chunk.get(META, {})
     if not {KIND, CODEC, VALUES, UNPACKED, PACKED, DATA} <= content.keys():
-        raise Damaged
+        raise ParquetError
     if chunk.get(ELSEWHERE) or CRYPTED in chunk or CRYPTED_META in chunk:
-        raise Damaged
+        raise ParquetError
     if content[KIND] != leaf.kind or content[CODEC] not in CODECS:
-        raise Damaged
+        raise ParquetError
     if any(one not in CODINGS for one in content.get(ENCODINGS, [])):
-        raise Damaged
+        raise ParquetError
     values, unpacked, packed = content[VALUES], content[UNPACKED], content[PACKED]
     if values < 0 or unpacked < 0 or (values != rows and not leaf.is_repeated):
-        raise Damaged
+        raise ParquetError
     data = content[DATA]
     first = min(data, content.get(DICTIONARY) or data)  # some write 0 for none
     if first < len(MAGIC) or packed < 0 or max(data, first + packed) > start:
-        raise Damaged
+        raise ParquetError
     return {OFFSET: 0, META: content | {ENCODINGS: content.get(ENCODINGS, []), PATH: leaf.path}}
 
 
@@ -212,7 +219,7 @@ def is_plain(pair: dict[int, Any]) -> bool:
     Raises Damaged for what is no pair.
     """
     if KEY not in pair:
-        raise Damaged
+        raise ParquetError
     if pair[KEY] != ARROW:
         return True
     try:

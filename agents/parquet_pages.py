@@ -6,13 +6,13 @@ https://github.com/apache/parquet-format.
 
 from __future__ import annotations
 
-from agents.parquet_thrift import I32, Damaged, Shape, read_struct
+from agents.parquet_thrift import I32, ParquetError, StructSchema, read_struct
 
 MOST_PAGES = 20_000
 """Pages of a column chunk."""
 UNPACKED, PACKED = 2, 3
 """Fields of a page's header: bytes of its content unpacked, and in the file."""
-HEADER = Shape({UNPACKED: I32, PACKED: I32})
+HEADER = StructSchema({UNPACKED: I32, PACKED: I32})
 
 
 def unpacked_bytes(content: bytes) -> int:
@@ -26,7 +26,7 @@ def unpacked_bytes(content: bytes) -> int:
         packed, unpacked = header.get(PACKED, -1), header.get(UNPACKED, -1)
         pages += 1
         if packed < 0 or unpacked < 0 or pages > MOST_PAGES:
-            raise Damaged
+            raise ParquetError
         total += unpacked
         at = begins + packed
     return total

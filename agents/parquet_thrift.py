@@ -1,7 +1,7 @@
 """Thrift's compact protocol, in which footers and page headers of Parquet are written.
 
-What stands in a struct is declared: a `Shape` names the fields that are read, everything else is
-read over. https://github.com/apache/thrift/blob/master/doc/specs/thrift-compact-protocol.md
+What stands in a struct is declared: a `StructSchema` names the fields that are read, everything
+else is read over. https://github.com/apache/thrift/blob/master/doc/specs/thrift-compact-protocol.md
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ MOST_STRUCTS = 2**20
 """Structs that are kept: half a gigabyte, and the footer of a recording of 800 000 000 rows."""
 
 
-class Damaged(ValueError):
+class ParquetError(ValueError):
     """It is no sound Parquet file."""
 
 
-class Shape(NamedTuple):
+class StructSchema(NamedTuple):
     """The fields of a struct that are read: by number the kind of each.
 
     A kind is one of the protocol's numbers (TRUE: a boolean), a shape, or a list of one of these.
@@ -30,11 +30,11 @@ class Shape(NamedTuple):
     fields: Mapping[int, Any]
 
 
-NOTHING = Shape({})
+NOTHING = StructSchema({})
 """Of a struct that is read over."""
 
 
-def read_struct(content: bytes, at: int, shape: Shape) -> tuple[dict[int, Any], int]:
+def read_struct(content: bytes, at: int, shape: StructSchema) -> tuple[dict[int, Any], int]:
     """The fields, by their numbers, of a struct that begins at a byte; and where it ends.
 
     Of the fields only those that its shape has. Raises Damaged for one that is there twice or has
@@ -43,11 +43,11 @@ def read_struct(content: bytes, at: int, shape: Shape) -> tuple[dict[int, Any], 
     try:
         return struct(content, at, shape, 0, [MOST_STRUCTS])
     except IndexError:  # the bytes have an end
-        raise Damaged from None
+        raise ParquetError from None
 
 
 def struct(
-    content: bytes, at: int, shape: Shape, depth: int, left: list[int]
+    content: bytes, at: int, shape: StructSchema, depth: int, left: list[int]
 ) -> tuple[dict[int, Any], int]:
     """As `read_struct`, `depth` structs and lists down, of which `left[0]` may still come.
 
@@ -58,7 +58,7 @@ def struct(
     if shape is not NOTHING:  # which takes no memory
         left[0] -= 1
     if depth > DEEPEST or left[0] < 0:
-        raise Damaged
+        raise ParquetError
     fields = shape.fields
     found: dict[int, Any] = {}
     field = 0
@@ -77,7 +77,7 @@ def struct(
             if value > 0x7F:
                 value, at = number(content, at - 1)
                 if value >> BITS[kind]:
-                    raise Damaged
+                    raise ParquetError
             value = (value >> 1) ^ -(value & 1)
         elif kind == BINARY:
             value, at = binary(content, at)
@@ -87,7 +87,7 @@ def struct(
             value = content[at]
             at += 1
         elif kind == STRUCT:
-            inner = wanted if isinstance(wanted, Shape) else NOTHING
+            inner = wanted if isinstance(wanted, StructSchema) else NOTHING
             value, at = struct(content, at, inner, depth + 1, left)
             kind = wanted if inner is wanted else kind
         elif kind == LIST and isinstance(wanted, list):
@@ -97,7 +97,7 @@ def struct(
             value, at = skipped(content, at, kind, depth + 1, left)
         if wanted is not None:
             if field in found or kind != wanted:
-                raise Damaged
+                raise ParquetError
             found[field] = value
     return found, at + 1
 
@@ -111,16 +111,16 @@ def number(content: bytes, at: int) -> tuple[int, int]:
         value |= (more & 0x7F) << shift
         if more < 0x80:
             if value >> 64:
-                raise Damaged
+                raise ParquetError
             return value, at
-    raise Damaged
+    raise ParquetError
 
 
 def signed(content: bytes, at: int, kind: int) -> tuple[int, int]:
     """A number of a kind whose last bit is its sign; and where it ends."""
     value, at = number(content, at)
     if value >> BITS[kind]:
-        raise Damaged
+        raise ParquetError
     return (value >> 1) ^ -(value & 1), at
 
 
@@ -132,7 +132,7 @@ def binary(content: bytes, at: int) -> tuple[bytes, int]:
         length, at = number(content, at - 1)
     end = at + length
     if end > len(content):
-        raise Damaged
+        raise ParquetError
     return content[at:end], end
 
 
@@ -144,7 +144,7 @@ def count(content: bytes, at: int) -> tuple[int, int, int]:
     if size == 15:
         size, at = number(content, at)
     if size > len(content) - at:  # each has a byte at least
-        raise Damaged
+        raise ParquetError
     return size, head & 0x0F, at
 
 
@@ -156,7 +156,7 @@ def items(
     found: list[Any] = []
     if kind != kind_of(wanted):
         if size:
-            raise Damaged
+            raise ParquetError
         return found, at
     for _ in range(size):
         value: Any
@@ -173,7 +173,7 @@ def items(
 def skipped(content: bytes, at: int, kind: int, depth: int, left: list[int]) -> tuple[None, int]:
     """Nothing, and where a value ends that is read over. Raises Damaged for no kind of Parquet."""
     if depth > DEEPEST:
-        raise Damaged
+        raise ParquetError
     if kind in (TRUE, FALSE, BYTE):
         at += 1
     elif kind in BITS:
@@ -189,18 +189,18 @@ def skipped(content: bytes, at: int, kind: int, depth: int, left: list[int]) -> 
     elif kind == STRUCT:
         _, at = struct(content, at, NOTHING, depth, left)
     else:
-        raise Damaged
+        raise ParquetError
     return None, at
 
 
-def written_struct(shape: Shape, values: Mapping[int, Any]) -> bytes:
+def written_struct(shape: StructSchema, values: Mapping[int, Any]) -> bytes:
     """A struct of these fields, all of which are of its shape, as `read_struct` reads it."""
     out = bytearray()
     write_struct(out, shape, values)
     return bytes(out)
 
 
-def write_struct(out: bytearray, shape: Shape, values: Mapping[int, Any]) -> None:
+def write_struct(out: bytearray, shape: StructSchema, values: Mapping[int, Any]) -> None:
     """Append a struct of these fields."""
     last = 0
     for field, value in sorted(values.items()):
@@ -219,12 +219,12 @@ def kind_of(wanted: Any) -> int:
     """The protocol's number for a declared kind."""
     if isinstance(wanted, int):
         return wanted
-    return STRUCT if isinstance(wanted, Shape) else LIST
+    return STRUCT if isinstance(wanted, StructSchema) else LIST
 
 
 def write_value(out: bytearray, wanted: Any, value: Any) -> None:
     """Append a value of a declared kind."""
-    if isinstance(wanted, Shape):
+    if isinstance(wanted, StructSchema):
         write_struct(out, wanted, value)
     elif isinstance(wanted, list):
         kind = kind_of(wanted[0])

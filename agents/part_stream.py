@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 
 from agents.parquet import LONGEST, MOST_BYTES, MOST_METADATA, MOST_NUMBERS, is_text
 from agents.parquet_footer import EXTENSION, MOST_COLUMNS
-from worlds.refusal import Refusal, shortened
+from worlds.input_error import InputError, shortened
 
 BEGIN = b"\xff\xff\xff\xff"
 """Begins every message."""
@@ -32,7 +32,7 @@ NO_STREAM = "is not a recording that flockscope has begun"
 class PartStream:
     """The schema and the whole batches of a `.part` that is open; `longest`: bytes of a text in it.
 
-    Raises Refusal for what is no such stream, and OSError.
+    Raises InputError for what is no such stream, and OSError.
 
     Attributes
     ----------
@@ -48,40 +48,40 @@ class PartStream:
         self.size = os.fstat(file.fileno()).st_size
         first = self.message()
         if first is None or first.kind != SCHEMA or EXTENSION in first.content:
-            raise Refusal(f"{self.origin} {NO_STREAM}")
+            raise InputError(f"{self.origin} {NO_STREAM}")
         try:
             self.schema = pa.ipc.read_schema(pa.BufferReader(first.content))
             self.demand_columns(pa)
         except (pa.ArrowException, ValueError, OSError) as error:
-            if isinstance(error, Refusal):
+            if isinstance(error, InputError):
                 raise
-            raise Refusal(f"{self.origin} {NO_STREAM}") from None
+            raise InputError(f"{self.origin} {NO_STREAM}") from None
 
     def demand_columns(self, pa: Any) -> None:
-        """Raise Refusal for a stream that no recording has."""
+        """Raise InputError for a stream that no recording has."""
         texts = self.schema.metadata or {}
         if sum(map(len, texts.values())) > MOST_METADATA:
-            raise Refusal(
+            raise InputError(
                 f"the metadata of {self.origin} has more than {MOST_METADATA} bytes, "
                 "the most that is read"
             )
         if not 0 < len(self.schema) <= MOST_COLUMNS:
-            raise Refusal(f"{self.origin} {NO_STREAM}")
+            raise InputError(f"{self.origin} {NO_STREAM}")
         for field in self.schema:
             kind = field.type
             if pa.types.is_fixed_size_list(kind):
                 kind = kind.value_type
             numbers = (pa.types.is_integer, pa.types.is_floating, pa.types.is_boolean, is_text)
             if not any(one(kind) for one in numbers):
-                raise Refusal(
+                raise InputError(
                     f"{self.origin}: its column {shortened(field.name)} holds neither numbers "
                     "nor text"
                 )
             if self.schema.names.count(field.name) > 1:
-                raise Refusal(f"{self.origin} has the column {shortened(field.name)} twice")
+                raise InputError(f"{self.origin} has the column {shortened(field.name)} twice")
 
     def message(self) -> Message | None:
-        """The next message; None where no whole one follows. Raises Refusal, OSError."""
+        """The next message; None where no whole one follows. Raises InputError, OSError."""
         begin = self.file.read(8)
         length = int.from_bytes(begin[4:], "little")
         if len(begin) < 8 or begin[:4] != BEGIN or not 0 < length <= self.left:
@@ -110,7 +110,7 @@ class PartStream:
         after which more than `MOST_WAITING` bytes wait.
 
         They end where no whole batch follows: a kill leaves the last one unfinished. Raises
-        Refusal, OSError.
+        InputError, OSError.
         """
         import pyarrow as pa
 
@@ -128,7 +128,7 @@ class PartStream:
             yield from pa.Table.from_batches(waiting).combine_chunks().to_batches()
 
     def next_batch(self) -> Any:
-        """The next record batch; None where no sound one follows. Raises Refusal, OSError."""
+        """The next record batch; None where no sound one follows. Raises InputError, OSError."""
         import pyarrow as pa
         import pyarrow.compute as pc
 
@@ -136,7 +136,7 @@ class PartStream:
         if made is None or made.kind != BATCH:
             return None
         if made.is_packed:
-            raise Refusal(f"{self.origin} has packed batches, and flockscope writes none")
+            raise InputError(f"{self.origin} has packed batches, and flockscope writes none")
         if made.rows * len(self.schema) > MOST_NUMBERS:
             raise self.too_much(f"a batch of {made.rows} rows", MOST_NUMBERS // len(self.schema))
         try:
@@ -149,12 +149,12 @@ class PartStream:
             if is_text(column.type) and (
                 (pc.max(pc.binary_length(column)).as_py() or 0) > self.longest
             ):
-                raise Refusal(f"{self.origin}: a text of it is longer than {self.longest} bytes")
+                raise InputError(f"{self.origin}: a text of it is longer than {self.longest} bytes")
         return batch
 
-    def too_much(self, what: str, most: int) -> Refusal:
+    def too_much(self, what: str, most: int) -> InputError:
         """The refusal for more than is read together."""
-        return Refusal(f"{self.origin} holds {what}: at most {most} are read at once")
+        return InputError(f"{self.origin} holds {what}: at most {most} are read at once")
 
 
 class Message:

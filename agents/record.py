@@ -22,12 +22,12 @@ from agents.models.model import Model
 from agents.part_stream import PartStream
 from agents.snapshot import Snapshot
 from agents.spec import Spec
-from agents.state.rows import no_crashes
-from worlds.counting import counted
+from agents.state.agent_rows import no_crashes
 from worlds.extra import demand_parquet
-from worlds.refusal import Refusal
+from worlds.file_writer import demand_writable, writing
+from worlds.input_error import InputError
+from worlds.number_text import counted
 from worlds.world import World
-from worlds.writing import demand_writable, writing
 
 KEY = b"flockscope"
 FORMAT = 2
@@ -41,7 +41,7 @@ FLUSH_ROWS = 20_000
 """Rows that may be in flight before they are written to the disk."""
 
 
-class Recorded(Protocol):
+class RecordableFlock(Protocol):
     """What a recorder needs of a flock."""
 
     @property
@@ -54,15 +54,15 @@ class Recorder:
 
     `path` ends in one of `endings`; a file is replaced if `overwrite`. `with_past`: whether what is
     on its way is written too, where messages take time. Leaving it by an exception other than
-    KeyboardInterrupt removes the `.part` and leaves no file. Raises Refusal if the file cannot be
-    written. When the disk is full the frames that fitted are kept: as the recording, or in the
+    KeyboardInterrupt removes the `.part` and leaves no file. Raises InputError if the file cannot
+    be written. When the disk is full the frames that fitted are kept: as the recording, or in the
     `.part` if there is no room for it beside.
     """
 
     def __init__(
         self,
         path: str | Path,
-        flock: Recorded,
+        flock: RecordableFlock,
         overwrite: bool = True,
         endings: Collection[str] = RECORDINGS,
         with_past: bool = False,
@@ -90,7 +90,7 @@ class Recorder:
         schema = schema.with_metadata({KEY: json.dumps(meta).encode()})
         demand_writable("recording", self.path, self.overwrite, self.endings)
         if self.part.exists():
-            raise Refusal(
+            raise InputError(
                 f"{self.part} is left from a run that was killed: "
                 f"`flockscope recover {self.part}` makes a recording of it, or delete it"
             )
@@ -115,13 +115,13 @@ class Recorder:
             raise self.cut_off(failure) from None
         try:
             finish(self.part, self.path, self.overwrite)
-        except Refusal as failure:
-            raise Refusal(
+        except InputError as failure:
+            raise InputError(
                 f"{failure}; every frame is in {self.part}: `flockscope recover {self.part}` once "
                 "that is mended"
             ) from None
 
-    def cut_off(self, failure: OSError) -> Refusal:
+    def cut_off(self, failure: OSError) -> InputError:
         """End the recording where the disk took no more; returns the line that reports it."""
         self.over = True
         with suppress(OSError):
@@ -136,12 +136,12 @@ class Recorder:
             with open(self.part, "r+b") as file:
                 file.truncate(size)
             finish(self.part, self.path, self.overwrite)
-        except (OSError, Refusal):
-            return Refusal(
+        except (OSError, InputError):
+            return InputError(
                 f"{reason}; {self.part} holds {rest}: `flockscope recover {self.part}` makes a "
                 "recording of them once there is room"
             )
-        return Refusal(f"{reason}; it holds {rest}")
+        return InputError(f"{reason}; it holds {rest}")
 
     def discard(self) -> None:
         """Delete the unfinished recording."""
@@ -154,7 +154,7 @@ class Recorder:
         return self.flock.snapshot(copy=False, signals=True)
 
     def write(self) -> None:
-        """Record the flock as it is now. Raises Refusal."""
+        """Record the flock as it is now. Raises InputError."""
         batch = batch_of(self.snapshot(), self.with_past)
         self.waiting.append(batch)
         self.rows += batch.num_rows
@@ -233,16 +233,16 @@ def described(one: Model, world: World, dt: float, with_past: bool) -> dict[str,
     }
 
 
-def refused(path: Path, error: OSError) -> Refusal:
+def refused(path: Path, error: OSError) -> InputError:
     """The refusal for a file that cannot be written."""
-    return Refusal(f"recording {str(path)!r} cannot be written: {error.strerror or error}")
+    return InputError(f"recording {str(path)!r} cannot be written: {error.strerror or error}")
 
 
 def finish(part: Path, path: Path, overwrite: bool = True) -> int:
     """Turn a `.part` stream into the file `path`, Parquet or CSV; returns the rows.
 
-    Raises Refusal if it cannot be written or is no stream of ours, or OSError if the `.part` cannot
-    be read.
+    Raises InputError if it cannot be written or is no stream of ours, or OSError if the `.part`
+    cannot be read.
     """
     rows = 0
     with open(part, "rb") as source:
@@ -272,23 +272,23 @@ def table_writer(path: Path, file, schema):
 def recover(part: str | Path) -> tuple[Path, int]:
     """Make a recording of what a killed run has left; returns its path and its rows.
 
-    Raises Refusal if `part` is no such file, or the recording exists already.
+    Raises InputError if `part` is no such file, or the recording exists already.
     """
     demand_parquet(f"recovering {str(part)!r}")
     part = Path(part)
     path = part.with_suffix("")
     if part.suffix != ".part":
-        raise Refusal(f"{str(part)!r} is not a .part file of a recording")
+        raise InputError(f"{str(part)!r} is not a .part file of a recording")
     if os.path.lexists(path):
-        raise Refusal(f"{str(path)!r} exists already: move it away first")
+        raise InputError(f"{str(path)!r} exists already: move it away first")
     try:
         return path, finish(part, path, overwrite=False)
     except OSError as error:
-        raise Refusal(f"{str(part)!r} cannot be recovered: {error.strerror or error}") from None
+        raise InputError(f"{str(part)!r} cannot be recovered: {error.strerror or error}") from None
 
 
 def arrays_of(table, dim: int, one: Model, origin: str) -> Arrays:
-    """The arrays of one tick of a recording. Raises Refusal if columns are missing."""
+    """The arrays of one tick of a recording. Raises InputError if columns are missing."""
     axes = AXES[:dim]
     try:
         column = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
@@ -308,7 +308,7 @@ def arrays_of(table, dim: int, one: Model, origin: str) -> Arrays:
             past_of(column.get(PAST), table.num_rows, 2 * dim + 1 + len(one.signals)),
         )
     except KeyError as missing:
-        raise Refusal(f"{origin} has no column {missing}") from None
+        raise InputError(f"{origin} has no column {missing}") from None
     return Arrays._make(np.ascontiguousarray(array) for array in arrays)
 
 

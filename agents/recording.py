@@ -12,19 +12,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from agents.catalogue import model
-from agents.frames import Frames, TickIndex, demand_kinds
-from agents.home import find_world
+from agents.flock_world import find_world
+from agents.frames import SnapshotReader, TickIndex, demand_kinds
 from agents.models.declare import checked
 from agents.parquet import ParquetTable, demand_format
 from agents.record import FORMAT, KEY, PAST, SHEET, described, table_writer
 from agents.snapshot import Snapshot
 from agents.spec import Spec, whole
-from agents.state.usable import LARGEST
+from agents.state.state_checks import LARGEST
 from worlds.checks import demand_sound
+from worlds.file_writer import writing
+from worlds.input_error import InputError, demand_line, shortened, unknown
 from worlds.layout import world_from_layout
-from worlds.refusal import Refusal, demand_line, shortened, unknown
 from worlds.world import World
-from worlds.writing import writing
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,7 +39,7 @@ class Recording:
     `content`: its bytes where there is no file, as of one that a browser has sent. Whoever made it:
     rows are read from the file as they are asked for, a piece at a time, and what cannot be a
     recording is refused. A recording of before units and world
-    were written with it needs its model at hand for both. Raises Refusal if it is no such file.
+    were written with it needs its model at hand for both. Raises InputError if it is no such file.
 
     Attributes
     ----------
@@ -85,35 +85,36 @@ class Recording:
             raise self.bad_metadata(f"it has no {missing}") from None
         except RecursionError:
             raise self.bad_metadata("it is nested too deeply") from None
-        except Refusal:
+        except InputError:
             raise
         except (OverflowError, TypeError, ValueError) as error:
             raise self.bad_metadata(str(error)) from None
 
-    def bad_metadata(self, how: str) -> Refusal:
+    def bad_metadata(self, how: str) -> InputError:
         """The refusal for metadata that none can be."""
-        return Refusal(f"the metadata of {self.file.origin} is damaged: {how}")
+        return InputError(f"the metadata of {self.file.origin} is damaged: {how}")
 
     def __repr__(self) -> str:
         return f"<Recording {self.model}, {len(self.ticks)} frames, {self.rows} rows, {self.path}>"
 
     def of_before(self, meta: dict[str, Any]) -> dict[str, Any]:
-        """The metadata of format 1 with what is missing there, from its model. Raises Refusal."""
+        """The metadata of format 1 with what is missing there, from its model. Raises
+        InputError."""
         one = model(self.spec.model)
         dt = one.body.lasts(checked(one.parameters, self.spec.parameters))
         return meta | described(one, find_world(self.spec, one), dt, PAST in self.names)
 
     @cached_property
     def world(self) -> World:
-        """The world, with all that stands in it. Raises Refusal."""
+        """The world, with all that stands in it. Raises InputError."""
         try:
             made = world_from_layout(self.layout, self.world_name)
             demand_sound(made)
         except (OverflowError, RecursionError, TypeError, ValueError) as error:
-            why = str(error) if isinstance(error, Refusal) else "it cannot be read"
-            raise Refusal(f"the world of {self.file.origin} is none: {why}") from None
+            why = str(error) if isinstance(error, InputError) else "it cannot be read"
+            raise InputError(f"the world of {self.file.origin} is none: {why}") from None
         if made.dim != self.spec.dim:
-            raise Refusal(
+            raise InputError(
                 f"the world of {self.file.origin} has {made.dim} dimensions, "
                 f"its run {self.spec.dim}"
             )
@@ -121,39 +122,45 @@ class Recording:
 
     @cached_property
     def index(self) -> TickIndex:
-        """Where each tick lies in the file, whose rows it looks through. Raises Refusal."""
+        """Where each tick lies in the file, whose rows it looks through. Raises InputError."""
         return TickIndex(self.file)
 
     @property
     def ticks(self) -> np.ndarray:
-        """The ticks that are recorded, rising, int. Raises Refusal."""
+        """The ticks that are recorded, rising, int. Raises InputError."""
         return self.index.ticks
 
     @property
     def agents(self) -> int:
-        """How many agents there are in it, those that came and went among them. Raises Refusal."""
+        """How many agents there are in it, those that came and went among them. Raises
+        InputError."""
         return self.index.agents
 
     def at(self, tick: int | None = None) -> Snapshot:
-        """The flock at a recorded tick, by default the last. Raises Refusal."""
+        """The flock at a recorded tick, by default the last. Raises InputError."""
         return self.frames.at(int(self.ticks[-1]) if tick is None else tick)
 
     @cached_property
-    def frames(self) -> Frames:
-        """The flocks at its ticks, for those who look at many. Raises Refusal."""
-        return Frames(self.index, self.spec, model(self.spec.model), self.world, self.next_id)
+    def frames(self) -> SnapshotReader:
+        """The flocks at its ticks, for those who look at many. Raises InputError."""
+        return SnapshotReader(
+            self.index, self.spec, model(self.spec.model), self.world, self.next_id
+        )
 
     def state(self, tick: int | None = None) -> Snapshot:
-        """The same as `at`, in the world that its spec gives a run that goes on. Raises Refusal."""
+        """The same as `at`, in the world that its spec gives a run that goes on. Raises
+        InputError."""
         one = model(self.spec.model)
-        frames = Frames(self.index, self.spec, one, find_world(self.spec, one), self.next_id)
+        frames = SnapshotReader(
+            self.index, self.spec, one, find_world(self.spec, one), self.next_id
+        )
         return frames.at(int(self.ticks[-1]) if tick is None else tick)
 
     def table(self, columns: Iterable[str] | None = None, ticks: Any = None) -> Any:
         """The columns of these names, by default all, as a pyarrow Table.
 
         `ticks`: a tick or several, by default all: the table is as large as what is asked for.
-        Raises Refusal for what is not in it.
+        Raises InputError for what is not in it.
         """
         names = self.names if columns is None else list(columns)
         for name in names:
@@ -165,7 +172,7 @@ class Recording:
         places = {tick: self.index.place(tick) for tick in wanted}
         for tick, place in places.items():
             if place is None:
-                raise Refusal(f"tick = {tick} is not in {str(self.path)!r}")
+                raise InputError(f"tick = {tick} is not in {str(self.path)!r}")
         chosen = np.unique(list(places.values()))
         return self.file.table(self.pieces(chosen, names), names)
 
@@ -186,7 +193,7 @@ class Recording:
 
         Columns and ticks as in `table`. `attrs` of it has `units` and `meanings` by column, the
         time of a tick, the units of time and length, the world as a layout, and the spec as TOML.
-        Raises Refusal.
+        Raises InputError.
         """
         frame = self.table(columns, ticks).to_pandas(ignore_metadata=True)
         frame.attrs.update(self.attributes(list(frame.columns)))
@@ -209,7 +216,7 @@ class Recording:
         }
 
     def to_csv(self, path: str | Path, overwrite: bool = False) -> int:
-        """Write it as CSV, as `--record x.csv` does; returns the rows. Raises Refusal.
+        """Write it as CSV, as `--record x.csv` does; returns the rows. Raises InputError.
 
         What messages on their way tell, in saved states, is left out: it is a list in each row.
         """
@@ -227,7 +234,7 @@ class Recording:
         return self.rows
 
     def described(self) -> dict[str, Any]:
-        """What it holds, as JSON has it. Raises Refusal."""
+        """What it holds, as JSON has it. Raises InputError."""
         _ = self.world  # which is shown as a layout, and has to be one
         first, last = int(self.ticks[0]), int(self.ticks[-1])
         apart = np.diff(self.ticks)

@@ -11,7 +11,7 @@ import numpy as np
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import SERIES
 from agents.spec import whole
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
 
 if TYPE_CHECKING:
     from agents.flock import Flock
@@ -29,7 +29,7 @@ class Series:
     """Each observable by its name, (K,) float."""
 
     def over(self, name: str) -> float:
-        """An observable of the whole series, such as `susceptibility`. Raises Refusal.
+        """An observable of the whole series, such as `susceptibility`. Raises InputError.
 
         The number of agents is its mean over the series.
         """
@@ -38,7 +38,9 @@ class Series:
             known = [one.name for one in OBSERVABLES.values() if one.over]
             raise unknown("observable over a run", name, known)
         if SERIES not in self.values:
-            raise Refusal(f"{name} is measured from a series of {SERIES}, which was not observed")
+            raise InputError(
+                f"{name} is measured from a series of {SERIES}, which was not observed"
+            )
         return take(self.values[SERIES], float(self.agents.mean()) if len(self.agents) else 0.0)
 
 
@@ -46,7 +48,7 @@ class Follower:
     """Collects observables of a running flock at the ticks at which it is called."""
 
     def __init__(self, flock: Flock, names: Iterable[str]):
-        """`names` as `needed` makes them. Raises Refusal."""
+        """`names` as `needed` makes them. Raises InputError."""
         self.flock = flock
         self.names = needed(names)
         self.rows: list[list[float]] = []
@@ -69,7 +71,7 @@ def needed(names: Iterable[str]) -> list[str]:
     """The observables of which a series is needed, each once.
 
     Those that are measured over a run stand for the series that they are measured from. Raises
-    Refusal for an unknown name, or for a table, which has no series.
+    InputError for an unknown name, or for a table, which has no series.
 
     >>> needed(["groups", "binder", "susceptibility"])
     ['groups', 'polarisation']
@@ -80,7 +82,7 @@ def needed(names: Iterable[str]) -> list[str]:
             raise unknown("observable", name, OBSERVABLES)
         one = OBSERVABLES[name]
         if one.is_table:
-            raise Refusal(f"{name} is a table, not a number: it has no series over a run")
+            raise InputError(f"{name} is a table, not a number: it has no series over a run")
         found[SERIES if one.over else name] = None
     return list(found)
 
@@ -95,7 +97,7 @@ def follow(flock: Flock, ticks: int, names: Iterable[str] = (SERIES,), every: in
     names: observables; of those that are measured over a run, the series that they need.
     every: >= 1.
 
-    Raises Refusal for an unknown name or for what is out of range, before anything runs.
+    Raises InputError for an unknown name or for what is out of range, before anything runs.
 
     >>> from flockscope import Flock
     >>> series = follow(Flock("vem", agents=50, rng=1, eta=3.0), 200)

@@ -10,18 +10,18 @@ import numpy as np
 from agents.engine.arrays import Arrays
 from agents.models.declare import Parameters
 from agents.models.model import Model
-from agents.observables.checks import is_finite, leave_out, whole_rows
+from agents.observables.array_checks import is_finite, leave_out, whole_rows
 from agents.observables.components import groups_within
 from agents.observables.layers import layers
 from agents.observables.neighbours import links, nearest_links
+from agents.state.agent_rows import chosen
 from agents.state.crashes import Crashes, active, crashes
-from agents.state.rows import chosen
+from worlds.input_error import InputError, unknown
 from worlds.mission import along_route
-from worlds.refusal import Refusal, unknown
 from worlds.world import World
 
 
-class State:
+class FlockState:
     """What follows from a model, its parameters, a world and the agents' arrays at one tick.
 
     A flock has it as it is now, a `Snapshot` as it was.
@@ -103,10 +103,10 @@ class State:
         return self.heading[np.argmax(self.informed)]
 
     def goal_at(self, ticks) -> np.ndarray:
-        """Positions of the gamma agent at ticks (T,), (T, dim), length. Raises Refusal."""
+        """Positions of the gamma agent at ticks (T,), (T, dim), length. Raises InputError."""
         mission = self.world.mission
         if mission is None or mission.goal is None:
-            raise Refusal(f"the world {self.world.name!r} has no goal")
+            raise InputError(f"the world {self.world.name!r} has no goal")
         return along_route(mission.goal, np.asarray(ticks) * self.dt)
 
     @property
@@ -126,7 +126,7 @@ class State:
 
 
 @dataclass(frozen=True, eq=False)
-class Snapshot(State):
+class Snapshot(FlockState):
     """A flock at one tick, or some of its agents; links, groups and layers are found once.
 
     `Flock.snapshot` takes it. Nobody writes to its arrays any more.
@@ -182,14 +182,14 @@ class Snapshot(State):
     def signal(self, name: str) -> np.ndarray:
         """A signal, memory or measure of the agents, one of `model.columns`: a copy (N,).
 
-        A layer of N + 1 is unknown. Raises Refusal for a name that is none, and for what agents
+        A layer of N + 1 is unknown. Raises InputError for a name that is none, and for what agents
         tell each other in a snapshot that was taken without.
         """
         model = self.model
         if name not in model.columns:
             raise unknown("signal", name, model.columns)
         if name in model.signals and not self.with_signals:
-            raise Refusal(f"{name} is not in this snapshot: take it with signals=True")
+            raise InputError(f"{name} is not in this snapshot: take it with signals=True")
         values = self.arrays.memory[model.columns.index(name)]
         return np.where(np.isinf(values), len(values) + 1.0, values)
 
@@ -201,7 +201,7 @@ class Snapshot(State):
         """The agents that observables see: those that have not crashed.
 
         Agents whose position, heading or speed is no number are left out too, and a warning says
-        how many (`agents.observables.checks.LeftOut`).
+        how many (`agents.observables.array_checks.OmittedRowsWarning`).
         """
         arrays = self.position, self.heading, self.speed
         sound = all(map(is_finite, arrays))

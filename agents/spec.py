@@ -20,8 +20,8 @@ from pydantic import (
 
 from agents.conditions import Conditions
 from agents.option import Option, distance, from_, option, whole
-from worlds.reading import read_text, toml
-from worlds.refusal import Refusal, needed, shortened, unknown
+from worlds.input_error import InputError, needed, shortened, unknown
+from worlds.text_file import read_text, toml
 from worlds.world import World, box
 
 DEFAULT = "hwvem"
@@ -35,26 +35,26 @@ def several(size: Any) -> TypeGuard[Sequence[float]]:
 
 
 def sides(size: Any) -> float | tuple[float, ...]:
-    """The side of a box, or one per axis. Raises Refusal."""
+    """The side of a box, or one per axis. Raises InputError."""
     return box(len(size), size) if several(size) else box(1, size)[0]
 
 
 def dimensions(value: Any) -> int:
-    """2 or 3. Raises Refusal."""
+    """2 or 3. Raises InputError."""
     if isinstance(value, bool) or value not in (2, 3):
-        raise Refusal(f"dim = {shortened(value)} is not allowed: a world has 2 or 3 dimensions")
+        raise InputError(f"dim = {shortened(value)} is not allowed: a world has 2 or 3 dimensions")
     return int(value)
 
 
 def name(value: Any, info: ValidationInfo) -> str:
-    """A name. Raises Refusal."""
+    """A name. Raises InputError."""
     if not isinstance(value, str):
-        raise Refusal(f"{info.field_name} = {shortened(value)} is not a name")
+        raise InputError(f"{info.field_name} = {shortened(value)} is not a name")
     return value
 
 
 def name_or_world(value: Any, info: ValidationInfo) -> str | World:
-    """A world, or the name of one. Raises Refusal."""
+    """A world, or the name of one. Raises InputError."""
     return value if isinstance(value, World) else name(value, info)
 
 
@@ -104,7 +104,8 @@ class Spec(Options):
 
     What is None is as the model, or its world, has it; a seed is drawn then. `Flock(spec)` begins
     the run, `flock.spec` leaves nothing open. `start = "given"` marks a run that began from a
-    user's arrays: its spec describes it, but only a saved state can begin it again. Raises Refusal.
+    user's arrays: its spec describes it, but only a saved state can begin it again. Raises
+    InputError.
 
     >>> Spec("vem", agents=30, size=5.0).agents
     30
@@ -156,7 +157,7 @@ class Spec(Options):
         if self.agents is not None and self.start == "random":
             whole("agents", self.agents, 1)
         if self.is_late and self.activation != "synchronous":
-            raise Refusal(
+            raise InputError(
                 f"activation = {self.activation!r} is not allowed where messages take time or are "
                 "inexact (delay, jitter, lost, place_error): agents then decide all at once"
             )
@@ -171,7 +172,7 @@ class Spec(Options):
         return getattr(self, name) if name in OPTIONS else self.parameters[name]
 
     def but(self, **changes: Any) -> Spec:
-        """The same run with some things changed. Raises Refusal."""
+        """The same run with some things changed. Raises InputError."""
         return Spec(**{**dict(self), **changes})
 
     def taking(self, **words: Any) -> Spec:
@@ -194,32 +195,32 @@ class Spec(Options):
 
     @classmethod
     def from_toml(cls, text: str, origin: str = "TOML text") -> Spec:
-        """A spec from TOML. Raises Refusal naming the line or the key that is wrong."""
+        """A spec from TOML. Raises InputError naming the line or the key that is wrong."""
         return cls.from_values(toml(text, origin), origin)
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any], origin: str) -> Spec:
-        """A spec from a dictionary. Raises Refusal naming the key that is wrong."""
+        """A spec from a dictionary. Raises InputError naming the key that is wrong."""
         for key in values:
             if key not in KEYS:
                 raise unknown("key", key, KEYS, origin)
         if "model" not in values:
-            raise Refusal(f"model is missing ({origin})")
+            raise InputError(f"model is missing ({origin})")
         try:
             return cls(**values)
-        except Refusal as error:
-            raise Refusal(f"{error} ({origin})") from None
+        except InputError as error:
+            raise InputError(f"{error} ({origin})") from None
 
     @classmethod
     def read(cls, path: str | Path) -> Spec:
-        """A spec from a TOML file. Raises Refusal."""
+        """A spec from a TOML file. Raises InputError."""
         return cls.from_toml(read_text(f"spec {str(path)!r}", path), str(path))
 
     def demand_complete(self, origin: str) -> None:
-        """Raise Refusal if it leaves open what a run that was made has."""
+        """Raise InputError if it leaves open what a run that was made has."""
         for key in ("agents", "informed", "seed", "world", "size"):
             if getattr(self, key) is None:
-                raise Refusal(f"{key} is missing ({origin})")
+                raise InputError(f"{key} is missing ({origin})")
 
 
 FIRST = ("model", "agents", "informed", "seed", "world", "size", "dim")
@@ -231,19 +232,19 @@ OPTIONS: dict[str, Option] = {key: extra["option"] for key, extra in _EXTRAS.ite
 """What a person may choose of a run beside its model, by name."""
 
 
-def refusal(fault: Any) -> Refusal:
+def refusal(fault: Any) -> InputError:
     """What pydantic found wrong with a spec, in our words."""
     error = fault.get("ctx", {}).get("error")
-    if isinstance(error, Refusal):
+    if isinstance(error, InputError):
         return error
     key = ".".join(str(part) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
         return unknown("option", key, OPTIONS)
     if fault["type"] == "literal_error":
         if not isinstance(fault["input"], str):
-            return Refusal(f"{key} = {shortened(fault['input'])} is not a name")
+            return InputError(f"{key} = {shortened(fault['input'])} is not a name")
         return unknown(key, fault["input"], get_args(Spec.model_fields[key].annotation))
-    return Refusal(f"{key} = {shortened(fault['input'])} is not allowed: {needed(fault)}")
+    return InputError(f"{key} = {shortened(fault['input'])} is not allowed: {needed(fault)}")
 
 
 def versions() -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from worlds.writing import writing
+from worlds.file_writer import writing
 
 DOTS = 160
 """Dots per inch of a PNG."""
@@ -14,7 +14,7 @@ UNDATED: dict[str, dict[str, None]] = {"svg": {"Date": None}, "pdf": {"CreationD
 
 
 def write_figure(figure: Any, path: Path, dots: int = DOTS) -> None:
-    """Write a figure as its ending says, PNG, SVG or PDF; a file is replaced. Raises Refusal."""
+    """Write a figure as its ending says, PNG, SVG or PDF; a file is replaced. Raises InputError."""
     with writing("picture", path) as file:
         save_figure(figure, file, path.suffix, dots)
 

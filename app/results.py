@@ -6,8 +6,8 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from worlds.refusal import Refusal
-from worlds.writing import demand_writable
+from worlds.file_writer import demand_writable
+from worlds.input_error import InputError
 
 RESULTS = Path("results")
 """Where sweeps are kept that say no other folder, from where a command was called."""
@@ -23,24 +23,24 @@ def picture_files(name: str, pictures: bool = True) -> tuple[str, ...]:
 def demand_folder(option: str, folder: Path, files: Iterable[str], overwrite: bool) -> None:
     """Refuse a folder that cannot be made or written to, or has one of these files already.
 
-    It is made when the first file is written. Raises Refusal.
+    It is made when the first file is written. Raises InputError.
     """
     named = f"{option} {str(folder)!r}"
     try:
         there = next(one for one in (folder, *folder.absolute().parents) if one.exists())
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "it is no name that a folder can have"
-        raise Refusal(f"{named} cannot be written: {reason}") from None
+        raise InputError(f"{named} cannot be written: {reason}") from None
     if not there.is_dir() or not os.access(there, os.W_OK):
-        raise Refusal(f"{named} cannot be written: {str(there)!r} is no folder to write to")
+        raise InputError(f"{named} cannot be written: {str(there)!r} is no folder to write to")
     if folder.is_dir():
         for file in files:
             demand_writable("result", folder / file, overwrite)
 
 
 def make_folder(folder: Path) -> None:
-    """Make the folder. Raises Refusal."""
+    """Make the folder. Raises InputError."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise Refusal(f"{str(folder)!r} cannot be made: {error.strerror or error}") from None
+        raise InputError(f"{str(folder)!r} cannot be made: {error.strerror or error}") from None

@@ -13,8 +13,8 @@ import sys
 from importlib import import_module
 from typing import Any
 
-from worlds.reading import toml
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
+from worlds.text_file import toml
 
 TIMEOUT = 30.0
 """Seconds that a file may take to be read, those of the process's start included."""
@@ -28,7 +28,8 @@ def read_in_sandbox(reader: str, name: str, content: bytes) -> bytes:
     """What a reader makes of a file from a browser, in a process of its own.
 
     `reader`: a function of ours as "module:function", of (name, content), which returns bytes and
-    raises Refusal. Raises Refusal, also where the process dies or takes longer than `TIMEOUT`.
+    raises InputError. Raises InputError, also where the process dies or takes longer than
+    `TIMEOUT`.
     """
     # It ends at once: in the usual farewell threads of pyarrow's may end it with another code.
     begin = (
@@ -44,13 +45,13 @@ def read_in_sandbox(reader: str, name: str, content: bytes) -> bytes:
             timeout=TIMEOUT,
         )
     except subprocess.TimeoutExpired:
-        raise Refusal(f"{name} cannot be read within {TIMEOUT:g} s") from None
+        raise InputError(f"{name} cannot be read within {TIMEOUT:g} s") from None
     kind, rest = done.stdout[:1], done.stdout[1:]
     if done.returncode == 0 and kind == FINE:
         return rest
     if done.returncode == 0 and kind == REFUSED:
-        raise Refusal(rest.decode())
-    raise Refusal(f"{name} cannot be read: it is broken, or takes too much memory")
+        raise InputError(rest.decode())
+    raise InputError(f"{name} cannot be read: it is broken, or takes too much memory")
 
 
 def serve() -> None:
@@ -61,7 +62,7 @@ def serve() -> None:
     content = sys.stdin.buffer.read()
     try:
         reply = FINE + getattr(import_module(module), function)(name, content)
-    except Refusal as refusal:
+    except InputError as refusal:
         reply = REFUSED + str(refusal).encode()
     sys.stdout.buffer.write(reply)
 
@@ -78,7 +79,7 @@ def limit_memory() -> None:
 
 
 def read_toml(name: str, content: bytes) -> dict[str, Any]:
-    """The tables of a TOML file from a browser. Raises Refusal."""
+    """The tables of a TOML file from a browser. Raises InputError."""
     values: dict[str, Any] = json.loads(read_in_sandbox(f"{__name__}:toml_as_json", name, content))
     return values
 
@@ -88,5 +89,5 @@ def toml_as_json(name: str, content: bytes) -> bytes:
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise Refusal(f"{name} is not a text file") from None
+        raise InputError(f"{name} is not a text file") from None
     return json.dumps(toml(text, name), default=str).encode()

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from worlds.refusal import Refusal, shortened
+from worlds.input_error import InputError, shortened
 
 SWITCHES = {"true": True, "false": False, "on": True, "off": False}
 
 
 def assignment(setting: str) -> tuple[str, Any]:
-    """Name and value of `NAME=VALUE`. Raises Refusal for anything else.
+    """Name and value of `NAME=VALUE`. Raises InputError for anything else.
 
     >>> assignment("p1=0.1"), assignment("layers=instant"), assignment("eta = 1")
     (('p1', 0.1), ('layers', 'instant'), ('eta', 1))
     """
     name, equals, text = (part.strip() for part in setting.partition("="))
     if not equals or not name or not text:
-        raise Refusal(f"--set {setting} is not of the form NAME=VALUE")
+        raise InputError(f"--set {setting} is not of the form NAME=VALUE")
     return name, value(text)
 
 
@@ -43,22 +43,22 @@ def names(text: str) -> list[str]:
 
 
 def numbers(option: str, text: str) -> list[float]:
-    """The numbers of a list with commas. Raises Refusal naming the option."""
+    """The numbers of a list with commas. Raises InputError naming the option."""
     try:
         made = [float(part) for part in names(text)]
     except ValueError:
         made = []
     if not made:
-        raise Refusal(f"{option} {text!r} is not a number, or numbers with commas")
+        raise InputError(f"{option} {text!r} is not a number, or numbers with commas")
     return made
 
 
 def whole_numbers(option: str, text: str) -> list[int]:
-    """The whole numbers of a list with commas. Raises Refusal naming the option."""
+    """The whole numbers of a list with commas. Raises InputError naming the option."""
     try:
         return [int(part) for part in names(text)]
     except ValueError:
-        raise Refusal(f"{option} {text!r} is not a whole number, or some with commas") from None
+        raise InputError(f"{option} {text!r} is not a whole number, or some with commas") from None
 
 
 MOST = 10**15
@@ -66,11 +66,11 @@ MOST = 10**15
 
 
 def at_least(option: str, value: int | None, least: int, most: int = MOST) -> None:
-    """Refuse a whole number outside [least, most]. Raises Refusal naming the option."""
+    """Refuse a whole number outside [least, most]. Raises InputError naming the option."""
     if value is None:
         return
     if value < least:
         shown = shortened(value)
-        raise Refusal(f"{option} {shown} is not allowed: a whole number >= {least} is needed")
+        raise InputError(f"{option} {shown} is not allowed: a whole number >= {least} is needed")
     if value > most:
-        raise Refusal(f"{option} {shortened(value)} is not allowed: the largest is {most}")
+        raise InputError(f"{option} {shortened(value)} is not allowed: the largest is {most}")

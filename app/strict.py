@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict
 
-from worlds.refusal import demand_line
+from worlds.input_error import demand_line
 
 Value = bool | float | str
 """What a parameter may be set to."""

@@ -14,8 +14,8 @@ import subprocess
 import sys
 import time
 
-from app.viewer.run.home import at_home
-from app.viewer.run.picture import Wanted
+from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 
 COMMANDS = 40
@@ -28,7 +28,7 @@ def main(sizes: list[int]) -> None:
     for agents in sizes:
         simulation = Simulation(at_home(agents=agents), speed=math.inf, running=True)
         simulation.ready.wait(60)
-        simulation.want(Wanted(layers=True)).result(60)
+        simulation.want(FrameRequest(layers=True)).result(60)
         time.sleep(2.0)
         took = []
         for k in range(COMMANDS):
@@ -46,7 +46,7 @@ def change_models() -> None:
     subprocess.run(warm, check=True, stdout=subprocess.DEVNULL)
     simulation = Simulation(at_home(), speed=math.inf, running=True)
     simulation.ready.wait(60)
-    simulation.want(Wanted(layers=True)).result(60)
+    simulation.want(FrameRequest(layers=True)).result(60)
     took: list[list[float]] = [[], []]
     for times in took:
         for model in MODELS:

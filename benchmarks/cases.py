@@ -13,7 +13,7 @@ from crowds import clearing, scattered
 
 from agents import Flock
 from agents.catalogue import model
-from agents.home import at_home, find_world
+from agents.flock_world import at_home, find_world
 from agents.spec import Spec
 from worlds.world import World
 

@@ -29,9 +29,9 @@ from classroom import Class, Student, do, teach
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from app.viewer.gallery.address import packed
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.run.home import at_home
+from app.viewer.gallery.scene_address import packed
+from app.viewer.run.run_preset import at_home
 
 AGENTS = 300
 FEWEST = 3

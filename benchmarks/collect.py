@@ -38,8 +38,8 @@ from app.classroom.collect.question import Question
 from app.classroom.collect.table import to_json
 from app.classroom.student import Role
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.run.home import at_home
-from worlds.refusal import Refusal
+from app.viewer.run.run_preset import at_home
+from worlds.input_error import InputError
 
 
 def timed[Made](work: Callable[[], Made]) -> tuple[Made, float]:
@@ -87,7 +87,7 @@ def time_pairs() -> None:
                 flock = Flock(spec)
                 flock.run(TICKS)  # compiles
                 _, took = timed(lambda flock=flock: flock.run(TICKS))
-            except Refusal:
+            except InputError:
                 found.append("cannot be crowded: its world has a size of its own")
                 continue
             pairs = count_agents(spec) * max(1.0, mean_neighbours(spec)) * TICKS

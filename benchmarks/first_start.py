@@ -36,10 +36,10 @@ PATIENCE = 900.0
 CHILD = """
 import sys, time
 from numba.core.compiler import Compiler
-import worlds.compiled
+import worlds.compilation
 model, way = sys.argv[1:]
 if way != "ours":
-    worlds.compiled.PARTS = worlds.compiled.LOOPS = Compiler
+    worlds.compilation.PARTS = worlds.compilation.LOOPS = Compiler
 from agents import Flock
 flock = Flock(model, rng=1)
 begins = time.process_time()

@@ -36,7 +36,7 @@ def serve(count: int, agents: int, speed: float, dim: int, alone: bool, pipe: Co
     they stand: processor time so far, s; ticks of all; memory in use, MB."""
     from app.viewer.lab.laboratory import Laboratory
     from app.viewer.run.allowance import Allowance
-    from app.viewer.run.home import at_home
+    from app.viewer.run.run_preset import at_home
 
     allowance = None if alone else Allowance()
     laboratories = []

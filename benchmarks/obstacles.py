@@ -11,7 +11,7 @@ import time
 
 import numpy as np
 
-from worlds.compiled import entry
+from worlds.compilation import entry
 from worlds.obstacles import SEGMENTS, Disc, Wall
 from worlds.queries.surroundings import Surroundings, line_of_sight, nearest_surface, points_within
 from worlds.queries.survey import survey

@@ -20,8 +20,8 @@ import numpy as np
 from agents.flock import Flock
 from agents.record import Recorder
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.run.home import at_home
-from app.viewer.run.past.stored import Stored, stored
+from app.viewer.run.past.stored_flock import StoredFlock, stored
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 from benchmarks.stream import Reader
 
@@ -51,7 +51,7 @@ def main(agents: int = 500, speed: float = 30.0) -> None:
         kept(model, count)
 
 
-def play(opened: Stored, agents: int, speed: float) -> None:
+def play(opened: StoredFlock, agents: int, speed: float) -> None:
     """Play it with a client, then seek in it."""
     laboratory = Laboratory(opened=opened, port=0, speed=speed)
     reader = Reader(laboratory.port, agents)

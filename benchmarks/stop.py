@@ -25,8 +25,8 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
 from app.live.control.arm import OperatorRequest  # noqa: E402
 from app.live.laboratory.example import FILE  # noqa: E402
-from app.live.laboratory.lab import lab_from_toml  # noqa: E402
-from app.live.operating.choices import Choices  # noqa: E402
+from app.live.laboratory.lab_file import lab_from_toml  # noqa: E402
+from app.live.operating.lab_choices import Choices  # noqa: E402
 from app.viewer.live.page import LivePage  # noqa: E402
 
 REPEATS, QUICK = 20, 3

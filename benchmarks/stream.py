@@ -40,7 +40,7 @@ def serve(agents: int, speed: float, pipe: Connection) -> None:
     Processor times so far, s; the tick; the most memory so far, MB.
     """
     from app.viewer.lab.laboratory import Laboratory
-    from app.viewer.run.home import at_home
+    from app.viewer.run.run_preset import at_home
 
     start = at_home("hwvem", agents=agents, parameters={"eta": 0.3})
     laboratory = Laboratory(start, port=0, speed=speed)

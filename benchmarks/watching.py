@@ -34,20 +34,20 @@ SPEED = 15.0
 def serve(agents: int, pipe: Connection) -> None:
     """The laboratory; answers every message of the pipe with processor time, s, and the tick."""
     from app.viewer.lab.laboratory import Laboratory
-    from app.viewer.run.home import at_home
-    from app.viewer.watching.marks import Choice
-    from app.viewer.watching.watching import Watching
+    from app.viewer.run.run_preset import at_home
+    from app.viewer.watching.own_marks import AgentSelection
+    from app.viewer.watching.watch_page import WatchPage
 
     start = at_home("hwvem", agents=agents, parameters={"eta": 0.3})
     laboratory = Laboratory(start, port=0, speed=SPEED)
-    watching = Watching(laboratory)
+    watching = WatchPage(laboratory)
     laboratory.simulation.ready.wait()
     pipe.send(watching.port)
     while (asked := pipe.recv()) is not None:
         if asked == "inspect":
             run = laboratory.simulation.state.run
             for row, one in enumerate(watching.now):
-                one.choose(Choice(row, run=run))
+                one.choose(AgentSelection(row, run=run))
         frame = laboratory.simulation.frame
         assert frame is not None
         pipe.send((time.process_time(), frame.tick, len(frame.others)))

@@ -23,8 +23,8 @@ import segno
 from PIL import Image
 from websockets.exceptions import WebSocketException
 
-from app.viewer.gallery.address import packed
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.scene_address import packed
 from tests.classroom.running import Person, Running, roster
 
 NAMES = (

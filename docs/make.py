@@ -22,7 +22,7 @@ from agents.catalogue import MODELS, Model
 from agents.engine.block import seen
 from agents.engine.cache import reached
 from agents.flock import Flock
-from agents.models.declare import Declared, declared
+from agents.models.declare import DeclaredParameter, declared
 from agents.observables.catalogue import OBSERVABLES, usual_charts
 from app.cli.choices import LISTED, declared_rows
 from worlds.layout import read_layout
@@ -63,7 +63,7 @@ def group(model: Model) -> str:
     return GOAL if "gamma" in model.rule.forces else OTHERS
 
 
-def parameter_row(one: Declared) -> str:
+def parameter_row(one: DeclaredParameter) -> str:
     """One line of the table of parameters."""
     default = one.default if one.kind != "number" else f"{one.default:g}"
     if one.kind == "switch":

@@ -20,10 +20,10 @@ from playwright.sync_api import sync_playwright
 
 from agents.spec import Spec
 from app.live.laboratory.example import example
-from app.live.operating.choices import Choices
+from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 
 SIZES = ((390, 844), (1100, 700), (1440, 900), (1920, 1080))
 THEMES = ("light", "dark")

@@ -18,10 +18,10 @@ from playwright.sync_api import sync_playwright
 
 from agents.spec import Spec
 from app.live.laboratory.example import example
-from app.live.operating.choices import Choices
+from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from app.viewer.scene.shown.look import STEP_OFF
 
 HERE = Path(__file__).parent

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
 from agents import Flock
-from agents.engine.lanes import WIDTH
+from agents.engine.vector_lanes import WIDTH
 from app.worlds.colours import INK, LOOK, PALE
 
 HERE = Path(__file__).parent / "pictures"

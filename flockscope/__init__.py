@@ -44,11 +44,11 @@ if TYPE_CHECKING:
     from flockscope.worlds import CShape as CShape
     from flockscope.worlds import Disc as Disc
     from flockscope.worlds import Goal as Goal
+    from flockscope.worlds import InputError as InputError
     from flockscope.worlds import Mission as Mission
     from flockscope.worlds import Path as Path
     from flockscope.worlds import Polygon as Polygon
     from flockscope.worlds import Prism as Prism
-    from flockscope.worlds import Refusal as Refusal
     from flockscope.worlds import Ring as Ring
     from flockscope.worlds import Sphere as Sphere
     from flockscope.worlds import StartRegion as StartRegion
@@ -64,6 +64,7 @@ __all__ = [
     "Disc",
     "Flock",
     "Goal",
+    "InputError",
     "Member",
     "Mission",
     "MissionRecord",
@@ -71,7 +72,6 @@ __all__ = [
     "Polygon",
     "Prism",
     "Recording",
-    "Refusal",
     "Ring",
     "Series",
     "Spec",
@@ -97,6 +97,8 @@ def __getattr__(name: str) -> Any:
     """What a name stands for; worlds need no compiler, and models no Mesa."""
     if name in _MODULES:
         return import_module(f"{__name__}.{name}")
+    if name == "Refusal":
+        return import_module(f"{__name__}.worlds").Refusal
     if name in __all__:
         for home in ("worlds", "_models", "_flocks", "_sweeps"):
             found = import_module(f"{__name__}.{home}")

@@ -9,11 +9,11 @@ from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is i
 # isort: split
 from agents.flock import Flock as RunningFlock
 from agents.member import Member
-from agents.mission import MissionRecord, fly
+from agents.mission_record import MissionRecord, fly
 from agents.series import Series, follow
 
 if TYPE_CHECKING:
-    from app.viewer.notebook.view import View
+    from app.viewer.notebook.notebook_view import NotebookView
     from app.viewer.pictures.still import Still
 
 __all__ = [
@@ -36,7 +36,7 @@ class Flock(RunningFlock):
         running: bool = False,
         through: str = "auto",
         origin: str | None = None,
-    ) -> View:
+    ) -> NotebookView:
         """Open the laboratory on a copy of this flock: in a notebook's cell, or else in a window.
 
         The copy goes on from this tick; `show(...).flock` is a new flock, as the copy is by then.
@@ -46,9 +46,9 @@ class Flock(RunningFlock):
         Go. through: `port`, for browsers of this machine; `proxy`, through the notebook's server,
         which takes jupyter-server-proxy; `auto`: the proxy on a hub, and where the server can be
         reached from elsewhere. origin: of the notebook's page, such as https://hub.example.org,
-        where it cannot be found out. Raises Refusal.
+        where it cannot be found out. Raises InputError.
         """
-        from app.viewer.notebook.view import show
+        from app.viewer.notebook.notebook_view import show
 
         return show(self, height, running=running, through=through, origin=origin)
 
@@ -67,7 +67,7 @@ class Flock(RunningFlock):
         plain, or what else `flockscope picture --colour` takes; None: as suits the flock. camera:
         fixed, top-down, perspective, side, or follow; follow: the identity of an agent to look at
         closely. renderer: `plain`, or `browser`, as the page shows it, by a Chromium, Chrome or
-        Edge of this machine. Raises Refusal.
+        Edge of this machine. Raises InputError.
         """
         from app.viewer.pictures.still import picture
 

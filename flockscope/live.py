@@ -14,22 +14,25 @@ from typing import TYPE_CHECKING, Any
 from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
 
 # isort: split
+import sys
+
 from app.live.control.pose import MocapFrame, Pose, Sighting, seen, unseen
-from app.live.emulation.cars import EmulatedCars, Terminal
+from app.live.emulation.emulated_cars import EmulatedCars, Terminal
+from app.live.link_address import LinkAddress
+from app.live.links.command_frame import FULL, levels
 from app.live.links.firmware import Firmware
-from app.live.links.frame import FULL, levels
 from app.live.links.link import CarLink, LinkLost, shortage
-from app.live.links.wire import Wire, open_wire
-from app.live.place import Place
-from app.live.sources.address import Address
+from app.live.links.wire import SerialWire, open_wire
 from app.live.sources.feed import Feed
-from app.live.sources.opening import open_source
-from app.live.sources.source import Source
-from worlds.refusal import Refusal
+from app.live.sources.pose_source import Source
+from app.live.sources.source_address import Address
+from app.live.sources.source_catalogue import open_source
+from flockscope._renamed import old_names
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
-    from app.live.links.links import open_link
-    from app.live.recording.replay import read as read_recording
+    from app.live.links.link_catalogue import open_link
+    from app.live.recording.recording_replay import read as read_recording
 
 __all__ = [
     "FULL",
@@ -38,15 +41,15 @@ __all__ = [
     "EmulatedCars",
     "Feed",
     "Firmware",
+    "InputError",
+    "LinkAddress",
     "LinkLost",
     "MocapFrame",
-    "Place",
     "Pose",
-    "Refusal",
+    "SerialWire",
     "Sighting",
     "Source",
     "Terminal",
-    "Wire",
     "levels",
     "open_link",
     "open_source",
@@ -58,14 +61,19 @@ __all__ = [
 ]
 
 
+old_name = old_names(
+    sys.modules[__name__], {"Place": "LinkAddress", "Refusal": "InputError", "Wire": "SerialWire"}
+)
+
+
 def __getattr__(name: str) -> Any:
     """What is imported when asked for: links of plug-ins, which import this module; recordings."""
     if name == "open_link":
-        from app.live.links.links import open_link
+        from app.live.links.link_catalogue import open_link
 
         return open_link
     if name == "read_recording":
-        from app.live.recording.replay import read
+        from app.live.recording.recording_replay import read
 
         return read
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return old_name(name)

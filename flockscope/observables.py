@@ -1,6 +1,7 @@
 """Observables as functions of arrays: for flocks, and for tracks of real animals and cars.
 
-docs/observables.md says what each is; rows that hold no number are left out with a `LeftOut`.
+docs/observables.md says what each is; rows that hold no number are left out with a
+`OmittedRowsWarning`.
 
 >>> import numpy as np
 >>> from flockscope.observables import polarisation
@@ -11,7 +12,9 @@ docs/observables.md says what each is; rows that hold no number are left out wit
 from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
 
 # isort: split
-from agents.observables.checks import LeftOut
+import sys
+
+from agents.observables.array_checks import OmittedRowsWarning
 from agents.observables.components import groups_within
 from agents.observables.consistency import consistency, convergence_time
 from agents.observables.correlation import Correlation, correlation, correlation_length
@@ -48,12 +51,13 @@ from agents.observables.per_group import (
 )
 from agents.observables.rotation import angular_momentum, centre
 from agents.observables.spread import gyration_radius, velocity_spread
+from flockscope._renamed import old_names
 
 __all__ = [
     "Correlation",
-    "LeftOut",
     "Observable",
     "OfAgents",
+    "OmittedRowsWarning",
     "Range",
     "Spacing",
     "Table",
@@ -97,3 +101,5 @@ __all__ = [
     "vee_saved",
     "velocity_spread",
 ]
+
+__getattr__ = old_names(sys.modules[__name__], {"LeftOut": "OmittedRowsWarning"})

@@ -10,6 +10,8 @@ docs/new-rule.md is a whole rule in one file.
 from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
 
 # isort: split
+import sys
+
 from agents.bodies.car import BODY as CAR
 from agents.bodies.car import driving
 from agents.bodies.constant_speed import BODY as CONSTANT_SPEED
@@ -18,17 +20,18 @@ from agents.bodies.point_mass import BODY as POINT_MASS
 from agents.bodies.steered import BODY as STEERED
 from agents.bodies.turning import BODY as TURNING
 from agents.bodies.zero_turn import BODY as ZERO_TURN
-from agents.engine.block import Moved, Wish, adjacent, is_neighbour
-from agents.engine.lanes import where
+from agents.engine.block import BodyMove, Decision, adjacent, is_neighbour
 from agents.engine.noise import uniform
+from agents.engine.vector_lanes import where
 from agents.models.declare import Body, Parameters, Rule, Zone, parameter
 from agents.models.model import Model
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.terms.sums import mean_heading, of_pairs, sum_of
 from agents.rules.vicsek import VEM, Vicsek
-from worlds.compiled import compiled
+from flockscope._renamed import old_names
+from worlds.compilation import compiled
+from worlds.input_error import InputError
 from worlds.queries.surroundings import nearest_surface
-from worlds.refusal import Refusal
 
 __all__ = [
     "CAR",
@@ -40,15 +43,15 @@ __all__ = [
     "VEM",
     "ZERO_TURN",
     "Body",
+    "BodyMove",
+    "Decision",
+    "InputError",
+    "LessonCheck",
+    "LessonStep",
     "Model",
-    "Moved",
     "Parameters",
-    "Proof",
-    "Refusal",
     "Rule",
-    "Try",
     "Vicsek",
-    "Wish",
     "Zone",
     "adjacent",
     "compiled",
@@ -62,3 +65,14 @@ __all__ = [
     "uniform",
     "where",
 ]
+
+__getattr__ = old_names(
+    sys.modules[__name__],
+    {
+        "Moved": "BodyMove",
+        "Proof": "LessonCheck",
+        "Refusal": "InputError",
+        "Try": "LessonStep",
+        "Wish": "Decision",
+    },
+)

@@ -11,14 +11,17 @@
 from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
 
 # isort: split
+import sys
+
+from flockscope._renamed import old_names
 from worlds.checks import Problem, demand_sound, problems
 from worlds.generators import generate
+from worlds.input_error import InputError
 from worlds.layout import layout_names, read_layout, world, world_from_layout
 from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.obstacles import Box, CShape, Disc, Polygon, Prism, Ring, Sphere, Union, Wall
 from worlds.queries.clearance import clearance
 from worlds.readers import Geometry, read_geometry, world_around
-from worlds.refusal import Refusal
 from worlds.world import World
 
 __all__ = [
@@ -27,12 +30,12 @@ __all__ = [
     "Disc",
     "Geometry",
     "Goal",
+    "InputError",
     "Mission",
     "Path",
     "Polygon",
     "Prism",
     "Problem",
-    "Refusal",
     "Ring",
     "Sphere",
     "StartRegion",
@@ -50,3 +53,5 @@ __all__ = [
     "world_around",
     "world_from_layout",
 ]
+
+__getattr__ = old_names(sys.modules[__name__], {"Refusal": "InputError"})

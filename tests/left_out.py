@@ -2,13 +2,14 @@
 
 import warnings
 
-from agents.observables.checks import LeftOut
+from agents.observables.array_checks import OmittedRowsWarning
 
 
 def quietly(function, *arguments):
-    """What a function gives, and the LeftOut that it warned of; any other warning is an error."""
+    """What a function gives, and the OmittedRowsWarning that it warned of; any other warning is an
+    error."""
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("error")
-        warnings.simplefilter("always", LeftOut)
+        warnings.simplefilter("always", OmittedRowsWarning)
         found = function(*arguments)
     return found, [one.message for one in said]

@@ -13,7 +13,7 @@ from scipy.stats import kstest
 
 from agents import Flock
 from agents.rules import active_brownian as rule
-from worlds.compiled import entry
+from worlds.compilation import entry
 from worlds.world import World
 
 SETTINGS = settings(max_examples=60, deadline=None, derandomize=True)

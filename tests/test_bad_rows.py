@@ -26,7 +26,7 @@ from agents.observables import (
     rotation,
     spread,
 )
-from agents.observables.checks import LeftOut
+from agents.observables.array_checks import OmittedRowsWarning
 from agents.observables.components import groups_within
 from tests.left_out import quietly
 
@@ -168,7 +168,9 @@ def test_one_bird_without_a_heading_is_not_order():
     """Today's 1.0 of `min(1.0, nan)`."""
     heading = Tracks(3, 200, 2, False).heading
     heading[7] = math.nan
-    with pytest.warns(LeftOut, match="heading: 1 of 200 row is left out: nan or infinite") as said:
+    with pytest.warns(
+        OmittedRowsWarning, match="heading: 1 of 200 row is left out: nan or infinite"
+    ) as said:
         found = order.polarisation(heading)
     assert found == order.polarisation(np.delete(heading, 7, axis=0)) < 0.3
     assert said[0].filename == __file__

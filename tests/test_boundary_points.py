@@ -13,12 +13,12 @@ from oracles.goal_scenes import GoalScene, goal_of, goal_scene, goal_scenes, vel
 from oracles.olfati_saber import moved
 
 from agents import Flock
-from agents.engine.block import Me, Near
+from agents.engine.block import Me, NeighbourBlock
 from agents.engine.cache import kept
 from agents.rules import boundary_points as rule
-from worlds.compiled import entry
+from worlds.compilation import entry
+from worlds.input_error import InputError
 from worlds.obstacles import obstacle
-from worlds.refusal import Refusal
 
 CLEAR = 1e-7
 """Cases nearer to a threshold than this are left out: they hang on the last bits."""
@@ -179,7 +179,9 @@ def around(points):
     x, y = points.T.copy()
     table = np.zeros((1, 0))
     spare = np.empty((4, len(x)))
-    near = Near(0, none, none, none, none, none, none, none, table, none, len(x), x, y, spare)
+    near = NeighbourBlock(
+        0, none, none, none, none, none, none, none, table, none, len(x), x, y, spare
+    )
     return me, near
 
 
@@ -285,12 +287,12 @@ def test_a_lone_agent_comes_to_a_goal_at_rest():
 
 def test_it_is_defined_in_the_plane_only():
     goal = np.zeros((2, 3))
-    with pytest.raises(Refusal, match="boundary-points is defined in 2-D"):
+    with pytest.raises(InputError, match="boundary-points is defined in 2-D"):
         GoalScene(np.ones((1, 3)), np.zeros((1, 3)), (), goal).flock("boundary-points")
 
 
 def test_there_are_no_information_agents_because_everybody_knows_the_goal():
-    with pytest.raises(Refusal, match="boundary-points has no information agents"):
+    with pytest.raises(InputError, match="boundary-points has no information agents"):
         Flock("boundary-points", agents=5, informed=1, world="open", size=9.0)
 
 

@@ -14,8 +14,8 @@ from agents import Flock, catalogue
 from agents.bodies.car import driving
 from agents.bodies.cars.chassis import separation
 from agents.rules import vicsek
+from worlds.input_error import InputError
 from worlds.mission import mission
-from worlds.refusal import Refusal
 from worlds.world import World
 
 OPEN = World(name="open", size=(40.0, 40.0), edges=("open", "open"))
@@ -340,7 +340,7 @@ def test_a_rule_with_a_parameter_of_the_cars_own_cannot_drive_them():
 
 
 def test_cars_are_on_a_plane():
-    with pytest.raises(Refusal, match="dim = 3 is not allowed: couzin-cars is defined in 2-D"):
+    with pytest.raises(InputError, match="dim = 3 is not allowed: couzin-cars is defined in 2-D"):
         Flock("couzin-cars", dim=3, rng=1)
 
 
@@ -366,5 +366,5 @@ def test_a_rule_that_wishes_a_heading_drives_cars_by_its_name(monkeypatch):
     ],
 )
 def test_a_rule_that_cannot_drive_cars_is_refused(name, words):
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         Flock(name)

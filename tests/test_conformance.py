@@ -9,12 +9,12 @@ import pytest
 from agents.bodies import constant_speed
 from agents.catalogue import MODELS
 from agents.conformance import CHECKS, outcome
-from agents.engine.block import Wish
+from agents.engine.block import Decision
 from agents.models.declare import ALL_ALIKE
 from agents.models.model import Model
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.spec import Options
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 NOT_ALIKE = {
     "ivem": {"rotation"},
@@ -37,20 +37,20 @@ def test_every_model_conforms(model, check):
 @compiled
 def east(me, near, surroundings, p):  # noqa: ARG001
     """To the east, whatever anybody does."""
-    return Wish(1.0, 0.0, 0.0)
+    return Decision(1.0, 0.0, 0.0)
 
 
 @compiled
 def restless(me, near, surroundings, p):  # noqa: ARG001
     """Turns the first of its neighbours around, in the copy that the next one is given."""
     near.ux[0] = -near.ux[0]
-    return Wish(near.ux[0], near.uy[0], 0.0)
+    return Decision(near.ux[0], near.uy[0], 0.0)
 
 
 @compiled
 def nowhere(me, near, surroundings, p):  # noqa: ARG001
     """Nowhere: the square root of what is negative."""
-    return Wish((me.ux - 9.0) ** 0.5, 0.0, 0.0)
+    return Decision((me.ux - 9.0) ** 0.5, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -87,7 +87,9 @@ def test_each_model_has_three_things_to_try_each_told_in_full():
 
 
 def test_what_does_not_come_true_is_found_out(monkeypatch):
-    calm = Try("Add no noise.", "Disorder.", {"eta": 0.0}, Proof("polarisation", "below", 0.3, 60))
+    calm = LessonStep(
+        "Add no noise.", "Disorder.", {"eta": 0.0}, LessonCheck("polarisation", "below", 0.3, 60)
+    )
     begun = replace(calm, set={"agents": 20})
     for one, words in (
         (calm, "not polarisation: below 0.3 after 60 ticks, but"),
@@ -103,4 +105,4 @@ def test_what_does_not_come_true_is_found_out(monkeypatch):
 
 def test_a_proof_has_a_relation():
     with pytest.raises(TypeError, match="'grows' is no relation: below, above, falls, rises"):
-        Proof("polarisation", "grows", 0.3, 60)
+        LessonCheck("polarisation", "grows", 0.3, 60)

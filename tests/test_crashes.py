@@ -8,10 +8,10 @@ from oracles.solids import box, sphere
 from oracles.zones import touching
 
 from agents import Flock
-from agents.engine.fall import GRAVITY
+from agents.engine.crash_motion import GRAVITY
 from agents.member import Member
+from worlds.input_error import InputError
 from worlds.obstacles import Box, Sphere
-from worlds.refusal import Refusal
 from worlds.world import World
 
 SKY = World(name="sky", size=(20.0,) * 3, edges=("open",) * 3)
@@ -260,12 +260,12 @@ def test_a_spacing_across_the_seam_counts():
 
 @pytest.mark.parametrize("spacing", [-1.0, float("nan"), "far", True])
 def test_a_spacing_that_is_none_is_refused(spacing):
-    with pytest.raises(Refusal, match="spacing = "):
+    with pytest.raises(InputError, match="spacing = "):
         Flock("safe", spacing=spacing, rng=1)
 
 
 def test_a_spacing_that_does_not_fit_is_refused():
-    with pytest.raises(Refusal, match="do not fit"):
+    with pytest.raises(InputError, match="do not fit"):
         Flock("safe", agents=500, spacing=6.0, rng=1)
 
 

@@ -15,7 +15,7 @@ from scipy.integrate import quad
 from agents import Flock
 from agents.observables.spread import velocity_spread
 from agents.rules import cucker_smale as rule
-from worlds.compiled import entry
+from worlds.compilation import entry
 
 SETTINGS = settings(max_examples=60, deadline=None, derandomize=True)
 

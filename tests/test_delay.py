@@ -17,13 +17,13 @@ from oracles.topology import EDGES
 from agents import Flock, Member
 from agents.bodies import point_mass
 from agents.catalogue import MODELS
-from agents.engine.block import Wish
-from agents.engine.past import off_place
+from agents.engine.block import Decision
+from agents.engine.message_past import off_place
 from agents.models.declare import Parameters, Rule, parameter
 from agents.models.model import Model
 from agents.spec import Spec
-from worlds.compiled import compiled
-from worlds.refusal import Refusal
+from worlds.compilation import compiled
+from worlds.input_error import InputError
 
 LATE = ((1, 0.0, 0.0), (3, 0.0, 0.0), (0, 0.0, 0.3), (2, 1.5, 0.0), (1, 0.7, 0.4))
 
@@ -159,7 +159,7 @@ def consent(me, near, surroundings, p):  # noqa: ARG001
     for j in range(near.n):
         x += p.gain * (near.x[j] - me.x)
         y += p.gain * (near.y[j] - me.y)
-    return Wish(x, y, 0.0)
+    return Decision(x, y, 0.0)
 
 
 def apart(delay, gain=4.0, damping=1.0, dt=0.005, seconds=40.0):
@@ -235,16 +235,16 @@ def test_a_shorter_tick_keeps_what_is_known():
     [({"delay": -1.0}, "delay"), ({"lost": 1.0}, "lost"), ({"place_error": -1.0}, "place_error")],
 )
 def test_what_cannot_be_is_one_line(wind, message):
-    with pytest.raises(Refusal, match=f"{message} = .* is not allowed"):
+    with pytest.raises(InputError, match=f"{message} = .* is not allowed"):
         Spec("vem", **wind)
 
 
 def test_turns_and_delays_do_not_go_together():
-    with pytest.raises(Refusal, match="activation = 'random' is not allowed where messages"):
+    with pytest.raises(InputError, match="activation = 'random' is not allowed where messages"):
         Spec("vem", delay=2, activation="random")
 
 
 def test_a_past_that_would_be_endless_is_refused():
-    with pytest.raises(Refusal, match=r"messages would be up to .* ticks"):
+    with pytest.raises(InputError, match=r"messages would be up to .* ticks"):
         Flock("vem", agents=3, delay=1e5)
     assert math.isfinite(Flock("vem", agents=3, delay=9_000.0, rng=1).dt)

@@ -12,7 +12,7 @@ from oracles.flocks import in_open_space, velocity_of
 
 from agents import Flock
 from agents.rules import dorsogna as rule
-from worlds.compiled import entry
+from worlds.compilation import entry
 
 SETTINGS = settings(max_examples=60, deadline=None, derandomize=True)
 

@@ -16,17 +16,17 @@ from scipy.stats import kstest
 
 from agents import Flock
 from agents.catalogue import MODELS
-from agents.engine import lanes
-from agents.engine.lanes import WIDTH, exponent, load, mantissa, store, where
+from agents.engine import vector_lanes
 from agents.engine.noise import cos_sin, exp, log, normal
-from agents.engine.pairs.meeting import STOP
-from agents.engine.pairs.runner import OfPairs
+from agents.engine.pairs.pair_runner import PairEngine
+from agents.engine.pairs.thread_barrier import STOP
 from agents.engine.runner import NotANumber
-from agents.models.calling import Fault
+from agents.engine.vector_lanes import WIDTH, exponent, load, mantissa, store, where
+from agents.models.model_calls import ModelCodeError
 from agents.motion import Motion
 from agents.rules.terms.sums import of_pairs
-from flockscope.rules import CONSTANT_SPEED, VEM, Model, Wish
-from worlds.compiled import compiled
+from flockscope.rules import CONSTANT_SPEED, VEM, Decision, Model
+from worlds.compilation import compiled
 
 finite = st.floats(-1e6, 1e6)
 eight = drawn(float, WIDTH, elements=finite)
@@ -106,7 +106,7 @@ def test_lanes_are_eight_numbers(x, y):
     np.testing.assert_allclose(table, expected, rtol=1e-15, atol=1e-9)
 
 
-@pytest.mark.parametrize("function", [where, lanes.words, lanes.as_float])
+@pytest.mark.parametrize("function", [where, vector_lanes.words, vector_lanes.as_float])
 def test_what_works_on_lanes_works_on_one_number(function):
     given = (True, 2.0, 3.0) if function is where else (2,)
     assert function(*given) == numba.njit(lambda *numbers: function(*numbers))(*given) == 2
@@ -141,7 +141,7 @@ def one_by_one(monkeypatch, *arguments, **options) -> Flock:
 def test_eight_at_once_do_what_each_would(monkeypatch, model, options):
     flock = Flock(model, rng=3, **options)
     flock.run(12)
-    assert isinstance(flock.engine, OfPairs)
+    assert isinstance(flock.engine, PairEngine)
     other = one_by_one(monkeypatch, model, rng=3, **options)
     np.testing.assert_allclose(flock.heading, other.heading, atol=1e-7)
     np.testing.assert_allclose(flock.position, other.position, atol=1e-7)
@@ -194,14 +194,14 @@ def test_threads_that_wait_for_one_that_never_comes_leave_with_nothing_done(monk
     flock = Flock("vem", agents=12_000, size=60.0, eta=0.5, rng=6, threads=2)
     flock.run(1)
     kept = flock.position.copy()
-    call = OfPairs.call
+    call = PairEngine.call
 
     def only_the_helpers(self, context, tick, ticks, work, *rest):
         if threading.current_thread() is threading.main_thread():
             raise KeyboardInterrupt
         return call(self, context, tick, ticks, work, *rest)
 
-    monkeypatch.setattr(OfPairs, "call", only_the_helpers)
+    monkeypatch.setattr(PairEngine, "call", only_the_helpers)
     meeting = flock.engine.meeting
     with pytest.raises(KeyboardInterrupt):
         flock.run(5)
@@ -226,7 +226,7 @@ def too_few(me, other, p):  # noqa: ARG001
 
 @compiled
 def of_one(me, sums, surroundings, p):  # noqa: ARG001
-    return Wish(sums[0], 0.0, 0.0)
+    return Decision(sums[0], 0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -240,6 +240,6 @@ def test_what_is_wrong_with_a_term_is_one_line(monkeypatch, term, reason):
     made = of_pairs(1, term, of_one)
     rule = dataclasses.replace(VEM, name="wrong", weigh=None, **made)
     monkeypatch.setitem(MODELS, "wrong", Model(rule, CONSTANT_SPEED))
-    with pytest.raises(Fault, match=reason) as caught:
+    with pytest.raises(ModelCodeError, match=reason) as caught:
         Flock("wrong", agents=20, rng=1).run(1)
     assert "\n" not in str(caught.value)

@@ -9,7 +9,7 @@ import pytest
 
 from agents import Flock
 from agents.engine.runner import SPLIT_FROM
-from worlds.compiled import Entry
+from worlds.compilation import LoopDispatcher
 
 N = SPLIT_FROM + 1_234
 LATE = {"delay": 2.0}
@@ -56,7 +56,7 @@ def test_models_whose_parameters_have_the_same_names_are_each_called_at_once(mon
     for flock in flocks:
         flock.run(1)
     slow = Mock()
-    monkeypatch.setattr(Entry, "compile", slow)
+    monkeypatch.setattr(LoopDispatcher, "compile", slow)
     for flock in flocks:
         flock.run(1)
     assert not slow.called

@@ -8,11 +8,11 @@ import pytest
 
 from agents import Flock
 from agents.spec import Spec
+from worlds.input_error import InputError
 from worlds.layout import world
 from worlds.mission import Goal, Mission, Path
 from worlds.obstacles import Disc, Wall
 from worlds.queries.clearance import clearance
-from worlds.refusal import Refusal
 from worlds.world import World
 
 
@@ -73,7 +73,7 @@ def test_no_agent_starts_inside_an_obstacle():
 
 def test_a_start_without_room_is_refused_in_one_line():
     full = room(Disc(centre=(5.0, 5.0), radius=9.0))
-    with pytest.raises(Refusal, match=r"agents = 5 do not fit .* outside the obstacles of room"):
+    with pytest.raises(InputError, match=r"agents = 5 do not fit .* outside the obstacles of room"):
         Flock("vem", agents=5, world=full, rng=1)
 
 
@@ -152,7 +152,7 @@ def test_a_change_that_changes_nothing_changes_no_bit():
 
 def test_a_flock_keeps_its_dimensions():
     flock = Flock("hwvem-nav", agents=9, rng=3)
-    with pytest.raises(Refusal, match="2-D flock cannot go on in a 3-D world"):
+    with pytest.raises(InputError, match="2-D flock cannot go on in a 3-D world"):
         flock.change_world(Flock("vem", world="rooms-3d", rng=1).world)
 
 
@@ -188,5 +188,5 @@ def test_the_goal_goes_along_its_route(closed):
 
 
 def test_a_goal_that_is_not_there_is_named():
-    with pytest.raises(Refusal, match="the world 'wrap' has no goal"):
+    with pytest.raises(InputError, match="the world 'wrap' has no goal"):
         Flock("vem", agents=3, rng=1).goal_at([0])

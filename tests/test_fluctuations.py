@@ -13,7 +13,7 @@ from agents import Flock
 from agents.observables.fluctuations import binder, susceptibility
 from agents.observables.order import polarisation
 from agents.series import Follower, follow, needed
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SERIES = st.lists(st.floats(0.0, 1.0), min_size=1, max_size=40)
 
@@ -123,7 +123,7 @@ def test_what_cannot_be_followed_is_refused_before_anything_runs():
         (["polarisation"], -1, 1, "ticks = -1"),
         (["polarisation"], 5, 0, "every = 0"),
     ]:
-        with pytest.raises(Refusal, match=words):
+        with pytest.raises(InputError, match=words):
             follow(flock, ticks, names, every)
     assert flock.tick == 0
 
@@ -131,11 +131,11 @@ def test_what_cannot_be_followed_is_refused_before_anything_runs():
 def test_a_series_has_only_what_was_observed():
     follower = Follower(flock_at_random(), ["groups"])
     follower.look()
-    with pytest.raises(Refusal, match="series of polarisation, which was not observed"):
+    with pytest.raises(InputError, match="series of polarisation, which was not observed"):
         follower.series.over("binder")
-    with pytest.raises(Refusal, match=r"unknown observable over a run 'bindr'.*'binder'"):
+    with pytest.raises(InputError, match=r"unknown observable over a run 'bindr'.*'binder'"):
         follower.series.over("bindr")
-    with pytest.raises(Refusal, match="unknown observable over a run 'groups'"):
+    with pytest.raises(InputError, match="unknown observable over a run 'groups'"):
         follower.series.over("groups")
 
 
@@ -152,5 +152,5 @@ def test_the_vicsek_model_fluctuates_most_where_it_loses_its_order():
 
 
 def test_one_tick_has_no_fluctuations():
-    with pytest.raises(Refusal, match="binder is measured over a run"):
+    with pytest.raises(InputError, match="binder is measured over a run"):
         flock_at_random().observe("binder")

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from worlds.owned import NotOwned, open_in, owned_folder, read_owned, write_owned
+from worlds.owned_files import NotOwned, open_in, owned_folder, read_owned, write_owned
 
 SCRIPT = """
 import os

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from oracles import formation as oracle
 
 from agents.observables import formation
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 far = math.inf
 spans = st.floats(-5.0, 5.0)
@@ -204,5 +204,5 @@ def test_a_v_has_two_arms_at_the_best_spacing():
     ],
 )
 def test_what_cannot_be_is_refused(call, words):
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         call()

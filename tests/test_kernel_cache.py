@@ -107,7 +107,7 @@ def test_kernels_whose_arguments_have_moved_to_another_module_are_compiled_anew(
 
 
 GONE = """
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 @compiled
 def twice(x):

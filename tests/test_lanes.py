@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from agents import Flock
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.lanes import lane_order
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 BOX, OPEN = np.array([40.0, 10.0]), np.array([True, False])
 
@@ -48,7 +48,7 @@ def test_of_few_and_of_what_is_no_crowd():
     nobody = np.empty((0, 2))
     assert lane_order(nobody, nobody, BOX, OPEN) == 0.0
     assert lane_order(np.ones((1, 2)), ways([-1]), BOX, OPEN) == 1.0
-    with pytest.raises(Refusal, match="width = 0"):
+    with pytest.raises(InputError, match="width = 0"):
         lane_order(np.ones((1, 2)), ways([1]), BOX, OPEN, 0.0)
 
 

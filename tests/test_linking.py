@@ -11,8 +11,8 @@ from pathlib import Path
 import numba
 import pytest
 
-from worlds.compiled import compiled, entry, shared
-from worlds.linking import TRIED, LoopLibrary, PartLibrary, module_of, reached
+from worlds.code_libraries import TRIED, LoopLibrary, PartLibrary, module_of, reached
+from worlds.compilation import compiled, entry, shared
 
 ROOT = Path(__file__).parents[1]
 
@@ -61,7 +61,7 @@ def test_a_loop_takes_in_all_that_it_reaches():
 def test_a_part_can_print(tmp_path):
     """In a process of its own: without its environment, it would wait for ever."""
     (tmp_path / "said.py").write_text(
-        "from worlds.compiled import compiled, entry\n"
+        "from worlds.compilation import compiled, entry\n"
         "@compiled\ndef part(x):\n    print('at', x)\n    return x\n"
         "@entry\ndef loop(x):\n    return part(x)\n"
         "loop(3.0)\n"

@@ -23,7 +23,7 @@ from mesa.experimental.continuous_space import ContinuousSpace, ContinuousSpaceA
 from mesa.time import Schedule
 
 from agents import Flock, Member
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SIDE = 4.0
 PLACES = np.array([[0.5, 0.5], [1.0, 0.5], [0.5, 3.9], [3.0, 3.0], [2.0, 1.0], [2.5, 3.5]])
@@ -327,7 +327,7 @@ def test_every_public_name_of_mesa_has_its_check():
 def test_a_flock_is_a_model_in_every_name(name):
     check = MODEL[name]
     if check is REFUSED:
-        with pytest.raises(Refusal, match=rf"{name} .*make a new Flock"):
+        with pytest.raises(InputError, match=rf"{name} .*make a new Flock"):
             getattr(flock(), name)()
     else:
         assert check(flock()) == check(stock())
@@ -418,7 +418,7 @@ def test_reporters_and_values_are_given_as_in_mesa():
     one = flock(model_reporters={"twice": lambda model: 2 * model.tick})
     one.step()
     assert one.datacollector.get_model_vars_dataframe()["twice"].tolist() == [2]
-    with pytest.raises(Refusal, match="a parameter: use"):
+    with pytest.raises(InputError, match="a parameter: use"):
         one.agents.set("speed", 0.0)
 
 
@@ -434,9 +434,9 @@ def test_a_handle_whose_agent_is_gone_says_only_that():
     assert gone.is_gone
     assert "gone" in repr(gone)
     for read in (lambda: gone.position, lambda: gone.heading, gone.step, lambda: gone.row):
-        with pytest.raises(Refusal, match="agent 2 is gone: it left the flock at tick 0"):
+        with pytest.raises(InputError, match="agent 2 is gone: it left the flock at tick 0"):
             read()
-    with pytest.raises(Refusal, match="agent 2 is gone"):
+    with pytest.raises(InputError, match="agent 2 is gone"):
         gone.heading = (0.0, 1.0)
     assert other.position.tolist() == PLACES[2].tolist()
 
@@ -508,7 +508,7 @@ class Handles(RuleBasedStateMachine):
     def save_and_load(self, pickled):
         before, old = self.one, self.plain
         if before._acted:
-            with pytest.raises(Refusal, match="the flock between ticks"):
+            with pytest.raises(InputError, match="the flock between ticks"):
                 self.again(pickled)
             return
         self.one = self.again(pickled)

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist
 
-from agents import Flock, mission
-from agents.mission import SINCE, fly
+from agents import Flock, mission_record
+from agents.mission_record import SINCE, fly
 from agents.observables.following import (
     keep_following,
     least_clearances,
@@ -18,9 +18,9 @@ from agents.observables.following import (
     settling_tick,
     spread_bound,
 )
+from worlds.input_error import InputError
 from worlds.layout import world
 from worlds.queries.clearance import clearance
-from worlds.refusal import Refusal
 
 SCENE = "liu2021-mission"
 
@@ -142,7 +142,7 @@ def test_a_course_says_what_its_positions_say(flight):
 
 def test_no_number_depends_on_the_stretches_or_on_what_is_kept(flight, monkeypatch):
     _, whole = flight
-    monkeypatch.setattr(mission, "CHUNK", 37)
+    monkeypatch.setattr(mission_record, "CHUNK", 37)
     thin = fly(Flock("hwvem-nav", agents=7, world=SCENE, rng=3), 1000, every=10)
     assert thin.position.tobytes() == whole.position[::10].tobytes()
     assert (thin.ticks, thin.arrived) == (whole.ticks, True)
@@ -170,7 +170,7 @@ def test_round_a_closed_path_nobody_arrives():
 def test_a_mission_begins_at_tick_0():
     flock = Flock("hwvem-nav", agents=3, world=SCENE, rng=1)
     flock.run(2)
-    with pytest.raises(Refusal, match="the flock is at tick 2: a mission begins at tick 0"):
+    with pytest.raises(InputError, match="the flock is at tick 2: a mission begins at tick 0"):
         fly(flock, 10)
 
 

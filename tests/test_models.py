@@ -12,8 +12,8 @@ from agents.models.declare import declared
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES, foremost, telling
 from agents.rules import hwvem, olfati_saber
+from worlds.input_error import InputError
 from worlds.layout import world
-from worlds.refusal import Refusal
 
 
 def test_a_body_that_cannot_take_what_the_rule_wishes_is_an_error():
@@ -39,12 +39,14 @@ def test_a_model_may_have_defaults_of_its_own_within_the_ranges_of_its_rule():
     assert (plain["eta"].default, on_mission["eta"].default) == (0.0, 0.1)
     assert plain["eta"].allowed == on_mission["eta"].allowed
     assert Flock("hwvem-nav", rng=1).parameters.eta == 0.1
-    with pytest.raises(Refusal, match="eta = 9 rad is outside"):
+    with pytest.raises(InputError, match="eta = 9 rad is outside"):
         Flock("hwvem-nav", rng=1, eta=9)
 
 
 def test_a_goal_follower_has_no_information_agents():
-    with pytest.raises(Refusal, match="informed = 2 is not allowed: olfati-saber has no informa"):
+    with pytest.raises(
+        InputError, match="informed = 2 is not allowed: olfati-saber has no informa"
+    ):
         Flock("olfati-saber", agents=5, informed=2, rng=1)
 
 
@@ -65,7 +67,9 @@ def test_a_world_may_be_given_as_a_value():
     yard = world("obstacles")
     flock = Flock("reynolds", agents=5, world=yard, rng=1)
     assert flock.world is yard
-    with pytest.raises(Refusal, match="dim = 3 is not allowed: boundary-points is defined in 2-D"):
+    with pytest.raises(
+        InputError, match="dim = 3 is not allowed: boundary-points is defined in 2-D"
+    ):
         Flock("boundary-points", agents=5, world="rooms-3d", rng=1)
 
 
@@ -109,7 +113,7 @@ def test_every_model_tells_numbers_that_its_flocks_have(name):
 
 def test_a_model_that_declares_what_cannot_be_measured_is_refused():
     odd = replace(MODELS["vem"], tells=("polarization",))
-    with pytest.raises(Refusal, match=r"unknown observable 'polarization'.*model vem"):
+    with pytest.raises(InputError, match=r"unknown observable 'polarization'.*model vem"):
         foremost(odd)
 
 

@@ -16,7 +16,7 @@ from agents import Flock, catalogue
 from agents.bodies import constant_speed
 from agents.catalogue import MODELS, Model
 from agents.conformance import outcome
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 PAGE = Path(__file__).parents[1] / "docs" / "new-rule.md"
 
@@ -38,7 +38,7 @@ def test_it_aligns_and_refuses_what_is_out_of_range(fading):
     before = flock.observe("polarisation")
     flock.run(200)
     assert flock.observe("polarisation") > max(0.9, before)
-    with pytest.raises(Refusal, match=r"fade = 9 length is outside \[0.05, 5\]"):
+    with pytest.raises(InputError, match=r"fade = 9 length is outside \[0.05, 5\]"):
         Flock(fading, fade=9)
 
 

@@ -15,7 +15,7 @@ from agents.engine.cache import kept
 from agents.observables.energy import potential
 from agents.rules import olfati_saber as rule
 from agents.rules.terms import sigma
-from worlds.compiled import entry
+from worlds.compilation import entry
 
 CLEAR = 1e-7
 """Cases nearer to a threshold than this are left out: they hang on the last bits."""

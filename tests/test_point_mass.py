@@ -10,10 +10,10 @@ import pytest
 from agents import Flock
 from agents.bodies import point_mass
 from agents.catalogue import MODELS
-from agents.engine.block import Wish
+from agents.engine.block import Decision
 from agents.models.declare import Parameters, Rule, parameter
 from agents.models.model import Model
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
 class Pulled(Parameters):
@@ -27,7 +27,7 @@ class Pulled(Parameters):
 @compiled
 def decide(me, near, surroundings, p):  # noqa: ARG001
     """A spring to the origin, and a constant force along x."""
-    return Wish(p.f - p.k * me.x, -p.k * me.y, -p.k * me.z)
+    return Decision(p.f - p.k * me.x, -p.k * me.y, -p.k * me.z)
 
 
 RULE = Rule("pulled", "Pulled", "Pulled.", "x", "none", Pulled, decide, wish="acceleration")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from agents import Flock
+from worlds.input_error import InputError
 from worlds.layout import world
-from worlds.refusal import Refusal
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ from worlds.refusal import Refusal
     ],
 )
 def test_settings(settings, says):
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         Flock(**{"rng": 1, **settings})
     assert says in str(refused.value)
     assert "\n" not in str(refused.value)
@@ -67,19 +67,19 @@ GOOD = {"position": [[0.5, 0.5], [1.0, 1.0]], "heading": [[1.0, 0.0], [0.0, 1.0]
     ],
 )
 def test_start_arrays(arrays, says):
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         Flock("vem", start={**GOOD, **arrays}, size=3.0, rng=1)
     assert says in str(refused.value)
 
 
 def test_a_start_without_headings():
-    with pytest.raises(Refusal, match="no 'heading'"):
+    with pytest.raises(InputError, match="no 'heading'"):
         Flock("vem", start={"position": [[1.0, 1.0]]}, size=3.0, rng=1)
 
 
 def test_a_refused_change_changes_nothing():
     flock = Flock("hwvem", rng=1, p1=0.3)
-    with pytest.raises(Refusal):
+    with pytest.raises(InputError):
         flock.set(p1=0.5, p2=1e9)
     assert flock.parameters.p1 == 0.3
 
@@ -104,7 +104,7 @@ def test_a_rule_that_gives_no_number_is_named():
 def test_world_files(tmp_path, text, says):
     path = tmp_path / "world.toml"
     path.write_text(text)
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         world(str(path), 2, 1.0)
     assert says in str(refused.value)
     assert "world.toml" in str(refused.value)

@@ -12,8 +12,8 @@ import pytest
 from agents import Flock
 from agents.bodies import constant_speed
 from agents.catalogue import MODELS, Model
-from agents.models.calling import Fault
-from worlds.compiled import compiled
+from agents.models.model_calls import ModelCodeError
+from worlds.compilation import compiled
 
 PAGE = Path(__file__).parents[1] / "docs" / "new-rule.md"
 SUM = "total += h"
@@ -64,7 +64,7 @@ def test_a_fault_is_one_line_with_rule_function_and_line(wrong_rule, right, wron
     flock = Flock("fading", agents=4, size=3.0, rng=1)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        with pytest.raises(Fault) as caught:
+        with pytest.raises(ModelCodeError) as caught:
             flock.run(1)
     text = str(caught.value)
     assert text.startswith(f"rule 'fading', decide, line {line}: ")
@@ -77,7 +77,7 @@ def test_a_fault_is_one_line_with_rule_function_and_line(wrong_rule, right, wron
 def test_a_fault_in_plain_python_is_told_alike_and_keeps_its_traceback(wrong_rule):
     line = wrong_rule("p.fade)", "p.fad)")
     flock = Flock("fading", agents=4, size=3.0, rng=1, interpret=True)
-    with pytest.raises(Fault) as caught:
+    with pytest.raises(ModelCodeError) as caught:
         flock.run(1)
     said = "no parameter 'fad', did you mean 'fade'? (fading.py)"
     assert str(caught.value) == f"rule 'fading', decide, line {line}: {said}"
@@ -94,7 +94,9 @@ def test_a_fault_in_what_only_an_inspection_calls_is_told_too(wrong_rule, monkey
 
     monkeypatch.setitem(MODELS, "fading", Model(replace(right, weigh=weigh), constant_speed.BODY))
     flock = Flock("fading", agents=9, size=1.0, rng=1, interpret=True)
-    with pytest.raises(Fault, match=r"rule 'fading', weigh, line \d+: no parameter 'fad', did you"):
+    with pytest.raises(
+        ModelCodeError, match=r"rule 'fading', weigh, line \d+: no parameter 'fad', did you"
+    ):
         flock.inspect(0)
 
 

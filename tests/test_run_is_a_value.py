@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from agents import Flock, home
+from agents import Flock, flock_world
 from agents.catalogue import MODELS
 from agents.record import Recorder
 from agents.spec import Options, Spec
+from worlds.input_error import InputError
 from worlds.obstacles import Disc
-from worlds.refusal import Refusal
 from worlds.world import World
 
 RUNS = [
@@ -86,7 +86,7 @@ def test_added_and_removed_agents_come_back_from_a_saved_state(tmp_path):
 def test_a_run_from_given_arrays_is_not_begun_from_its_spec():
     start = {"position": [[0.0, 0.0]], "heading": [[1.0, 0.0]]}
     spec = Flock("vem", start=start, size=3.0, rng=1).spec
-    with pytest.raises(Refusal, match="given"):
+    with pytest.raises(InputError, match="given"):
         Flock.from_spec(spec)
 
 
@@ -119,7 +119,7 @@ def test_a_state_whose_spec_leaves_something_open_is_refused(tmp_path):
     table = pq.read_table(tmp_path / "state.parquet")
     meta = table.schema.metadata[b"flockscope"].replace(b"seed = 1\\n", b"")
     pq.write_table(table.replace_schema_metadata({b"flockscope": meta}), tmp_path / "open.parquet")
-    with pytest.raises(Refusal, match=r"seed is missing \(.*open\.parquet\)"):
+    with pytest.raises(InputError, match=r"seed is missing \(.*open\.parquet\)"):
         Flock.load(tmp_path / "open.parquet")
 
 
@@ -130,7 +130,7 @@ def test_a_file_that_is_no_state_is_refused(tmp_path):
     (tmp_path / "text.parquet").write_text("hello")
     pq.write_table(pa.table({"tick": [1]}), tmp_path / "other.parquet")
     for name in ("text.parquet", "other.parquet", "missing.parquet"):
-        with pytest.raises(Refusal, match=name):
+        with pytest.raises(InputError, match=name):
             Flock.load(tmp_path / name)
 
 
@@ -142,7 +142,7 @@ def test_a_state_with_a_number_that_is_none_is_refused(tmp_path):
     table = pq.read_table(tmp_path / "state.parquet")
     broken = table.set_column(2, "x", [[float("nan")] * 5])
     pq.write_table(broken.replace_schema_metadata(table.schema.metadata), tmp_path / "nan.parquet")
-    with pytest.raises(Refusal, match="finite"):
+    with pytest.raises(InputError, match="finite"):
         Flock.load(tmp_path / "nan.parquet")
 
 
@@ -157,7 +157,7 @@ def test_a_state_with_a_number_that_is_none_is_refused(tmp_path):
     ],
 )
 def test_a_spec_that_is_wrong_is_named(text, says):
-    with pytest.raises(Refusal, match=says):
+    with pytest.raises(InputError, match=says):
         Spec.from_toml(text, "file.toml")
 
 
@@ -167,7 +167,7 @@ def test_an_option_that_no_model_knows_of_stays_open(monkeypatch):
     class MoreOptions(Options):
         extra_option: int | None = None
 
-    monkeypatch.setattr(home, "Options", MoreOptions)
+    monkeypatch.setattr(flock_world, "Options", MoreOptions)
     monkeypatch.setattr(Spec, "extra_option", None, raising=False)
-    spec = home.at_home(Spec("vem"), MODELS["vem"])
+    spec = flock_world.at_home(Spec("vem"), MODELS["vem"])
     assert (spec.agents, spec.extra_option) == (MODELS["vem"].agents, None)

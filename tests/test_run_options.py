@@ -31,8 +31,8 @@ from agents import Flock
 from app.cli.main import load
 from app.experiments.file import Row, Sweep
 from app.viewer.lab.panels.setup import SetupPanel
-from app.viewer.run.home import at_home
-from app.viewer.run.state import State
+from app.viewer.run.run_preset import at_home
+from app.viewer.run.simulation_state import State
 
 OPTIONS, Spec = spec.OPTIONS, spec.Spec
 assert {{"gait", "loud", "activation", "agents"}} <= OPTIONS.keys()

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from agents import Flock
+from agents.observables.array_checks import OmittedRowsWarning
 from agents.observables.catalogue import OBSERVABLES
-from agents.observables.checks import LeftOut
 from agents.record import Recorder
 from agents.recording import Recording
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def test_a_snapshot_stays_and_shares_nothing_with_the_flock():
@@ -61,7 +61,7 @@ def test_those_that_have_crashed_are_not_measured_but_known():
 def test_agents_that_are_no_numbers_are_left_out_with_a_warning():
     flock = Flock("vem", agents=5, rng=2)
     flock.heading[2] = np.nan
-    with pytest.warns(LeftOut, match="1"):
+    with pytest.warns(OmittedRowsWarning, match="1"):
         assert flock.snapshot().measurable().ids.tolist() == np.delete(flock.ids, 2).tolist()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -71,9 +71,9 @@ def test_agents_that_are_no_numbers_are_left_out_with_a_warning():
 def test_signals_are_in_a_snapshot_that_was_taken_with_them():
     flock = Flock("hwvem", agents=20, rng=3)
     flock.run(2)
-    with pytest.raises(Refusal, match="layer is not in this snapshot"):
+    with pytest.raises(InputError, match="layer is not in this snapshot"):
         flock.snapshot().signal("layer")
-    with pytest.raises(Refusal, match="unknown signal"):
+    with pytest.raises(InputError, match="unknown signal"):
         flock.snapshot().signal("mood")
     assert np.array_equal(flock.snapshot(signals=True).signal("layer"), flock.signal("layer"))
 

@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from agents import Flock
 from agents.catalogue import MODELS
 from agents.models.declare import declared
+from worlds.input_error import InputError
 from worlds.obstacles import Box, Disc, Polygon, Prism, Sphere, Wall
 from worlds.queries.clearance import clearance
-from worlds.queries.outlines import outlines
-from worlds.refusal import Refusal
+from worlds.queries.solid_outlines import outlines
 from worlds.world import World
 
 TICKS, OF_CARS = 500, 200
@@ -108,7 +108,7 @@ def flock_that_fits(name, world, seed, parameters):
     """The flock, or None if it is refused with the number that fits."""
     try:
         return Flock(name, agents=AGENTS, world=world, rng=seed, **parameters)
-    except Refusal as refusal:
+    except InputError as refusal:
         if not re.search(r"do not fit .*: (\d+ fit|1 fits|not even one fits)$", str(refusal)):
             raise
         return None
@@ -246,14 +246,14 @@ def test_any_number_of_threads_gives_the_same_bits():
 
 def test_a_flock_that_does_not_fit_is_refused_with_the_number_that_does():
     closet = World("closet", (1.0, 1.0), ("solid", "solid"))
-    with pytest.raises(Refusal, match=r"agents = 50 do not fit .*: \d+ fit") as refused:
+    with pytest.raises(InputError, match=r"agents = 50 do not fit .*: \d+ fit") as refused:
         Flock("boundary-points", agents=50, world=closet, rng=1, spacing=0.2)
     number = int(str(refused.value).split(": ")[-1].split()[0])
     assert number > 5
     assert (
         len(Flock("boundary-points", agents=number, world=closet, rng=1, spacing=0.2).ids) == number
     )
-    with pytest.raises(Refusal, match=r"0\.5 from them: not even one fits"):
+    with pytest.raises(InputError, match=r"0\.5 from them: not even one fits"):
         Flock("boundary-points", agents=3, world=closet, rng=1, p_max=25.0)
 
 
@@ -294,7 +294,7 @@ def test_settings_that_let_agents_through_are_said():
 def test_a_given_place_where_no_agent_can_be_is_refused(world, place, words):
     start = {"position": [(1.0, 1.0), place], "heading": [(1.0, 0.0)] * 2}
     size = None if world is OFFICE else 10.0
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         Flock("vem", start=start, world=world, size=size, rng=1)
 
 

@@ -10,12 +10,12 @@ import pytest
 from agents import Flock
 from agents.bodies import constant_speed, point_mass
 from agents.catalogue import MODELS
-from agents.engine.block import Wish, adjacent
+from agents.engine.block import Decision, adjacent
 from agents.models.declare import Parameters, Rule, parameter
 from agents.models.model import Model
 from agents.rules.terms.sums import mean_heading, sum_of
 from agents.rules.vicsek import Vicsek
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 START = {
     "position": [[1.0, 1.0], [1.4, 1.0], [1.0, 1.8], [5.0, 5.0]],
@@ -42,14 +42,14 @@ class Springs(Parameters):
 def pull(me, near, j, p):
     """k (x_j - x_i)."""
     h = p.k * adjacent(me, near, j, p.r)
-    return Wish(h * (near.x[j] - me.x), h * (near.y[j] - me.y), h * (near.z[j] - me.z))
+    return Decision(h * (near.x[j] - me.x), h * (near.y[j] - me.y), h * (near.z[j] - me.z))
 
 
 @compiled
 def likeness(me, near, j, p):
     """c (u_j - u_i)."""
     h = p.c * adjacent(me, near, j, p.r)
-    return Wish(h * (near.ux[j] - me.ux), h * (near.uy[j] - me.uy), h * (near.uz[j] - me.uz))
+    return Decision(h * (near.ux[j] - me.ux), h * (near.uy[j] - me.uy), h * (near.uz[j] - me.uz))
 
 
 @pytest.fixture

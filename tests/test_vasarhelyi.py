@@ -12,7 +12,7 @@ from oracles.scenes import unit_vectors
 
 from agents import Flock
 from agents.rules.vasarhelyi import braking
-from worlds.compiled import entry
+from worlds.compilation import entry
 from worlds.obstacles import Disc, Polygon, Sphere
 from worlds.queries.clearance import clearance
 from worlds.world import World

@@ -10,7 +10,7 @@ import pytest
 from agents import Flock
 from agents.conditions import Conditions, Wind
 from agents.spec import Spec
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 ALONE = {"position": [[5.0, 5.0]], "heading": [[1.0, 0.0]]}
 
@@ -127,7 +127,7 @@ def test_nobody_is_blown_into_what_is_solid(model):
     "wrong", [{"wind": -1.0}, {"gust_time": 0.0}, {"wind_heading": 400.0}, {"pulse": math.inf}]
 )
 def test_what_cannot_be_is_one_line(wrong):
-    with pytest.raises(Refusal, match=f"{next(iter(wrong))} = .* is not allowed: a number in"):
+    with pytest.raises(InputError, match=f"{next(iter(wrong))} = .* is not allowed: a number in"):
         Spec("vem", **wrong)
 
 

@@ -22,7 +22,7 @@ from agents.observables import (
 )
 from agents.observables.components import groups_within
 from tests.left_out import quietly
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 P = model("boundary-points").parameters()
 U = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
@@ -96,7 +96,7 @@ WRONG = {
 @pytest.mark.parametrize("name", WRONG)
 def test_what_is_not_as_described_is_refused_in_one_line(name):
     call, words = WRONG[name]
-    with pytest.raises(Refusal, match=words) as said:
+    with pytest.raises(InputError, match=words) as said:
         quietly(call)
     assert "\n" not in str(said.value)
 

@@ -10,8 +10,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 import shapely
 
+from worlds.input_error import InputError
 from worlds.queries.clearance import clearance
-from worlds.refusal import Refusal
 from worlds.world import World
 
 LEG_STEPS = 1000
@@ -33,10 +33,10 @@ class Problem(NamedTuple):
 
 
 def demand_sound(world: World) -> None:
-    """Raise Refusal naming the first error in a world; warnings pass."""
+    """Raise InputError naming the first error in a world; warnings pass."""
     for problem in problems(world):
         if problem.severity == "error":
-            raise Refusal(f"{problem.text} ({world.name})")
+            raise InputError(f"{problem.text} ({world.name})")
 
 
 def problems(world: World) -> list[Problem]:
@@ -190,7 +190,7 @@ def spot(place: tuple[float, ...]) -> str:
 
 
 def demand_in_box(world: World, position: np.ndarray, passing: bool = False) -> None:
-    """Raise Refusal for the first of the places (N, dim) beyond an edge that wraps or is solid.
+    """Raise InputError for the first of the places (N, dim) beyond an edge that wraps or is solid.
 
     An edge that wraps does not fold what is given; beyond an open one agents may be, and beyond a
     solid one those that go through what is solid (`passing`).
@@ -205,7 +205,7 @@ def demand_in_box(world: World, position: np.ndarray, passing: bool = False) -> 
         if beyond.any():
             row = int(np.argmax(beyond))
             end = ")" if edge == "wrap" else "]"
-            raise Refusal(
+            raise InputError(
                 f"position of row {row} is {position[row].tolist()}: {'xyz'[axis]} = "
                 f"{position[row, axis]:g} is outside [{low:g}, {high:g}{end}, the box of "
                 f"{world.name}, whose edges there are {'wrapping' if edge == 'wrap' else 'solid'}"
@@ -213,13 +213,14 @@ def demand_in_box(world: World, position: np.ndarray, passing: bool = False) -> 
 
 
 def demand_free(world: World, position: np.ndarray) -> None:
-    """Raise Refusal for the first of the places (N, dim) that is inside an obstacle, naming it."""
+    """Raise InputError for the first of the places (N, dim) that is inside an obstacle, naming
+    it."""
     if not world.obstacles:
         return
     inside = clearance(world, position) < 0.0
     if inside.any():
         row = int(np.argmax(inside))
-        raise Refusal(
+        raise InputError(
             f"position of row {row} is {position[row].tolist()}: that is inside "
             f"{obstacle_at(world, position[row])} of {world.name}, and agents start outside"
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def install(extra: str) -> str:
@@ -22,7 +22,7 @@ def install(extra: str) -> str:
 def demand(package: str, purpose: str, extra: str) -> None:
     """Refuse with one line what needs a package that is not installed."""
     if find_spec(package) is None:
-        raise Refusal(
+        raise InputError(
             f"{purpose} needs the package {package}, which is not installed: {install(extra)}"
         )
 

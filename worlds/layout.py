@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from worlds.checks import demand_sound
-from worlds.counting import counted
 from worlds.generators.random_obstacles import random_obstacles
+from worlds.input_error import BREAKS, InputError, shortened, unknown
 from worlds.mission import mission
+from worlds.number_text import counted
 from worlds.obstacles import obstacle
 from worlds.plug_ins import plug_ins
-from worlds.reading import read_text, toml
-from worlds.refusal import BREAKS, Refusal, shortened, unknown
+from worlds.text_file import read_text, toml
 from worlds.world import BOUNDARY_SPACING, DISTANCES, World, box, edges_of
 
 DRAWINGS = (".dxf", ".geojson", ".json", ".wkt")
@@ -62,18 +62,18 @@ def layout_names() -> list[str]:
 def read_layout(name: str) -> dict[str, Any]:
     """The text of a built-in layout or of a TOML file, as a dictionary.
 
-    Raises Refusal for an unknown name, a missing file or a file that is not TOML.
+    Raises InputError for an unknown name, a missing file or a file that is not TOML.
     """
     return deepcopy(shared_layout(name))
 
 
 def shared_layout(name: str) -> dict[str, Any]:
-    """What `read_layout` copies, for who does not change it. Raises Refusal."""
+    """What `read_layout` copies, for who does not change it. Raises InputError."""
     if name in BROUGHT:
         return BROUGHT[name]
     if Path(name).suffix.lower() in DRAWINGS:
         again = f"{shlex.quote(name)} --out {shlex.quote(Path(name).stem + '.toml')}"
-        raise Refusal(
+        raise InputError(
             f"world {name!r} is a drawing: `flockscope world import {again}` makes a layout of it"
         )
     if name not in BUILT_IN and not name.endswith(".toml"):
@@ -91,7 +91,7 @@ def built_in(name: str) -> dict[str, Any]:
 
 
 def layout_dim(name: str) -> int | None:
-    """The dimension that a layout is written in, None where it fits both. Raises Refusal."""
+    """The dimension that a layout is written in, None where it fits both. Raises InputError."""
     return own_dim(shared_layout(name), name)
 
 
@@ -103,7 +103,7 @@ def world(
 ) -> World:
     """The world of a layout (a built-in name or a TOML file), sound.
 
-    See `world_from_layout`. Raises Refusal, also for the first error that `worlds.checks` finds.
+    See `world_from_layout`. Raises InputError, also for the first error that `worlds.checks` finds.
     """
     found = world_from_layout(shared_layout(name), name, dim, size, unsized)
     demand_sound(found)
@@ -123,13 +123,13 @@ def world_from_layout(
     its box and obstacles reach from z = 0 to `height`. `size` is one length for all sides or one
     per axis, each > 0; by default the layout's own, or `unsized(dim)`. It cannot be changed in a
     layout with obstacles. Random obstacles are not drawn yet, see `worlds.generators.drawn`.
-    Raises Refusal.
+    Raises InputError.
     """
     return Layout(name, layout).world(dim, size, unsized)
 
 
 def own_dim(layout: Mapping[str, Any], name: str) -> int | None:
-    """The dimension that a layout is written in, None where it fits both. Raises Refusal."""
+    """The dimension that a layout is written in, None where it fits both. Raises InputError."""
     return Layout(name, layout).own_dim()
 
 
@@ -146,18 +146,18 @@ class Layout:
         size: float | Sequence[float] | None,
         unsized: Callable[[int], float] | None,
     ) -> World:
-        """See `world_from_layout`. Raises Refusal."""
+        """See `world_from_layout`. Raises InputError."""
         for key in self.keys:
             if key not in KEYS:
                 raise unknown("key", key, KEYS, self.name)
         own = self.own_dim()
         dim = (own or 2) if dim is None else dim
         if dim not in (2, 3):
-            raise Refusal(
+            raise InputError(
                 f"dim = {dim!r} is not allowed: a world has 2 or 3 dimensions ({self.name})"
             )
         if own == 3 and dim == 2:
-            raise Refusal(f"dim = 2 is not allowed: the world {self.name} has 3 dimensions")
+            raise InputError(f"dim = 2 is not allowed: the world {self.name} has 3 dimensions")
         stands = own == 2 and dim == 3
         edges = self.edges(dim, stands)
         distance = self.keys.get("distance", "nearest-image")
@@ -191,17 +191,17 @@ class Layout:
         )
 
     def own_dim(self) -> int | None:
-        """The dimension that it is written in, None where it fits both. Raises Refusal."""
+        """The dimension that it is written in, None where it fits both. Raises InputError."""
         dim = self.keys.get("dim")
         if dim is not None and (isinstance(dim, bool) or dim not in (2, 3)):
-            raise Refusal(
+            raise InputError(
                 f"dim = {dim!r} is not allowed: a world has 2 or 3 dimensions ({self.name})"
             )
         for key in ("size", "low"):
             value = self.keys.get(key)
             if isinstance(value, list):
                 if dim is not None and len(value) != dim:
-                    raise Refusal(
+                    raise InputError(
                         f"{key} = {value} has {counted(len(value), 'number')}, not {dim} "
                         f"({self.name})"
                     )
@@ -210,7 +210,7 @@ class Layout:
         return len(edges) if dim is None and isinstance(edges, list) and len(edges) == 2 else dim
 
     def edges(self, dim: int, stands: bool) -> tuple[str, ...]:
-        """What the edge of each axis does. Raises Refusal.
+        """What the edge of each axis does. Raises InputError.
 
         Of a flat layout that stands up, floor and ceiling are as the sides are, or solid if these
         differ.
@@ -221,59 +221,61 @@ class Layout:
         return edges_of(given, dim, self.name)
 
     def size(self, dim: int, size, unsized, height: float, fixed: bool):
-        """The sides of the box, (dim,) of lengths. Raises Refusal."""
+        """The sides of the box, (dim,) of lengths. Raises InputError."""
         own: Any = self.keys.get("size")
         if own is not None:
             own = box(len(own) if isinstance(own, list) else dim, own)
             if len(own) < dim:
                 own = (*own, height or 0.1 * max(own))
         if own is None and fixed:
-            raise Refusal(f"the world {self.name} has obstacles but no size")
+            raise InputError(f"the world {self.name} has obstacles but no size")
         if size is None:
             if own is None and unsized is None:
-                raise Refusal(f"the world {self.name} has no size of its own: give one")
+                raise InputError(f"the world {self.name} has no size of its own: give one")
             return own if own is not None or unsized is None else box(dim, unsized(dim))
         given = box(dim, size)
         if fixed and given != own:
-            raise Refusal(
+            raise InputError(
                 f"size = {size} is not allowed: the world {self.name} has obstacles, "
                 f"its size is {list(own)}"
             )
         return given
 
     def tables(self, key: str) -> list[Any]:
-        """A list of tables in it, [[key]] in TOML. Raises Refusal."""
+        """A list of tables in it, [[key]] in TOML. Raises InputError."""
         value = self.keys.get(key, [])
         if not isinstance(value, list | tuple):
-            raise Refusal(f"{key} is not a list of tables: write [[{key}]] ({self.name})")
+            raise InputError(f"{key} is not a list of tables: write [[{key}]] ({self.name})")
         return list(value)
 
     def line(self, key: str) -> str:
-        """A text of one line in it, by default empty. Raises Refusal."""
+        """A text of one line in it, by default empty. Raises InputError."""
         value = self.keys.get(key, "")
         if not isinstance(value, str) or BREAKS.search(value):
-            raise Refusal(
+            raise InputError(
                 f"{key} = {shortened(value)} is not allowed: one line of text ({self.name})"
             )
         return value
 
     def length(self, key: str, default: float) -> float:
-        """A length > 0 in it. Raises Refusal."""
+        """A length > 0 in it. Raises InputError."""
         value = self.keys.get(key, default)
         if value is default:
             return default
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < 1e9:
-            raise Refusal(f"{key} = {value!r} is not allowed: a length in (0, 1e9) ({self.name})")
+            raise InputError(
+                f"{key} = {value!r} is not allowed: a length in (0, 1e9) ({self.name})"
+            )
         return float(value)
 
     def corner(self, values: Any, dim: int) -> tuple[float, ...]:
-        """The lower corner of a box. Raises Refusal."""
+        """The lower corner of a box. Raises InputError."""
         good = isinstance(values, list | tuple) and len(values) == dim
         for value in values if good else ():
             number = isinstance(value, int | float) and not isinstance(value, bool)
             good = good and number and -1e9 < value < 1e9
         if not good:
-            raise Refusal(
+            raise InputError(
                 f"low = {values!r} is not allowed: {dim} numbers in (-1e9, 1e9) ({self.name})"
             )
         return tuple(float(value) for value in values)

@@ -7,7 +7,7 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 LIMITS = (
     Path("/sys/fs/cgroup/memory.max"),
@@ -29,10 +29,10 @@ def memory() -> float:
 
 
 def demand_memory(what: str, needed: float) -> None:
-    """Refuse what needs more bytes than there are; `what` names it. Raises Refusal."""
+    """Refuse what needs more bytes than there are; `what` names it. Raises InputError."""
     there = memory()
     if needed > there:
-        raise Refusal(
+        raise InputError(
             f"{what} is not allowed: about {in_words(needed)} of memory would be needed, this "
             f"machine has {in_words(there)}"
         )

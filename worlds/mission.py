@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from worlds.refusal import Refusal, first_refusal, unknown
+from worlds.input_error import InputError, first_refusal, unknown
 
 Length = Annotated[float, Field(strict=True, gt=0.0, lt=1e9)]
 Distance = Annotated[float, Field(strict=True, ge=0.0, lt=1e9)]
@@ -17,13 +17,13 @@ Point = tuple[Number, Number] | tuple[Number, Number, Number]
 Points = Annotated[tuple[Point, ...], Field(min_length=1)]
 
 
-class Part(BaseModel):
+class MissionPart(BaseModel):
     """What the parts of a mission have in common."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class StartRegion(Part):
+class StartRegion(MissionPart):
     """The box in which a flock starts: [low, high], or a cube from `low` of a given density."""
 
     low: Point
@@ -59,7 +59,7 @@ class StartRegion(Part):
         return self
 
 
-class Path(Part):
+class Path(MissionPart):
     """The way of the information agents; after the last waypoint they go straight on."""
 
     waypoints: Points
@@ -74,7 +74,7 @@ class Path(Part):
         return self
 
 
-class Goal(Part):
+class Goal(MissionPart):
     """What all agents seek, the gamma agent: at rest, or on its way along a route."""
 
     route: Points
@@ -89,7 +89,7 @@ class Goal(Part):
         return self
 
 
-class Mission(Part):
+class Mission(MissionPart):
     """What a flock is to do in a world; each part may be left out."""
 
     start: StartRegion | None = None
@@ -147,10 +147,10 @@ def raised(points: tuple[tuple[float, ...], ...], z: float) -> tuple[tuple[float
 def mission(values: Mapping[str, Any], origin: str = "") -> Mission:
     """The mission that the table of a layout describes.
 
-    Raises Refusal naming the key and the value; `origin` says where it came from.
+    Raises InputError naming the key and the value; `origin` says where it came from.
     """
     if not isinstance(values, Mapping):
-        raise Refusal(f"mission = {values!r} is not a table of keys ({origin})")
+        raise InputError(f"mission = {values!r} is not a table of keys ({origin})")
     for key in values:
         if key not in Mission.model_fields:
             raise unknown("key", f"mission.{key}", [f"mission.{k}" for k in Mission.model_fields])

@@ -24,7 +24,7 @@ from pydantic import (
     model_validator,
 )
 
-from worlds.refusal import Refusal, first_refusal, unknown
+from worlds.input_error import InputError, first_refusal, unknown
 
 SEGMENTS = 128
 """Straight edges that a full turn of a curve is drawn with."""
@@ -153,13 +153,13 @@ class Shape(BaseModel):
     def resized(self, **wanted: float) -> Any:
         """The obstacle with other measures, about its anchor.
 
-        Raises Refusal for a measure that it does not have.
+        Raises InputError for a measure that it does not have.
         """
         now = self.measures()
         for name in wanted:
             if name not in now:
                 kind = getattr(self, "shape", "obstacle")
-                raise Refusal(f"a {kind} has no {name} (known: {', '.join(now)})")
+                raise InputError(f"a {kind} has no {name} (known: {', '.join(now)})")
         return self._resized(now | wanted)
 
     def _resized(self, measures: dict[str, float]) -> Any:
@@ -515,15 +515,15 @@ ADAPTER: TypeAdapter[Any] = TypeAdapter(Obstacle)
 def obstacle(values: Mapping[str, Any], origin: str = "") -> Any:
     """The obstacle that a table of a layout describes, chosen by its key `shape`.
 
-    Raises Refusal naming the obstacle, the key and the value; `origin` says where it came from.
+    Raises InputError naming the obstacle, the key and the value; `origin` says where it came from.
 
     >>> obstacle({"shape": "disc", "centre": [2, 3], "radius": 0.5}).footprint().bounds
     (1.5, 2.5, 2.5, 3.5)
     """
     if not isinstance(values, Mapping):
-        raise Refusal(f"obstacle = {values!r} is not a table of keys ({origin})")
+        raise InputError(f"obstacle = {values!r} is not a table of keys ({origin})")
     if "shape" not in values:
-        raise Refusal(f"obstacle {dict(values)} has no shape (known: {', '.join(SHAPES)})")
+        raise InputError(f"obstacle {dict(values)} has no shape (known: {', '.join(SHAPES)})")
     if values["shape"] not in SHAPES:
         raise unknown("shape", values["shape"], SHAPES, origin)
     label = repr(values["name"]) if values.get("name") else values["shape"]

@@ -10,10 +10,10 @@ import numpy as np
 import tomlkit
 from pydantic import BaseModel
 
-from worlds.counting import counted
+from worlds.input_error import InputError, shortened, unknown
 from worlds.mission import Mission
+from worlds.number_text import counted
 from worlds.obstacles import Obstacle, Union
-from worlds.refusal import Refusal, shortened, unknown
 
 EDGES = ("wrap", "open", "solid")
 """What an edge does: agents that leave come in on the other side, or go on for ever, or cannot."""
@@ -48,7 +48,7 @@ class World:
 
     `distance` is "nearest-image" where agents see each other across a wrapping seam, which is the
     right physics, and "plain" where they do not, which is what reproduces the tables of Liu et al.
-    2021. Raises Refusal if an axis wraps whose lower end is not 0.
+    2021. Raises InputError if an axis wraps whose lower end is not 0.
     """
 
     name: str
@@ -77,7 +77,7 @@ class World:
             object.__setattr__(self, "low", (0.0,) * self.dim)
         for axis, edge in enumerate(self.edges):
             if edge == "wrap" and self.low[axis] != 0.0:
-                raise Refusal(
+                raise InputError(
                     f"low = {list(self.low)} is not allowed: axis {'xyz'[axis]} wraps and begins "
                     f"at 0 ({self.name})"
                 )
@@ -149,11 +149,11 @@ def as_table(value: Any) -> Any:
 
 
 def edges_of(given: str | Sequence[str], dim: int, origin: str) -> tuple[str, ...]:
-    """What the edge of each axis does, of one word for all or one per axis. Raises Refusal."""
+    """What the edge of each axis does, of one word for all or one per axis. Raises InputError."""
     edges = (given,) * dim if isinstance(given, str) else tuple(given)
     if len(edges) != dim:
         axes = counted(len(edges), "axis", "axes")
-        raise Refusal(f"edges = {list(edges)} names {axes}, the world has {dim} ({origin})")
+        raise InputError(f"edges = {list(edges)} names {axes}, the world has {dim} ({origin})")
     for edge in edges:
         if edge not in EDGES:
             raise unknown("edge", edge, EDGES, origin)
@@ -161,17 +161,19 @@ def edges_of(given: str | Sequence[str], dim: int, origin: str) -> tuple[str, ..
 
 
 def box(dim: int, size: float | Sequence[float]) -> tuple[float, ...]:
-    """The sides of a box, one per axis. Raises Refusal if a side is not a length > 0."""
+    """The sides of a box, one per axis. Raises InputError if a side is not a length > 0."""
     sides = (size,) * dim if np.isscalar(size) else tuple(np.asarray(size, object).ravel().tolist())
     if len(sides) != dim:
-        raise Refusal(f"size = {size} has {counted(len(sides), 'side')}, a {dim}-D world has {dim}")
+        raise InputError(
+            f"size = {size} has {counted(len(sides), 'side')}, a {dim}-D world has {dim}"
+        )
     for side in sides:
         if (
             isinstance(side, bool)
             or not isinstance(side, int | float | np.number)
             or not 0.0 < side < 1e9
         ):
-            raise Refusal(
+            raise InputError(
                 f"size = {shortened(side)} is not allowed: a side is a length in (0, 1e9)"
             )
     return tuple(float(side) for side in sides)

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Moved
+from agents.engine.block import BodyMove
 from agents.engine.noise import cos_sin, log, normal, uniform
 from agents.models.declare import Body, Parameters, parameter
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 TURN, KICK = 4, 6
 """Draws of the body's own noise: two for the heading, two for each axis of the position."""
@@ -99,7 +99,7 @@ def move(me, near, surroundings, want, p, out):
         length = math.sqrt(ux * ux + uy * uy + uz * uz)
         ux, uy, uz = ux / length, uy / length, uz / length
     speed = math.sqrt(want.x * want.x + want.y * want.y + want.z * want.z)
-    return Moved(x, y, z, ux, uy, uz, speed)
+    return BodyMove(x, y, z, ux, uy, uz, speed)
 
 
 BODY = Body(

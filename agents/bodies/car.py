@@ -25,10 +25,10 @@ from agents.bodies.cars.signals import (
     WORDS,
 )
 from agents.bodies.tracking import Tracking
-from agents.engine.block import Moved
+from agents.engine.block import BodyMove
 from agents.models.declare import Body, Rule, Vehicle, parameter
 from agents.models.model import Model
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 CRASHES = 1.0
 """`contact` as compiled code has it."""
@@ -229,7 +229,7 @@ def move(me, near, surroundings, want, p, out):
     out[base + STEERING] = steering
     out[base + PACE] = speed
     out[base + STOPS] = stops
-    return Moved(x, y, me.z, ux, uy, 0.0, speed)
+    return BodyMove(x, y, me.z, ux, uy, 0.0, speed)
 
 
 @compiled

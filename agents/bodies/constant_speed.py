@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from agents.engine.block import Moved
+from agents.engine.block import BodyMove
 from agents.models.declare import Body, Parameters, parameter
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
 class ConstantSpeed(Parameters):
@@ -26,7 +26,7 @@ class ConstantSpeed(Parameters):
 @compiled
 def move(me, near, surroundings, want, p, out):
     """x(k+1) = x(k) + v0 u(k+1): (7) and (8)."""
-    return Moved(
+    return BodyMove(
         me.x + p.v0 * want.x,
         me.y + p.v0 * want.y,
         me.z + p.v0 * want.z,

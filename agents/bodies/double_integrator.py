@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Moved
+from agents.engine.block import BodyMove
 from agents.models.declare import Body, Parameters, parameter
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
 class DoubleIntegrator(Parameters):
@@ -70,11 +70,11 @@ def move(me, near, surroundings, want, p, out):
     vz = me.speed * me.uz + h * want.z
     speed = math.sqrt(vx * vx + vy * vy + vz * vz)
     if speed == 0.0:
-        return Moved(me.x, me.y, me.z, me.ux, me.uy, me.uz, 0.0)
+        return BodyMove(me.x, me.y, me.z, me.ux, me.uy, me.uz, 0.0)
     ux, uy, uz = vx / speed, vy / speed, vz / speed
     speed = min(speed, p.p_max)
     way = h * speed
-    return Moved(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, speed)
+    return BodyMove(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, speed)
 
 
 BODY = Body(

@@ -12,10 +12,10 @@ import math
 from typing import Any
 
 from agents.bodies.guard import guarded
-from agents.engine.block import Moved
+from agents.engine.block import BodyMove
 from agents.models.declare import Body, Parameters, Rule, declared, parameter
 from agents.models.model import Model
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 from worlds.queries.surroundings import nearest_surface
 
 
@@ -119,8 +119,8 @@ def move(me, near, surroundings, want, p, out):
     x, y, z = me.x + p.dt * vx, me.y + p.dt * vy, me.z + p.dt * vz
     speed = math.sqrt(vx * vx + vy * vy + vz * vz)
     if speed == 0.0:
-        return Moved(x, y, z, me.ux, me.uy, me.uz, 0.0)
-    return Moved(x, y, z, vx / speed, vy / speed, vz / speed, speed)
+        return BodyMove(x, y, z, me.ux, me.uy, me.uz, 0.0)
+    return BodyMove(x, y, z, vx / speed, vy / speed, vz / speed, speed)
 
 
 @compiled

@@ -12,9 +12,9 @@ import numpy as np
 
 from agents.bodies.turning import towards
 from agents.bodies.upwash import saved
-from agents.engine.block import Moved
+from agents.engine.block import BodyMove
 from agents.models.declare import Body, Parameters, parameter
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 from worlds.queries.crossing import skin
 from worlds.queries.surroundings import signed_distance
 
@@ -160,7 +160,7 @@ def move(me, near, surroundings, want, p, out):
     step = p.a_max * p.tau
     speed = me.speed + min(max(aim - me.speed, -step), step)
     d = speed * p.tau
-    return Moved(me.x + d * ux, me.y + d * uy, me.z + d * uz, ux, uy, uz, speed)
+    return BodyMove(me.x + d * ux, me.y + d * uy, me.z + d * uz, ux, uy, uz, speed)
 
 
 @compiled

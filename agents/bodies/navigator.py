@@ -10,11 +10,11 @@ from __future__ import annotations
 import math
 
 from agents.bodies.guard import guarded
-from agents.engine.block import Moved, Wish
+from agents.engine.block import BodyMove, Decision
 from agents.models.declare import Body, Parameters, Rule, parameter
 from agents.models.model import Model
-from agents.models.tries import Proof, Try
-from worlds.compiled import compiled
+from agents.models.tries import LessonCheck, LessonStep
+from worlds.compilation import compiled
 from worlds.queries.surroundings import nearest_surface
 
 HEARD, AVOIDS = 1.0, 0.0
@@ -146,7 +146,7 @@ def along(want, at, x, y, z, me, p):
         length = math.sqrt(tx * tx + ty * ty)
         if length < 1e-9:
             tx, length = 1.0, 1.0
-    return Wish(tx / length, ty / length, tz / length), AVOIDS
+    return Decision(tx / length, ty / length, tz / length), AVOIDS
 
 
 @compiled
@@ -190,7 +190,7 @@ def move(me, near, surroundings, want, p, out):
     if me.informed:
         out[last] = HEARD
         v = p.v0
-        return Moved(
+        return BodyMove(
             me.x + v * want.x, me.y + v * want.y, me.z + v * want.z, want.x, want.y, want.z, v
         )
     at = nearest_surface(surroundings, me.x, me.y, me.z)
@@ -206,7 +206,7 @@ def move(me, near, surroundings, want, p, out):
     if p.guard > 0.0 and at.distance <= p.r_avoid:
         vx, vy, vz = guarded(surroundings, at, me, vx, vy, vz, p.r_avoid)
     speed = math.sqrt(vx * vx + vy * vy + vz * vz)
-    return Moved(me.x + vx, me.y + vy, me.z + vz, u.x, u.y, u.z, speed)
+    return BodyMove(me.x + vx, me.y + vy, me.z + vz, u.x, u.y, u.z, speed)
 
 
 @compiled
@@ -236,24 +236,24 @@ BODY = Body(
 
 
 TRIES = (
-    Try(
+    LessonStep(
         "Let UAVs repel each other only within 0.3.",
         "They close up, to about 0.3 from each other, and go on with the mission.",
         {"r_rep": 0.3},
-        Proof("nearest-neighbour", "below", 0.35, 300),
+        LessonCheck("nearest-neighbour", "below", 0.35, 300),
     ),
-    Try(
+    LessonStep(
         "Take the repulsion away, and strengthen the attraction.",
         "They crowd into clumps, all in nearly one spot.",
         {"c_rep": 0.0, "c_att": 0.1},
-        Proof("nearest-neighbour", "below", 0.05, 300),
+        LessonCheck("nearest-neighbour", "below", 0.05, 300),
     ),
-    Try(
+    LessonStep(
         "Raise the noise to 4 rad.",
         "The flock falls apart into many small groups, and only the information agent still "
         "flies its path.",
         {"eta": 4.0},
-        Proof("largest-group", "below", 22, 300),
+        LessonCheck("largest-group", "below", 22, 300),
     ),
 )
 

@@ -6,9 +6,9 @@ et al. 2021 (7), (8) and Grégoire and Chaté 2004 update forward: `agents.bodie
 
 from __future__ import annotations
 
-from agents.engine.block import Moved
+from agents.engine.block import BodyMove
 from agents.models.declare import Body, Parameters, parameter
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
 class OldHeading(Parameters):
@@ -30,7 +30,7 @@ class OldHeading(Parameters):
 @compiled
 def move(me, near, surroundings, want, p, out):
     """x(t + 1) = x(t) + v u(t): (1); the heading is the new one."""
-    return Moved(
+    return BodyMove(
         me.x + p.v0 * me.ux,
         me.y + p.v0 * me.uy,
         me.z + p.v0 * me.uz,

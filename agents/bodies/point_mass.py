@@ -12,9 +12,9 @@ import math
 
 import numpy as np
 
-from agents.engine.block import Moved
+from agents.engine.block import BodyMove
 from agents.models.declare import Body, Parameters, parameter
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 FASTEST = 1e4
 """Speed of a point mass without a largest speed whose step is too long for its forces, m/s."""
@@ -85,11 +85,11 @@ def move(me, near, surroundings, want, p, out):
     vz = me.speed * me.uz + h * want.z
     speed = math.sqrt(vx * vx + vy * vy + vz * vz)
     if speed == 0.0:
-        return Moved(me.x, me.y, me.z, me.ux, me.uy, me.uz, 0.0)
+        return BodyMove(me.x, me.y, me.z, me.ux, me.uy, me.uz, 0.0)
     ux, uy, uz = vx / speed, vy / speed, vz / speed
     speed = min(speed, p.v_max if p.v_max > 0.0 else FASTEST)
     way = p.dt * speed
-    return Moved(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, speed)
+    return BodyMove(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, speed)
 
 
 BODY = Body(

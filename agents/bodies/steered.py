@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 
 from agents.bodies.guard import guarded
-from agents.engine.block import Moved
+from agents.engine.block import BodyMove
 from agents.models.declare import Body, Parameters, parameter
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 from worlds.queries.surroundings import nearest_surface
 
 
-class Steered(Parameters):
+class SteeredVehicle(Parameters):
     """Parameters of the simple vehicle; its mass is 1."""
 
     dt: float = parameter(
@@ -116,7 +116,7 @@ def move(me, near, surroundings, want, p, out):
             if step > 0.0:
                 ux, uy, uz = gx / step, gy / step, gz / step
     way = p.dt * speed
-    return Moved(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, speed)
+    return BodyMove(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, speed)
 
 
 @compiled
@@ -129,7 +129,7 @@ BODY = Body(
     name="steered",
     title="Simple vehicle",
     source="Reynolds 1999, simple vehicle model",
-    parameters=Steered,
+    parameters=SteeredVehicle,
     move=move,
     takes="acceleration",
     sees_obstacles=True,

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from agents.engine.block import Moved
-from agents.engine.lanes import where
+from agents.engine.block import BodyMove
+from agents.engine.vector_lanes import where
 from agents.models.declare import Body, Parameters, parameter
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
-class Swerving(Parameters):
+class SwervingBody(Parameters):
     """Parameters of the swerving body."""
 
     v0: float = parameter(
@@ -52,10 +52,10 @@ def move(me, near, surroundings, want, p, out):
     length = math.sqrt(ux * ux + uy * uy + uz * uz)
     ux, uy, uz = ux / length, uy / length, uz / length
     way = p.v0 * p.dt
-    return Moved(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, p.v0)
+    return BodyMove(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, p.v0)
 
 
-def begins(parameters: Swerving, rng: np.random.Generator, n: int) -> np.ndarray:
+def begins(parameters: SwervingBody, rng: np.random.Generator, n: int) -> np.ndarray:
     """The speeds (n,), all v_0."""
     return np.full(n, parameters.v0)
 
@@ -64,7 +64,7 @@ BODY = Body(
     name="swerving",
     title="Constant speed under an acceleration",
     source="Cavagna et al. 2015, |v| = v_0",
-    parameters=Swerving,
+    parameters=SwervingBody,
     move=move,
     takes="acceleration",
     begins=begins,

@@ -6,7 +6,7 @@ import math
 
 from agents.engine.noise import cos_sin, uniform
 from agents.models.declare import Parameters, parameter
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 RADIUS, ANGLE, YAW_RADIUS, YAW_ANGLE, SEEN = 4, 5, 6, 7, 8
 """Draws of the tracking's own noise."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Moved
-from agents.engine.lanes import where
+from agents.engine.block import BodyMove
 from agents.engine.noise import cos_sin
+from agents.engine.vector_lanes import where
 from agents.models.declare import Body, Parameters, parameter
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
-class Turning(Parameters):
+class TurningBody(Parameters):
     """Parameters of the turning body."""
 
     s: float = parameter(
@@ -84,14 +84,14 @@ def move(me, near, surroundings, want, p, out):
     length = math.sqrt(ux * ux + uy * uy + uz * uz)
     ux, uy, uz = ux / length, uy / length, uz / length
     d = p.s * p.tau
-    return Moved(me.x + d * ux, me.y + d * uy, me.z + d * uz, ux, uy, uz, p.s)
+    return BodyMove(me.x + d * ux, me.y + d * uy, me.z + d * uz, ux, uy, uz, p.s)
 
 
 BODY = Body(
     name="turning",
     title="Constant speed, limited turning rate",
     source="Couzin et al. 2002",
-    parameters=Turning,
+    parameters=TurningBody,
     move=move,
     speed=lambda p: p.s,
     by_lanes=True,

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 LEG = math.pi / 8.0
 """Distance of either leg from the middle of the bird, in spans: half of pi / 4."""

@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 from agents.bodies.tracking import Tracking
-from agents.engine.block import Moved
+from agents.engine.block import BodyMove
 from agents.models.declare import Body, Vehicle, parameter
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
 class ZeroTurn(Tracking):
@@ -37,8 +37,8 @@ def move(me, near, surroundings, want, p, out):
     x, y = me.x + d * want.x, me.y + d * want.y
     length = math.sqrt(want.x * want.x + want.y * want.y)
     if length < 1e-12:
-        return Moved(x, y, me.z, me.ux, me.uy, me.uz, 0.0)
-    return Moved(x, y, me.z, want.x / length, want.y / length, 0.0, p.gain * length)
+        return BodyMove(x, y, me.z, me.ux, me.uy, me.uz, 0.0)
+    return BodyMove(x, y, me.z, want.x / length, want.y / length, 0.0, p.gain * length)
 
 
 BODY = Body(

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from agents.engine.cells import Grid, Slots, Space
+from agents.engine.cells import CellGrid, Slots, Space
 from worlds.queries.surroundings import Surroundings
 
 
@@ -122,10 +122,10 @@ def empty_workspace(
     )
 
 
-def empty_grid(n: int, parts: int) -> Grid:
+def empty_grid(n: int, parts: int) -> CellGrid:
     """An empty grid with as many cells as are worth having for n agents."""
     capacity = max(64, n) + 2
-    return Grid(
+    return CellGrid(
         np.zeros(3),
         np.zeros(3),
         np.zeros(3),
@@ -135,7 +135,7 @@ def empty_grid(n: int, parts: int) -> Grid:
     )
 
 
-class Until(NamedTuple):
+class EngineStopCondition(NamedTuple):
     """When a run ends: once something has held of the flock for some ticks.
 
     What has to hold is the part `holds` of a loop, see `agents.engine.template`.
@@ -149,10 +149,10 @@ class Until(NamedTuple):
     """Last tick at which it did not, -1 for none so far."""
 
 
-NEVER = Until(np.empty(0), 0, -1)
+NEVER = EngineStopCondition(np.empty(0), 0, -1)
 
 
-class Place(NamedTuple):
+class WorldContext(NamedTuple):
     """The world as compiled code sees it: its edges, and what stands in it."""
 
     space: Space

@@ -1,4 +1,5 @@
-"""What a rule sees: itself (`Me`), the agents around it (`Near`), and what it answers (`Wish`).
+"""What a rule sees: itself (`Me`), the agents around it (`NeighbourBlock`), and what it answers
+(`Decision`).
 
 The world around it, its obstacles and its goal, is `worlds.queries.surroundings.Surroundings`.
 
@@ -12,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
 class Me(NamedTuple):
@@ -41,7 +42,7 @@ class Me(NamedTuple):
     flock_size: int
 
 
-class Near(NamedTuple):
+class NeighbourBlock(NamedTuple):
     """The block of agents around one agent: all within its range, some beyond it, and itself.
 
     Arrays hold at least `n` entries. A rule picks its neighbours with `adjacent`.
@@ -67,7 +68,7 @@ class Near(NamedTuple):
     """A place for the rule's own working, four rows, each at least as long as n and points."""
 
 
-class Other(NamedTuple):
+class OtherAgent(NamedTuple):
     """Another agent, as seen by one; eight see it at once where a rule's `term` is given lanes."""
 
     dx: float
@@ -85,7 +86,7 @@ class Other(NamedTuple):
     """Whether its heading counts: it does not where it is busy avoiding an obstacle."""
 
 
-class Wish(NamedTuple):
+class Decision(NamedTuple):
     """What a rule answers, and what a body is handed: a heading, an acceleration or a velocity.
 
     A wished heading is the weighted mean heading of those listened to. Its length, at most 1, is
@@ -98,7 +99,7 @@ class Wish(NamedTuple):
     z: float
 
 
-class Moved(NamedTuple):
+class BodyMove(NamedTuple):
     """What a body answers: where it is after the tick, before the world's edges act."""
 
     x: float
@@ -118,7 +119,7 @@ def seen(me, near, j):
     dz = near.z[j] - me.z
     d2 = dx * dx + dy * dy + dz * dz
     heard = near.heard[j] > 0.0
-    return Other(dx, dy, dz, d2, near.ux[j], near.uy[j], near.uz[j], near.speed[j], heard)
+    return OtherAgent(dx, dy, dz, d2, near.ux[j], near.uy[j], near.uz[j], near.speed[j], heard)
 
 
 @compiled

@@ -3,8 +3,8 @@
 numba does not notice an edit of a function that a kernel calls. So each kernel gets a cache folder
 named by a hash over the bytecode of every function that it reaches and the value of every constant.
 What cannot be written is done without; what is damaged is compiled anew; what others own or may
-write to is neither read nor written (`worlds.owned`), since whoever wrote a kernel has its reader
-execute it. Each is told once.
+write to is neither read nor written (`worlds.owned_files`), since whoever wrote a kernel has its
+reader execute it. Each is told once.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from numba.core.caching import (
 )
 from numba.core.dispatcher import Dispatcher
 
-from worlds.compiled import entry
-from worlds.owned import NotOwned, open_in, owned_folder, read_owned, write_owned
+from worlds.compilation import entry
+from worlds.owned_files import NotOwned, open_in, owned_folder, read_owned, write_owned
 
 KEEPING = threading.Lock()
-IN_LLVM = ("flat.py", "lanes.py", "pairs/meeting.py", "pairs/sums.py")
+IN_LLVM = ("flat.py", "vector_lanes.py", "pairs/thread_barrier.py", "pairs/term_sums.py")
 """Files of the engine that write LLVM's own words, which no function's bytecode shows."""
 CHECKSUM = hashlib.sha256().digest_size
 """Bytes at the head of every file: the checksum of the rest."""

@@ -2,7 +2,7 @@
 
 Space is divided into cells at least as wide as the rule's range, agents are sorted by cell
 (counting sort, stable, so the order never depends on the number of threads).
-`agents.engine.around` says which of them a rule is shown.
+`agents.engine.cell_neighbourhood` says which of them a rule is shown.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 MARGIN = 1.0 + 1e-9
 """Cells are wider than the range by this factor, so that rounding never hides a neighbour."""
@@ -35,7 +35,7 @@ class Space(NamedTuple):
     """Height on which crashed agents come to rest, length; of no account in two dimensions."""
 
 
-class Grid(NamedTuple):
+class CellGrid(NamedTuple):
     """The cells of one tick; `plan` fills it in place."""
 
     origin: np.ndarray

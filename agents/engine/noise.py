@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 
-from agents.engine.lanes import as_float, exponent, mantissa, power_of_two, where, words
-from worlds.compiled import compiled
+from agents.engine.vector_lanes import as_float, exponent, mantissa, power_of_two, where, words
+from worlds.compilation import compiled
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 M1 = np.uint64(0xBF58476D1CE4E5B9)

@@ -10,19 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from agents.engine import phases
+from agents.engine import tick_phases
 from agents.engine.arrays import (
     NEVER,
     Arrays,
     Context,
-    Place,
-    Until,
+    EngineStopCondition,
     Workspace,
+    WorldContext,
     empty_grid,
     empty_slots,
     empty_workspace,
 )
-from agents.engine.past import Messages
+from agents.engine.message_past import MessageDelays
 from agents.engine.team import Team
 
 UNTRACED = np.empty((0, 0, 0))
@@ -61,7 +61,7 @@ class Engine:
         self,
         module,
         arrays: Arrays,
-        place: Place,
+        place: WorldContext,
         seed: int,
         threads: int = 1,
         called: Called = at_once,
@@ -85,14 +85,14 @@ class Engine:
         self.workspaces = [empty_workspace(*made) for _ in range(self.parts)]
 
 
-class Synchronous(Engine):
+class SynchronousEngine(Engine):
     """Synchronous activation: all agents decide on the same state, then all move (two phases)."""
 
     def __init__(
         self,
         module,
         arrays: Arrays,
-        place: Place,
+        place: WorldContext,
         seed: int,
         threads: int = 1,
         called: Called = at_once,
@@ -128,17 +128,24 @@ class Synchronous(Engine):
                 refuse(self.arrays, bad, tick + done)
             if need:
                 self.widen(2 * need)
-            if not need or not work[0] & phases.COUNT:  # the sort goes on from where it is
+            if not need or not work[0] & tick_phases.COUNT:  # the sort goes on from where it is
                 return done, last_off
 
-    def run(self, context: Context, tick: int, ticks: int, until: Until = NEVER, trace=UNTRACED):
+    def run(
+        self,
+        context: Context,
+        tick: int,
+        ticks: int,
+        until: EngineStopCondition = NEVER,
+        trace=UNTRACED,
+    ):
         """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
 
         `trace` (ticks, N, dim), if given, receives the positions after each tick.
         """
         n = len(self.arrays.position)
         if self.parts == 1 or len(until.numbers):
-            return self.call(context, tick, ticks, (phases.ALL, 0, 1, 0, n), until, trace)
+            return self.call(context, tick, ticks, (tick_phases.ALL, 0, 1, 0, n), until, trace)
         for k in range(ticks):
             self.shared_tick(context, tick + k)
             if len(trace):
@@ -148,13 +155,13 @@ class Synchronous(Engine):
     def open(self, context: Context, tick: int) -> None:
         """Freeze the flock for agents that decide one by one."""
         n = len(self.arrays.position)
-        self.call(context, tick, 1, (phases.OPEN, 0, 1, 0, n))
+        self.call(context, tick, 1, (tick_phases.OPEN, 0, 1, 0, n))
         self.slot_of = np.argsort(self.slots.row)
 
     def one(self, context: Context, tick: int, row: int) -> None:
         """Let the agent of one row of an opened tick decide and move."""
         slot = int(self.slot_of[row])
-        self.call(context, tick, 1, (phases.SWEEP, 0, 1, slot, slot + 1))
+        self.call(context, tick, 1, (tick_phases.SWEEP, 0, 1, slot, slot + 1))
 
     def shared_tick(self, context: Context, tick: int) -> None:
         """One tick, each phase of it on all threads."""
@@ -180,19 +187,19 @@ class Synchronous(Engine):
                 with suppress(IndexError):
                     while True:
                         span = left.popleft() if owner == k else left.pop()
-                        self.call(context, tick, 1, (phases.SWEEP, k, self.parts, *span))
+                        self.call(context, tick, 1, (tick_phases.SWEEP, k, self.parts, *span))
 
-        alone(phases.PLAN)
-        together(phases.COUNT)
-        alone(phases.SHARE)
-        together(phases.PLACE)
-        together(phases.FILL)
+        alone(tick_phases.PLAN)
+        together(tick_phases.COUNT)
+        alone(tick_phases.SHARE)
+        together(tick_phases.PLACE)
+        together(tick_phases.FILL)
         if self.module.SIGNALS:
-            alone(phases.PREPARE)
+            alone(tick_phases.PREPARE)
         self.team.together(sweep)
 
 
-class InTurn(Engine):
+class SequentialEngine(Engine):
     """Sequential or random activation: agents act one by one, each on what the others left."""
 
     knowledge: tuple[Any, ...] = ()
@@ -202,7 +209,7 @@ class InTurn(Engine):
         self,
         module,
         arrays: Arrays,
-        place: Place,
+        place: WorldContext,
         seed: int,
         shuffled: bool,
         called: Called = at_once,
@@ -239,7 +246,14 @@ class InTurn(Engine):
             opens = False
             self.widen(2 * self.workspaces[0].block.shape[1])
 
-    def run(self, context: Context, tick: int, ticks: int, until: Until = NEVER, trace=UNTRACED):
+    def run(
+        self,
+        context: Context,
+        tick: int,
+        ticks: int,
+        until: EngineStopCondition = NEVER,
+        trace=UNTRACED,
+    ):
         """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
 
         `trace` (ticks, N, dim), if given, receives the positions after each tick.
@@ -272,16 +286,16 @@ class InTurn(Engine):
         self.call(context, tick, np.array([row]), False)
 
 
-class Delayed(InTurn):
+class DelayedEngine(SequentialEngine):
     """Agents know of each other what messages have brought; none sees what others do in a tick."""
 
     def __init__(
         self,
         module,
         arrays: Arrays,
-        place: Place,
+        place: WorldContext,
         seed: int,
-        messages: Messages,
+        messages: MessageDelays,
         called: Called = at_once,
     ):
         super().__init__(module, arrays, place, seed, False, called)

@@ -1,12 +1,13 @@
 """The parts of a loop that a rule may leave out; these defaults do nothing.
 
-Also stands in, for type checkers, for the names that `agents.engine.loop` puts into a loop.
+Also stands in, for type checkers, for the names that `agents.engine.compiled_loop` puts into a
+loop.
 """
 
 from __future__ import annotations
 
-from agents.engine.block import Moved, Wish
-from worlds.compiled import compiled
+from agents.engine.block import BodyMove, Decision
+from worlds.compilation import compiled
 
 DIM = 2
 SIGNALS = 0
@@ -28,7 +29,7 @@ MEASURES = 0
 CRASHES = False
 """Whether agents that touch something fall."""
 MEETS = 0
-"""What an agent does where its step enters something solid, see `agents.engine.hold`."""
+"""What an agent does where its step enters something solid, see `agents.engine.solid_collision`."""
 SUMS = 1
 """How many sums over pairs a rule makes."""
 ASKS_SPEED = True
@@ -48,7 +49,7 @@ def term(me, other, p):
 @compiled
 def answer(me, sums, surroundings, p):
     """By default the heading is kept."""
-    return Wish(0.0, 0.0, 0.0)
+    return Decision(0.0, 0.0, 0.0)
 
 
 @compiled
@@ -65,7 +66,7 @@ def perceive(me, near, surroundings, p):
 @compiled
 def decide(me, near, surroundings, p):
     """By default the heading is kept."""
-    return Wish(0.0, 0.0, 0.0)
+    return Decision(0.0, 0.0, 0.0)
 
 
 @compiled
@@ -103,4 +104,4 @@ def passes(p):
 @compiled
 def move(me, near, surroundings, want, p, out):
     """By default agents stay where they are."""
-    return Moved(me.x, me.y, me.z, want.x, want.y, want.z, 0.0)
+    return BodyMove(me.x, me.y, me.z, want.x, want.y, want.z, 0.0)

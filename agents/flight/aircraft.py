@@ -10,7 +10,7 @@ import math
 from functools import cached_property
 
 from agents.models.declare import Parameters, parameter
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 THESIS = "thesis, table 2.1"
 CORRECTED = "thesis, table 2.1, corrected"
@@ -218,11 +218,11 @@ class Aircraft(Parameters):
 
 
 def demand_possible(craft: Aircraft, origin: str = "") -> None:
-    """Refuse an aircraft whose parts do not fit each other. Raises Refusal.
+    """Refuse an aircraft whose parts do not fit each other. Raises InputError.
 
     >>> demand_possible(Aircraft(mass=0.1, wing_mass=0.06))
     Traceback (most recent call last):
-    worlds.refusal.Refusal: wing_mass = 0.06 kg is outside [0, 0.0475] kg with mass = 0.1 kg
+    worlds.input_error.InputError: wing_mass = 0.06 kg is outside [0, 0.0475] kg with mass = 0.1 kg
     """
     where = f" ({origin})" if origin else ""
     for name, most, unit, other in (
@@ -233,7 +233,7 @@ def demand_possible(craft: Aircraft, origin: str = "") -> None:
     ):
         value = getattr(craft, name)
         if value > most:
-            raise Refusal(
+            raise InputError(
                 f"{name} = {value:g} {unit} is outside [0, {most:g}] {unit}"
                 f" with {other} = {getattr(craft, other):g} {unit}{where}"
             )

@@ -8,10 +8,10 @@ import numpy as np
 from scipy.optimize import root
 
 from agents.flight.aircraft import Aircraft
+from agents.flight.flight_motion import Controls, level
 from agents.flight.kinematics import Flapping
-from agents.flight.motion import Controls, level
 from agents.flight.power import readings
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Glide:
 
 
 def glide(craft: Aircraft, speed: float) -> Glide:
-    """The glide in which lift is weight and nothing pitches. Raises Refusal if there is none.
+    """The glide in which lift is weight and nothing pitches. Raises InputError if there is none.
 
     >>> made = glide(Aircraft(), 4.0)
     >>> f"{Aircraft().weight / made.drag:.1f}"
@@ -49,6 +49,6 @@ def glide(craft: Aircraft, speed: float) -> Glide:
 
     made = root(left, np.array([0.1, -0.05]), tol=1e-12)
     if not made.success or not np.abs(made.x).max() < 0.7:
-        raise Refusal(f"the aircraft cannot glide at {speed:g} m/s: its wings stall")
+        raise InputError(f"the aircraft cannot glide at {speed:g} m/s: its wings stall")
     pitch, tail = (float(one) for one in made.x)
     return Glide(speed, pitch, tail, -float(felt(made.x).thrust), level(speed, pitch))

@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.flight.aircraft import Aircraft
+from agents.flight.flight_motion import THETA, Controls, FlightTrack, Q, U, W, X, Z, accelerations
 from agents.flight.kane import hinge_torques
-from agents.flight.motion import THETA, Controls, Q, Track, U, W, X, Z, accelerations
 from agents.flight.tail import tail_air
 
 
-class Readings(NamedTuple):
+class FlightForces(NamedTuple):
     """What is felt at instants; arrays of the shape of the times."""
 
     lift: np.ndarray
@@ -29,7 +29,7 @@ class Readings(NamedTuple):
     """Mean share of the wing from which the flow has left, [0, 1]."""
 
 
-def readings(craft: Aircraft, controls: Controls, time, state) -> Readings:
+def readings(craft: Aircraft, controls: Controls, time, state) -> FlightForces:
     """What is felt in states (..., SIZE) at times (...,) in s."""
     u, w, q, theta = (state[..., k] for k in (U, W, Q, THETA))
     flap, tip = controls.flapping.flap(time), controls.flapping.tip_twist(time)
@@ -43,7 +43,7 @@ def readings(craft: Aircraft, controls: Controls, time, state) -> Readings:
     power = (moving[0] - held[..., 3]) * flap.rate + (moving[1] - held[..., 4]) * tip.rate
     given = along * u + down * w + pitching * q
     given = given + held[..., 3] * flap.rate + held[..., 4] * tip.rate
-    return Readings(
+    return FlightForces(
         along * np.sin(theta) - down * np.cos(theta),
         along * np.cos(theta) + down * np.sin(theta),
         pitching,
@@ -53,7 +53,7 @@ def readings(craft: Aircraft, controls: Controls, time, state) -> Readings:
     )
 
 
-class History(NamedTuple):
+class FlightHistory(NamedTuple):
     """A flight as people read it; arrays (K,)."""
 
     time: np.ndarray
@@ -86,12 +86,12 @@ class History(NamedTuple):
     """[0, 1]."""
 
 
-def history(track: Track) -> History:
+def history(track: FlightTrack) -> FlightHistory:
     """What is read off a flight."""
     s, controls = track.state, track.controls
     felt = readings(track.craft, controls, track.time, s)
     u, w, theta = s[:, U], s[:, W], s[:, THETA]
-    return History(
+    return FlightHistory(
         time=track.time,
         distance=s[:, X],
         height=-s[:, Z],

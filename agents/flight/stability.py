@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from agents.flight.aircraft import Aircraft
-from agents.flight.motion import MOVING, Controls, integrate
+from agents.flight.flight_motion import MOVING, Controls, integrate
 
 STEP = 1e-5
 """Difference of the state, m/s, rad/s and rad, by which the derivative is taken."""
@@ -15,7 +15,7 @@ def monodromy(craft: Aircraft, controls: Controls, start: np.ndarray) -> np.ndar
     """What a wing beat makes of a small difference in u, w, q, theta and the slowed inflows.
 
     `start` is the state (SIZE,) at the beginning of a beat; returns a matrix in the order of
-    `motion.MOVING`, taken by central differences. Raises Refusal.
+    `motion.MOVING`, taken by central differences. Raises InputError.
     """
     moves = STEP * np.eye(start.size)[MOVING]
     starts = np.concatenate((start + moves, start - moves))

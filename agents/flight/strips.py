@@ -38,7 +38,7 @@ SHARE = (np.arange(STRIPS) + 0.5) / STRIPS
 """Places of the strips in half spans, and how much of the tip's twist each has."""
 
 
-class Air(NamedTuple):
+class WingForces(NamedTuple):
     """Forces of the air on the wings; arrays (...,) if nothing else is said.
 
     They are those without the accelerations u', w', q'; what these add is -`mass` @ (u', w', q').
@@ -62,7 +62,7 @@ class Air(NamedTuple):
     """(..., STRIPS): share of the flow that has left."""
 
 
-class Partial(NamedTuple):
+class PartialVelocities(NamedTuple):
     """What the twist axis of a strip does per unit of (u, w, q, phi', eta'), (..., STRIPS, 5)."""
 
     across: np.ndarray
@@ -73,13 +73,13 @@ class Partial(NamedTuple):
     """The strip turns, nose up."""
 
 
-def partial_velocities(craft: Aircraft, flap, twist) -> Partial:
+def partial_velocities(craft: Aircraft, flap, twist) -> PartialVelocities:
     """Partial velocities at flap angles (..., 1) and twists (..., STRIPS), rad."""
     y = SHARE * craft.half_span
     reach = craft.centre_of_mass - craft.twist_axis
     cos, sin, c, s = np.cos(flap), np.sin(flap), np.cos(twist), np.sin(twist)
     shape = np.broadcast_shapes(np.shape(flap), np.shape(twist))
-    made = Partial(*np.zeros((3, *shape, 5)))
+    made = PartialVelocities(*np.zeros((3, *shape, 5)))
     made.across[..., 0] = -s
     made.across[..., 1] = -cos * c
     made.across[..., 2] = reach * cos * c + y * sin * s
@@ -93,7 +93,7 @@ def partial_velocities(craft: Aircraft, flap, twist) -> Partial:
     return made
 
 
-def wing_air(craft: Aircraft, u, w, q, flap: Swing, tip: Swing, slowed) -> Air:
+def wing_air(craft: Aircraft, u, w, q, flap: Swing, tip: Swing, slowed) -> WingForces:
     """Forces of the air on both wings.
 
     Parameters
@@ -147,4 +147,4 @@ def wing_air(craft: Aircraft, u, w, q, flap: Swing, tip: Swing, slowed) -> Air:
     )
     X, Z, M, flapping, twisting = np.moveaxis(shares, -1, 0)
     slower = slowing(inflow, slowed, speed, chord, ratio)
-    return Air(X, Z, M, flapping, twisting, mass, slower, made.separated)
+    return WingForces(X, Z, M, flapping, twisting, mass, slower, made.separated)

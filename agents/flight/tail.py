@@ -10,7 +10,7 @@ from agents.flight.aircraft import Aircraft
 from agents.flight.section import Flow, finite_span, loads
 
 
-class TailAir(NamedTuple):
+class TailForces(NamedTuple):
     """Forces of the air on the tail; arrays (...,)."""
 
     X: np.ndarray
@@ -21,7 +21,7 @@ class TailAir(NamedTuple):
     """About y_b, nose up, N m."""
 
 
-def tail_air(craft: Aircraft, u, w, q, tail) -> TailAir:
+def tail_air(craft: Aircraft, u, w, q, tail) -> TailForces:
     """Forces on the tail at an angle `tail` (rad, nose up against x_b); u, w, q as (...,).
 
     It is a steady section without apparent mass, both plates in one span. The downwash takes the
@@ -36,4 +36,4 @@ def tail_air(craft: Aircraft, u, w, q, tail) -> TailAir:
     made = loads(flow, craft.tail_chord, craft)
     X = width * (made.chordwise * c - made.normal * s)
     Z = width * (-made.chordwise * s - made.normal * c)
-    return TailAir(X, Z, craft.tail_arm * Z)
+    return TailForces(X, Z, craft.tail_arm * Z)

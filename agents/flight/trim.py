@@ -18,21 +18,21 @@ from functools import cached_property
 import numpy as np
 
 from agents.flight.aircraft import Aircraft, demand_possible
-from agents.flight.glide import glide
-from agents.flight.kinematics import Flapping
-from agents.flight.motion import (
+from agents.flight.flight_motion import (
     MOVING,
     RELATIVE,
     SIZE,
     Controls,
-    Track,
+    FlightTrack,
     X,
     Z,
     integrate,
 )
-from agents.flight.power import History, history
+from agents.flight.glide import glide
+from agents.flight.kinematics import Flapping
+from agents.flight.power import FlightHistory, history
 from agents.flight.stability import monodromy, multipliers
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SPEEDS = (2.0, 15.0)
 """Speeds that may be asked for, m/s."""
@@ -91,15 +91,15 @@ class Trim:
         return self.controls.flapping.frequency
 
     @cached_property
-    def track(self) -> Track:
+    def track(self) -> FlightTrack:
         """One wing beat at SAMPLES instants, the end left out."""
         beat = self.controls.flapping.period
         times = np.arange(SAMPLES) * beat / SAMPLES
         states = integrate(self.aircraft, self.controls, self.state[None], beat, times)[:, 0]
-        return Track(self.aircraft, self.controls, times, states)
+        return FlightTrack(self.aircraft, self.controls, times, states)
 
     @cached_property
-    def beat(self) -> History:
+    def beat(self) -> FlightHistory:
         """One wing beat as people read it."""
         return history(self.track)
 
@@ -135,7 +135,7 @@ class Trim:
 
 
 @dataclass(frozen=True)
-class Asked:
+class TrimTarget:
     """The flight that is looked for."""
 
     craft: Aircraft
@@ -150,7 +150,7 @@ class Asked:
     def deviation(self, unknown: np.ndarray, relative: float) -> np.ndarray:
         """What of the demands fails for unknowns (B, M), (B, M), integrated with a tolerance.
 
-        Raises Refusal.
+        Raises InputError.
         """
         starts = np.zeros((len(unknown), SIZE))
         starts[:, MOVING] = unknown[:, 2:]
@@ -161,10 +161,10 @@ class Asked:
         gone = ends[:, X] / beat - self.speed
         return np.column_stack((back, gone, ends[:, Z] / beat))
 
-    def known(self, share: float) -> Asked:
+    def known(self, share: float) -> TrimTarget:
         """Between the known flight (0) and this one (1), of the same aircraft."""
         speed, frequency, twist = KNOWN
-        return Asked(
+        return TrimTarget(
             self.craft,
             speed + share * (self.speed - speed),
             frequency + share * (self.frequency - frequency),
@@ -191,7 +191,7 @@ def trim(
     near: a trim to start from, of a flight not far from this one.
     at: called with the share of the search that is done, an estimate in [0, 1].
 
-    Raises Refusal for values out of range and where no such flight is found.
+    Raises InputError for values out of range and where no such flight is found.
 
     >>> made = trim(speed=4.0)
     >>> f"{np.degrees(made.amplitude):.1f} deg, {made.energy_per_metre:.2f} J/m"
@@ -202,13 +202,13 @@ def trim(
     demand("speed", speed, SPEEDS, "m/s")
     demand("frequency", frequency, FREQUENCIES, "Hz")
     demand("twist", twist, TWISTS, "rad")
-    asked = Asked(craft, speed, frequency, twist)
+    asked = TrimTarget(craft, speed, frequency, twist)
     first = guess(asked) if near is None else unknowns(near)
     found = None if first is None else newton(asked, first, at)
     if found is None:
         found = led(asked, at)
     if found is None:
-        raise Refusal(
+        raise InputError(
             f"no level flight was found at {speed:g} m/s with {frequency:g} Hz and a twist of"
             f" {math.degrees(twist):g} deg: try another speed, frequency or twist"
         )
@@ -220,9 +220,11 @@ def trim(
 
 
 def demand(name: str, value: float, bounds: tuple[float, float], unit: str) -> None:
-    """Refuse a value out of its bounds. Raises Refusal."""
+    """Refuse a value out of its bounds. Raises InputError."""
     if not bounds[0] <= value <= bounds[1]:
-        raise Refusal(f"{name} = {value:g} {unit} is outside [{bounds[0]:g}, {bounds[1]:g}] {unit}")
+        raise InputError(
+            f"{name} = {value:g} {unit} is outside [{bounds[0]:g}, {bounds[1]:g}] {unit}"
+        )
 
 
 def unknowns(made: Trim) -> np.ndarray:
@@ -230,17 +232,17 @@ def unknowns(made: Trim) -> np.ndarray:
     return np.concatenate(((made.amplitude, made.tail), made.state[MOVING]))
 
 
-def guess(asked: Asked) -> np.ndarray | None:
+def guess(asked: TrimTarget) -> np.ndarray | None:
     """Unknowns to begin with: a glide at the same speed, and wings that beat; None without one."""
     try:
         still = glide(asked.craft, asked.speed)
-    except Refusal:
+    except InputError:
         return None
     return np.concatenate(((BEATING, still.tail), still.state[MOVING]))
 
 
 def newton(
-    asked: Asked, first: np.ndarray, at: Callable[[float], None] | None = None
+    asked: TrimTarget, first: np.ndarray, at: Callable[[float], None] | None = None
 ) -> tuple[np.ndarray, float] | None:
     """The unknowns that meet the demands and what is left of these, or None."""
     now, nearest, relative = first, [np.inf], ROUGH
@@ -258,7 +260,7 @@ def newton(
             if len(nearest) > PATIENCE and left > nearest[-1 - PATIENCE]:
                 return None
             step = np.linalg.solve((made[1:] - made[0]).T / STEP, -made[0])
-        except (Refusal, np.linalg.LinAlgError):
+        except (InputError, np.linalg.LinAlgError):
             return None
         now = now + step * min(1.0, float((STRIDES / np.abs(step[: STRIDES.size])).min()))
         if not np.abs(now[[0, 1, 5]]).max() < STEEP:
@@ -266,7 +268,9 @@ def newton(
     return None
 
 
-def led(asked: Asked, at: Callable[[float], None] | None = None) -> tuple[np.ndarray, float] | None:
+def led(
+    asked: TrimTarget, at: Callable[[float], None] | None = None
+) -> tuple[np.ndarray, float] | None:
     """As `newton`, from the known flight towards the asked one by steps that halve on failure."""
     first = guess(asked.known(0.0))
     found = None if first is None else newton(asked.known(0.0), first)

@@ -15,10 +15,10 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
-from agents.models.proposed import Range, around, demand_proposed
-from agents.models.tries import Try
-from worlds.compiled import Entry
-from worlds.refusal import Refusal, unknown
+from agents.models.proposed_range import Range, around, demand_proposed
+from agents.models.tries import LessonStep
+from worlds.compilation import LoopDispatcher
+from worlds.input_error import InputError, unknown
 
 
 def parameter(
@@ -72,7 +72,7 @@ class Parameters(BaseModel):
 
 
 @dataclass(frozen=True)
-class Declared:
+class DeclaredParameter:
     """One parameter as a viewer, a command line or a page of documentation needs it."""
 
     name: str
@@ -103,13 +103,13 @@ class Declared:
 
 
 @cache
-def declared(model: type[Parameters]) -> tuple[Declared, ...]:
+def declared(model: type[Parameters]) -> tuple[DeclaredParameter, ...]:
     """The declared parameters of a model, in order."""
     return tuple(describe(name, field) for name, field in model.model_fields.items())
 
 
-def describe(name: str, field: FieldInfo) -> Declared:
-    """One field of a parameter model as a `Declared`."""
+def describe(name: str, field: FieldInfo) -> DeclaredParameter:
+    """One field of a parameter model as a `DeclaredParameter`."""
     extra = field.json_schema_extra
     assert isinstance(extra, dict), f"{name} is not made with parameter()"
     low = next((m.ge for m in field.metadata if hasattr(m, "ge")), None)
@@ -123,7 +123,7 @@ def describe(name: str, field: FieldInfo) -> Declared:
     proposed: Any = extra["proposed"]
     if proposed is None and low is not None and high is not None:
         proposed = around(field.default, low, high, extra["step"])  # type: ignore[arg-type]
-    return Declared(
+    return DeclaredParameter(
         name,
         str(extra["symbol"]),
         str(extra["unit"]),
@@ -149,7 +149,7 @@ def checked(
 ) -> Parameters:
     """The values as a parameter model.
 
-    Raises Refusal naming the parameter, its value, what is allowed and `origin`, where it came
+    Raises InputError naming the parameter, its value, what is allowed and `origin`, where it came
     from. `others`: what else may stand beside parameters, and is suggested for a wrong name.
     """
     where = f" ({origin})" if origin else ""
@@ -162,7 +162,7 @@ def checked(
         name = str(error.errors()[0]["loc"][0])
         one = describe(name, model.model_fields[name])
         unit = "" if one.unit == "1" or one.kind != "number" else f" {one.unit}"
-        raise Refusal(
+        raise InputError(
             f"{name} = {values[name]!r}{unit} is outside {one.allowed}{where}"
             if one.kind == "number" and isinstance(values[name], int | float)
             else f"{name} = {values[name]!r} is not allowed: it must be {one.allowed}{where}"
@@ -218,7 +218,7 @@ def demand_compiled(title: str, part: Any, names: Sequence[str]) -> None:
     """Raise TypeError if a function of a rule or a body is not made with `compiled`."""
     for name in names:
         function = getattr(part, name)
-        if function is not None and not isinstance(function, Entry):
+        if function is not None and not isinstance(function, LoopDispatcher):
             raise TypeError(f"{title}: {name} is not @compiled")
 
 
@@ -311,7 +311,7 @@ class Rule:
     """Whether the flock is meant to converge to the information agent's heading."""
     symmetries: tuple[Symmetry, ...] = ALL_ALIKE
     """What makes no difference to agents in empty space, noise apart: `agents.conformance`."""
-    tries: tuple[Try, ...] = ()
+    tries: tuple[LessonStep, ...] = ()
     """What there is to try with it: three things that a newcomer may do and see."""
 
     def __post_init__(self) -> None:

@@ -16,11 +16,11 @@ from pydantic import create_model
 
 from agents.engine.block import seen
 from agents.engine.cache import reached
-from agents.engine.hold import BOUNCES, PASSES, SLIDES, STOPS
-from agents.engine.layers import UNKNOWN
+from agents.engine.layer_search import UNKNOWN
+from agents.engine.solid_collision import BOUNCES, PASSES, SLIDES, STOPS
 from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats, declared
-from agents.models.proposed import still_proposed
-from agents.models.tries import Try
+from agents.models.proposed_range import still_proposed
+from agents.models.tries import LessonStep
 
 NEIGHBOURS, NUMBER = "neighbours", "k"
 """The parameters that say who the neighbours are, and how many of the nearest, of rules that leave
@@ -98,7 +98,7 @@ class Model:
     """The observables that tell how its flocks do, the foremost first: a run prints them and the
     laboratory plots them, each of a flock that it applies to. None: those that
     `agents.observables.catalogue` has for flocks of its kind."""
-    tries: tuple[Try, ...] | None = None
+    tries: tuple[LessonStep, ...] | None = None
     """What there is to try with it; None: what its rule declares, which is tried with this body."""
 
     def __post_init__(self):
@@ -124,7 +124,7 @@ class Model:
         return self.rule.summary + self.summary_suffix
 
     @property
-    def to_try(self) -> tuple[Try, ...]:
+    def to_try(self) -> tuple[LessonStep, ...]:
         """What there is to try with it."""
         return self.rule.tries if self.tries is None else self.tries
 
@@ -188,7 +188,7 @@ class Model:
         return tuple(one for one in self.rule.symmetries if one in self.body.symmetries)
 
     def meets(self, solid: bool) -> int:
-        """What its agents do where a step enters a solid, of `agents.engine.hold`.
+        """What its agents do where a step enters a solid, of `agents.engine.solid_collision`.
 
         Those that do not see what is solid bounce off it; in a world without they need not ask.
         """

@@ -9,8 +9,8 @@ import traceback
 from pathlib import Path
 from types import ModuleType
 
-from worlds.reading import read_text
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
+from worlds.text_file import read_text
 
 NAMES = ("MODEL", "RULE")
 """Names that a file is searched for, in this order."""
@@ -19,7 +19,7 @@ NAMES = ("MODEL", "RULE")
 def thing_in(path: str | Path) -> object:
     """The `MODEL`, or else the `RULE`, of a Python file, which is run for it.
 
-    Modules beside it can be imported. Raises Refusal naming the file, and the line, for one that
+    Modules beside it can be imported. Raises InputError naming the file, and the line, for one that
     cannot be read, has a fault in it, or has neither.
     """
     file = Path(path)
@@ -28,12 +28,12 @@ def thing_in(path: str | Path) -> object:
     module = sys.modules.get(name := f"rule_file_{digest}") or run(file, text, name)
     found = [vars(module)[one] for one in NAMES if one in vars(module)]
     if not found:
-        raise Refusal(f"{file.name} has neither a RULE nor a MODEL ({path})")
+        raise InputError(f"{file.name} has neither a RULE nor a MODEL ({path})")
     return found[0]
 
 
 def run(file: Path, text: str, name: str) -> ModuleType:
-    """Run the file as a module. Raises Refusal."""
+    """Run the file as a module. Raises InputError."""
     whole = str(file.resolve())
     module = ModuleType(name)
     module.__file__ = whole
@@ -50,13 +50,13 @@ def run(file: Path, text: str, name: str) -> ModuleType:
     return module
 
 
-def fault_in(file: Path, whole: str, error: BaseException) -> Refusal:
+def fault_in(file: Path, whole: str, error: BaseException) -> InputError:
     """What is wrong with a file that could not be run: file, line and reason."""
     frames = traceback.extract_tb(error.__traceback__)
     lines = [frame.lineno for frame in frames if frame.filename == whole]
     line, reason = (lines[-1] if lines else None), f"{type(error).__name__}: {error}"
     if isinstance(error, SyntaxError) and error.filename == whole:
         line, reason = error.lineno, f"{error.msg}"
-    elif isinstance(error, Refusal):
+    elif isinstance(error, InputError):
         reason = str(error)
-    return Refusal(f"{file}, line {line}: {' '.join(reason.split())[:300]}")
+    return InputError(f"{file}, line {line}: {' '.join(reason.split())[:300]}")

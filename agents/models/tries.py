@@ -14,7 +14,7 @@ RELATIONS = ("below", "above", "falls", "rises")
 
 
 @dataclass(frozen=True)
-class Proof:
+class LessonCheck:
     """What a program finds of a try: an observable, its mean over the last fifth of some ticks.
 
     Raises TypeError for a relation that there is not.
@@ -34,7 +34,7 @@ class Proof:
     def holds(self, before: float, after: float) -> bool:
         """Whether it does, from the observable without the change and with it.
 
-        >>> Proof("polarisation", "falls", 0.5, 100).holds(before=1.0, after=0.2)
+        >>> LessonCheck("polarisation", "falls", 0.5, 100).holds(before=1.0, after=0.2)
         True
         """
         return {
@@ -48,7 +48,7 @@ class Proof:
     def in_words(self) -> str:
         """What is found, for people.
 
-        >>> Proof("polarisation", "falls", 0.5, 100).in_words
+        >>> LessonCheck("polarisation", "falls", 0.5, 100).in_words
         'polarisation: down by 0.5 or more in 100 ticks'
         """
         name = self.observable.replace("-", " ")
@@ -59,7 +59,7 @@ class Proof:
 
 
 @dataclass(frozen=True)
-class Try:
+class LessonStep:
     """Something to try with a model, in its own world: three of them make its first lesson."""
 
     words: str
@@ -68,7 +68,7 @@ class Try:
     """What one then sees, a sentence or two."""
     set: Mapping[str, Any]
     """The changes: parameters of the rule or the body, or options of a run, name -> value."""
-    proof: Proof
+    proof: LessonCheck
     anew: bool = False
     """Whether the run begins again with it, as options of a run need it."""
 
@@ -76,8 +76,8 @@ class Try:
     def changes(self) -> str:
         """The changes in short.
 
-        >>> proof = Proof("polarisation", "below", 0.3, 100)
-        >>> Try("Add noise", "Disorder", {"eta": 5.0, "informed": 3}, proof).changes
+        >>> proof = LessonCheck("polarisation", "below", 0.3, 100)
+        >>> LessonStep("Add noise", "Disorder", {"eta": 5.0, "informed": 3}, proof).changes
         'eta = 5, informed = 3'
         """
         return ", ".join(f"{name} = {in_short(value)}" for name, value in self.set.items())

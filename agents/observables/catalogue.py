@@ -14,17 +14,7 @@ from agents.observables import (
     rotation,
     spread,
 )
-from agents.observables.observable import (
-    COUNT,
-    LENGTH,
-    SHARE,
-    Card,
-    Observable,
-    Range,
-    Table,
-    over_a_run,
-)
-from agents.observables.occasions import (
+from agents.observables.applicability import (
     among_solids,
     can_crash,
     in_a_corridor,
@@ -33,9 +23,19 @@ from agents.observables.occasions import (
     on_its_way,
     saves,
 )
+from agents.observables.observable import (
+    COUNT,
+    LENGTH,
+    SHARE,
+    MonitorCard,
+    Observable,
+    Range,
+    Table,
+    over_a_run,
+)
 from agents.observables.per_group import size_histogram
+from worlds.input_error import unknown
 from worlds.plug_ins import plug_ins
-from worlds.refusal import unknown
 
 ORDER = [
     Observable(
@@ -45,7 +45,7 @@ ORDER = [
         SHARE,
         lambda flock: order.polarisation(flock.heading),
         quick=True,
-        card=Card("polarisation"),
+        card=MonitorCard("polarisation"),
     ),
     Observable(
         "consistency",
@@ -56,7 +56,7 @@ ORDER = [
         quick=True,
         applies=led,
         beside="polarisation",
-        card=Card("consistency", ".4f", of=lambda model: model.rule.led),
+        card=MonitorCard("consistency", ".4f", of=lambda model: model.rule.led),
     ),
     Observable(
         "angular-momentum",
@@ -68,7 +68,7 @@ ORDER = [
         ),
         quick=True,
         beside="polarisation",
-        card=Card("rotation"),
+        card=MonitorCard("rotation"),
     ),
     Observable(
         "lane-order",
@@ -118,7 +118,7 @@ NEIGHBOURS = [
         "agents",
         Range(0.0, limit="N - 1"),
         of_flocks.mean_neighbours,
-        card=Card("neighbours", ".1f"),
+        card=MonitorCard("neighbours", ".1f"),
     ),
     Observable(
         "nearest-neighbour",
@@ -181,7 +181,7 @@ WORLD = [
         quick=True,
         applies=on_its_way,
         tells=on_its_way,
-        card=Card(
+        card=MonitorCard(
             lambda world: "to goal" if world.mission.goal is not None else "to path's end",
             part="way",
         ),
@@ -195,7 +195,7 @@ WORLD = [
         needs_links=True,
         applies=led,
         tells=led_along_a_path,
-        card=Card("following", ".0%", part="team"),
+        card=MonitorCard("following", ".0%", part="team"),
     ),
 ]
 GROUPS = [
@@ -206,7 +206,7 @@ GROUPS = [
         COUNT,
         of_flocks.number_of_groups,
         tells=can_crash,
-        card=Card("groups"),
+        card=MonitorCard("groups"),
     ),
     Observable(
         "largest-group",
@@ -214,7 +214,7 @@ GROUPS = [
         "agents",
         COUNT,
         of_flocks.largest_group,
-        card=Card("largest group"),
+        card=MonitorCard("largest group"),
     ),
     Observable(
         "group-polarisation",
@@ -264,7 +264,7 @@ FLIGHT = [
         of_flocks.drag_saved,
         quick=True,
         applies=saves,
-        card=Card("drag saved"),
+        card=MonitorCard("drag saved"),
     ),
     Observable(
         "energy-saved",
@@ -276,7 +276,7 @@ FLIGHT = [
         applies=saves,
         tells=saves,
         beside="drag-saved",
-        card=Card("power saved"),
+        card=MonitorCard("power saved"),
         saves_power=True,
     ),
 ]
@@ -306,7 +306,7 @@ CHARTS = 3
 def foremost(model: Any) -> tuple[str, ...]:
     """The observables that tell how a model's flocks do, as it declares them, or by its kind.
 
-    Raises Refusal if it declares one that there is not.
+    Raises InputError if it declares one that there is not.
     """
     for name in model.tells:
         if name not in OBSERVABLES:

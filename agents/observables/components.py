@@ -11,10 +11,10 @@ import math
 import numpy as np
 
 from agents.engine.cache import kept
-from agents.observables.checks import box, length, spread, together, vectors
+from agents.observables.array_checks import box, length, spread, together, vectors
 from agents.observables.groups import ranked
 from agents.observables.neighbours import into_the_box
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
 @compiled
@@ -108,7 +108,7 @@ def groups_within(position: np.ndarray, r: float, size, images) -> np.ndarray:
     Returns
     -------
     int (N,): 0 the largest group, then by size, ties by first row, as `groups.group_labels`; -1 for
-    rows that are no numbers, of which a warning tells. Raises Refusal.
+    rows that are no numbers, of which a warning tells. Raises InputError.
 
     >>> on_a_line = np.array([[0.0, 0.0], [5.0, 0.0], [6.0, 0.0]])
     >>> groups_within(on_a_line, 1.0, np.ones(2), np.zeros(2, bool)).tolist()

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from agents.engine.arrays import Until
-from agents.observables.checks import column, headings, numbers
-from worlds.compiled import compiled
-from worlds.refusal import Refusal
+from agents.engine.arrays import EngineStopCondition
+from agents.observables.array_checks import column, headings, numbers
+from worlds.compilation import compiled
+from worlds.input_error import InputError
 
 DESIRED = 0.9984
 """Deg_con^d, the degree at which Liu et al. 2021 call a flock consistent (section 3.1)."""
@@ -70,7 +70,8 @@ def is_consistent(flock, numbers):
 def reference_vector(heading: np.ndarray, reference) -> np.ndarray:
     """A unit vector: an angle (rad, 2-D), a vector, or None for the direction of the mean heading.
 
-    The mean direction of headings that cancel out, or of nobody, is the first axis. Raises Refusal.
+    The mean direction of headings that cancel out, or of nobody, is the first axis. Raises
+    InputError.
     """
     if reference is None:
         reference = heading.mean(axis=0) if len(heading) else np.zeros(heading.shape[1])
@@ -81,7 +82,7 @@ def reference_vector(heading: np.ndarray, reference) -> np.ndarray:
         return np.array([math.cos(vector[0]), math.sin(vector[0])])
     size = float(np.linalg.norm(vector)) if vector.shape in ((2,), (3,)) else math.nan
     if not 0.0 < size < math.inf:
-        raise Refusal(
+        raise InputError(
             f"reference = {vector.tolist()} is not allowed: a finite angle (rad), or a vector that "
             "is not zero, is needed"
         )
@@ -99,7 +100,7 @@ def consistency(heading: np.ndarray, reference=None) -> float:
 
     Returns
     -------
-    1 - sqrt(sum of squared angles) / (N pi), in [0, 1]; 1 for an empty flock. Raises Refusal.
+    1 - sqrt(sum of squared angles) / (N pi), in [0, 1]; 1 for an empty flock. Raises InputError.
 
     >>> consistency(np.array([[1.0, 0.0], [1.0, 0.0]]), 0.0)
     1.0
@@ -108,7 +109,7 @@ def consistency(heading: np.ndarray, reference=None) -> float:
     n, dim = heading.shape
     target = reference_vector(heading, reference)
     if len(target) != dim:
-        raise Refusal(f"reference has {len(target)} axes and heading {dim}")
+        raise InputError(f"reference has {len(target)} axes and heading {dim}")
     if n == 0:
         return 1.0
     apart = np.linalg.norm(heading - target, axis=1)
@@ -122,7 +123,7 @@ def convergence_time(degrees, desired: float = DESIRED) -> int | None:
 
     `degrees` (K,) holds Deg_con for k = 0, 1, 2, ...; None if its last value is below `desired`, or
     without values. A tick whose value is nan is not known to be at `desired`, and so is not. Raises
-    Refusal.
+    InputError.
 
     >>> convergence_time([0.5, 0.9990, 0.7, 0.9985, 0.9990])
     3
@@ -133,10 +134,12 @@ def convergence_time(degrees, desired: float = DESIRED) -> int | None:
     return k if k < len(degree) else None
 
 
-def until_consistent(n: int, reference, desired: float = DESIRED, hold: int = HOLD) -> Until:
-    """When n agents are consistent: Deg_con >= desired has held for `hold` ticks. Or Refusal."""
+def until_consistent(
+    n: int, reference, desired: float = DESIRED, hold: int = HOLD
+) -> EngineStopCondition:
+    """When n agents are consistent: Deg_con >= desired has held for `hold` ticks. Or InputError."""
     bound = ((1.0 - desired) * n * math.pi) ** 2
     if reference is None:
-        return Until(np.array([bound]), hold, -1)
+        return EngineStopCondition(np.array([bound]), hold, -1)
     vector = reference_vector(np.empty((0, 2)), reference)
-    return Until(np.array([bound, *vector, 0.0][:4]), hold, -1)
+    return EngineStopCondition(np.array([bound, *vector, 0.0][:4]), hold, -1)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.engine.cache import kept
-from agents.observables.checks import box, length, together, vectors
+from agents.observables.array_checks import box, length, together, vectors
 from agents.observables.neighbours import nearest_neighbour
 
 LARGEST = 4000
@@ -92,7 +92,7 @@ def correlation(
     Returns
     -------
     None for fewer than two agents, or if all velocities are the same. Since fluctuations add up to
-    nothing, some bin is always below 0. Raises Refusal.
+    nothing, some bin is always below 0. Raises InputError.
     """
     position, velocity = vectors("position", position), vectors("velocity", velocity)
     _, position, velocity = together(position=position, velocity=velocity)

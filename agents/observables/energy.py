@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from agents.observables.checks import is_finite, length, numbers, together, vectors
-from worlds.refusal import Refusal
+from agents.observables.array_checks import is_finite, length, numbers, together, vectors
+from worlds.input_error import InputError
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 
@@ -16,7 +16,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 def sigma_norm(distance, eps: float):
     """|z|_sigma = (sqrt(1 + eps |z|^2) - 1) / eps of distances |z| >= 0, same shape; eps > 0.
 
-    nan where a distance is. Raises Refusal.
+    nan where a distance is. Raises InputError.
 
     >>> float(sigma_norm(4.0, 0.5))
     4.0
@@ -46,7 +46,7 @@ def integral(low, high, p: Any):
 def potential(distance, p: Any) -> np.ndarray:
     """psi_alpha(|z|_sigma) (8) of distances (M,), m, in m^2/s^2: 0 at d, constant beyond r.
 
-    nan where a distance is. Raises Refusal for what are no numbers.
+    nan where a distance is. Raises InputError for what are no numbers.
     Within 1e-12 of its largest value, since the two smooth pieces of the bump are integrated apart.
     """
     end = sigma_norm(p.r, p.eps)
@@ -64,7 +64,7 @@ def potential(distance, p: Any) -> np.ndarray:
 def urgency(distance, p: Any) -> np.ndarray:
     """eta (12) of distances (M,), m: tau_s nearer than d_e, tau_e up to d, tau_a beyond.
 
-    nan where a distance is. Raises Refusal for what are no numbers.
+    nan where a distance is. Raises InputError for what are no numbers.
     """
     warning = p.d_min + 2.0 * p.p_max * p.dt
     distance = numbers("distance", distance)
@@ -92,7 +92,7 @@ def hamiltonian(position, velocity, goal, points, p: Any) -> float:
     p: parameters of the model `boundary-points` (a flock's `parameters`).
 
     The potential of a pair counts once from either side, as printed: 1/2 (V_ij + V_ji). Nobody has
-    the energy 0. Raises Refusal. One agent alone:
+    the energy 0. Raises InputError. One agent alone:
 
     >>> from flockscope import model
     >>> p = model("boundary-points").parameters()
@@ -104,7 +104,7 @@ def hamiltonian(position, velocity, goal, points, p: Any) -> float:
     dim = position.shape[1]
     ends = numbers("goal", goal)
     if ends.shape != (2, dim) or not is_finite(ends):
-        raise Refusal(
+        raise InputError(
             f"goal = {ends.tolist()} is not allowed: a position and a velocity, (2, {dim}) finite "
             "numbers, are needed"
         )
@@ -112,7 +112,7 @@ def hamiltonian(position, velocity, goal, points, p: Any) -> float:
     points = numbers("points", points)
     points = vectors("points", points) if points.size else np.empty((0, dim))
     if points.shape[1] != dim:
-        raise Refusal(f"points have {points.shape[1]} axes and positions {dim}")
+        raise InputError(f"points have {points.shape[1]} axes and positions {dim}")
     _, points = together(points=points)
     flock = p.c1a * held(position, position, p)
     boundary = 2.0 * p.c1b * held(position, points, p)
@@ -124,7 +124,7 @@ def furthest(energy: float, p: Any) -> float:
     """sqrt(2 H_0 / c_1^gamma): no agent is ever further from a static gamma agent, m (theorem 1).
 
     `energy` is H at the start, m^2/s^2, >= 0, `p` the parameters as for `hamiltonian`. Without a
-    pull to the gamma agent there is no bound: inf. Raises Refusal.
+    pull to the gamma agent there is no bound: inf. Raises InputError.
     """
     energy = length("energy", energy)
     return math.sqrt(2.0 * energy / p.c1g) if p.c1g > 0.0 else math.inf

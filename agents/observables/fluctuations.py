@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from agents.observables.checks import column, length, together
+from agents.observables.array_checks import column, length, together
 
 
 def susceptibility(series: np.ndarray, n: float) -> float:
@@ -21,7 +21,7 @@ def susceptibility(series: np.ndarray, n: float) -> float:
     Returns
     -------
     A number >= 0, at most N/4 for a series within [0, 1]; nan for an empty series. It is largest
-    where the flock is about to order. Raises Refusal.
+    where the flock is about to order. Raises InputError.
 
     >>> susceptibility(np.array([0.0, 1.0, 0.0, 1.0]), 100)
     25.0
@@ -37,7 +37,7 @@ def binder(series: np.ndarray) -> float:
     `series` is (K,); ticks without a number are left out, with a warning. At most 2/3, which it is
     for a series that does not change; 1/3 for headings at random in the plane and 4/9 in space,
     both for many agents; below 0 where the flock jumps between order and disorder, of which the
-    second is more common. nan for an empty series, or where phi is 0 throughout. Raises Refusal.
+    second is more common. nan for an empty series, or where phi is 0 throughout. Raises InputError.
 
     >>> round(binder(np.array([0.7, 0.7, 0.7])), 12)
     0.666666666667

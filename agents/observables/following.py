@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from agents.engine.cache import kept
-from agents.observables.checks import column, leave_out, length, numbers
+from agents.observables.array_checks import column, leave_out, length, numbers
+from worlds.input_error import InputError
 from worlds.queries.surroundings import nearest_surface
-from worlds.refusal import Refusal
 
 
 @kept
@@ -81,13 +81,13 @@ KERNELS = (bring_pairs, bring_clearances, bring_following)
 def places(trace: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A trace (T, dim, N) as the kernels take it, and whether an agent is anywhere then, (T, N).
 
-    What is infinite is made nan, from which nothing is near. Raises Refusal, and warns of the rows
-    of all ticks that are left out.
+    What is infinite is made nan, from which nothing is near. Raises InputError, and warns of the
+    rows of all ticks that are left out.
     """
     trace = numbers("trace", trace, axes=3)
     ticks, dim, n = trace.shape
     if dim not in (2, 3):
-        raise Refusal(f"trace has shape {trace.shape}: (T, 2, N) or (T, 3, N) is needed")
+        raise InputError(f"trace has shape {trace.shape}: (T, 2, N) or (T, 3, N) is needed")
     there = np.isfinite(trace).all(axis=1)
     if not there.all():
         leave_out(int((~there).sum()), ticks * n, "trace")
@@ -96,10 +96,10 @@ def places(trace: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def written(name: str, array: np.ndarray, shape: tuple[int, ...], kind: type) -> np.ndarray:
-    """An array that is written to, of just this shape and kind. Raises Refusal."""
+    """An array that is written to, of just this shape and kind. Raises InputError."""
     if not isinstance(array, np.ndarray) or array.shape != shape or array.dtype != kind:
         found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else repr(array)
-        raise Refusal(f"{name} is {found}: an array {kind.__name__} {shape} is needed")
+        raise InputError(f"{name} is {found}: an array {kind.__name__} {shape} is needed")
     return array
 
 
@@ -107,7 +107,8 @@ def nearest_pairs(trace: np.ndarray, least2: np.ndarray) -> None:
     """Bring `least2` (N, N), the least squared distance of each pair so far, up to date.
 
     `trace` is (T, dim, N), positions of T ticks, length. Only least2[i, j] with i < j is used. At a
-    tick at which an agent's position is no number it is left out, with a warning. Raises Refusal.
+    tick at which an agent's position is no number it is left out, with a warning. Raises
+    InputError.
     """
     trace, _ = places(trace)
     n = trace.shape[2]
@@ -150,7 +151,7 @@ def spread_bound(n: int, d: float) -> float:
     """How far from its goal the outermost of n agents may be that stand around it at distance d.
 
     1.35 times the radius of a hexagonal lattice of spacing d (length, >= 0) with n >= 0 places.
-    Raises Refusal.
+    Raises InputError.
 
     >>> round(spread_bound(30, 4.0), 2)
     15.53
@@ -162,7 +163,7 @@ def spread_bound(n: int, d: float) -> float:
 def settling_tick(distance: np.ndarray, within: float) -> int | None:
     """The first index from which `distance` (T,) stays <= `within`, both length; None if never.
 
-    A tick at which the distance is nan is not known to be near, and so is not. Raises Refusal.
+    A tick at which the distance is nan is not known to be near, and so is not. Raises InputError.
 
     >>> settling_tick(np.array([5.0, 1.0, 3.0, 1.5, 1.0]), 2.0)
     3

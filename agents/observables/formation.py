@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.bodies.upwash import CORE, WITHIN, relief, saved_within
-from agents.engine.block import Me, Near
+from agents.engine.block import Me, NeighbourBlock
 from agents.engine.cache import kept
-from agents.observables.checks import box, numbers, spread, together, units, vectors
-from worlds.refusal import Refusal
+from agents.observables.array_checks import box, numbers, spread, together, units, vectors
+from worlds.input_error import InputError
 
 FAR = 1e9
 """Spans behind a bird at which its wake is as good as infinitely long."""
@@ -58,7 +58,9 @@ def sum_up(position, heading, size, images, b, block, none, out):
         me = Me(
             x[i], y[i], z[i], ux[i], uy[i], uz[i], 0.0, none[0], none[0], False, 1.0, i, 0, 0, n
         )
-        near = Near(n, block[0], block[1], block[2], ux, uy, uz, no, none, no, 0, no, no, spare)
+        near = NeighbourBlock(
+            n, block[0], block[1], block[2], ux, uy, uz, no, none, no, 0, no, no, spare
+        )
         out[i] = saved_within(me, near, b, WITHIN * b)
 
 
@@ -68,19 +70,19 @@ def upwash_share(dx, dy, dz=0.0, core: float = CORE) -> np.ndarray:
     It flies `dx` behind (negative: ahead), `dy` beside and `dz` above the other, in spans, each of
     which may be infinite; arrays that broadcast. `core` >= 0 is the radius of the vortices' cores
     in spans, 0 for line vortices. The share is negative in the downwash, and nan where a place is.
-    Raises Refusal.
+    Raises InputError.
 
     >>> round(float(upwash_share(math.inf, 1.0 - 0.137)), 3)
     0.692
     """
     if not 0.0 <= core < math.inf:
-        raise Refusal(f"core = {core!r} span is not allowed: a number >= 0 is needed")
+        raise InputError(f"core = {core!r} span is not allowed: a number >= 0 is needed")
     far = np.clip(numbers("dx", dx), -FAR, FAR)
     try:
         there = np.broadcast_arrays(far, numbers("dy", dy), numbers("dz", dz))
     except ValueError:
         shapes = ", ".join(str(np.shape(one)) for one in (dx, dy, dz))
-        raise Refusal(f"dx, dy and dz of shapes {shapes} do not match") from None
+        raise InputError(f"dx, dy and dz of shapes {shapes} do not match") from None
     out = np.empty(there[0].size)
     relieve(*(np.ascontiguousarray(one).ravel() for one in there), float(core), out)
     aside = np.isinf(there[1]) | np.isinf(there[2])
@@ -94,7 +96,7 @@ def best_spacing(core: float = CORE, behind: float = math.inf, above: float = 0.
     With line vortices (`core` 0) and no difference in height it is that of (2.8), (pi/4 - 1)/2 =
     -0.107 exactly: the wing tip is in the vortex. The share has a kink there, which is looked for
     by golden section between wing tips one span apart and wings that overlap by half. Raises
-    Refusal.
+    InputError.
 
     >>> tuple(round(one, 3) for one in best_spacing())
     (-0.137, 0.692)
@@ -123,11 +125,11 @@ def saved_shares(
     number is missing is left out and has nan, and a warning tells of it. `span` > 0 is the wing
     span in the unit of the positions. `size` (dim,) and `images` (dim,) bool: the sides of a box
     and along which of its axes the nearest image counts; None: open space. See
-    `agents.bodies.upwash.saved` for what is summed; of N birds it costs N^2. Raises Refusal.
+    `agents.bodies.upwash.saved` for what is summed; of N birds it costs N^2. Raises InputError.
     """
     position, heading = vectors("position", position), vectors("heading", heading)
     if not 0.0 < span < math.inf:
-        raise Refusal(f"span = {span!r} is not allowed: a length > 0 is needed")
+        raise InputError(f"span = {span!r} is not allowed: a length > 0 is needed")
     stay, position, heading = together(position=position, heading=heading)
     units(heading)
     n, dim = position.shape
@@ -145,12 +147,14 @@ def vee(birds: int, step: float = 0.5, tip: float | None = None) -> np.ndarray:
     """Places (N, 3) of a V of birds in spans, that head for +x: one in front, the rest on two arms.
 
     Each is `step` spans further back than the one before it on its arm and at the wing-tip spacing
-    `tip` (None: the best far behind). Raises Refusal.
+    `tip` (None: the best far behind). Raises InputError.
     """
     if not isinstance(birds, int | np.integer) or birds < 1:
-        raise Refusal(f"birds = {birds!r} is not allowed: a whole number >= 1 is needed")
+        raise InputError(f"birds = {birds!r} is not allowed: a whole number >= 1 is needed")
     if not (math.isfinite(step) and (tip is None or math.isfinite(tip))):
-        raise Refusal(f"step = {step!r} and tip = {tip!r} are not allowed: finite spans are needed")
+        raise InputError(
+            f"step = {step!r} and tip = {tip!r} are not allowed: finite spans are needed"
+        )
     beside = 1.0 + (best_spacing().tip if tip is None else tip)
     i = np.arange(birds)
     rank = (i + 1) // 2
@@ -169,12 +173,12 @@ def vee_saved(
     """Shares (draws, N) of induced drag saved by the birds of a `vee`, displaced anew each draw.
 
     Every coordinate of every bird is displaced by a normal error of deviation `jitter` >= 0 spans,
-    drawn from the seed `rng`. Headings stay parallel. Raises Refusal.
+    drawn from the seed `rng`. Headings stay parallel. Raises InputError.
     """
     if not 0.0 <= jitter < math.inf:
-        raise Refusal(f"jitter = {jitter!r} span is not allowed: a number >= 0 is needed")
+        raise InputError(f"jitter = {jitter!r} span is not allowed: a number >= 0 is needed")
     if not isinstance(draws, int | np.integer) or draws < 1:
-        raise Refusal(f"draws = {draws!r} is not allowed: a whole number >= 1 is needed")
+        raise InputError(f"draws = {draws!r} is not allowed: a whole number >= 1 is needed")
     places = vee(birds, step, tip)
     ahead = np.tile([1.0, 0.0, 0.0], (birds, 1))
     chance = np.random.default_rng(rng)

@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, laplacian
 from scipy.sparse.linalg import eigsh
 
-from agents.observables.checks import integers, labels_of, pairs
+from agents.observables.array_checks import integers, labels_of, pairs
 
 DENSE_UP_TO = 400
 """Agents up to which the Laplacian's eigenvalues are found by the dense method."""
@@ -18,7 +18,7 @@ CROWDED = 40
 
 
 def graph(n: int, links: np.ndarray) -> coo_array:
-    """The adjacency matrix (n, n) of undirected links (M, 2), rows in [0, n). Raises Refusal."""
+    """The adjacency matrix (n, n) of undirected links (M, 2), rows in [0, n). Raises InputError."""
     links = pairs(links, n)
     i, j = links[:, 0], links[:, 1]
     ones = np.ones(2 * len(links))
@@ -28,7 +28,7 @@ def graph(n: int, links: np.ndarray) -> coo_array:
 def group_labels(n: int, links: np.ndarray) -> np.ndarray:
     """The group of each agent, int (n,): 0 the largest, then by size, ties by first row.
 
-    `links` (M, 2) are undirected pairs of rows in [0, n). Raises Refusal.
+    `links` (M, 2) are undirected pairs of rows in [0, n). Raises InputError.
     """
     links = pairs(links, n)
     return ranked(connected_components(graph(n, links), directed=False)[1]) if n else np.arange(0)
@@ -37,7 +37,7 @@ def group_labels(n: int, links: np.ndarray) -> np.ndarray:
 def ranked(label: np.ndarray) -> np.ndarray:
     """Groups numbered by their size, int (N,): 0 the largest, ties by the first row.
 
-    `label` is int (N,), any numbers. Raises Refusal.
+    `label` is int (N,), any numbers. Raises InputError.
 
     >>> ranked(np.array([7, 3, 3, 5])).tolist()
     [1, 0, 0, 2]
@@ -56,7 +56,7 @@ def ranked(label: np.ndarray) -> np.ndarray:
 def group_sizes(labels: np.ndarray) -> np.ndarray:
     """Agents of each group, int (G,), largest first as `group_labels` numbers them.
 
-    `labels` is int (N,), -1 for agents in no group, which are not counted. Raises Refusal.
+    `labels` is int (N,), -1 for agents in no group, which are not counted. Raises InputError.
     """
     label = labels_of(labels)
     return np.bincount(label[label >= 0]) if len(label) else np.empty(0, np.int64)
@@ -68,7 +68,7 @@ def algebraic_connectivity(n: int, links: np.ndarray, dim: int = 2) -> float:
     `links` (M, 2) are undirected pairs of rows in [0, n). Of use from 2 agents on; 0 for fewer.
     `dim` tells only how to go about it: the Laplacian of agents in the plane that have few
     neighbours is quickly factorised, in space or in a crowd that takes long and much memory, and
-    iterating does not. Raises Refusal.
+    iterating does not. Raises InputError.
     """
     links = pairs(links, n)
     if n < 2 or group_labels(n, links).max() > 0:

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from agents.observables.checks import box, together, units, vectors
-from worlds.refusal import Refusal
+from agents.observables.array_checks import box, together, units, vectors
+from worlds.input_error import InputError
 
 
 def lane_order(
@@ -35,7 +35,7 @@ def lane_order(
     -------
     A number in [0, 1]: 1 where each strip has one direction only, about 1 / n where n agents of a
     strip are mixed by chance; 1 for a lone agent, 0 for none. Rows of which a number is missing are
-    left out, with a warning. Raises Refusal.
+    left out, with a warning. Raises InputError.
 
     >>> places = np.array([[1.0, 1.0], [4.0, 1.0], [2.0, 8.0], [7.0, 8.0]])
     >>> ways = np.array([[1.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [-1.0, 0.0]])
@@ -51,7 +51,7 @@ def lane_order(
         return 0.0
     width = 0.5 * math.sqrt(size[0] * size[1] / n) if width is None else width
     if not 0.0 < width < math.inf:
-        raise Refusal(f"width = {width} is not allowed: a finite length > 0 is needed")
+        raise InputError(f"width = {width} is not allowed: a finite length > 0 is needed")
     low, high, sums = strips(position[:, 1], heading[:, 0] >= 0.0, size[1], images[1], width)
     difference, number = sums[:, high] - sums[:, low]
     return float(np.mean((difference / number) ** 2))

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
 
-from agents.observables.checks import flags, integers, pairs
+from agents.observables.array_checks import flags, integers, pairs
 from agents.observables.groups import graph
 
 
 def layers(links: np.ndarray, informed: np.ndarray) -> np.ndarray:
     """Layer of each agent, int (N,): 1 information agent, 2 in contact with one; N + 1 unknown.
 
-    `links` are undirected pairs of rows (M, 2), `informed` (N,) bool. Raises Refusal.
+    `links` are undirected pairs of rows (M, 2), `informed` (N,) bool. Raises InputError.
     """
     informed = flags("informed", informed)
     links = pairs(links, len(informed))
@@ -29,7 +29,7 @@ def layers(links: np.ndarray, informed: np.ndarray) -> np.ndarray:
 def layer_histogram(layer: np.ndarray) -> dict[int, int]:
     """Number of agents of each layer that occurs; N + 1 stands for unknown.
 
-    `layer` is int (N,), >= 1, as `layers` has it. Raises Refusal.
+    `layer` is int (N,), >= 1, as `layers` has it. Raises InputError.
 
     >>> layer_histogram(np.array([1, 2, 2]))
     {1: 1, 2: 2}

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from agents.observables.checks import box, length, numbers, spread, together, vectors
-from worlds.refusal import Refusal
+from agents.observables.array_checks import box, length, numbers, spread, together, vectors
+from worlds.input_error import InputError
 
 
 def into_the_box(position: np.ndarray, size, images) -> np.ndarray:
-    """Positions (N, dim), those along axes in `images` brought into [0, size). Raises Refusal.
+    """Positions (N, dim), those along axes in `images` brought into [0, size). Raises InputError.
 
     Row by row: what is nan stays nan.
     """
@@ -23,7 +23,7 @@ def into_the_box(position: np.ndarray, size, images) -> np.ndarray:
 def tree(position: np.ndarray, size, images) -> cKDTree:
     """A k-d tree of positions (N, dim), periodic along the axes in `images` of length `size`.
 
-    Rows that are no numbers are left out, with a warning. Raises Refusal.
+    Rows that are no numbers are left out, with a warning. Raises InputError.
     """
     _, position = together(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
@@ -41,7 +41,7 @@ def links(position: np.ndarray, r: float, size, images) -> np.ndarray:
     r: >= 0, length.
     size: (dim,) sides of the box > 0; images: (dim,) bool, axes seen across the seam.
 
-    Raises Refusal.
+    Raises InputError.
     """
     stay, position = together(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
@@ -69,7 +69,7 @@ def nearest_of(apart: np.ndarray, k: int) -> np.ndarray:
 def nearest_links(position: np.ndarray, k: int, size, images) -> np.ndarray:
     """Pairs (i < j) of which one is among the k nearest of the other: rows, int (M, 2), sorted.
 
-    The rest as `links`. Raises Refusal.
+    The rest as `links`. Raises InputError.
     """
     stay, position = together(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
@@ -89,7 +89,8 @@ def nearest_links(position: np.ndarray, k: int, size, images) -> np.ndarray:
 
 
 def separation(a: np.ndarray, b: np.ndarray, size, images) -> np.ndarray:
-    """Vectors from a to the nearest image of b, (..., dim), length; nan where one is. Or Refusal.
+    """Vectors from a to the nearest image of b, (..., dim), length; nan where one is. Or
+    InputError.
 
     `a` and `b` are places (..., dim) that broadcast, `size` (dim,) > 0, `images` (dim,) bool.
     """
@@ -101,7 +102,9 @@ def separation(a: np.ndarray, b: np.ndarray, size, images) -> np.ndarray:
     except ValueError:
         fits = False
     if not fits:
-        raise Refusal(f"places of shapes {a.shape} and {b.shape} do not match a box of {dim} axes")
+        raise InputError(
+            f"places of shapes {a.shape} and {b.shape} do not match a box of {dim} axes"
+        )
     d = b - a
     return np.where(images, d - size * np.round(d / size), d)
 
@@ -126,7 +129,7 @@ def nearest_neighbour(position: np.ndarray, size, images) -> np.ndarray:
     """Distance from each agent to its nearest other, (N,), length; inf for a lone agent.
 
     `position` (N, dim), length: a row that is no number has nan, and a warning tells of it. `size`
-    (dim,) sides of the box > 0, `images` (dim,) bool. Raises Refusal.
+    (dim,) sides of the box > 0, `images` (dim,) bool. Raises InputError.
     """
     stay, position = together(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])

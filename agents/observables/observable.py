@@ -9,7 +9,7 @@ from typing import Any, Literal, NoReturn
 
 import numpy as np
 
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SERIES = "polarisation"
 """The observable whose series over a run the fluctuations are taken of."""
@@ -62,7 +62,7 @@ def nowhere(_: Any) -> bool:
 
 
 @dataclass(frozen=True)
-class Card:
+class MonitorCard:
     """How the laboratory's monitors show an observable, which they then measure unasked."""
 
     label: str | Callable[[Any], str]
@@ -101,7 +101,7 @@ class Observable:
     """Of which flocks it is among the few that tell how they do, whatever their model declares."""
     beside: str = ""
     """The observable whose chart it may share."""
-    card: Card | None = None
+    card: MonitorCard | None = None
     saves_power: bool = False
     """Whether it is how much of its power an agent saves, in percent."""
 
@@ -121,7 +121,7 @@ def over_a_run(
     """An observable of a series; a flock at one tick does not have it, and it says so."""
 
     def refuse(_: Any) -> NoReturn:
-        raise Refusal(
+        raise InputError(
             f"{name} is measured over a run, not at one tick: use agents.series.follow, or --over "
             "TICKS on the command line"
         )

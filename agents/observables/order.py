@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from agents.observables.checks import headings
+from agents.observables.array_checks import headings
 
 
 def polarisation(heading: np.ndarray) -> float:
@@ -20,8 +20,8 @@ def polarisation(heading: np.ndarray) -> float:
     -------
     A number in [0, 1]: 1 all alike, near 0 for random headings; 0 for an empty flock.
 
-    Raises Refusal for what are no unit vectors, and warns of rows left out
-    (`agents.observables.checks`, as all that measures arrays).
+    Raises InputError for what are no unit vectors, and warns of rows left out
+    (`agents.observables.array_checks`, as all that measures arrays).
 
     >>> polarisation(np.array([[1.0, 0.0], [-1.0, 0.0]]))
     0.0

@@ -2,14 +2,22 @@
 
 Labels are int (N,), the group of each agent, 0..G-1, as `groups_within` and `group_labels` have
 them; -1 is an agent in none. Rows of which a number is missing are left out, with a warning; a
-group of which nobody stays has nan. What is no such array raises Refusal.
+group of which nobody stays has nan. What is no such array raises InputError.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from agents.observables.checks import box, labels_of, numbers, same_length, together, units, vectors
+from agents.observables.array_checks import (
+    box,
+    labels_of,
+    numbers,
+    same_length,
+    together,
+    units,
+    vectors,
+)
 from agents.observables.groups import group_sizes
 from agents.observables.rotation import outward, rounding
 

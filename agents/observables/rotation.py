@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from agents.observables.checks import box, together, units, vectors
+from agents.observables.array_checks import box, together, units, vectors
 
 EXACT = 2.0**-52
 """Relative rounding error of a coordinate."""
@@ -14,7 +14,7 @@ def centre(position: np.ndarray, size: np.ndarray, images: np.ndarray) -> np.nda
     """The group's centre (dim,), length; along axes with images the mean on the circle.
 
     `position` (N, dim), `size` (dim,) sides of the box > 0, `images` (dim,) bool. nan for nobody;
-    positions that are no numbers are left out, with a warning. Raises Refusal.
+    positions that are no numbers are left out, with a warning. Raises InputError.
     """
     _, position = together(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
@@ -38,7 +38,7 @@ def angular_momentum(
     `position` (N, dim), length, and `heading` (N, dim), unit vectors; `size` (dim,) sides of the
     box > 0, `images` (dim,) bool. An agent at the centre, to within rounding errors, adds nothing:
     so a lone agent has 0, and an empty group too. Rows of which a number is missing are left out,
-    with a warning. Raises Refusal.
+    with a warning. Raises InputError.
 
     >>> ring = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
     >>> round_the_centre = np.array([[0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, 0.0]])

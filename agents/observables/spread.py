@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from agents.observables.checks import box, together, vectors
+from agents.observables.array_checks import box, together, vectors
 from agents.observables.rotation import middle
 
 
@@ -15,7 +15,7 @@ def gyration_radius(position: np.ndarray, size: np.ndarray, images: np.ndarray) 
 
     `position` (N, dim), length; `size` (dim,) sides of the box > 0, `images` (dim,) bool: along
     such axes the centre is the mean on the circle and distances go to the nearest image. 0 for a
-    lone agent and for nobody. Rows that are no numbers are left out, with a warning. Or Refusal.
+    lone agent and for nobody. Rows that are no numbers are left out, with a warning. Or InputError.
 
     >>> corners = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 4.0], [0.0, 4.0]])
     >>> gyration_radius(corners, np.ones(2), np.zeros(2, bool))
@@ -34,7 +34,7 @@ def velocity_spread(velocity: np.ndarray) -> float:
     """Root of the mean square difference of the velocities from their mean, length/time.
 
     `velocity` (N, dim). 0 where all agree on a velocity, and for nobody. Rows that are no numbers
-    are left out, with a warning. Raises Refusal.
+    are left out, with a warning. Raises InputError.
 
     >>> velocity_spread(np.array([[3.0, 4.0], [-3.0, -4.0]]))
     5.0

@@ -14,12 +14,12 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Wish, is_neighbour, seen
-from agents.engine.lanes import where
+from agents.engine.block import Decision, is_neighbour, seen
+from agents.engine.vector_lanes import where
 from agents.models.declare import Parameters, Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.terms.sums import of_pairs, sums_around
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 FORCES = ("self-propulsion", "repulsion")
 """The terms of the velocity."""
@@ -87,7 +87,7 @@ def term(me, other, p):
 def answer(me, sums, surroundings, p):
     """dr_i/dt = v0 u_i + mu sum_j F_ij (1)."""
     x, y, z = sums
-    return Wish(p.v0 * me.ux + p.mu * x, p.v0 * me.uy + p.mu * y, p.v0 * me.uz + p.mu * z)
+    return Decision(p.v0 * me.ux + p.mu * x, p.v0 * me.uy + p.mu * y, p.v0 * me.uz + p.mu * z)
 
 
 around = sums_around(3, term)
@@ -131,23 +131,23 @@ RULE = Rule(
     "lose speed in proportion to the packing, by the slope times it; at packing "
     "{fily2012-speed#5} (`uv run flockscope paper fily2012-speed`)",
     tries=(
-        Try(
+        LessonStep(
             "Let particles forget their heading 500 times as fast.",
             "The clusters melt: who turns away again at once does not stay where it is crowded.",
             {"D_r": 5.0},
-            Proof("largest-group", "below", 100, 3000),
+            LessonCheck("largest-group", "below", 100, 3000),
         ),
-        Try(
+        LessonStep(
             "Let particles not feel each other.",
             "They pass through one another, and there are no more clusters than chance makes.",
             {"mu": 0.0},
-            Proof("nearest-neighbour", "below", 0.3, 3000),
+            LessonCheck("nearest-neighbour", "below", 0.3, 3000),
         ),
-        Try(
+        LessonStep(
             "Take 300 particles instead of 1000.",
             "There is room to get out of each other's way, and no large cluster comes about.",
             {"agents": 300},
-            Proof("largest-group", "below", 40, 3000),
+            LessonCheck("largest-group", "below", 40, 3000),
             anew=True,
         ),
     ),

@@ -15,9 +15,9 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.engine.block import Wish, seen
+from agents.engine.block import Decision, seen
 from agents.models.declare import Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.terms.sigma import (
     FORCES,
     Interaction,
@@ -28,7 +28,7 @@ from agents.rules.terms.sigma import (
     weigh,
     written,
 )
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 MEMORY = (
     "following",
@@ -275,7 +275,7 @@ def terms(me, near, surroundings, p):
 def decide(me, near, surroundings, p):
     """u_i = u_i^alpha + u_i^beta + u_i^gamma (19)."""
     f, c, b, e, g = terms(me, near, surroundings, p)
-    return Wish(f[0] + c[0] + b[0] + e[0] + g[0], f[1] + c[1] + b[1] + e[1] + g[1], 0.0)
+    return Decision(f[0] + c[0] + b[0] + e[0] + g[0], f[1] + c[1] + b[1] + e[1] + g[1], 0.0)
 
 
 @compiled
@@ -320,27 +320,27 @@ RULE = Rule(
     sees_points=True,
     led=False,
     tries=(
-        Try(
+        LessonStep(
             "Take the pull of the gamma agent away.",
             "Nobody makes for the goal: the flock drifts apart into a dozen groups and more.",
             {"c1g": 0.0, "c2g": 0.0},
-            Proof("groups", "above", 8, 400),
+            LessonCheck("groups", "above", 8, 400),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Take the forces between agents away.",
             "Nobody keeps a distance any more: they go through each other on their way to the "
             "goal.",
             {"c1a": 0.0},
-            Proof("nearest-neighbour", "below", 0.5, 400),
+            LessonCheck("nearest-neighbour", "below", 0.5, 400),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let nobody go faster than 2 m/s.",
             "At tick 400 they are still on their way, in one direction; at 5 m/s they are "
             "among the obstacles by then, going all ways round.",
             {"p_max": 2.0},
-            Proof("polarisation", "above", 0.85, 400),
+            LessonCheck("polarisation", "above", 0.85, 400),
             anew=True,
         ),
     ),

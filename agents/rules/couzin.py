@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Wish
-from agents.engine.lanes import where
+from agents.engine.block import Decision
 from agents.engine.noise import cos_sin, normal, uniform
+from agents.engine.vector_lanes import where
 from agents.models.declare import Parameters, Rule, Zone, parameter
-from agents.models.tries import Proof, Try
-from agents.rules.terms.nearest import Nearest
+from agents.models.tries import LessonCheck, LessonStep
+from agents.rules.terms.neighbour_choice import Nearest
 from agents.rules.terms.sums import of_pairs
 from agents.rules.terms.zone_sums import ALL_ROUND, ZONE_SUMS, edge_of, weigh_zones, zone_terms
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 MISS, ROLL = 4, 6
 """Draws of the rule's own noise, of which the first takes two."""
@@ -114,7 +114,7 @@ def missed(me, x, y, z, sigma):
         where(lost, me.uz, z / length),
     )
     if sigma == 0.0:
-        return Wish(x, y, z)
+        return Decision(x, y, z)
     # An orthonormal pair across the direction (Duff et al. 2017), and a side by chance.
     sign = where(z < 0.0, -1.0, 1.0)
     a = -1.0 / (sign + z)
@@ -128,7 +128,7 @@ def missed(me, x, y, z, sigma):
     flat = (z == 0.0) & (me.uz == 0.0)
     sx, sy, sz = where(flat, -y, sx), where(flat, x, sy), where(flat, 0.0, sz)
     c, s = cos_sin(sigma * normal(me.key, me.id, MISS))
-    return Wish(c * x + s * sx, c * y + s * sy, c * z + s * sz)
+    return Decision(c * x + s * sx, c * y + s * sy, c * z + s * sz)
 
 
 @compiled
@@ -171,24 +171,24 @@ COUZIN = Rule(
     ),
     view="alpha",
     tries=(
-        Try(
+        LessonStep(
             "Take the zone of orientation away.",
             "A swarm: agents stay together and go nowhere, with every heading among them.",
             {"dr_o": 0.0},
-            Proof("polarisation", "below", 0.33, 400),
+            LessonCheck("polarisation", "below", 0.33, 400),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Widen the zone of orientation to 9.",
             "The group goes straight on as one: highly parallel.",
             {"dr_o": 9.0},
-            Proof("polarisation", "above", 0.97, 400),
+            LessonCheck("polarisation", "above", 0.97, 400),
         ),
-        Try(
+        LessonStep(
             "Widen the zone of repulsion to 4.",
             "The group blows up: everybody is always too near to somebody, and no heading lasts.",
             {"r_r": 4.0},
-            Proof("gyration-radius", "above", 10, 400),
+            LessonCheck("gyration-radius", "above", 10, 400),
         ),
     ),
 )

@@ -11,12 +11,12 @@ as no two agents are further apart than r the equation is the paper's, to the la
 
 from __future__ import annotations
 
-from agents.engine.block import Wish, is_neighbour, seen
+from agents.engine.block import Decision, is_neighbour, seen
 from agents.engine.noise import exp, log
 from agents.models.declare import Parameters, Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.terms.sums import of_pairs, sums_around
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 FORCES = ("alignment",)
 """The one term of the acceleration."""
@@ -94,7 +94,7 @@ def term(me, other, p):
 def answer(me, sums, surroundings, p):
     """dv_i/dt (2)."""
     x, y, z = sums
-    return Wish(x, y, z)
+    return Decision(x, y, z)
 
 
 around = sums_around(3, term)
@@ -135,27 +135,27 @@ RULE = Rule(
     "{cucker-smale2007#4}; up to 1/2 and below the critical speed flocks of 20 agree as fast as "
     "the bound says, beta = {cucker-smale2007#6} (`uv run flockscope paper cucker-smale2007`)",
     tries=(
-        Try(
+        LessonStep(
             "Let agents listen less to those far away: beta = 2.",
             "The flock comes apart before it agrees: beyond beta = 1/2 nothing promises that "
             "it will.",
             {"beta": 2.0},
-            Proof("polarisation", "below", 0.65, 500),
+            LessonCheck("polarisation", "below", 0.65, 500),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let them listen ten times as strongly.",
             "By tick 100 all have one velocity, to the last digit.",
             {"K": 0.5},
-            Proof("velocity-spread", "below", 1e-06, 100),
+            LessonCheck("velocity-spread", "below", 1e-06, 100),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let nobody hear further than 1 m.",
             "Small groups agree among themselves and part: word of the others no longer gets "
             "through.",
             {"r": 1.0},
-            Proof("groups", "above", 12, 200),
+            LessonCheck("groups", "above", 12, 200),
             anew=True,
         ),
     ),

@@ -15,13 +15,13 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Wish, seen
-from agents.engine.lanes import where
+from agents.engine.block import Decision, seen
 from agents.engine.noise import exp
+from agents.engine.vector_lanes import where
 from agents.models.declare import Parameters, Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.terms.sums import of_pairs, sums_around
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 FORCES = ("self-propulsion", "repulsion", "attraction")
 """The terms of the force."""
@@ -146,7 +146,7 @@ def answer(me, sums, surroundings, p):
     """m dv/dt = (alpha - beta |v|^2) v - grad U (1)."""
     x, y, z = drive(me, p)
     fx, fy, fz = sums
-    return Wish(x + fx, y + fy, z + fz)
+    return Decision(x + fx, y + fy, z + fz)
 
 
 around = sums_around(6, pushed)
@@ -191,23 +191,23 @@ RULE = Rule(
     "{dorsogna2006-size#1}; {dorsogna2006-size#4} (`uv run flockscope paper dorsogna2006-size`); "
     "mills where C l^2 < 1: {dorsogna2006#1} (`uv run flockscope paper dorsogna2006`)",
     tries=(
-        Try(
+        LessonStep(
             "Give the particles three times the drive.",
             "They are faster, and the ring in which they go round gets wider by a third.",
             {"alpha": 2.4},
-            Proof("gyration-radius", "rises", 0.12, 1500),
+            LessonCheck("gyration-radius", "rises", 0.12, 1500),
         ),
-        Try(
+        LessonStep(
             "Take the attraction away.",
             "Nothing holds them: they fly apart, each straight on.",
             {"C_a": 0.0},
-            Proof("gyration-radius", "above", 20, 1500),
+            LessonCheck("gyration-radius", "above", 20, 1500),
         ),
-        Try(
+        LessonStep(
             "Halve the repulsion.",
             "The ring shrinks to about a third.",
             {"C_r": 0.5},
-            Proof("gyration-radius", "below", 0.3, 1500),
+            LessonCheck("gyration-radius", "below", 0.3, 1500),
         ),
     ),
 )

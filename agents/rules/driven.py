@@ -2,74 +2,74 @@
 
 from __future__ import annotations
 
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 
 OF_SQUASHING = (
-    Try(
+    LessonStep(
         "Have cars look ahead, and keep 0.3 m from each other.",
         "Nobody touches: cars keep well apart, and the group is wider.",
         {"yields": True, "margin": 0.3},
-        Proof("nearest-neighbour", "above", 0.48, 1500),
+        LessonCheck("nearest-neighbour", "above", 0.48, 1500),
         anew=True,
     ),
-    Try(
+    LessonStep(
         "Give cars that look ahead a turning circle of 3 m.",
         "They cannot turn as tightly as the injected car goes round, and swing far out.",
         {"yields": True, "circle": 3.0},
-        Proof("gyration-radius", "above", 0.6, 1500),
+        LessonCheck("gyration-radius", "above", 0.6, 1500),
         anew=True,
     ),
-    Try(
+    LessonStep(
         "Take the injected car's weight away, and have cars look ahead.",
         "With nobody to follow they stay together and drive about one another.",
         {"yields": True, "c_goal": 0.0},
-        Proof("gyration-radius", "above", 0.45, 1500),
+        LessonCheck("gyration-radius", "above", 0.45, 1500),
         anew=True,
     ),
 )
 
 OF_COUZIN = (
-    Try(
+    LessonStep(
         "Lose all commands.",
         "Every car goes on with the last command that it got, in a circle of its own, and the "
         "order is lost.",
         {"loss": 1.0},
-        Proof("polarisation", "below", 0.6, 1500),
+        LessonCheck("polarisation", "below", 0.6, 1500),
     ),
-    Try(
+    LessonStep(
         "Take the zone of orientation away.",
         "A knot of cars that go nowhere in particular, with every heading among them.",
         {"dr_o": 0.0},
-        Proof("polarisation", "below", 0.5, 1500),
+        LessonCheck("polarisation", "below", 0.5, 1500),
     ),
-    Try(
+    LessonStep(
         "Widen the zone of repulsion to 2.",
         "Cars spread out: nobody has another within a metre.",
         {"r_r": 2.0},
-        Proof("nearest-neighbour", "above", 0.95, 1500),
+        LessonCheck("nearest-neighbour", "above", 0.95, 1500),
     ),
 )
 
 OF_HWVEM = (
-    Try(
+    LessonStep(
         "Let cars notice each other only within 1 m.",
         "Most hear nobody and drive on as they began: a dozen groups, and no common heading.",
         {"r": 1.0},
-        Proof("polarisation", "below", 0.7, 1500),
+        LessonCheck("polarisation", "below", 0.7, 1500),
         anew=True,
     ),
-    Try(
+    LessonStep(
         "Raise the noise to 6 rad.",
         "Every car weaves about, and yet they get on in one direction: their bodies are too "
         "slow for so much noise.",
         {"eta": 6.0},
-        Proof("velocity-spread", "above", 0.2, 1500),
+        LessonCheck("velocity-spread", "above", 0.2, 1500),
     ),
-    Try(
+    LessonStep(
         "Lose all commands.",
         "Every car keeps the last command that it got, and small differences take them apart "
         "bit by bit.",
         {"loss": 1.0},
-        Proof("velocity-spread", "above", 0.05, 1500),
+        LessonCheck("velocity-spread", "above", 0.05, 1500),
     ),
 )

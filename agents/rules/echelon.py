@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Wish
+from agents.engine.block import Decision
 from agents.models.declare import Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.couzin import missed
 from agents.rules.terms.potential_field import push
 from agents.rules.terms.slots import closing_up, nearest_slot
 from agents.rules.terms.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
 from agents.rules.zones import REPELLED_ALL_ROUND, Zones
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
 class Echelon(Zones):
@@ -164,8 +164,8 @@ def in_length(me, x, y, z, length):
     """The vector brought to a length; without a direction along the heading."""
     now = math.sqrt(x * x + y * y + z * z)
     if now < 1e-12:
-        return Wish(length * me.ux, length * me.uy, length * me.uz)
-    return Wish(length * x / now, length * y / now, length * z / now)
+        return Decision(length * me.ux, length * me.uy, length * me.uz)
+    return Decision(length * x / now, length * y / now, length * z / now)
 
 
 @compiled
@@ -184,7 +184,7 @@ def decide(me, near, surroundings, p):
     """
     s = zone_sums(me, near, p.d_r, p.d_o, p.d_a, ALL_ROUND, edge_of(p.alpha))
     close = s.n_r > 0.0
-    to = Wish(s.rx, s.ry, s.rz) if close else Wish(s.ox + s.ax, s.oy + s.ay, s.oz + s.az)
+    to = Decision(s.rx, s.ry, s.rz) if close else Decision(s.ox + s.ax, s.oy + s.ay, s.oz + s.az)
     to = in_length(me, to.x, to.y, to.z, p.v0)
     if p.w > 0.0 and not close:
         slot = nearest_slot(me, near, p)
@@ -193,15 +193,17 @@ def decide(me, near, surroundings, p):
             other = in_length(me, x, y, z, p.drop * p.v0)
             if slot.ahead >= 0:
                 x, y, z = closing_up(near, slot, p)
-                other = Wish(x, y, z)
+                other = Decision(x, y, z)
             q = 1.0 - p.w
-            to = Wish(q * to.x + p.w * other.x, q * to.y + p.w * other.y, q * to.z + p.w * other.z)
+            to = Decision(
+                q * to.x + p.w * other.x, q * to.y + p.w * other.y, q * to.z + p.w * other.z
+            )
     pace = math.sqrt(to.x * to.x + to.y * to.y + to.z * to.z)
     to = missed(me, to.x, to.y, to.z, p.sigma)
     z = levelled(to.x, to.y, to.z, p.climb)
     fx, fy, fz = push(me, surroundings, p)
     share = p.tau / p.m
-    return Wish(pace * to.x + share * fx, pace * to.y + share * fy, pace * z + share * fz)
+    return Decision(pace * to.x + share * fx, pace * to.y + share * fy, pace * z + share * fz)
 
 
 @compiled
@@ -239,25 +241,25 @@ ECHELON = Rule(
     sees_obstacles=True,
     led=False,
     tries=(
-        Try(
+        LessonStep(
             "Let nobody seek a slot.",
             "They still fly one way, but in each other's downwash: drag is lost instead of saved.",
             {"w": 0.0},
-            Proof("drag-saved", "below", 0, 600),
+            LessonCheck("drag-saved", "below", 0, 600),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Put the slots a whole span further out.",
             "The lines are wide, and save less: beside the wing tip the upwash is best.",
             {"tip": 1.0},
-            Proof("drag-saved", "below", 18, 600),
+            LessonCheck("drag-saved", "below", 18, 600),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let everybody miss its direction by half a radian.",
             "Nobody stays in the slot: most of the saving is lost.",
             {"sigma": 0.5},
-            Proof("drag-saved", "below", 15, 600),
+            LessonCheck("drag-saved", "below", 15, 600),
             anew=True,
         ),
     ),

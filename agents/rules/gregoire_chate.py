@@ -9,8 +9,8 @@ The rule is that of `agents.rules.vicsek`; agents move along the new heading.
 from __future__ import annotations
 
 from agents.models.declare import Parameters, Rule, parameter
-from agents.models.tries import Proof, Try
-from agents.rules.terms.nearest import Nearest
+from agents.models.tries import LessonCheck, LessonStep
+from agents.rules.terms.neighbour_choice import Nearest
 from agents.rules.vicsek import OF_PAIRS
 
 
@@ -60,25 +60,25 @@ RULE = Rule(
     "paper gregoire-chate2004`)",
     **OF_PAIRS,
     tries=(
-        Try(
+        LessonStep(
             "Raise the noise from 0.5 to 0.8.",
             "The order is gone in some ticks: everybody mishears so much that the headings of "
             "all add up to nothing.",
             {"eta": 0.8},
-            Proof("polarisation", "below", 0.2, 150),
+            LessonCheck("polarisation", "below", 0.2, 150),
         ),
-        Try(
+        LessonStep(
             "Lower the noise to 0.2.",
             "Nearly everybody goes the same way, and the flock draws together into denser clouds.",
             {"eta": 0.2},
-            Proof("polarisation", "above", 0.94, 150),
+            LessonCheck("polarisation", "above", 0.94, 150),
         ),
-        Try(
+        LessonStep(
             "Let agents notice each other only within 0.4.",
             "The links of the flock break into many small groups; most of the order stays, "
             "since agents move far in a tick and keep meeting others.",
             {"r": 0.4},
-            Proof("largest-group", "below", 200, 150),
+            LessonCheck("largest-group", "below", 200, 150),
         ),
     ),
 )

@@ -21,9 +21,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from agents.engine.block import Wish
+from agents.engine.block import Decision
 from agents.models.declare import Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.couzin import missed
 from agents.rules.terms.guarded_steps import safe_step
 from agents.rules.terms.potential_field import bent
@@ -42,7 +42,7 @@ from agents.rules.terms.reserved_ball import (
 )
 from agents.rules.terms.zone_sums import ALL_ROUND, edge_of, zone_sums
 from agents.rules.zones import REPELLED_ALL_ROUND, Zones
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 WISH, BALL = 0, 3
 """Where in its memory an agent keeps the velocity it has chosen, and what it will tell next."""
@@ -199,7 +199,7 @@ def perceive(me, near, surroundings, p):
 @compiled
 def decide(me, near, surroundings, p):
     """The velocity of the step that was chosen."""
-    return Wish(me.memory[WISH], me.memory[WISH + 1], me.memory[WISH + 2])
+    return Decision(me.memory[WISH], me.memory[WISH + 1], me.memory[WISH + 2])
 
 
 @compiled
@@ -287,25 +287,25 @@ GUARDED = Rule(
     sees_obstacles=True,
     led=False,
     tries=(
-        Try(
+        LessonStep(
             "Switch the guard off.",
             "Agents crash into each other and into the blocks; with it nobody does.",
             {"guard": False},
-            Proof("crashes", "above", 4, 300),
+            LessonCheck("crashes", "above", 4, 300),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let nobody hear the calls.",
             "Out of each other's sight the flock comes apart into several groups.",
             {"w_c": 0.0},
-            Proof("groups", "above", 2.5, 300),
+            LessonCheck("groups", "above", 2.5, 300),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Double the zone of repulsion.",
             "Everybody backs away from everybody: the flock is twice as wide, and goes nowhere.",
             {"d_r": 4.0},
-            Proof("gyration-radius", "above", 5, 300),
+            LessonCheck("gyration-radius", "above", 5, 300),
             anew=True,
         ),
     ),

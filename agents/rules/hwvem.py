@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.engine.block import Wish, adjacent
-from agents.engine.layers import UNKNOWN, next_layer, search_layers
+from agents.engine.block import Decision, adjacent
+from agents.engine.layer_search import UNKNOWN, next_layer, search_layers
 from agents.models.declare import Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.vicsek import Vicsek
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 LAYER = 0
 INSTANT = 1.0
@@ -114,8 +114,8 @@ def decide(me, near, surroundings, p):
         total += c * heard
         current = following
     if total == 0.0:
-        return Wish(0.0, 0.0, 0.0)
-    return Wish(x / total, y / total, z / total)
+        return Decision(0.0, 0.0, 0.0)
+    return Decision(x / total, y / total, z / total)
 
 
 @compiled
@@ -170,28 +170,28 @@ HWVEM = Rule(
     informed=1,
     converges=True,
     tries=(
-        Try(
+        LessonStep(
             "Take a thousand agents that do not heed layers: p2 = 1.",
             "The heading of the information agent no longer runs through the flock: at tick 30 "
             "there are patches of every heading, where with p2 = 5 all thousand would agree.",
             {"agents": 1000, "p2": 1.0},
-            Proof("polarisation", "below", 0.9, 30),
+            LessonCheck("polarisation", "below", 0.9, 30),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Take the information agent away.",
             "Nobody turns: without anybody who knows the heading there are no layers, and "
             "without layers nobody is listened to.",
             {"informed": 0},
-            Proof("polarisation", "below", 0.4, 15),
+            LessonCheck("polarisation", "below", 0.4, 15),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Raise the noise to 5.5 rad, nearly a full turn.",
             "The flock becomes a crowd within a few ticks. Take it back, and the layers put it "
             "right again just as fast.",
             {"eta": 5.5},
-            Proof("polarisation", "below", 0.2, 100),
+            LessonCheck("polarisation", "below", 0.2, 100),
         ),
     ),
 )

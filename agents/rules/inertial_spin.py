@@ -22,11 +22,11 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Wish, adjacent
+from agents.engine.block import Decision, adjacent
 from agents.engine.noise import normal
 from agents.models.declare import Parameters, Rule, parameter
-from agents.models.tries import Proof, Try
-from worlds.compiled import compiled
+from agents.models.tries import LessonCheck, LessonStep
+from worlds.compilation import compiled
 
 SMALL = 0.01
 """Of eta dt / chi, below which series are taken: differences of near numbers tell nothing."""
@@ -197,7 +197,7 @@ def decide(me, near, surroundings, p):
     h = p.v0 / p.chi
     s = me.memory
     x, y, z = cross(s[3], s[4], s[5], me.ux, me.uy, me.uz)
-    return Wish(h * x, h * y, h * z)
+    return Decision(h * x, h * y, h * z)
 
 
 RULE = Rule(
@@ -222,24 +222,24 @@ RULE = Rule(
     "wave): {attanasi2014#1}; {attanasi2014#3}; {attanasi2014#7} (`uv run flockscope paper "
     "attanasi2014`)",
     tries=(
-        Try(
+        LessonStep(
             "Heat it to T = 5.",
             "The order goes down, but not all of it: the alignment holds against the noise.",
             {"T": 5.0},
-            Proof("polarisation", "below", 0.6, 400),
+            LessonCheck("polarisation", "below", 0.6, 400),
         ),
-        Try(
+        LessonStep(
             "Take the alignment away.",
             "Everybody wanders on its own.",
             {"J": 0.0},
-            Proof("polarisation", "below", 0.2, 400),
+            LessonCheck("polarisation", "below", 0.2, 400),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Give everybody ten times the inertia.",
             "Turning takes so long that order has hardly begun at tick 400.",
             {"chi": 10.0},
-            Proof("polarisation", "below", 0.48, 400),
+            LessonCheck("polarisation", "below", 0.48, 400),
             anew=True,
         ),
     ),

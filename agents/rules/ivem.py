@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Wish, adjacent
-from agents.engine.layers import search_layers
+from agents.engine.block import Decision, adjacent
+from agents.engine.layer_search import search_layers
 from agents.models.declare import Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.vicsek import VicsekAmong
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 ANGLE, LAYER = 0, 1
 FULL = 2.0 * math.pi
@@ -58,12 +58,12 @@ def decide(me, near, surroundings, p):
     theta = me.signal[ANGLE]
     least, largest = extremes(me, near, p)
     if least > largest:
-        return Wish(0.0, 0.0, 0.0)
+        return Decision(0.0, 0.0, 0.0)
     if theta <= least:
         theta += (largest - least) / 2.0
     elif theta >= largest:
         theta -= (largest - least) / 2.0
-    return Wish(math.cos(theta), math.sin(theta), 0.0)
+    return Decision(math.cos(theta), math.sin(theta), 0.0)
 
 
 @compiled
@@ -80,7 +80,7 @@ def decide_informed(me, near, surroundings, p):
         contact += knows
     if contact == 0.0 or total == 0.0:
         return decide(me, near, surroundings, p)
-    return Wish(x / total, y / total, 0.0)
+    return Decision(x / total, y / total, 0.0)
 
 
 @compiled
@@ -138,27 +138,27 @@ IVEM = Rule(
     weigh=weigh,
     symmetries=("shift", "mirror"),  # angles are compared as numbers in [0, 2 pi)
     tries=(
-        Try(
+        LessonStep(
             "Raise the noise to 3 rad.",
             "The polarisation falls to about 0.4. The Vicsek model keeps about 0.6 at the same "
             "noise: a mean of all neighbours averages more away than the two most different "
             "ones do.",
             {"eta": 3.0},
-            Proof("polarisation", "below", 0.52, 150),
+            LessonCheck("polarisation", "below", 0.52, 150),
         ),
-        Try(
+        LessonStep(
             "Take ten times as many agents, as close together as before.",
             "At tick 60 a thousand agree nearly as well as a hundred; of the Vicsek model they "
             "would still be in patches.",
             {"agents": 1000},
-            Proof("polarisation", "above", 0.95, 60),
+            LessonCheck("polarisation", "above", 0.95, 60),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let agents notice each other only within 0.3.",
             "A dozen groups and more, each on a way of its own.",
             {"r": 0.3},
-            Proof("groups", "rises", 8, 150),
+            LessonCheck("groups", "rises", 8, 150),
             anew=True,
         ),
     ),
@@ -187,26 +187,26 @@ IVEM_A = Rule(
     converges=True,
     symmetries=("shift", "mirror"),
     tries=(
-        Try(
+        LessonStep(
             "Let the information agent weigh no more than anybody else.",
             "The flock still agrees, but not on the heading of the agent that knows it: word "
             "of it hardly gets through.",
             {"k_iu": 1.0},
-            Proof("consistency", "falls", 0.02, 300),
+            LessonCheck("consistency", "falls", 0.02, 300),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Have twenty information agents instead of one.",
             "Everybody meets one soon, and the flock goes their way as one.",
             {"informed": 20},
-            Proof("polarisation", "above", 0.99, 150),
+            LessonCheck("polarisation", "above", 0.99, 150),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Raise the noise to 3 rad.",
             "The order is gone: headings of all kinds, and a polarisation of about 0.2.",
             {"eta": 3.0},
-            Proof("polarisation", "below", 0.45, 150),
+            LessonCheck("polarisation", "below", 0.45, 150),
         ),
     ),
 )

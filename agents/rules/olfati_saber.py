@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.engine.block import Wish
+from agents.engine.block import Decision
 from agents.models.declare import Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.terms.sigma import (
     FORCES,
     Interaction,
@@ -29,7 +29,7 @@ from agents.rules.terms.sigma import (
     written,
 )
 from agents.rules.terms.sums import of_pairs, sums_around
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 from worlds.queries.surroundings import solids_around, surface
 
 PRINTED = 1.0
@@ -132,7 +132,7 @@ def terms(me, sums, surroundings, p):
 def answer(me, sums, surroundings, p):
     """u_i = u_i^alpha + u_i^beta + u_i^gamma (7)."""
     f, c, b, e, g = terms(me, sums, surroundings, p)
-    return Wish(
+    return Decision(
         f[0] + c[0] + b[0] + e[0] + g[0],
         f[1] + c[1] + b[1] + e[1] + g[1],
         f[2] + c[2] + b[2] + e[2] + g[2],
@@ -168,27 +168,27 @@ RULE = Rule(
     sees_obstacles=True,
     led=False,
     tries=(
-        Try(
+        LessonStep(
             "Let agents want to be 2.5 m apart instead of 4 m.",
             "The lattice draws together, so tightly that everybody has about twenty others "
             "within reach.",
             {"d": 2.5},
-            Proof("nearest-neighbour", "below", 2.4, 400),
+            LessonCheck("nearest-neighbour", "below", 2.4, 400),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Take the pull of the gamma agent away.",
             "The flock falls into about ten groups: attraction alone reaches only so far, and "
             "it is the goal that holds all together.",
             {"c1g": 0.0, "c2g": 0.0},
-            Proof("groups", "above", 5, 400),
+            LessonCheck("groups", "above", 5, 400),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let agents want to be 7 m apart, and notice each other within 10 m.",
             "The lattice grows until it is nearly twice as wide.",
             {"d": 7.0, "r": 10.0},
-            Proof("nearest-neighbour", "above", 5.5, 400),
+            LessonCheck("nearest-neighbour", "above", 5.5, 400),
             anew=True,
         ),
     ),

@@ -14,12 +14,12 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.engine.block import Wish, adjacent
-from agents.engine.layers import UNKNOWN
+from agents.engine.block import Decision, adjacent
+from agents.engine.layer_search import UNKNOWN
 from agents.engine.noise import normal
 from agents.models.declare import Parameters, Rule, parameter
-from agents.models.tries import Proof, Try
-from worlds.compiled import compiled
+from agents.models.tries import LessonCheck, LessonStep
+from worlds.compilation import compiled
 from worlds.queries.surroundings import solids_around, surface
 
 PAPER = "Helbing and Molnar 1995"
@@ -292,7 +292,7 @@ def decide(me, near, surroundings, p):
     wx, wy = walls(me, surroundings, p)
     x, y = x + px + wx, y + py + wy
     lx, ly = limit(me, x, y, p)
-    return Wish(x + lx, y + ly, 0.0)
+    return Decision(x + lx, y + ly, 0.0)
 
 
 @compiled
@@ -349,25 +349,25 @@ RULE = Rule(
     "figure 2); lane order after 100 s, beside people who do not mind each other: "
     "{helbing1995-lanes#2} (`uv run flockscope paper helbing1995-lanes`)",
     tries=(
-        Try(
+        LessonStep(
             "Let nobody mind the others.",
             "People walk through one another, and no lanes come about.",
             {"repulsion": 0.0},
-            Proof("lane-order", "below", 0.16, 1500),
+            LessonCheck("lane-order", "below", 0.16, 1500),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let everybody want to go at the same speed.",
             "Nobody overtakes, and the lanes get much clearer.",
             {"spread": 0.0},
-            Proof("lane-order", "above", 0.46, 1500),
+            LessonCheck("lane-order", "above", 0.46, 1500),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let everybody want to go the way they look at the start.",
             "Crossing streams: no two ways any more, and the crowd comes apart into groups.",
             {"ways": "own"},
-            Proof("groups", "above", 2.5, 1500),
+            LessonCheck("groups", "above", 2.5, 1500),
             anew=True,
         ),
     ),

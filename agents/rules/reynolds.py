@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Wish, seen
-from agents.engine.lanes import where
+from agents.engine.block import Decision, seen
+from agents.engine.vector_lanes import where
 from agents.models.declare import Parameters, Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.terms.steering import avoidance, cut, seek
 from agents.rules.terms.sums import of_pairs, sums_around
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 FORCES = ("separation", "alignment", "cohesion", "avoidance", "seek")
 """The steering forces, as accelerations, length/s^2."""
@@ -237,7 +237,7 @@ def answer(me, sums, surroundings, p):
     ox, oy, oz = avoidance(me, surroundings, p)
     gx, gy, gz = seek(me, surroundings, p)
     s, a, c, o, g = p.w_separation, p.w_alignment, p.w_cohesion, p.w_avoidance, p.w_seek
-    return Wish(
+    return Decision(
         p.max_force * (s * sx + a * ax + c * cx + o * ox + g * gx),
         p.max_force * (s * sy + a * ay + c * cy + o * oy + g * gy),
         p.max_force * (s * sz + a * az + c * cz + o * oz + g * gz),
@@ -294,24 +294,24 @@ REYNOLDS = Rule(
     sees_obstacles=True,
     led=False,
     tries=(
-        Try(
+        LessonStep(
             "Take alignment away.",
             "Boids stay together and keep clear of each other, but mill about like gnats: what "
             "each does no longer fits what the others do.",
             {"w_alignment": 0.0},
-            Proof("velocity-spread", "above", 2.0, 400),
+            LessonCheck("velocity-spread", "above", 2.0, 400),
         ),
-        Try(
+        LessonStep(
             "Take separation away.",
             "Boids draw together until they fly in one another.",
             {"w_separation": 0.0},
-            Proof("nearest-neighbour", "below", 0.05, 400),
+            LessonCheck("nearest-neighbour", "below", 0.05, 400),
         ),
-        Try(
+        LessonStep(
             "Have all seek the goal ten times as strongly.",
             "They press round the star and go along with it.",
             {"w_seek": 5.0},
-            Proof("goal-distance", "below", 1.5, 400),
+            LessonCheck("goal-distance", "below", 1.5, 400),
         ),
     ),
 )

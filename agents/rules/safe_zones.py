@@ -10,15 +10,15 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Wish
+from agents.engine.block import Decision
 from agents.models.declare import Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.couzin import missed
-from agents.rules.terms.nearest import Nearest
+from agents.rules.terms.neighbour_choice import Nearest
 from agents.rules.terms.potential_field import push
 from agents.rules.terms.zone_sums import edge_of, zone_sums
 from agents.rules.zones import REPELLED_ALL_ROUND, Zones
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 MOST = 10.0
 """Largest weight of a neighbour: one in the same place, or due there within 0.1 s."""
@@ -125,7 +125,7 @@ def decide(me, near, surroundings, p):
     field = p.tau / (p.m * max(p.v0, 1e-6))
     x, y, z = x + share * fx + field * bx, y + share * fy + field * by, z + share * fz + field * bz
     to = missed(me, x, y, z, p.sigma)
-    return Wish(p.v0 * to.x, p.v0 * to.y, p.v0 * to.z)
+    return Decision(p.v0 * to.x, p.v0 * to.y, p.v0 * to.z)
 
 
 @compiled
@@ -163,25 +163,25 @@ SAFE = Rule(
     sees_obstacles=True,
     led=False,
     tries=(
-        Try(
+        LessonStep(
             "Let nobody look ahead.",
             "Many crash: who only keeps clear of those that are near already comes too late.",
             {"t_s": 0.0},
-            Proof("crashes", "above", 10, 300),
+            LessonCheck("crashes", "above", 10, 300),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let them avoid each other, and nothing else.",
             "The flock scatters into a dozen groups and more.",
             {"g": 0.0},
-            Proof("groups", "above", 9, 300),
+            LessonCheck("groups", "above", 9, 300),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let them see 270 degrees instead of 90.",
             "They find together into one to three close groups.",
             {"alpha": 270.0},
-            Proof("mean-neighbours", "above", 17, 300),
+            LessonCheck("mean-neighbours", "above", 17, 300),
             anew=True,
         ),
     ),

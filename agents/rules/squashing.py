@@ -12,9 +12,9 @@ import math
 from typing import Literal
 
 from agents.bodies.tracking import Tracking, error_of, left_behind
-from agents.engine.block import Wish, adjacent
+from agents.engine.block import Decision, adjacent
 from agents.models.declare import Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.terms.pulls import (
     ERROR_X,
     ERROR_Y,
@@ -30,7 +30,7 @@ from agents.rules.terms.pulls import (
     pulls,
     sense,
 )
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 LAST_X, LAST_Y, KNOWN, RATE_X, RATE_Y, SUM_X, SUM_Y = 0, 1, 2, 3, 4, 5, 6
 """The rule's memory: D of the tick before, whether there was one, how fast D changes, 1/s, and what
@@ -303,7 +303,7 @@ def decide(me, near, surroundings, p):
     if p.integral > 0.0:
         x += p.integral * me.memory[SUM_X]
         y += p.integral * me.memory[SUM_Y]
-    return Wish(x, y, 0.0)
+    return Decision(x, y, 0.0)
 
 
 @compiled
@@ -386,24 +386,24 @@ SQUASHING = Rule(
     forces=FORCES,
     explain=explain,
     tries=(
-        Try(
+        LessonStep(
             "Lower C to 0.3.",
             "The distance at which cars neither attract nor repel shrinks, and they come close "
             "together.",
             {"C": 0.3},
-            Proof("nearest-neighbour", "below", 0.2, 1500),
+            LessonCheck("nearest-neighbour", "below", 0.2, 1500),
         ),
-        Try(
+        LessonStep(
             "Raise C to 1.5.",
             "Repulsion at every distance: each flees all others, and the injected car too.",
             {"C": 1.5},
-            Proof("nearest-neighbour", "above", 5, 1500),
+            LessonCheck("nearest-neighbour", "above", 5, 1500),
         ),
-        Try(
+        LessonStep(
             "Take the injected car's weight away.",
             "The four settle into a square and stand.",
             {"c_goal": 0.0},
-            Proof("polarisation", "below", 0.2, 1500),
+            LessonCheck("polarisation", "below", 0.2, 1500),
         ),
     ),
 )

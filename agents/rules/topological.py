@@ -2,13 +2,13 @@
 
 Ballerini et al. 2008 measured in flocks of starlings that a bird interacts with six to seven
 nearest neighbours, and that this number, not a distance, is the same in sparse flocks and dense.
-The rule is that of `agents.rules.vicsek`; `agents.engine.nearest` says who is near.
+The rule is that of `agents.rules.vicsek`; `agents.engine.nearest_agents` says who is near.
 """
 
 from __future__ import annotations
 
 from agents.models.declare import Rule
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.vicsek import OF_PAIRS, VicsekAmong
 
 RULE = Rule(
@@ -25,28 +25,28 @@ RULE = Rule(
     "paper ballerini2008`)",
     **OF_PAIRS,
     tries=(
-        Try(
+        LessonStep(
             "Let everybody heed the twenty nearest instead of seven.",
             "Word gets further at each tick: by tick 100 nearly all go one way, where with "
             "seven the flock still bends and turns.",
             {"k": 20},
-            Proof("polarisation", "above", 0.75, 100),
+            LessonCheck("polarisation", "above", 0.75, 100),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let everybody heed one other only, the nearest.",
             "Pairs and short chains agree, and no more than these: the flock never takes a "
             "heading.",
             {"k": 1},
-            Proof("polarisation", "below", 0.35, 200),
+            LessonCheck("polarisation", "below", 0.35, 200),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Take sixty agents, as close together as before.",
             "By tick 100 they all go one way: seven of sixty are a large part of the flock, "
             "seven of four hundred are not.",
             {"agents": 60},
-            Proof("polarisation", "above", 0.95, 100),
+            LessonCheck("polarisation", "above", 0.95, 100),
             anew=True,
         ),
     ),

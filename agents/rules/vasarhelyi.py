@@ -14,10 +14,10 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Wish, adjacent
+from agents.engine.block import Decision, adjacent
 from agents.models.declare import Parameters, Rule, parameter
-from agents.models.tries import Proof, Try
-from worlds.compiled import compiled
+from agents.models.tries import LessonCheck, LessonStep
+from worlds.compilation import compiled
 from worlds.queries.surroundings import solids_around, surface
 
 FORCES = ("self-propulsion", "repulsion", "alignment", "shill")
@@ -263,7 +263,7 @@ def decide(me, near, surroundings, p):
     """The wanted velocity before it is cut at v^max; at rest, self-propulsion is ahead."""
     rx, ry, rz, fx, fy, fz = neighbourly(me, near, p)
     sx, sy, sz = shill(me, surroundings, p)
-    return Wish(
+    return Decision(
         p.v_flock * me.ux + rx + fx + sx,
         p.v_flock * me.uy + ry + fy + sy,
         p.v_flock * me.uz + rz + fz + sz,
@@ -301,24 +301,24 @@ VASARHELYI = Rule(
     sees_obstacles=True,
     led=False,
     tries=(
-        Try(
+        LessonStep(
             "Take the alignment away.",
             "Drones bounce from wall to wall, each on its own course.",
             {"c_frict": 0.0},
-            Proof("polarisation", "below", 0.65, 400),
+            LessonCheck("polarisation", "below", 0.65, 400),
         ),
-        Try(
+        LessonStep(
             "Take the repulsion away.",
             "They still fly one way, but nearest drones come into one another: nobody keeps a "
             "distance.",
             {"p_rep": 0.0},
-            Proof("nearest-neighbour", "falls", 0.8, 400),
+            LessonCheck("nearest-neighbour", "falls", 0.8, 400),
         ),
-        Try(
+        LessonStep(
             "Make the repulsion about eight times as strong.",
             "The flock spreads out: nearest drones are nearly twice as far apart.",
             {"p_rep": 1.0},
-            Proof("nearest-neighbour", "rises", 0.4, 400),
+            LessonCheck("nearest-neighbour", "rises", 0.4, 400),
         ),
     ),
 )

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Wish, is_neighbour
-from agents.engine.lanes import where
+from agents.engine.block import Decision, is_neighbour
+from agents.engine.vector_lanes import where
 from agents.models.declare import Parameters, Rule, parameter
-from agents.models.tries import Proof, Try
-from agents.rules.terms.nearest import Nearest
+from agents.models.tries import LessonCheck, LessonStep
+from agents.rules.terms.neighbour_choice import Nearest
 from agents.rules.terms.sums import of_pairs
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
 class Vicsek(Parameters):
@@ -66,7 +66,7 @@ def answer(me, sums, surroundings, p):
     b = me.own_weight
     n = n + b
     n = where(n == 0.0, 1.0, n)
-    return Wish((x + b * me.ux) / n, (y + b * me.uy) / n, (z + b * me.uz) / n)
+    return Decision((x + b * me.ux) / n, (y + b * me.uy) / n, (z + b * me.uz) / n)
 
 
 OF_PAIRS = of_pairs(4, term, answer, by_lanes=True)
@@ -87,27 +87,27 @@ VEM = Rule(
     parameters=VicsekAmong,
     **OF_PAIRS,
     tries=(
-        Try(
+        LessonStep(
             "Raise the noise to 5.5 rad, nearly a full turn.",
             "The flock that went one way becomes a crowd: every heading is there, and the "
             "polarisation falls to about 0.1.",
             {"eta": 5.5},
-            Proof("polarisation", "below", 0.25, 150),
+            LessonCheck("polarisation", "below", 0.25, 150),
         ),
-        Try(
+        LessonStep(
             "Take ten times as many agents, as close together as before.",
             "Patches of one heading each, which join only slowly: at tick 60 a hundred agents "
             "have long agreed, a thousand have not.",
             {"agents": 1000},
-            Proof("polarisation", "falls", 0.1, 60),
+            LessonCheck("polarisation", "falls", 0.1, 60),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let agents notice each other only within 0.3.",
             "Several groups, each with a heading of its own; they only come together where "
             "their ways happen to cross.",
             {"r": 0.3},
-            Proof("groups", "rises", 2, 150),
+            LessonCheck("groups", "rises", 2, 150),
             anew=True,
         ),
     ),
@@ -129,28 +129,28 @@ VEM_A = Rule(
     informed=1,
     converges=True,
     tries=(
-        Try(
+        LessonStep(
             "Have twenty information agents instead of one.",
             "Everybody has one near by: at tick 60 all have their heading, "
             "where the single one still pulls at the flock.",
             {"informed": 20},
-            Proof("consistency", "above", 0.999, 60),
+            LessonCheck("consistency", "above", 0.999, 60),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Take ten times as many agents, as close together as before.",
             "The single agent that knows the way drowns: at tick 60 there are patches of every "
             "heading.",
             {"agents": 1000},
-            Proof("polarisation", "falls", 0.1, 60),
+            LessonCheck("polarisation", "falls", 0.1, 60),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Raise the noise to 5.5 rad, nearly a full turn.",
             "The flock becomes a crowd: every heading is there, that of the information agent "
             "no more than others.",
             {"eta": 5.5},
-            Proof("polarisation", "below", 0.25, 150),
+            LessonCheck("polarisation", "below", 0.25, 150),
         ),
     ),
 )

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from agents.models.declare import Parameters, Rule, parameter
-from agents.models.tries import Proof, Try
-from agents.rules.terms.nearest import Nearest
+from agents.models.tries import LessonCheck, LessonStep
+from agents.rules.terms.neighbour_choice import Nearest
 from agents.rules.vicsek import OF_PAIRS
 
 
@@ -65,26 +65,26 @@ RULE = Rule(
     "and density 4: {vicsek1995-headings#1} (`uv run flockscope paper vicsek1995-headings`)",
     **OF_PAIRS,
     tries=(
-        Try(
+        LessonStep(
             "Raise the noise to 5.5 rad, nearly a full turn.",
             "The order melts: before long every heading is there, and together they come to "
             "next to nothing.",
             {"eta": 5.5},
-            Proof("polarisation", "below", 0.2, 150),
+            LessonCheck("polarisation", "below", 0.2, 150),
         ),
-        Try(
+        LessonStep(
             "Raise the noise to 2 rad only.",
             "Everybody wavers, by up to 1 rad to either side, and yet the flock goes on in one "
             "direction: a little noise is averaged away.",
             {"eta": 2.0},
-            Proof("polarisation", "above", 0.6, 150),
+            LessonCheck("polarisation", "above", 0.6, 150),
         ),
-        Try(
+        LessonStep(
             "Let agents stand still, and notice each other only within 0.3.",
             "Patches of one heading each, frozen for good: who does not move meets nobody new, "
             "and the whole never agrees.",
             {"v0": 0.0, "r": 0.3},
-            Proof("polarisation", "below", 0.3, 60),
+            LessonCheck("polarisation", "below", 0.3, 60),
             anew=True,
         ),
     ),

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from agents.engine.block import Wish, adjacent
-from agents.engine.layers import search_layers
+from agents.engine.block import Decision, adjacent
+from agents.engine.layer_search import search_layers
 from agents.models.declare import Rule, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.vicsek import Vicsek
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 LAYER = 0
 
@@ -68,8 +68,8 @@ def decide(me, near, surroundings, p):
         z += h * near.uz[j]
         total += h
     if total == 0.0:
-        return Wish(0.0, 0.0, 0.0)
-    return Wish(x / total, y / total, z / total)
+        return Decision(0.0, 0.0, 0.0)
+    return Decision(x / total, y / total, z / total)
 
 
 @compiled
@@ -107,28 +107,28 @@ WVEM = Rule(
     informed=1,
     converges=True,
     tries=(
-        Try(
+        LessonStep(
             "Take ten times as many agents, as close together as before.",
             "Those far from the information agent never hear of it: at tick 60 a hundred agree "
             "with it, a thousand are in patches.",
             {"agents": 1000},
-            Proof("polarisation", "falls", 0.1, 60),
+            LessonCheck("polarisation", "falls", 0.1, 60),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Let all neighbours weigh the same.",
             "This is the Vicsek model with one agent that does not turn: the flock takes "
             "longer to come to its heading.",
             {"k_alpha": 1.0, "k_beta": 1.0},
-            Proof("consistency", "falls", 0.004, 60),
+            LessonCheck("consistency", "falls", 0.004, 60),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Raise the noise to 5.5 rad, nearly a full turn.",
             "Weights do not help against this: every heading is there, and the polarisation "
             "falls to about 0.1.",
             {"eta": 5.5},
-            Proof("polarisation", "below", 0.25, 150),
+            LessonCheck("polarisation", "below", 0.25, 150),
         ),
     ),
 )

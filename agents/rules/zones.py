@@ -6,14 +6,14 @@ Bachelor's thesis on self-organised flocks of flapping-wing aircraft, sections 3
 
 from __future__ import annotations
 
-from agents.engine.block import Wish
+from agents.engine.block import Decision
 from agents.models.declare import Parameters, Rule, Zone, parameter
-from agents.models.tries import Proof, Try
+from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.couzin import missed
-from agents.rules.terms.nearest import Nearest
+from agents.rules.terms.neighbour_choice import Nearest
 from agents.rules.terms.potential_field import bent
 from agents.rules.terms.zone_sums import edge_of, weigh_zones, zone_sums
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
 class Zones(Parameters):
@@ -138,7 +138,7 @@ def decide(me, near, surroundings, p):
     else:
         to = missed(me, s.ox + s.ax, s.oy + s.ay, s.oz + s.az, p.sigma)
     x, y, z = bent(me, to.x, to.y, to.z, surroundings, p)
-    return Wish(x, y, z)
+    return Decision(x, y, z)
 
 
 @compiled
@@ -185,26 +185,26 @@ ZONES = Rule(
     sees_obstacles=True,
     led=False,
     tries=(
-        Try(
+        LessonStep(
             "Let them see all round.",
             "They keep apart, since now they also notice who comes from behind, and are one "
             "flock or two.",
             {"alpha": 360.0},
-            Proof("nearest-neighbour", "above", 0.25, 300),
+            LessonCheck("nearest-neighbour", "above", 0.25, 300),
         ),
-        Try(
+        LessonStep(
             "Let bodies be solid all the time.",
             "Most of the flock crashes: what the thesis counts at the start only goes on all "
             "along.",
             {"contact": "always"},
-            Proof("crashes", "above", 25, 300),
+            LessonCheck("crashes", "above", 25, 300),
             anew=True,
         ),
-        Try(
+        LessonStep(
             "Take the zone of attraction away.",
             "Nothing brings them back together: some thirty groups of one or a few.",
             {"d_a": 2.5},
-            Proof("groups", "above", 18, 300),
+            LessonCheck("groups", "above", 18, 300),
             anew=True,
         ),
     ),

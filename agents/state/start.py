@@ -10,9 +10,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from worlds.checks import demand_free, demand_in_box
+from worlds.input_error import InputError, unknown
 from worlds.mission import StartRegion
 from worlds.queries.clearance import clearance
-from worlds.refusal import Refusal, unknown
 from worlds.world import World
 
 THETA_D = np.pi / 4
@@ -67,7 +67,7 @@ def random_start(
     one after another do so all over the box. The information agents come first in both. No agent
     starts inside an obstacle, or nearer than `gap` to one; with `spacing`, ordinary agents keep
     that distance to each other and to what is solid. A world with a mission may have a start region
-    of its own, where all are spread alike. Raises Refusal where there is no room.
+    of its own, where all are spread alike. Raises InputError where there is no room.
     """
     n = agents + informed
     if world.mission is not None and world.mission.start is not None:
@@ -101,7 +101,7 @@ def free_positions(
     """n positions uniform in the box where nothing is solid, (n, dim).
 
     They keep at least `spacing` to each other and to what is solid, and `gap` to the latter. Raises
-    Refusal.
+    InputError.
     """
     low, size = np.array(world.low), np.array(world.size)
     return spread(world, low, size, n, spacing, rng, max(gap, spacing))
@@ -112,8 +112,8 @@ def spread(
 ) -> np.ndarray:
     """n positions uniform in the box [low, low + size), clear of what is solid, (n, dim).
 
-    They keep at least `spacing` to each other and `gap` to what is solid. Raises Refusal if they do
-    not fit, with the number that does.
+    They keep at least `spacing` to each other and `gap` to what is solid. Raises InputError if they
+    do not fit, with the number that does.
     """
     if not world.is_solid and spacing == 0.0:
         return rng.uniform(0.0, 1.0, (n, world.dim)) * size + low
@@ -129,7 +129,7 @@ def spread(
     apart = f", {spacing:g} from each other," if spacing > 0.0 else ""
     off = f", {gap:g} from them" if gap > 0.0 else ""
     fits = f"{fit} fit" if fit > 1 else ("1 fits" if fit else "not even one fits")
-    raise Refusal(
+    raise InputError(
         f"agents = {n} do not fit into [{low.tolist()}, {(low + size).tolist()}]{apart} outside "
         f"the obstacles of {world.name}{off}: {fits}"
     )
@@ -185,7 +185,7 @@ def mission_start(
 ) -> Start:
     """A start from the mission's region; the first `informed` agents head for the first waypoint.
 
-    The region's spacing holds unless `spacing` is given. Raises Refusal where there is no room.
+    The region's spacing holds unless `spacing` is given. Raises InputError where there is no room.
     """
     mission = world.mission
     assert mission is not None
@@ -226,7 +226,7 @@ def given_start(world: World, arrays: Mapping[str, Any], passing: bool = False) 
 
     Positions are in the box along axes that wrap or are solid, and outside of obstacles unless
     agents go through these (`passing`). Headings are brought to length 1; speeds are >= 0, and 0 if
-    none are given. Identities follow the rows. Raises Refusal naming the array, the row and the
+    none are given. Identities follow the rows. Raises InputError naming the array, the row and the
     value where something is no finite number, has no direction, is where no agent can be, or does
     not fit.
     """
@@ -235,40 +235,44 @@ def given_start(world: World, arrays: Mapping[str, Any], passing: bool = False) 
             raise unknown("start array", name, ("position", "heading", "speed", "informed"))
     for name in ("position", "heading"):
         if name not in arrays:
-            raise Refusal(f"start has no {name!r}: position and heading, both (N, dim), are needed")
+            raise InputError(
+                f"start has no {name!r}: position and heading, both (N, dim), are needed"
+            )
     position = rows("position", arrays["position"], world.dim)
     demand_in_box(world, position, passing)
     if not passing:
         demand_free(world, position)
     heading = rows("heading", arrays["heading"], world.dim)
     if len(position) != len(heading):
-        raise Refusal(f"start has {len(position)} positions but {len(heading)} headings")
+        raise InputError(f"start has {len(position)} positions but {len(heading)} headings")
     if len(position) < 1:
-        raise Refusal("start has 0 agents: at least 1 is needed")
+        raise InputError("start has 0 agents: at least 1 is needed")
     informed = np.asarray(arrays.get("informed", np.zeros(len(position), bool)))
     if informed.shape != (len(position),):
-        raise Refusal(f"start array 'informed' has shape {informed.shape}, not ({len(position)},)")
+        raise InputError(
+            f"start array 'informed' has shape {informed.shape}, not ({len(position)},)"
+        )
     length = np.linalg.norm(heading, axis=1, keepdims=True)
     if (length == 0.0).any():
         row = int(np.flatnonzero(length == 0.0)[0])
-        raise Refusal(f"heading of row {row} is a zero vector: a heading needs a direction")
+        raise InputError(f"heading of row {row} is a zero vector: a heading needs a direction")
     speed = np.asarray(arrays.get("speed", np.zeros(len(position))), float)
     if speed.shape != (len(position),) or not (np.isfinite(speed) & (speed >= 0.0)).all():
-        raise Refusal(f"start array 'speed' must be {len(position)} finite numbers >= 0")
+        raise InputError(f"start array 'speed' must be {len(position)} finite numbers >= 0")
     number = np.arange(len(position))
     return Start(position, heading / length, informed.astype(bool), speed, number)
 
 
 def rows(name: str, values: object, dim: int) -> np.ndarray:
-    """`values` as a float array (N, dim) of finite numbers. Raises Refusal."""
+    """`values` as a float array (N, dim) of finite numbers. Raises InputError."""
     try:
         array = np.array(values, float)
     except (TypeError, ValueError):
-        raise Refusal(f"start array {name!r} is not an array of numbers") from None
+        raise InputError(f"start array {name!r} is not an array of numbers") from None
     if array.ndim != 2 or array.shape[1] != dim:
-        raise Refusal(f"start array {name!r} has shape {array.shape}, not (N, {dim})")
+        raise InputError(f"start array {name!r} has shape {array.shape}, not (N, {dim})")
     if not np.isfinite(array).all():
         row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
         value = array[row].tolist()
-        raise Refusal(f"{name} of row {row} is {value}: every component must be a finite number")
+        raise InputError(f"{name} of row {row} is {value}: every component must be a finite number")
     return array

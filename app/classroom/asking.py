@@ -24,7 +24,7 @@ from app.classroom.workers.measuring import CurveWorker, DrawWorker
 from app.classroom.workers.process import Gone
 from app.classroom.workers.task_process import TaskProcess, finish
 from app.viewer.gallery.saved_scene import SavedScene
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 CURVE = 2.0
 """Seconds between two looks at a sweep that makes a curve."""
@@ -69,15 +69,15 @@ class Asking:
         await asyncio.gather(self.runs.close(), self.drawing.close(), self.sweeping.close())
 
     async def draw(self, name: str, *given: Any) -> Any:
-        """What the process that draws and writes files answers. Raises Refusal."""
+        """What the process that draws and writes files answers. Raises InputError."""
         return await self.have(self.drawing, name, *given)
 
     async def have(self, process: TaskProcess, name: str, *given: Any) -> Any:
-        """What a process answers. Raises Refusal."""
+        """What a process answers. Raises InputError."""
         try:
             return await process.do(name, *given)
         except Gone:
-            raise Refusal("this took too long, or its process was ended: try again") from None
+            raise InputError("this took too long, or its process was ended: try again") from None
 
     def take_over(self, questions: list[Collection], scene: SavedScene) -> None:
         """Go on with the questions of a class that is opened again; the latest stays shown."""
@@ -103,9 +103,9 @@ class Asking:
         }
 
     async def ask(self, values: Any, scene: SavedScene) -> Question:
-        """Ask a question about a scene. Raises Refusal."""
+        """Ask a question about a scene. Raises InputError."""
         if len(self.all) >= MOST_QUESTIONS:
-            raise Refusal(f"{MOST_QUESTIONS} questions have been asked: begin another class")
+            raise InputError(f"{MOST_QUESTIONS} questions have been asked: begin another class")
         question = await asyncio.to_thread(question_of, values, scene.spec)
         self.all.append(Collection(question))
         self.is_open, self.scene, self.curve, self.told = True, scene, None, ""
@@ -119,13 +119,13 @@ class Asking:
         """Find the curve that a sweep has made of the question."""
         try:
             self.curve = await self.have(self.sweeping, "find_curve", question, scene)
-        except Refusal as refusal:
+        except InputError as refusal:
             self.told = str(refusal)
 
     async def make_curve(self) -> str:
-        """Begin the sweep that makes the curve of the latest question. Raises Refusal."""
+        """Begin the sweep that makes the curve of the latest question. Raises InputError."""
         if self.latest is None or self.scene is None:
-            raise Refusal("no question has been asked")
+            raise InputError("no question has been asked")
         question, scene = self.latest.question, self.scene.spec
         name: str = await self.have(self.sweeping, "begin_curve", question, scene)
         if self.latest.question is not question:
@@ -143,7 +143,7 @@ class Asking:
                 await asyncio.sleep(CURVE)
                 curve, self.told = await self.have(self.sweeping, "curve", name, question, scene)
                 self.curve = curve or self.curve
-        except Refusal as refusal:
+        except InputError as refusal:
             self.told = str(refusal)
 
     def end(self) -> None:
@@ -159,15 +159,15 @@ class Asking:
         return replace(scene, spec=self.open.begins(student, scene.spec))
 
     def demand_turn(self, student: str) -> Collection:
-        """The question that is asked now, to which a student may hand in. Raises Refusal."""
+        """The question that is asked now, to which a student may hand in. Raises InputError."""
         if self.open is None:
-            raise Refusal("no question is asked now")
+            raise InputError("no question is asked now")
         self.runs.demand_turn(student)
         self.open.demand_room(student, self.runs.record(student).ended)
         return self.open
 
     async def hand_in(self, student: str, ran: str) -> Point:
-        """Take a student's run, the scene `ran` as TOML, as an answer. Raises Refusal.
+        """Take a student's run, the scene `ran` as TOML, as an answer. Raises InputError.
 
         It is made to its end and taken even if the page that handed it in waits no more: a student
         who leaves and comes back has not two runs at a time.
@@ -181,7 +181,7 @@ class Asking:
     async def make_point(
         self, collection: Collection, student: str, ran: str, scene: Spec
     ) -> Point:
-        """Have a run made, and take its result. Raises Refusal."""
+        """Have a run made, and take its result. Raises InputError."""
         point = await self.runs.make(student, collection.question, ran, scene)
         collection.add(point)
         return point
@@ -208,23 +208,23 @@ class Asking:
         }
 
     def csv(self) -> str:
-        """The results of the latest question. Raises Refusal."""
+        """The results of the latest question. Raises InputError."""
         return to_csv(self.demand())
 
     async def picture(self, kind: str) -> bytes:
-        """The picture of the latest question. Raises Refusal."""
+        """The picture of the latest question. Raises InputError."""
         made: bytes = await self.draw("picture", self.demand(), kind, self.curve)
         return made
 
     def point(self, number: int) -> SavedScene:
-        """The scene of a result of the latest question. Raises Refusal."""
+        """The scene of a result of the latest question. Raises InputError."""
         collection = self.demand()
         if not 0 <= number < len(collection.points):
-            raise Refusal("there is no such result")
+            raise InputError("there is no such result")
         return collection.points[number].scene(collection.question)
 
     def demand(self) -> Collection:
-        """The latest question. Raises Refusal where there is none."""
+        """The latest question. Raises InputError where there is none."""
         if self.latest is None:
-            raise Refusal("no question has been asked")
+            raise InputError("no question has been asked")
         return self.latest

@@ -20,7 +20,7 @@ from app.classroom.student import Place, Role, Student
 from app.classroom.workers.process import WorkerProcess
 from app.results import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 WAITS = 300.0
 """Seconds that the flock of a student waits whose line broke; then it is kept as a scene."""
@@ -66,7 +66,7 @@ class Classroom:
         """Called when something has changed that pages should be told."""
 
     async def open(self) -> None:
-        """Begin the processes and the teacher's laboratory. Raises Refusal."""
+        """Begin the processes and the teacher's laboratory. Raises InputError."""
         await self.flocks.open(self.scene)
         self.looking = asyncio.create_task(self.look())
 
@@ -99,18 +99,19 @@ class Classroom:
     # Who is in it.
 
     def admit(self, code: str, name: str) -> tuple[Student, str]:
-        """Take a student in who gives the code; the student, and their cookie. Raises Refusal."""
+        """Take a student in who gives the code; the student, and their cookie. Raises
+        InputError."""
         if self.is_over:
-            raise Refusal("this class is over")
+            raise InputError("this class is over")
         if not same(code, self.code):
-            raise Refusal("this is not the code of the class: look at the wall again")
+            raise InputError("this is not the code of the class: look at the wall again")
         self.free_seats()
         chosen = student_name(name)
         kept = next((s for s in self.students.values() if s.name == chosen and not s.key), None)
         if kept is not None:  # of a class that has been opened again
             return kept, self.give_key(kept)
         if len(self.students) >= self.seats:
-            raise Refusal(f"all {self.seats} seats of this class are taken")
+            raise InputError(f"all {self.seats} seats of this class are taken")
         number = max(self.students, default=0) + 1
         taken = {one.name for one in self.students.values()} | self.asking.names
         chosen = unique_name(chosen, taken)
@@ -148,9 +149,9 @@ class Classroom:
         return self.by_key.get(hashed(cookie)) if cookie else None
 
     def admit_teacher(self, key: str) -> str:
-        """A cookie for who has the teacher's key. Raises Refusal."""
+        """A cookie for who has the teacher's key. Raises InputError."""
         if not self.is_key(key):
-            raise Refusal("this is not the teacher's key")
+            raise InputError("this is not the teacher's key")
         if not same(key, self.key):
             self.first_key = ""
         cookie = new_key()
@@ -171,16 +172,16 @@ class Classroom:
         self.tell()
 
     def student_at(self, text: str) -> Student:
-        """The student whose number stands in an address. Raises Refusal."""
+        """The student whose number stands in an address. Raises InputError."""
         found = self.students.get(int(text)) if text.isdecimal() and len(text) < 9 else None
         if found is None:
-            raise Refusal("that student is not in the class any more")
+            raise InputError("that student is not in the class any more")
         return found
 
     # What each of them sees.
 
     async def place_of(self, student: Student) -> Place:
-        """The laboratory that a student sees; their own is opened if need be. Raises Refusal."""
+        """The laboratory that a student sees; their own is opened if need be. Raises InputError."""
         return await self.flocks.place_of(student, lambda: self.first_scene(student, self.scene))
 
     def first_scene(self, student: Student, scene: SavedScene) -> str:
@@ -219,12 +220,12 @@ class Classroom:
     # What the teacher does.
 
     def chosen(self, numbers: Iterable[int] | None) -> list[Student]:
-        """Students by their numbers; all for None. Raises Refusal for a number nobody has."""
+        """Students by their numbers; all for None. Raises InputError for a number nobody has."""
         if numbers is None:
             return list(self.students.values())
         found = [self.students.get(number) for number in numbers]
         if None in found:
-            raise Refusal("that student is not in the class any more")
+            raise InputError("that student is not in the class any more")
         return [one for one in found if one is not None]
 
     def give_role(self, role: Role, numbers: Iterable[int] | None = None) -> None:
@@ -245,7 +246,7 @@ class Classroom:
         await self.begin_anew(self.chosen(numbers), scene)
 
     async def ask(self, values: object) -> str:
-        """Ask a question: all begin anew, each with a value of their own. Raises Refusal."""
+        """Ask a question: all begin anew, each with a value of their own. Raises InputError."""
         question = await self.asking.ask(values, self.scene)
         self.first_role = Role.OWN
         await self.begin_anew(self.chosen(None), self.scene)
@@ -256,7 +257,7 @@ class Classroom:
         for student in students:
             student.scene = self.first_scene(student, scene)
             if student.place is not None:
-                with suppress(Refusal):  # it is opened when their page asks for it
+                with suppress(InputError):  # it is opened when their page asks for it
                     await self.flocks.tell_own(student, "open", student.scene)
                     if student.frozen:
                         await self.flocks.tell_own(student, "pause")
@@ -266,9 +267,9 @@ class Classroom:
         self.tell()
 
     async def hand_in(self, student: Student) -> str:
-        """Take a student's run as an answer; the result in a sentence. Raises Refusal."""
+        """Take a student's run as an answer; the result in a sentence. Raises InputError."""
         if student.role is not Role.OWN:
-            raise Refusal("only who has a flock of their own hands in a result")
+            raise InputError("only who has a flock of their own hands in a result")
         question = self.asking.demand_turn(student.name).question
         student.scene = ran = await self.flocks.tell_own(student, "scene")
         try:
@@ -278,13 +279,13 @@ class Classroom:
         return point.told(question)
 
     async def open_point(self, number: int) -> str:
-        """Open the run of a result in the teacher's laboratory. Raises Refusal."""
+        """Open the run of a result in the teacher's laboratory. Raises InputError."""
         scene = self.asking.point(number)
         await self.flocks.tell_teacher("open", scene.to_toml())
         return f"opened in your flock: {scene.title}"
 
     async def teachers_scene(self) -> SavedScene:
-        """What the teacher's laboratory runs now. Raises Refusal."""
+        """What the teacher's laboratory runs now. Raises InputError."""
         return SavedScene.from_toml(await self.flocks.tell_teacher("scene"), "the teacher's run")
 
     async def freeze(self, frozen: bool, numbers: Iterable[int] | None = None) -> None:
@@ -294,14 +295,16 @@ class Classroom:
         for student in self.chosen(numbers):
             student.frozen = frozen
             if student.place is not None:
-                with suppress(Refusal):
+                with suppress(InputError):
                     await self.flocks.tell_own(student, "pause" if frozen else "go")
         self.tell()
 
     def say(self, word: str) -> None:
-        """A word to all; empty takes it back. Raises Refusal."""
+        """A word to all; empty takes it back. Raises InputError."""
         text = " ".join(word.split())
         if len(text) > LONGEST_WORD or not text.isprintable():
-            raise Refusal(f"a word to all has at most {LONGEST_WORD} letters that can be printed")
+            raise InputError(
+                f"a word to all has at most {LONGEST_WORD} letters that can be printed"
+            )
         self.word = text
         self.tell()

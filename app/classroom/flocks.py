@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import Any
 
 from agents.catalogue import model as find_model
-from agents.home import find_world
+from agents.flock_world import find_world
 from app.classroom.student import Place, Role, Student
 from app.classroom.workers.process import Gone, WorkerProcess
 from app.classroom.workers.seen import Seen
@@ -21,7 +21,7 @@ from app.classroom.workers.worker import Laboratories
 from app.experiments.workers.processes import cores
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.run.allowance import Allowance
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 TEACHER = 0
 """The number of the teacher's laboratory; students count from 1."""
@@ -70,7 +70,7 @@ class Flocks:
         self.closing = False
 
     async def open(self, scene: SavedScene) -> None:
-        """Begin the processes and the teacher's laboratory. Raises Refusal."""
+        """Begin the processes and the teacher's laboratory. Raises InputError."""
         self.first = scene.to_toml()
         self.workers = [self.new_worker() for _ in range(self.count)]
         for worker in self.workers:
@@ -126,13 +126,13 @@ class Flocks:
         return self.watching if student.role is Role.WATCHING else student.place
 
     async def place_of(self, student: Student, first: Callable[[], str]) -> Place:
-        """The laboratory that a student sees; their own is opened if need be. Raises Refusal.
+        """The laboratory that a student sees; their own is opened if need be. Raises InputError.
 
         `first` makes the scene of one who has had none.
         """
         if student.role is Role.WATCHING:
             if self.watching is None:
-                raise Refusal(BEGINS)
+                raise InputError(BEGINS)
             return self.watching
         return await asyncio.shield(self.task(self.own_place(student, first)))
 
@@ -144,7 +144,7 @@ class Flocks:
             return student.place
 
     async def open_own(self, student: Student, scene: str) -> Place:
-        """Open a student's own laboratory, in the process with the fewest. Raises Refusal."""
+        """Open a student's own laboratory, in the process with the fewest. Raises InputError."""
         worker = student.worker = min(self.workers, key=lambda one: one.held)
         worker.held += 1
         try:
@@ -152,29 +152,29 @@ class Flocks:
             if student.frozen:
                 await self.tell(worker, "pause", student.number)
             if student.worker is not worker:
-                raise Refusal("this flock has been closed")
+                raise InputError("this flock has been closed")
         except Exception:
             self.drop(worker, student)
             raise
         return Place(worker, address)
 
     async def tell(self, worker: WorkerProcess, what: str, *given: Any) -> Any:
-        """What a process answers. Raises Refusal if it is gone."""
+        """What a process answers. Raises InputError if it is gone."""
         try:
             return await worker.ask(what, *given)
         except Gone:
-            raise Refusal("the flock is just beginning again") from None
+            raise InputError("the flock is just beginning again") from None
 
     async def tell_own(self, student: Student, what: str, *given: Any) -> Any:
-        """What a student's own laboratory answers. Raises Refusal if there is none."""
+        """What a student's own laboratory answers. Raises InputError if there is none."""
         if student.place is None:
-            raise Refusal("only who has a flock of their own can do that")
+            raise InputError("only who has a flock of their own can do that")
         return await self.tell(student.place.worker, what, student.number, *given)
 
     async def tell_teacher(self, what: str, *given: Any) -> Any:
-        """What the teacher's laboratory answers. Raises Refusal."""
+        """What the teacher's laboratory answers. Raises InputError."""
         if self.own is None:
-            raise Refusal(BEGINS)
+            raise InputError(BEGINS)
         return await self.tell(self.own, what, TEACHER, *given)
 
     def leave(self, student: Student) -> None:

@@ -18,7 +18,7 @@ from app.classroom.classroom import Classroom
 from app.classroom.keys import new_code, plain
 from app.classroom.student import Student
 from app.viewer.gallery.saved_scene import SavedScene
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 EVERY = 20.0
 """Seconds between two times that a class is kept, if anything has changed."""
@@ -43,7 +43,7 @@ def state_of(classroom: Classroom) -> ClassState:
 
 
 def restored(path: Path, workers: int, results: Path) -> Classroom:
-    """The class of a file, with those who are in it. Raises Refusal."""
+    """The class of a file, with those who are in it. Raises InputError."""
     state = load(path)
     classroom = Classroom(state.scene, state.seats, workers, results)
     classroom.title = state.title
@@ -67,7 +67,7 @@ def keys_of(path: Path) -> Path:
 
 
 def read_keys(path: Path) -> dict[str, Any]:
-    """The keys of a class; none where there is no such file. Raises Refusal if it is damaged."""
+    """The keys of a class; none where there is no such file. Raises InputError if it is damaged."""
     try:
         with open(path, "rb") as file:
             said = json.loads(file.read(LARGEST))
@@ -78,7 +78,9 @@ def read_keys(path: Path) -> dict[str, Any]:
     except FileNotFoundError:
         return {}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        raise Refusal(f"{str(path)!r} cannot be read: take it away to let all enter anew") from None
+        raise InputError(
+            f"{str(path)!r} cannot be read: take it away to let all enter anew"
+        ) from None
     return {"students": students, "teachers": teachers, "code": said["code"]}
 
 
@@ -88,7 +90,7 @@ def is_hash(text: object) -> bool:
 
 
 def keep_keys(classroom: Classroom, path: Path) -> None:
-    """Write the keys, for this user alone; whole or not at all. Raises Refusal."""
+    """Write the keys, for this user alone; whole or not at all. Raises InputError."""
     said = {
         "code": classroom.code,
         "students": {one.name: one.key for one in classroom.students.values() if one.key},
@@ -103,7 +105,7 @@ def keep_keys(classroom: Classroom, path: Path) -> None:
             json.dump(said, file)
         os.replace(fresh, path)
     except OSError as error:
-        raise Refusal(f"{str(path)!r} cannot be written: {error.strerror or error}") from None
+        raise InputError(f"{str(path)!r} cannot be written: {error.strerror or error}") from None
 
 
 class Keeping:
@@ -123,7 +125,7 @@ class Keeping:
         return students, results, room.scene, room.code, len(room.teachers)
 
     async def keep(self) -> None:
-        """Keep the class, if there is anything new in it. Raises Refusal."""
+        """Keep the class, if there is anything new in it. Raises InputError."""
         now = self.now()
         if now == self.kept or not self.classroom.students:
             return

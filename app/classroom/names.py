@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections.abc import Iterable
 
-from worlds.refusal import Refusal, shortened
+from worlds.input_error import InputError, shortened
 
 MOST_LETTERS = 30
 """Characters of a name."""
@@ -26,13 +26,14 @@ INVISIBLE = frozenset("\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0")
 
 
 def student_name(text: object) -> str:
-    """A name as it is shown: 1 to 30 characters in NFC, on one line, blanks single. Raises Refusal.
+    """A name as it is shown: 1 to 30 characters in NFC, on one line, blanks single. Raises
+    InputError.
 
     >>> student_name("  Ada   Lovelace "), student_name("Zoe\\u0308")
     ('Ada Lovelace', 'Zoë')
     """
     if not isinstance(text, str) or len(text) > MOST_GIVEN:
-        raise Refusal(f"name = {shortened(text)} is not allowed: {allowed()}")
+        raise InputError(f"name = {shortened(text)} is not allowed: {allowed()}")
     try:
         text.encode("utf-8")
     except UnicodeEncodeError:
@@ -59,9 +60,9 @@ def allowed() -> str:
     return f"1 to {MOST_LETTERS} characters are needed"
 
 
-def refused(text: str, why: str) -> Refusal:
+def refused(text: str, why: str) -> InputError:
     """The refusal of a name, which shows nothing of it that cannot be shown."""
-    return Refusal(f"name = {text[:MOST_LETTERS]!a} is not allowed: {why}")
+    return InputError(f"name = {text[:MOST_LETTERS]!a} is not allowed: {why}")
 
 
 def is_mark(one: str) -> bool:
@@ -84,7 +85,8 @@ def same(name: str) -> str:
 
 
 def unique_name(name: str, taken: Iterable[str]) -> str:
-    """A checked name with the first number behind it that makes it one of its own. Raises Refusal.
+    """A checked name with the first number behind it that makes it one of its own. Raises
+    InputError.
 
     >>> unique_name("Ada", ["ada", "Ada 2"])
     'Ada 3'
@@ -97,4 +99,4 @@ def unique_name(name: str, taken: Iterable[str]) -> str:
         found = name[: MOST_LETTERS - len(behind)].rstrip() + behind
         if same(found) not in there:
             return found
-    raise Refusal(f"name = {name!r} is not allowed: there are {MOST_ALIKE} of that name")
+    raise InputError(f"name = {name!r} is not allowed: there are {MOST_ALIKE} of that name")

@@ -20,7 +20,7 @@ from app.classroom.collect.question import Question
 from app.classroom.workers.measuring import MadeRun, RunWorker
 from app.classroom.workers.process import Gone
 from app.classroom.workers.task_process import TaskProcess, TimeUp
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 NICENESS = 15
 """Of the process for runs that are not usual: even flocks go before it."""
@@ -90,18 +90,18 @@ class RunQueue:
         return "" if found is None else found.note
 
     def demand_turn(self, student: str) -> None:
-        """Refuse a run of a student who has one already, or has to wait. Raises Refusal."""
+        """Refuse a run of a student who has one already, or has to wait. Raises InputError."""
         record = self.record(student)
         if record.busy:
-            raise Refusal("your last result is still being made")
+            raise InputError("your last result is still being made")
         left = record.free_at - time.monotonic()
         if left > 0.0:
-            raise Refusal(
+            raise InputError(
                 f"your last run was refused or ended: hand in again in {math.ceil(left)} s"
             )
 
     async def make(self, student: str, question: Question, ran: str, scene: Spec) -> Point:
-        """The result of a student's run, the scene `ran` as TOML. Raises Refusal."""
+        """The result of a student's run, the scene `ran` as TOML. Raises InputError."""
         record = self.record(student)
         try:
             made = await self.try_usual(record, question, student, ran, scene)
@@ -109,7 +109,7 @@ class RunQueue:
                 made = await self.make_slow(record, question, student, ran, scene)
             record.seconds += made.seconds
             return made.point
-        except Refusal:
+        except InputError:
             record.free_at = max(record.free_at, time.monotonic() + REFUSED_PAUSE)
             raise
         finally:
@@ -118,7 +118,7 @@ class RunQueue:
     async def try_usual(
         self, record: RunRecord, question: Question, student: str, ran: str, scene: Spec
     ) -> MadeRun | None:
-        """The result of a usual run; None for one that is not. Raises Refusal."""
+        """The result of a usual run; None for one that is not. Raises InputError."""
         if record.is_slow or self.usual_seconds is None:
             return None
         limit = await asyncio.shield(self.usual_seconds)
@@ -135,7 +135,8 @@ class RunQueue:
     async def make_slow(
         self, record: RunRecord, question: Question, student: str, ran: str, scene: Spec
     ) -> MadeRun:
-        """The result of any run. Raises Refusal, and for one that is ended has the student wait."""
+        """The result of any run. Raises InputError, and for one that is ended has the student
+        wait."""
         try:
             made: MadeRun = await self.slow.do(
                 "make_any", question, student, ran, scene, SECONDS, rank=record.seconds
@@ -150,7 +151,7 @@ class RunQueue:
             raise self.ended(record, why) from None
         return made
 
-    def ended(self, record: RunRecord, why: str) -> Refusal:
+    def ended(self, record: RunRecord, why: str) -> InputError:
         """Note a run that was ended; what the student is told."""
         record.is_slow = True
         record.ended += 1
@@ -158,4 +159,4 @@ class RunQueue:
         record.free_at = time.monotonic() + pause
         times = "" if record.ended == 1 else f", {record.ended} times so far"
         record.note = f"a run {why}{times}: waits {pause:g} s before the next"
-        return Refusal(f"your run {why}: wait {pause:g} s before the next")
+        return InputError(f"your run {why}: wait {pause:g} s before the next")

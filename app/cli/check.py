@@ -10,7 +10,7 @@ import typer
 
 from app.cli.refusals import REFUSED
 from app.cli.rule_option import Rules, by_name, first_of
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def check(
@@ -33,7 +33,7 @@ def check(
 
     name = first_of(model, rule)
     if name is None:
-        raise Refusal("which MODEL? `flockscope list models` names them; or give --rule FILE.py")
+        raise InputError("which MODEL? `flockscope list models` names them; or give --rule FILE.py")
     found = find_model(name)
     tell = None if quiet else lambda line: typer.echo(line, err=True)
     compile_loop(Flock(name, agents=1, rng=0), tell)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from app.cli.terminal import make_console
-from worlds.counting import counted
+from worlds.number_text import counted
 
 Rows = list[dict[str, Any]]
 WIDE = 80

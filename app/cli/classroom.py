@@ -18,8 +18,8 @@ from app.experiments.workers.processes import cores
 from app.results import RESULTS
 from app.viewer.web.addresses import LOOPBACK
 from app.viewer.web.origin import allowed
-from worlds.refusal import Refusal
-from worlds.writing import demand_writable
+from worlds.file_writer import demand_writable
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from app.classroom.classroom import Classroom
@@ -67,10 +67,12 @@ def classroom(
     """Open a class: students enter by a code on the wall, and have flocks of their own."""
     if (certificate is None) != (key is None):
         given = "--certificate" if key is None else "--key"
-        raise Refusal(f"{given} is given alone: a certificate needs its key (PEM), and the reverse")
+        raise InputError(
+            f"{given} is given alone: a certificate needs its key (PEM), and the reverse"
+        )
     path = out or (Path(scene) if scene and scene.endswith(FILE) else usual_place())
     if path.suffix != FILE:
-        raise Refusal(f"--out {str(path)!r} is no name of a class's file: it ends in {FILE}")
+        raise InputError(f"--out {str(path)!r} is no name of a class's file: it ends in {FILE}")
     if out is not None and str(out) != scene:
         demand_writable("class", path, False)
     pair = None if certificate is None or key is None else (certificate, key)
@@ -87,11 +89,11 @@ def classroom(
 
 
 def opened(name: str | None, seats: int, workers: int) -> Classroom:
-    """The class of a lesson, a scene or a file. Raises Refusal."""
+    """The class of a lesson, a scene or a file. Raises InputError."""
     from app.classroom.classroom import Classroom
     from app.classroom.keeping import restored
     from app.classroom.lessons.lessons import FIRST, find_lesson
-    from app.viewer.gallery.opened import opened_file
+    from app.viewer.gallery.file_opener import opened_file
     from app.viewer.gallery.saved_scene import SavedScene
 
     name = name or FIRST
@@ -99,7 +101,7 @@ def opened(name: str | None, seats: int, workers: int) -> Classroom:
         return restored(Path(name), workers, RESULTS)
     scene = opened_file(name) if is_file(name) else find_lesson(name)
     if not isinstance(scene, SavedScene):
-        raise Refusal(f"{name} is no scene: a class begins with a scene or a spec (TOML)")
+        raise InputError(f"{name} is no scene: a class begins with a scene or a spec (TOML)")
     return Classroom(scene, seats, workers, RESULTS)
 
 
@@ -146,7 +148,7 @@ async def keep(keeping: Keeping) -> None:
     """Keep the class; what cannot be written is said, and tried again later."""
     try:
         await keeping.keep()
-    except Refusal as refusal:
+    except InputError as refusal:
         typer.echo(f"flockscope: the class is not kept: {refusal}", err=True)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from agents.catalogue import MODELS
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 STATE, TOML = "state", "toml"
 RUN = "run"
@@ -31,9 +31,9 @@ def is_file(name: str | None) -> bool:
 
 
 def file_argument(name: str) -> FileArgument:
-    """What a file is, as `flockscope lab` opens it too. Raises Refusal for what it cannot be."""
-    from app.viewer.gallery.opened import demand_kind, head_of
-    from app.viewer.run.past.stored import PARQUET
+    """What a file is, as `flockscope lab` opens it too. Raises InputError for what it cannot be."""
+    from app.viewer.gallery.file_opener import demand_kind, head_of
+    from app.viewer.run.past.stored_flock import PARQUET
 
     head = head_of(name)
     demand_kind(name, head)
@@ -41,17 +41,17 @@ def file_argument(name: str) -> FileArgument:
 
 
 def scene_run(path: Path, text: str) -> dict[str, Any]:
-    """The values of the run of a scene, nothing of it left open. Raises Refusal."""
+    """The values of the run of a scene, nothing of it left open. Raises InputError."""
     from app.viewer.gallery.saved_scene import read_scene
 
     return tomllib.loads(read_scene(str(path), text.encode()).spec.to_toml())
 
 
 def demand_alone(name: str, others: dict[str, Any]) -> None:
-    """Raise Refusal if anything else says, beside a file, which run it is."""
+    """Raise InputError if anything else says, beside a file, which run it is."""
     for option, value in others.items():
         if value:
-            raise Refusal(f"{option} {value} cannot be given with {name}, which says it already")
+            raise InputError(f"{option} {value} cannot be given with {name}, which says it already")
 
 
 def shown_beside(path: Path) -> str:

@@ -13,8 +13,8 @@ from app.cli.progress import Progress
 from app.cli.usage import grouped
 from app.results import demand_folder, picture_files
 from app.settings import at_least, numbers
+from worlds.input_error import InputError
 from worlds.memory import demand_memory
-from worlds.refusal import Refusal
 
 Core = Annotated[float, typer.Option(help="Radius of the vortices' cores, in spans; 0 for none.")]
 Behind = Annotated[float, typer.Option(help="How far behind the other, in spans; inf is allowed.")]
@@ -104,7 +104,7 @@ def vee(
 ) -> None:
     """What a V of birds saves, placed exactly and with jitter: percent and joules per metre."""
     if not 1 <= birds <= 200:
-        raise Refusal(f"--birds {birds} is not allowed: a whole number from 1 to 200 is needed")
+        raise InputError(f"--birds {birds} is not allowed: a whole number from 1 to 200 is needed")
     at_least("--draws", draws, 1, MOST_DRAWS)
     at_least("--seed", seed, 0)
     demand("--step", step, -6.0, 6.0)
@@ -209,7 +209,7 @@ def row(jitter: float, shares: Any, induced: float, alone: float) -> dict[str, f
 
 
 def trimmed(speed: float) -> float:
-    """Energy per metre of the thesis's aircraft in trim, J/m. Raises Refusal."""
+    """Energy per metre of the thesis's aircraft in trim, J/m. Raises InputError."""
     from agents.flight.aircraft import Aircraft
     from agents.flight.trim import trim
 
@@ -217,9 +217,9 @@ def trimmed(speed: float) -> float:
 
 
 def demand(option: str, value: float, low: float, high: float) -> None:
-    """Refuse a number outside [low, high]. Raises Refusal naming the option."""
+    """Refuse a number outside [low, high]. Raises InputError naming the option."""
     if not low <= value <= high:
-        raise Refusal(f"{option} {value:g} is outside [{low:g}, {high:g}]")
+        raise InputError(f"{option} {value:g} is outside [{low:g}, {high:g}]")
 
 
 def tell(

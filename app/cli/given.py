@@ -18,8 +18,8 @@ from agents.spec import KEYS, OPTIONS, Option, Spec, several
 from app.cli.file_argument import RUN, scene_run
 from app.experiments.lines import place
 from app.settings import assignment, numbers
-from worlds.reading import read_text, toml
-from worlds.refusal import Refusal, nearest, shortened, unknown
+from worlds.input_error import InputError, nearest, shortened, unknown
+from worlds.text_file import read_text, toml
 from worlds.world import World
 
 Asked = dict[str, Any]
@@ -75,7 +75,7 @@ class Origins(dict[str, str]):
         """Refusals raised within say where the value is from that they are about."""
         try:
             yield
-        except Refusal as refusal:
+        except InputError as refusal:
             text = str(refusal)
             found = NAMED.match(text)
             key = found[found.lastindex or 0] if found else ""
@@ -84,13 +84,13 @@ class Origins(dict[str, str]):
             origin = self.get(key, "")
             if not origin or origin in text:
                 raise
-            raise Refusal(f"{text} ({origin})") from None
+            raise InputError(f"{text} ({origin})") from None
 
 
 def given(
     model: str | None, asked: Asked, settings: list[str], file: Path | None = None
 ) -> tuple[Spec, Origins]:
-    """The run, and where its values are from. Raises Refusal naming what is wrong and where."""
+    """The run, and where its values are from. Raises InputError naming what is wrong and where."""
     values, origins = ({}, Origins()) if file is None else read(file)
     changed, said = set_by(settings)
     for key, value in {"model": model, **asked}.items():
@@ -98,7 +98,9 @@ def given(
             values[key], origins[key] = value, named(key)
     origins.update(said)
     if "model" not in values:
-        raise Refusal("which MODEL? `flockscope list models` names them; or give a FILE of a run")
+        raise InputError(
+            "which MODEL? `flockscope list models` names them; or give a FILE of a run"
+        )
     layout = values.pop("layout", None)
     with origins.named():
         if layout is not None and asked.get("world") is None:
@@ -115,18 +117,18 @@ def named(key: str) -> str:
 
 
 def set_by(settings: list[str]) -> tuple[dict[str, Any], Origins]:
-    """The parameters of `--set NAME=VALUE`, and where they are from. Raises Refusal."""
+    """The parameters of `--set NAME=VALUE`, and where they are from. Raises InputError."""
     parameters = dict(map(assignment, settings))
     return parameters, Origins({name: f"--set {name}" for name in parameters})
 
 
 def demand_parameters(changed: dict[str, Any], models: list[type[Parameters]]) -> None:
-    """Raise Refusal for what `--set` gives and an option would: that option is named."""
+    """Raise InputError for what `--set` gives and an option would: that option is named."""
     known = dict.fromkeys(name for model in models for name in model.model_fields)
     for name, value in changed.items():
         meant = "" if name in known else nearest(name, [*known, *OPTIONS])
         if meant in OPTIONS:
-            raise Refusal(
+            raise InputError(
                 f"unknown parameter {name!r}: did you mean {named(meant)} {value}? "
                 f"(known: {', '.join(known)}) (--set {name})"
             )
@@ -135,7 +137,7 @@ def demand_parameters(changed: dict[str, Any], models: list[type[Parameters]]) -
 def read(path: Path) -> tuple[dict[str, Any], Origins]:
     """The values of a spec file, whole or in part, or those of the run of a scene.
 
-    Raises Refusal naming file and line.
+    Raises InputError naming file and line.
     """
     text = read_text(repr(str(path)), path)
     values = toml(text, str(path))
@@ -147,14 +149,14 @@ def read(path: Path) -> tuple[dict[str, Any], Origins]:
         if key not in KEYS:
             raise unknown("key", key, KEYS, origins[key])
     if values.pop("start", "random") != "random":
-        raise Refusal(
+        raise InputError(
             "start = 'given': a run from given arrays goes on only from its saved state, with "
             f"--state ({origins['start']})"
         )
     for key in ("versions", "parameters"):
         found = values.get(key, {})
         if not isinstance(found, dict) or any(isinstance(v, dict | list) for v in found.values()):
-            raise Refusal(f"{key} is not a table of single values ({origins[key]})")
+            raise InputError(f"{key} is not a table of single values ({origins[key]})")
     for name in values.get("parameters", {}):
         origins[name] = place(path, text, name, f"{table}.parameters".lstrip("."))
     origins["layout"] = f"layout in {path}"
@@ -162,18 +164,18 @@ def read(path: Path) -> tuple[dict[str, Any], Origins]:
 
 
 def carried(layout: Any, values: dict[str, Any], origin: str) -> World:
-    """The world that a spec carries with it. Raises Refusal naming the spec."""
+    """The world that a spec carries with it. Raises InputError naming the spec."""
     from worlds.checks import demand_sound
     from worlds.layout import world_from_layout
 
     if not isinstance(layout, dict):
-        raise Refusal(f"layout = {shortened(layout)} is not a table ({origin})")
+        raise InputError(f"layout = {shortened(layout)} is not a table ({origin})")
     size, dim = values.pop("size", None), values.pop("dim", None)
     if dim is None and several(size):
         dim = len(size)
     try:
         made = world_from_layout(layout, values.get("world", "layout"), dim, size)
         demand_sound(made)
-    except Refusal as refusal:
-        raise Refusal(f"{refusal} ({origin})") from None
+    except InputError as refusal:
+        raise InputError(f"{refusal} ({origin})") from None
     return made

@@ -32,7 +32,7 @@ def run_ticks(
 
     A recording is whole in either case. `look` is called after each of the last `over` ticks, and
     `check` after each stretch.
-    Raises Refusal if the recording cannot be written.
+    Raises InputError if the recording cannot be written.
     """
     with Stopping() as stopping, ExitStack() as stack:
         write: Callable[[], None] = lambda: None  # noqa: E731

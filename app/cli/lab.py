@@ -10,7 +10,7 @@ import typer
 
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
-from agents.home import find_world
+from agents.flock_world import find_world
 from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
 from app.cli.file_argument import is_file
@@ -19,13 +19,13 @@ from app.cli.rule_option import Rules, by_name, first_of
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.stopping import Stopping, leave
 from app.settings import assignment
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from app.viewer.web.origin import allowed
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from app.viewer.gallery.saved_scene import SavedScene
-    from app.viewer.run.past.stored import Stored
+    from app.viewer.run.past.stored_flock import StoredFlock
 
 NOISE = 0.3
 """Noise that keeps the picture alive, rad, for models that would have none."""
@@ -84,7 +84,7 @@ def lab(
     spec, origins = given(model, asked, [])
     with origins.named():
         if isinstance(spec.size, tuple):
-            raise Refusal(f"size = {list(spec.size)} is not allowed: here all sides are alike")
+            raise InputError(f"size = {list(spec.size)} is not allowed: here all sides are alike")
         spec = at_home(**{**dict(spec), "parameters": own})
         find_world(spec, find_model(spec.model))
         second = None if beside is None else Spec(beside, parameters=others)
@@ -97,7 +97,7 @@ def lab(
                 webbrowser.open(here(host, server.get_port()))
             from agents.flock import Flock
             from app.viewer.lab.laboratory import Laboratory
-            from app.viewer.run.beside import companion
+            from app.viewer.run.paired_run import companion
 
             with origins.named():
                 if not hasattr(opened, "recording"):  # which has been looked at as it was read
@@ -128,9 +128,10 @@ def opened_by(
     beside: str | None,
     asked: Asked,
     settings: list[str] | None,
-) -> SavedScene | Stored | None:
-    """The file or the scene that is asked for; the first one where nothing is. Raises Refusal."""
-    from app.viewer.gallery.collection import FIRST, find_scene
+) -> SavedScene | StoredFlock | None:
+    """The file or the scene that is asked for; the first one where nothing is. Raises
+    InputError."""
+    from app.viewer.gallery.scene_collection import FIRST, find_scene
 
     given = [name for name, value in asked.items() if value is not None]
     others = [*(["MODEL"] if model else []), *(["--beside"] if beside else []), *map(named, given)]
@@ -141,10 +142,10 @@ def opened_by(
         return None if others else find_scene(FIRST)
     if others:
         what = "--scene" if file is None else file
-        raise Refusal(f"{what} has a run of its own: it cannot be given with {others[0]}")
+        raise InputError(f"{what} has a run of its own: it cannot be given with {others[0]}")
     if file is None and not is_file(scene):
         return find_scene(scene or "")
-    from app.viewer.gallery.opened import opened_file
+    from app.viewer.gallery.file_opener import opened_file
 
     return opened_file(file or scene or "")
 
@@ -154,14 +155,14 @@ def parameters(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """What `--set` gives, and a little noise: for the model, and for the one beside it alone.
 
-    A name that both have without sharing it means the first model's. Raises Refusal.
+    A name that both have without sharing it means the first model's. Raises InputError.
     """
     given = dict(assignment(setting) for setting in settings)
     names = [model] if beside is None else [model, find_model(beside).name]
     demand_parameters(given, [find_model(name).parameters for name in names])
     if beside is None:
         return lively(model, given), {}
-    from app.viewer.run.beside import shared_by
+    from app.viewer.run.paired_run import shared_by
 
     both = shared_by(model, find_model(beside).name)
     first, second = (set(MODELS[name].parameters.model_fields) for name in (model, beside))
@@ -172,7 +173,7 @@ def parameters(
 
 
 def lively(model: str, given: dict[str, Any]) -> dict[str, Any]:
-    """The given parameters of a model, checked, and a little noise. Raises Refusal."""
+    """The given parameters of a model, checked, and a little noise. Raises InputError."""
     declared = MODELS[model].parameters
     noise = declared.model_fields.get("eta")
     moved = {"eta": NOISE} if noise is not None and noise.default == 0.0 else {}

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from app.settings import at_least
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 Ticks = Annotated[int | None, typer.Option("--ticks", help="Ticks that are run. \\[default: 100]")]
 Seconds = Annotated[
@@ -25,17 +25,19 @@ MOST_SECONDS = 1e6
 def demand_one_length(
     ticks: int | None, seconds: float | None, last: int | None = None, least: int = 0
 ) -> None:
-    """Raise Refusal if several options say how long it lasts, or for a length that is none.
+    """Raise InputError if several options say how long it lasts, or for a length that is none.
 
     `last` is --to, where a command has it; `least` ticks are needed.
     """
     given = {"ticks": ticks, "seconds": seconds, "to": last}
     said = [name for name, value in given.items() if value is not None]
     if len(said) > 1:
-        raise Refusal(f"--{said[0]} and --{said[1]} exclude each other: both say how long it lasts")
+        raise InputError(
+            f"--{said[0]} and --{said[1]} exclude each other: both say how long it lasts"
+        )
     low = "(" if least else "["
     if seconds is not None and not (0.0 <= seconds < MOST_SECONDS and (seconds or not least)):
-        raise Refusal(f"--seconds {seconds:g} is outside {low}0, 1e6)")
+        raise InputError(f"--seconds {seconds:g} is outside {low}0, 1e6)")
     at_least("--ticks", ticks, least)
 
 
@@ -44,7 +46,7 @@ def ticks_asked(
 ) -> int | None:
     """The ticks of a length, of a model whose tick is `dt` of a unit: so many that it is reached.
 
-    None if neither is given. Raises Refusal for seconds of a model that counts ticks.
+    None if neither is given. Raises InputError for seconds of a model that counts ticks.
 
     >>> ticks_asked(None, 0.25, "reynolds", "s", 0.1), ticks_asked(None, 0.3, "reynolds", "s", 0.1)
     (3, 3)
@@ -52,5 +54,7 @@ def ticks_asked(
     if seconds is None:
         return ticks
     if unit != "s":
-        raise Refusal(f"--seconds {seconds:g} is not allowed: {model} counts {unit}, give --ticks")
+        raise InputError(
+            f"--seconds {seconds:g} is not allowed: {model} counts {unit}, give --ticks"
+        )
     return math.ceil(seconds / dt - ROUNDING)

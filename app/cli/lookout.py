@@ -8,7 +8,7 @@ import typer
 
 if TYPE_CHECKING:
     from agents import Flock
-    from agents.state.whereabouts import Stray
+    from agents.state.stray_agents import StrayAgents
 
 ASTRAY = 4
 """Exit code of a run in which an agent was inside an obstacle or beyond a solid edge."""
@@ -19,7 +19,7 @@ class Lookout:
 
     def __init__(self, flock: Flock):
         self.flock = flock
-        self.found: Stray | None = None
+        self.found: StrayAgents | None = None
         """The first that was seen."""
 
     def look(self) -> None:

@@ -19,8 +19,8 @@ from app.cli.choices import (
     observables,
 )
 from app.cli.world.list_layouts import worlds
-from worlds.counting import counted
-from worlds.refusal import Refusal, shortened, suggestion
+from worlds.input_error import InputError, shortened, suggestion
+from worlds.number_text import counted
 
 Thing = dict[str, Any]
 
@@ -30,7 +30,8 @@ def things_called(name: str, rows: dict[str, Rows]) -> dict[str, Any]:
 
     What is none of the rows may be a model of a file, or of a rule that drives cars.
 
-    Under `parameter` stands a list: models may have different ones under one name. Raises Refusal.
+    Under `parameter` stands a list: models may have different ones under one name. Raises
+    InputError.
     """
     known = names(rows)
     found = {kind: look(name) for kind, look in ONE.items() if name in known[f"{kind}s"]}
@@ -41,7 +42,7 @@ def things_called(name: str, rows: dict[str, Rows]) -> dict[str, Any]:
     if not found:
         every = [one for kind in known.values() for one in kind]
         hint = suggestion(name, [*KINDS, *every])
-        raise Refusal(f"unknown name {shortened(name)}{hint} (`flockscope list` shows all)")
+        raise InputError(f"unknown name {shortened(name)}{hint} (`flockscope list` shows all)")
     return found
 
 
@@ -60,7 +61,7 @@ def is_model(name: str) -> bool:
 
 
 def model(name: str) -> Thing:
-    """A model with its parameters. Raises Refusal."""
+    """A model with its parameters. Raises InputError."""
     from agents.catalogue import model as find_model
     from agents.models.declare import declared
 

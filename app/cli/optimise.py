@@ -58,8 +58,8 @@ def optimise(
     from app.experiments.optimisation.picture import draw
     from app.experiments.optimisation.study import read_study, study_of
     from app.experiments.sweeps.pictures.draw import ENDINGS
-    from worlds.refusal import Refusal
-    from worlds.writing import demand_writable
+    from worlds.file_writer import demand_writable
+    from worlds.input_error import InputError
 
     demand_sound(workers, nice, limit)
     if Path(what).suffix.lower() == ".toml":
@@ -68,7 +68,7 @@ def optimise(
         own = folder_of(what)
         study = study_of(*begun_in(own))
     else:
-        raise Refusal(f"{what!r} is no FILE.toml and no folder of an optimisation")
+        raise InputError(f"{what!r} is no FILE.toml and no folder of an optimisation")
     folder = out or own
     if picture is not None:
         demand_writable("--picture", picture, overwrite, ENDINGS)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from worlds.counting import counted
+from worlds.number_text import counted
 
 if TYPE_CHECKING:
     from agents import Flock

@@ -19,8 +19,8 @@ from app.cli.stopping import Stopping
 from app.cli.terminal import make_console
 from app.results import demand_folder, picture_files
 from app.settings import at_least, names, whole_numbers
-from worlds.counting import counted, duration
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
+from worlds.number_text import counted, duration
 
 MOST_RUNS = 100_000
 MOST_WORKERS = 1024
@@ -82,9 +82,9 @@ def paper(
     at_least("--seed", seed, 0)
     at_least("--workers", workers, 1, MOST_WORKERS)
     if everything == (name is not None):
-        raise Refusal("say which paper, or --all: see `flockscope list papers`")
+        raise InputError("say which paper, or --all: see `flockscope list papers`")
     if everything and (agents or models):
-        raise Refusal("--all takes all sizes and models: leave --agents and --models out")
+        raise InputError("--all takes all sizes and models: leave --agents and --models out")
     from app.experiments.experiment import experiment_names, find_experiment
 
     wholes = [find_experiment(one) for one in ([name] if name else experiment_names())]
@@ -124,7 +124,7 @@ def tell_prospects(experiment: Experiment, runs: int) -> None:
 
 
 def demand_results(folder: Path, name: str, pictures: bool, overwrite: bool) -> None:
-    """Refuse a folder that cannot be written, before anything is run. Raises Refusal.
+    """Refuse a folder that cannot be written, before anything is run. Raises InputError.
 
     Summary and pictures beside the runs that they are made of are made anew at every call.
     """

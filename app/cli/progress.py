@@ -7,7 +7,7 @@ import time
 from typing import Any
 
 from app.cli.terminal import make_console
-from worlds.counting import duration
+from worlds.number_text import duration
 
 PATIENCE = 2.0
 """Seconds of work without a bar."""

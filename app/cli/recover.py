@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from worlds.counting import counted
+from worlds.number_text import counted
 
 
 def recover(

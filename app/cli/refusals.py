@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 
 import typer
 
-from worlds.refusal import Refusal, Refusals
+from worlds.input_error import InputError, InputErrors
 
 REFUSED = 2
 LONGEST = 1500
@@ -29,7 +29,7 @@ def told(command: Callable[..., Any]) -> Callable[..., Any]:
     def guarded(*args: Any, **kwargs: Any) -> Any:
         try:
             return command(*args, **kwargs)
-        except Refusal as refusal:
+        except InputError as refusal:
             refuse(refusal)
         except ArithmeticError as error:
             from agents.engine.runner import NotANumber
@@ -52,7 +52,7 @@ def told(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def refuse(reason: object) -> NoReturn:
     """Tell the reason and stop; where nothing can be told, the exit code still says so."""
-    lines = reason.lines if isinstance(reason, Refusals) else (str(reason),)
+    lines = reason.lines if isinstance(reason, InputErrors) else (str(reason),)
     with suppress(OSError):  # stderr may be closed, or on a disk that is full
         for line in lines[:MOST_LINES]:
             typer.echo(f"flockscope: {one_line(line)}", err=True)

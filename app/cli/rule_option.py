@@ -8,7 +8,7 @@ import typer
 
 
 def bring(files: list[str] | None) -> list[str]:
-    """Take the rules of files into the catalogue; the names of their models. Raises Refusal."""
+    """Take the rules of files into the catalogue; the names of their models. Raises InputError."""
     if not files:
         return []
     from agents.catalogue import from_file
@@ -17,7 +17,8 @@ def bring(files: list[str] | None) -> list[str]:
 
 
 def by_name(model: str | None) -> str | None:
-    """The name of a model; a file has its rule taken into the catalogue for it. Raises Refusal."""
+    """The name of a model; a file has its rule taken into the catalogue for it. Raises
+    InputError."""
     return bring([model])[0] if model is not None and model.endswith(".py") else model
 
 

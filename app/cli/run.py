@@ -20,10 +20,10 @@ from app.cli.refusals import INTERRUPTED
 from app.cli.rule_option import Rules, by_name, first_of
 from app.experiments.workers.kernels import compile_loop
 from app.settings import at_least, names
-from worlds.counting import counted
 from worlds.extra import demand_parquet
-from worlds.refusal import Refusal
-from worlds.writing import demand_apart, demand_writable, write_text
+from worlds.file_writer import demand_apart, demand_writable, write_text
+from worlds.input_error import InputError
+from worlds.number_text import counted
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -157,9 +157,9 @@ def run(
 
 
 def demand_long_enough(over: int | None, ticks: int) -> None:
-    """Raise Refusal if there are fewer ticks than are to be observed."""
+    """Raise InputError if there are fewer ticks than are to be observed."""
     if over is not None and over > ticks:
-        raise Refusal(f"--over {over} is more than --ticks {ticks}, the ticks that are run")
+        raise InputError(f"--over {over} is more than --ticks {ticks}, the ticks that are run")
 
 
 def odd_end(last: int, ticks: int, every: int) -> str:
@@ -173,14 +173,14 @@ def odd_end(last: int, ticks: int, every: int) -> str:
 def told_by(
     name: str, spec: Path | None, state: Path | None
 ) -> tuple[Path | None, Path | None, str | None]:
-    """What --spec, --state and MODEL are where a file says which run it is. Raises Refusal."""
+    """What --spec, --state and MODEL are where a file says which run it is. Raises InputError."""
     demand_alone(name, {"--spec": spec, "--state": state})
     file = file_argument(name)
     return (None, file.path, None) if file.kind == STATE else (file.path, None, None)
 
 
 def known_observables(text: str, over: int | None) -> list[str]:
-    """The observables of a list with commas; `over` as --over has it. Raises Refusal."""
+    """The observables of a list with commas; `over` as --over has it. Raises InputError."""
     from agents.flock import known
     from agents.observables.catalogue import OBSERVABLES
 
@@ -189,7 +189,7 @@ def known_observables(text: str, over: int | None) -> list[str]:
     found = [known(name) for name in names(text)]
     for name in found:
         if OBSERVABLES[name].over and not over:
-            raise Refusal(f"--observe {name} is measured over a run: give --over TICKS too")
+            raise InputError(f"--observe {name} is measured over a run: give --over TICKS too")
     return found
 
 
@@ -210,7 +210,7 @@ def built(
     interpret: bool,
     quiet: bool,
 ) -> Flock:
-    """The flock of a spec and options. Raises Refusal."""
+    """The flock of a spec and options. Raises InputError."""
     from agents import Flock
 
     spec, origins = given(model, asked, settings, file)
@@ -234,12 +234,12 @@ def loaded(
     threads: int,
     interpret: bool,
 ) -> Flock:
-    """The flock of a saved state, with `--set` changing its parameters. Raises Refusal."""
+    """The flock of a saved state, with `--set` changing its parameters. Raises InputError."""
     from agents import Flock
 
     for name, value in {**asked, "spec": spec}.items():
         if value is not None:
-            raise Refusal(
+            raise InputError(
                 f"{named(name)} {value} cannot be given with {state}, which says it already"
             )
     parameters, origins = set_by(settings)
@@ -252,7 +252,7 @@ def loaded(
 def demand_outputs(
     save: Path | None, save_spec: Path | None, record: Path | None, overwrite: bool
 ) -> None:
-    """Refuse what cannot be written before anything is run. Raises Refusal."""
+    """Refuse what cannot be written before anything is run. Raises InputError."""
     from agents.record import RECORDINGS, STATES
 
     demand_apart({"--record": record, "--save": save, "--save-spec": save_spec})

@@ -56,8 +56,8 @@ def sensitivity(
     from app.experiments.sensitivity.answer import analysed, design_of
     from app.experiments.sensitivity.picture import draw
     from app.experiments.sweeps.pictures.draw import ENDINGS
-    from worlds.refusal import unknown
-    from worlds.writing import demand_writable
+    from worlds.file_writer import demand_writable
+    from worlds.input_error import unknown
 
     demand_sound(workers, nice, limit)
     sweep, own = read_or_kept(what, None if quiet else tell)

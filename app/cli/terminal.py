@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterable
 from typing import Any, TextIO
 
-from worlds.refusal import CONTROLS
+from worlds.input_error import CONTROLS
 
 ESCAPED = re.compile(f"[{CONTROLS}]|\r(?!\n)")  # newlines, tabs and the line ends of CSV stay
 

@@ -11,7 +11,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from app.cli.refusals import REFUSED, one_line, told
-from worlds.refusal import Refusal, nearest, needed, shortened, suggestion
+from worlds.input_error import InputError, nearest, needed, shortened, suggestion
 
 USAGE_ERROR: type[Exception] = typer.BadParameter.__bases__[0]
 """What Typer raises for a wrong command line; Typer itself has no name for it."""
@@ -54,7 +54,7 @@ class Group(TyperGroup):
         except USAGE_ERROR as error:
             tell(error)
             code = REFUSED
-        except Refusal as refusal:  # of an option, before there is a command
+        except InputError as refusal:  # of an option, before there is a command
             typer.echo(f"flockscope: {one_line(str(refusal))}", err=True)
             code = REFUSED
         except typer.Abort:

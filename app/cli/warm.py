@@ -12,7 +12,7 @@ from app.cli.rule_option import Rules, by_name
 
 
 def by_names(models: list[str] | None) -> list[str] | None:
-    """The names of models, those of files among them. Raises Refusal."""
+    """The names of models, those of files among them. Raises InputError."""
     return [str(by_name(model)) for model in models] if models else None
 
 
@@ -53,7 +53,7 @@ def compiled(name: str) -> tuple[bool, float]:
     """Compile a model's loop and observables: whether its loop was compiled before, and seconds."""
     from agents.flock import Flock
     from app.experiments.workers.kernels import compile_measures
-    from app.viewer.run.compiling import try_out
+    from app.viewer.run.kernel_compiler import try_out
 
     begun = time.perf_counter()
     flock = Flock(name, agents=3, rng=0)

@@ -18,8 +18,8 @@ from app.experiments.workers.costs import Costs, guess
 from app.experiments.workers.kernels import compile_loop
 from app.experiments.workers.makers import Makers, Task, ThisProcess
 from app.experiments.workers.processes import Processes
-from worlds.counting import counted, duration
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
+from worlds.number_text import counted, duration
 
 SOON = 2.0
 """Seconds of work that are done before other processes have begun."""
@@ -130,10 +130,12 @@ class Plan:
 
     @property
     def measured(self) -> list[Measured]:
-        """All cases with their runs. Raises Refusal if a run of every seed is broken."""
+        """All cases with their runs. Raises InputError if a run of every seed is broken."""
         seeds = self.sound
         if not seeds:
-            raise Refusal(f"{self.experiment.name}: of every seed a run failed: {self.failed[0]}")
+            raise InputError(
+                f"{self.experiment.name}: of every seed a run failed: {self.failed[0]}"
+            )
         return [self.measured_of(k, seeds) for k in range(len(self.experiment.cases))]
 
     @property
@@ -171,7 +173,7 @@ class Plan:
 
 
 def cell_of(case: Case, experiment: Experiment) -> tuple[str, str]:
-    """The hash and the JSON of a case, as the store has them. Raises Refusal."""
+    """The hash and the JSON of a case, as the store has them. Raises InputError."""
     spec = case.spec
     identity = {"model": spec.model, "agents": case.agents, "parameters": spec.parameters}
     basis = {"all else": checked_fingerprint(case, experiment)}
@@ -182,11 +184,11 @@ def cell_of(case: Case, experiment: Experiment) -> tuple[str, str]:
 
 
 def checked_fingerprint(case: Case, experiment: Experiment) -> str:
-    """The case's fingerprint. Raises Refusal naming the experiment if it cannot be built."""
+    """The case's fingerprint. Raises InputError naming the experiment if it cannot be built."""
     try:
         return fingerprint(case, experiment.settings)
-    except Refusal as refusal:
-        raise Refusal(
+    except InputError as refusal:
+        raise InputError(
             f"{refusal} ({experiment.name}, {case.spec.model} with N = {case.agents})"
         ) from None
 
@@ -237,8 +239,8 @@ def conduct(
     """Carry out an experiment with the seeds `seed` to `seed + runs - 1` in each case.
 
     `at` hears of the share that is done, the seconds left and the runs done. `retry`: whether runs
-    that failed or were killed are made again. Raises Refusal; after KeyboardInterrupt the finished
-    runs are in the store.
+    that failed or were killed are made again. Raises InputError; after KeyboardInterrupt the
+    finished runs are in the store.
     """
     with Store(folder, [column_of(one.name) for one in experiment.settings.measures]) as store:
         if retry:

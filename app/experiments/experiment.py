@@ -17,8 +17,8 @@ from app.experiments.kinds import KINDS, Settings
 from app.experiments.kinds.settings import Measure
 from app.experiments.lines import place
 from app.strict import Value
-from worlds.reading import toml
-from worlds.refusal import Refusal, needed, unknown
+from worlds.input_error import InputError, needed, unknown
+from worlds.text_file import toml
 
 Way = Literal["", "there", "back"]
 
@@ -99,7 +99,7 @@ class Experiment:
     def narrowed(self, models: list[str], agents: list[int]) -> Experiment:
         """Only some models (or labels) and sizes; empty lists keep all.
 
-        Raises Refusal for unknown ones.
+        Raises InputError for unknown ones.
         """
         named = {name for case in self.cases for name in (case.spec.model, case.label)}
         for kind, asked, known in (
@@ -133,25 +133,26 @@ def experiment_names() -> list[str]:
 
 
 def read_experiment(name: str) -> Experiment:
-    """The experiment of that name. Raises Refusal."""
+    """The experiment of that name. Raises InputError."""
     if name not in experiment_names():
         raise unknown("paper", name, experiment_names())
     return read_file(EXPERIMENTS / f"{name}.toml")
 
 
 def find_experiment(name: str) -> Experiment:
-    """The experiment of that name, or of a file of one's own that ends in .toml. Raises Refusal."""
+    """The experiment of that name, or of a file of one's own that ends in .toml. Raises
+    InputError."""
     return read_file(Path(name)) if name.lower().endswith(".toml") else read_experiment(name)
 
 
 def read_file(path: Path) -> Experiment:
-    """The experiment of a TOML file. Raises Refusal naming file and line."""
+    """The experiment of a TOML file. Raises InputError naming file and line."""
     try:
         text = path.read_text(encoding="utf-8")
     except OSError as error:
-        raise Refusal(f"{str(path)!r} cannot be read: {error.strerror}") from None
+        raise InputError(f"{str(path)!r} cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
-        raise Refusal(f"{path} is not TOML: {error}") from None
+        raise InputError(f"{path} is not TOML: {error}") from None
     values = toml(text, str(path))
     kind = values.get("kind", "convergence")
     if kind not in KINDS:
@@ -163,13 +164,13 @@ def read_file(path: Path) -> Experiment:
         first = error.errors()[0]
         keys = [str(part) for part in first["loc"] if not isinstance(part, int)]
         where = place(path, text, keys[-1], ".".join(keys[:-1]))
-        raise Refusal(f"{'.'.join(keys)}: {needed(first)} ({where})") from None
+        raise InputError(f"{'.'.join(keys)}: {needed(first)} ({where})") from None
     check_sizes(file, path)
     check_measures(file, path)
     try:
         cases = cases_of(file)
-    except Refusal as refusal:
-        raise Refusal(f"{refusal} ({path})") from None
+    except InputError as refusal:
+        raise InputError(f"{refusal} ({path})") from None
     main = file.settings.measures[0].name
     return Experiment(
         path.stem,
@@ -193,7 +194,7 @@ def check_sizes(file: File, path: Path) -> None:
         rows = [row.agents for row in file.rows if row.size is None]
         for n in rows + [n for one in file.sweeps for n in one.agents]:
             if str(n) not in file.sizes:
-                raise Refusal(f"agents = {n} has no side in [sizes] ({path})")
+                raise InputError(f"agents = {n} has no side in [sizes] ({path})")
 
 
 def check_measures(file: File, path: Path) -> None:
@@ -242,7 +243,7 @@ def spec_of(
     parameters: dict[str, Value],
     size: float | None = None,
 ) -> Spec:
-    """The run of a row or a sweep, but for its seed. Raises Refusal."""
+    """The run of a row or a sweep, but for its seed. Raises InputError."""
     settings = file.settings
     informed = model(of.model).informed if of.informed is None else of.informed
     return Spec(

@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from app.strict import Strict
+from worlds.input_error import InputError
 from worlds.mission import Goal
-from worlds.refusal import Refusal
 from worlds.world import World
 
 
@@ -28,9 +28,11 @@ class Ranks(Strict):
     """Length per unit of time."""
 
     def start(self, agents: int, seed: int) -> dict[str, np.ndarray]:
-        """Positions, headings and speeds of so many agents. Raises Refusal if places lack."""
+        """Positions, headings and speeds of so many agents. Raises InputError if places lack."""
         if agents > len(self.places):
-            raise Refusal(f"agents = {agents}, but only {len(self.places)} have a place to start")
+            raise InputError(
+                f"agents = {agents}, but only {len(self.places)} have a place to start"
+            )
         rng = np.random.default_rng(seed)
         off = self.off * rng.normal(size=(agents, 2))
         angle = np.radians(self.heading + self.turned * rng.normal(size=agents))
@@ -70,12 +72,12 @@ PLAIN = Overrides()
 
 
 def with_goal(world: World, overrides: Overrides) -> World:
-    """The world with the goal as the overrides have it. Raises Refusal if it has no goal."""
+    """The world with the goal as the overrides have it. Raises InputError if it has no goal."""
     if overrides.speed is None and overrides.rests is None:
         return world
     if world.mission is None or world.mission.goal is None:
         said = "rests" if overrides.speed is None else f"speed = {overrides.speed:g}"
-        raise Refusal(f"{said}: the world {world.name!r} has no goal")
+        raise InputError(f"{said}: the world {world.name!r} has no goal")
     if overrides.rests is not None:
         goal = Goal(route=(overrides.rests,))
     else:

@@ -52,7 +52,7 @@ def search(
 ) -> End:
     """Have points of the unit cube judged, generation by generation, and say why it is over.
 
-    `judge` hears of each generation, (K, D), and may end the search by raising. Raises Refusal
+    `judge` hears of each generation, (K, D), and may end the search by raising. Raises InputError
     where the package is not installed.
     """
     demand_package(algorithm)
@@ -63,7 +63,7 @@ def search(
 
 
 def demand_package(algorithm: Algorithm) -> None:
-    """Refuse an algorithm whose package is not installed. Raises Refusal."""
+    """Refuse an algorithm whose package is not installed. Raises InputError."""
     package = "cma" if algorithm == "cma" else "pymoo"
     demand(package, f"a search by {TITLES[algorithm]}", "experiments")
 

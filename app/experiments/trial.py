@@ -22,8 +22,8 @@ from app.experiments.overrides import PLAIN, START, Overrides, with_goal
 from app.experiments.runs.database import FIXED
 from app.experiments.runs.outcome import Outcome
 from worlds.layout import world
-from worlds.turning import turned, turned_places
 from worlds.world import World
+from worlds.world_rotation import turned, turned_places
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Result:
 
 
 def flock_of(case: Case, seed: int) -> Flock:
-    """The flock of a case at tick 0. Raises Refusal."""
+    """The flock of a case at tick 0. Raises InputError."""
     spec, row = case.spec.but(seed=seed), case.row
     overrides = row.mission if row else PLAIN
     if spec.size is None:
@@ -62,7 +62,7 @@ def flock_of(case: Case, seed: int) -> Flock:
 
 
 def turned_flock(spec: Spec) -> Flock:
-    """The flock of one start in a scene that the seed turns. Raises Refusal."""
+    """The flock of one start in a scene that the seed turns. Raises InputError."""
     flock = Flock(spec.but(seed=START))
     rng = np.random.default_rng(spec.seed)
     angle = float(rng.uniform(0.0, 360.0))
@@ -80,7 +80,7 @@ def turned_flock(spec: Spec) -> Flock:
 def world_of(name: str, dim: int | None, bare: bool, overrides: Overrides) -> World:
     """The world of a layout in the layout's own size; `bare` without its obstacles.
 
-    Raises Refusal if the overrides change a part of the mission that the world does not have.
+    Raises InputError if the overrides change a part of the mission that the world does not have.
     """
     found = with_goal(world(name, dim), overrides)
     return replace(found, obstacles=(), random=None) if bare else found

@@ -15,7 +15,7 @@ LIFT, THRUST, POWER, FAINT, OTHER = "#2166ac", "#2a9d5c", "#c0392b", "#9aa3ad", 
 def paint(draw: Callable[[Any], None], title: str, folder: Path, name: str) -> dict[str, Path]:
     """Let `draw` fill a figure and write NAME.png and NAME.svg; the files by kind.
 
-    Raises Refusal if they cannot be written.
+    Raises InputError if they cannot be written.
     """
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -8,7 +8,7 @@ from typing import Any
 from agents.flight.trim import Trim, trim
 from app.flight.report import as_value
 from app.flight.request import SPEED, Request
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def swept(
@@ -16,7 +16,7 @@ def swept(
 ) -> tuple[list[dict[str, Any]], list[float]]:
     """Values of the trims at speeds (m/s, rising), and the speeds without a level flight.
 
-    Each is searched from its neighbour nearer to the usual speed. Raises Refusal if there is no
+    Each is searched from its neighbour nearer to the usual speed. Raises InputError if there is no
     flight at all.
     """
     middle = min(speeds, key=lambda speed: abs(speed - SPEED))
@@ -40,12 +40,12 @@ def swept(
                 near=None if near is None else found[near],
                 at=share,
             )
-        except Refusal:
+        except InputError:
             missing.append(speed)
             continue
         rows[speed] = as_value(found[speed])
     if not rows:
-        raise Refusal(
+        raise InputError(
             f"no level flight was found at any speed of {', '.join(f'{one:g}' for one in speeds)}"
             " m/s: try other speeds, or another frequency or twist"
         )

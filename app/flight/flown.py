@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from agents.flight.motion import MOVING, THETA, Q, U, W, fly
-from agents.flight.power import History, history
+from agents.flight.flight_motion import MOVING, THETA, Q, U, W, fly
+from agents.flight.power import FlightHistory, history
 from agents.flight.trim import Trim, trim
 from app.flight.request import Request, within
 from app.settings import assignment
-from worlds.counting import counted
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
+from worlds.number_text import counted
 
 PER_BEAT = 96
 """Instants of a wing beat that are kept."""
@@ -25,17 +25,18 @@ PUSHES = {"u": (U, 5.0, "m/s"), "w": (W, 5.0, "m/s"), "q": (Q, 360.0, "deg/s"),
 
 
 def pushes(given: list[str]) -> dict[int, float]:
-    """Pushes by their place in the state, m/s, rad/s and rad, from `NAME=VALUE`. Raises Refusal."""
+    """Pushes by their place in the state, m/s, rad/s and rad, from `NAME=VALUE`. Raises
+    InputError."""
     made = {}
     for text in given:
         if "=" not in text:
-            raise Refusal(f"--push {text} is not of the form NAME=VALUE")
+            raise InputError(f"--push {text} is not of the form NAME=VALUE")
         name, value = assignment(text)
         if name not in PUSHES:
             raise unknown("push", name, PUSHES, "--push")
         place, most, unit = PUSHES[name]
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise Refusal(f"--push {text}: {value!r} is not a number")
+            raise InputError(f"--push {text}: {value!r} is not a number")
         within(f"--push {name} =", value, -most, most, unit)
         made[place] = math.radians(value) if unit.startswith("deg") else float(value)
     return made
@@ -46,8 +47,8 @@ class Flown:
     """A flight and what it is compared with."""
 
     trim: Trim
-    flown: History
-    level: History
+    flown: FlightHistory
+    level: FlightHistory
     """The same without a push, at the same instants."""
     left: np.ndarray
     """(BEATS + 1,) distance from the trim at the start of every beat, over that of the first one;
@@ -108,7 +109,7 @@ def flown(
     push: dict[int, float],
     at: Callable[[float], None],
 ) -> Flown:
-    """Trim, push and fly for a time (s). Raises Refusal."""
+    """Trim, push and fly for a time (s). Raises InputError."""
 
     def searching(share: float) -> None:
         at(0.3 * share)
@@ -128,11 +129,11 @@ def flown(
     places = np.arange(times.size) % PER_BEAT
     one = fly(asked.aircraft, made.controls, made.state, beat, step * np.arange(PER_BEAT))
     level = history(one)
-    repeated = {name: getattr(level, name)[places] for name in History._fields}
+    repeated = {name: getattr(level, name)[places] for name in FlightHistory._fields}
     repeated["time"] = times
     gone = np.arange(times.size) // PER_BEAT * beat * speed
     repeated["distance"] = repeated["distance"] + gone
     apart = track.state[: whole * PER_BEAT + 1 : PER_BEAT][:, MOVING] - made.state[MOVING]
     size = np.linalg.norm(apart[:, :4], axis=1)
     left = size / size[0] if push and size[0] > 0.0 else np.full(size.size, np.nan)
-    return Flown(made, history(track), History(**repeated), left)
+    return Flown(made, history(track), FlightHistory(**repeated), left)

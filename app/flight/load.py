@@ -9,7 +9,7 @@ from agents.flight.aircraft import Aircraft, demand_possible
 from agents.flight.trim import SPEEDS, Trim, trim
 from app.flight.report import as_value
 from app.flight.request import SPEED, Request
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 STRIDE = 0.4
 """Between two speeds of the search for the least power, m/s."""
@@ -32,12 +32,13 @@ class Battery(NamedTuple):
 
 
 def loaded(aircraft: Aircraft, load: float, origin: str = "") -> Aircraft:
-    """The aircraft with a load, kg, spread over its body. Raises Refusal if that is too heavy."""
+    """The aircraft with a load, kg, spread over its body. Raises InputError if that is too
+    heavy."""
     fields = aircraft.model_dump() | {"mass": aircraft.mass + load}
     heaviest = Aircraft.model_fields["mass"]
     most = max(one.le for one in heaviest.metadata if hasattr(one, "le"))
     if fields["mass"] > most:
-        raise Refusal(
+        raise InputError(
             f"{origin or 'load'} {1000.0 * load:g} g is outside "
             f"[0, {1000.0 * (most - aircraft.mass):g}] g with mass = {aircraft.mass:g} kg"
         )
@@ -55,7 +56,7 @@ def carried(
 ) -> tuple[list[dict[str, Any]], list[float]]:
     """Values of the flights with loads (kg, rising), and the loads without a level flight.
 
-    `speed` in m/s; None: that of the least power for each load. Raises Refusal if there is none.
+    `speed` in m/s; None: that of the least power for each load. Raises InputError if there is none.
     """
     rows, missing = [], []
     near: Trim | None = None
@@ -69,7 +70,7 @@ def carried(
         near = found
         rows.append(value_of(found, load, battery))
     if not rows:
-        raise Refusal(
+        raise InputError(
             "no level flight was found with any load of "
             f"{', '.join(f'{1000.0 * one:g}' for one in loads)} g: try another speed, frequency "
             "or twist"
@@ -95,7 +96,7 @@ def flight(asked: Request, craft: Aircraft, speed: float, near: Trim | None) -> 
         return None
     try:
         return trim(craft, speed, frequency=asked.frequency, twist=asked.twist, near=near)
-    except Refusal:
+    except InputError:
         return None
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents.flight.trim import Trim
@@ -19,7 +19,7 @@ def towing_power(made: Trim) -> float | None:
 
     try:
         return glide(made.aircraft, made.speed).drag * made.speed
-    except Refusal:
+    except InputError:
         return None
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from app.settings import assignment
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents.flight.aircraft import Aircraft
@@ -28,21 +28,21 @@ class Request:
 
 
 def within(option: str, value: float, low: float, high: float, unit: str) -> float:
-    """The value, if it is in [low, high]. Raises Refusal naming the option."""
+    """The value, if it is in [low, high]. Raises InputError naming the option."""
     if not low <= value <= high:
-        raise Refusal(f"{option} {value:g} {unit} is outside [{low:g}, {high:g}] {unit}")
+        raise InputError(f"{option} {value:g} {unit} is outside [{low:g}, {high:g}] {unit}")
     return value
 
 
 def asked_speed(option: str, speed: float) -> float:
-    """A speed in m/s that a trim takes. Raises Refusal."""
+    """A speed in m/s that a trim takes. Raises InputError."""
     from agents.flight.trim import SPEEDS
 
     return within(option, speed, *SPEEDS, "m/s")
 
 
 def request(frequency: float, twist: float, settings: list[str] | None) -> Request:
-    """The aircraft with its settings, and how its wings beat (Hz, deg). Raises Refusal."""
+    """The aircraft with its settings, and how its wings beat (Hz, deg). Raises InputError."""
     from agents.flight.aircraft import Aircraft, demand_possible
     from agents.flight.trim import FREQUENCIES, TWISTS
     from agents.models.declare import checked

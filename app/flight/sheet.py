@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from app.results import make_folder
-from worlds.writing import csv_text, write_text
+from worlds.file_writer import csv_text, write_text
 
 
 def write_sheet(path: Path, columns: Mapping[str, Sequence[Any]]) -> None:
-    """Write columns of one length under their names; None stays empty. Raises Refusal."""
+    """Write columns of one length under their names; None stays empty. Raises InputError."""
     rows = (
         ["" if one is None else f"{float(one):.9g}" for one in row]
         for row in zip(*columns.values(), strict=True)

@@ -9,7 +9,7 @@ from typing import Any
 from app.experiments.pictures.draw import LOOK
 from app.figure import write_figure
 from app.results import PICTURES, make_folder
-from worlds.writing import write_text
+from worlds.file_writer import write_text
 
 SAVED, LOST, INK, PALE = "#1f9d63", "#c0392b", "#3c434b", "#9aa3ad"
 SHADES = "BrBG"
@@ -17,7 +17,7 @@ SHADES = "BrBG"
 
 
 def written(folder: Path, name: str, draw: Callable[[Any], None]) -> dict[str, Path]:
-    """Draw on a new figure and write it into the folder; the files by kind. Raises Refusal."""
+    """Draw on a new figure and write it into the folder; the files by kind. Raises InputError."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -36,7 +36,7 @@ def written(folder: Path, name: str, draw: Callable[[Any], None]) -> dict[str, P
 def table(
     folder: Path, name: str, head: Sequence[str], rows: Iterable[Sequence[Any]]
 ) -> dict[str, Path]:
-    """Write rows of numbers as CSV into the folder; the file by kind. Raises Refusal."""
+    """Write rows of numbers as CSV into the folder; the file by kind. Raises InputError."""
     path = folder / f"{name}.csv"
     lines = [",".join(head), *(",".join(f"{one:.9g}" for one in row) for row in rows)]
     make_folder(folder)

@@ -12,7 +12,7 @@ from app.worlds.colours import LOOK, SOLID_EDGE
 from app.worlds.plan import draw_plan, view
 from app.worlds.rulers import ruled
 from app.worlds.space import draw_space
-from worlds.counting import counted
+from worlds.number_text import counted
 from worlds.world import World
 
 LONG, TALL, NARROW = 8.6, 6.4, 5.6
@@ -23,7 +23,7 @@ AXES = ("x", "y", "z")
 def draw_world(world: World, path: Path, points: np.ndarray | None = None) -> None:
     """Draw a world into a file, whose ending says PNG or SVG.
 
-    `points` (P, 2) are the boundary points to show, if any. Raises Refusal if the file cannot be
+    `points` (P, 2) are the boundary points to show, if any. Raises InputError if the file cannot be
     written.
     """
     import matplotlib

@@ -14,7 +14,7 @@ from http.client import HTTPConnection
 import pytest
 
 from app.live.control.arm import OperatorRequest
-from app.live.operating.loop_process import InOrder, NumberedRequest
+from app.live.operating.loop_process import NumberedRequest, RequestForwarder
 from app.live.operating.operator import Operator
 from app.viewer.web.incoming.door import UNDECIDED
 from app.viewer.web.incoming.visitors import USUAL
@@ -182,7 +182,7 @@ STOP, RESET, ARM = (
 
 def test_what_was_asked_before_a_stop_does_not_undo_it_though_it_comes_after_it():
     loop = Line()
-    order = InOrder(loop)
+    order = RequestForwarder(loop)
     order.ask(NumberedRequest(3, STOP))
     for asked in (NumberedRequest(1, RESET), NumberedRequest(2, ARM), NumberedRequest(4, RESET)):
         order.ask(asked)

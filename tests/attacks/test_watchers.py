@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.run.home import at_home
-from app.viewer.watching.watching import HEARD, Watching
+from app.viewer.run.run_preset import at_home
+from app.viewer.watching.watch_page import HEARD, WatchPage
 from app.viewer.web.incoming.kinds import KINDS, KNOWN
 from tests.attacks.raw import Raw, said
 from tests.live.stand_in import StandIn
@@ -43,7 +43,7 @@ def laboratory():
 
 @pytest.fixture(scope="module")
 def page(laboratory):
-    made = Watching(laboratory, "Ada")
+    made = WatchPage(laboratory, "Ada")
     yield made
     made.close()
 

@@ -16,7 +16,7 @@ import pytest
 from agents.catalogue import MODELS
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.setup import NOBODY
-from app.viewer.run.home import at_home, titled
+from app.viewer.run.run_preset import at_home, titled
 from tests.browser.window import COMPILED, Window, is_compiled
 from tests.viewer.waiting import until
 

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from agents.models.declare import Declared
-from app.viewer.run.home import at_home
+from agents.models.declare import DeclaredParameter
+from app.viewer.run.run_preset import at_home
 from tests.browser.contrast import faint
 from tests.viewer.waiting import until
 
@@ -26,7 +26,7 @@ class Slider:
         self.root.scroll_into_view_if_needed()
 
     @property
-    def one(self) -> Declared:
+    def one(self) -> DeclaredParameter:
         """How the parameter is declared."""
         return next(one for one, made in self.panel.dials.controls if made is self.control)
 

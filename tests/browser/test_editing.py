@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from ezdxf import units
 
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from tests.browser.window import Window
 from tests.viewer.waiting import until
 from worlds.layout import world_from_layout

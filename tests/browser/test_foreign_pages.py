@@ -12,7 +12,7 @@ from contextlib import contextmanager
 import pytest
 from viser._messages import RunJavascriptMessage
 
-from app.live.operating.choices import laboratory
+from app.live.operating.lab_choices import laboratory
 from app.viewer.live.page import LivePage
 from app.viewer.live.session import Session
 from tests.browser.attacker import SCRIPT, Attacker

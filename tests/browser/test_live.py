@@ -11,8 +11,8 @@ import pytest
 from playwright.sync_api import TimeoutError as PlaywrightTimeout
 
 from app.live.laboratory.example import FILE
-from app.live.laboratory.lab import lab_from_toml
-from app.live.operating.choices import Choices
+from app.live.laboratory.lab_file import lab_from_toml
+from app.live.operating.lab_choices import Choices
 from app.viewer.live.page import LivePage
 from tests.browser.conftest import obeyed
 from tests.browser.contrast import faint, faint_on_tabs

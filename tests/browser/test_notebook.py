@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from app.viewer.notebook.place import Place
-from app.viewer.notebook.view import View
+from app.viewer.notebook.notebook_access import NotebookAccess
+from app.viewer.notebook.notebook_view import NotebookView
 from flockscope import Flock
 from tests.browser.attacker import Attacker
 from tests.browser.conftest import POLICY, absent
 from tests.browser.jupyter import BASE, Jupyter
 from tests.browser.window import COMPILED
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SLOW = 1000 * COMPILED
 """Milliseconds for a laboratory to be there, on a busy machine."""
@@ -148,7 +148,7 @@ def test_a_page_frames_it_only_if_it_is_the_notebooks(chromium, monkeypatch, nam
     page.on("websocket", lambda line: lines.append(line.url))
     with Attacker() as other:
         own = f"http://127.0.0.1:{other.port}" if named else f"http://127.0.0.1:{other.port + 1}"
-        view = View(Flock("vem", agents=20, rng=1), Place((own,)), 500, False)
+        view = NotebookView(Flock("vem", agents=20, rng=1), NotebookAccess((own,)), 500, False)
         try:
             with urllib.request.urlopen(view.address) as answer:
                 assert own in answer.headers["Content-Security-Policy"]
@@ -173,5 +173,5 @@ def test_a_picture_by_the_browser_shows_what_the_plain_one_cannot(chromium, tmp_
     pixels = np.asarray(Image.open(io.BytesIO(still.png)).convert("RGB"), int)
     assert pixels.shape == (400, 640, 3)
     assert np.mean(pixels.max(axis=2) - pixels.min(axis=2) > 90) > 0.001
-    with pytest.raises(Refusal, match=r"a browser draws no \.svg"):
+    with pytest.raises(InputError, match=r"a browser draws no \.svg"):
         still.save(tmp_path / "flock.svg")

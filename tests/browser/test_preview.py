@@ -8,7 +8,7 @@ import pytest
 
 from agents.motion import Motion
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 from tests.browser.window import Window
 from tests.viewer.stub_flock import StubCompiling

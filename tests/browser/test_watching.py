@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.viewer.watching.watching import Watching
+from app.viewer.watching.watch_page import WatchPage
 from tests.browser.conftest import obeyed
 from tests.browser.window import Window, on_page
 from tests.viewer.waiting import until
@@ -15,7 +15,7 @@ LEADS = ("Setup", "Step", "Reset", "Pause", "Go", "Undo", "Go on from here")
 
 @pytest.fixture
 def watching(laboratory):
-    made = Watching(laboratory, "Ada")
+    made = WatchPage(laboratory, "Ada")
     yield made
     made.close()
 

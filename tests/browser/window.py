@@ -10,7 +10,7 @@ from PIL import Image
 
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.simulation import Simulation
-from app.viewer.watching.watching import Watching
+from app.viewer.watching.watch_page import WatchPage
 from tests.viewer.waiting import until
 
 COMPILED = 180.0
@@ -25,7 +25,7 @@ def is_compiled(simulation: Simulation) -> bool:
 class Window:
     """One page; waits until the laboratory is drawn in it."""
 
-    def __init__(self, page: Any, laboratory: Laboratory | Watching):
+    def __init__(self, page: Any, laboratory: Laboratory | WatchPage):
         self.page = page
         page.goto(laboratory.address)
         page.locator(".fs-card").first.wait_for(timeout=90_000)

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 
 from app.classroom.collect.hand_in import Point, hand_in
 from app.classroom.collect.question import question_of
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 
 SCENE = at_home("vem", agents=30, size=3.0, parameters={"eta": 0.4})
 VALUES = {

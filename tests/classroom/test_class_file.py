@@ -24,11 +24,11 @@ from app.classroom.collect.question import question_of
 from app.classroom.collect.table import points_from_csv, to_csv
 from app.classroom.names import same, student_name
 from app.classroom.student import Role
-from app.viewer.gallery.collection import find_scene
 from app.viewer.gallery.saved_scene import SavedScene, read_scene
-from app.viewer.run.home import at_home
+from app.viewer.gallery.scene_collection import find_scene
+from app.viewer.run.run_preset import at_home
 from tests.classroom.small import ORDER, SCENE, VALUES, WHEN, made, told
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def small_class() -> ClassState:
@@ -109,7 +109,7 @@ def test_classes_of_any_names_come_back(texts, seats, draw):
     for text in texts:
         try:
             names.setdefault(same(student_name(text)), student_name(text))
-        except Refusal:
+        except InputError:
             continue
     scene = SavedScene("Order", SCENE)
     roles = {
@@ -137,7 +137,9 @@ def test_a_full_disk_leaves_the_file_that_was_there(state, tmp_path):
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))
     try:
-        with pytest.raises(Refusal, match=r"class '.*class.zip' cannot be written: File too large"):
+        with pytest.raises(
+            InputError, match=r"class '.*class.zip' cannot be written: File too large"
+        ):
             save(state, path)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
@@ -151,7 +153,7 @@ def test_a_full_disk_leaves_the_file_that_was_there(state, tmp_path):
 )
 def test_a_place_that_takes_no_class_is_refused_first(state, tmp_path, monkeypatch, name, said):
     monkeypatch.setattr("app.classroom.class_file.saving.packed", None)
-    with pytest.raises(Refusal, match=said):
+    with pytest.raises(InputError, match=said):
         save(state, tmp_path / name)
 
 
@@ -179,7 +181,7 @@ def zipped(contents, **more):
 
 def refused(data, said):
     """Whether it is refused in one short line."""
-    with pytest.raises(Refusal, match=said) as refusal:
+    with pytest.raises(InputError, match=said) as refusal:
         opened("class.zip", data)
     assert "\n" not in str(refusal.value)
     assert len(str(refusal.value)) < 600
@@ -300,7 +302,7 @@ def test_a_file_with_bytes_changed_is_the_class_or_refused(data, draw):
     said = "in one line"
     try:
         assert isinstance(opened("class.zip", bytes(broken[: len(data) - cut])), ClassState)
-    except Refusal as refusal:
+    except InputError as refusal:
         said = str(refusal)
     assert "\n" not in said
 
@@ -308,7 +310,7 @@ def test_a_file_with_bytes_changed_is_the_class_or_refused(data, draw):
 def test_only_plain_files_are_read(tmp_path):
     for place, said in ((tmp_path, "it is no file"), ("/dev/zero", "it is no file"),
                         (tmp_path / "none", "No such file"), ("a\0b", "no name")):  # fmt: skip
-        with pytest.raises(Refusal, match=said):
+        with pytest.raises(InputError, match=said):
             load(place)
 
 
@@ -317,7 +319,7 @@ def test_a_class_that_is_too_large_is_not_saved(tmp_path):
     whole.questions.append(
         Collection(ORDER, [made(1.5), told(1.5, 0.5, "b", spec="x" * (3 << 20))])
     )
-    with pytest.raises(Refusal, match="at most 2,097,152"):
+    with pytest.raises(InputError, match="at most 2,097,152"):
         save(whole, tmp_path / "class.zip")
     assert not list(tmp_path.iterdir())
 
@@ -329,5 +331,7 @@ def test_a_result_that_no_run_has_is_refused_and_no_text_is_a_formula():
     spec = {1: point.spec}
     assert points_from_csv(text, ORDER, spec.get, "a table") == [point]
     for result in ("-5", "1.1"):
-        with pytest.raises(Refusal, match=rf"polarisation = {result} is not allowed: .* \[0, 1\]"):
+        with pytest.raises(
+            InputError, match=rf"polarisation = {result} is not allowed: .* \[0, 1\]"
+        ):
             points_from_csv(text.replace(",0.5,", f",{result},"), ORDER, spec.get, "a table")

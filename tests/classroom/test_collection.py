@@ -28,7 +28,7 @@ from app.classroom.collect.table import points_from_csv, to_csv, to_json
 from app.experiments.verdicts.judge import ranges_of
 from app.experiments.verdicts.statistics import summary
 from tests.classroom.small import LED, ORDER, SCENE, VALUES, made, told
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 CHOSEN = question_of(VALUES | {"values": []}, SCENE)
 ALL = question_of(VALUES | {"counts": "all"}, SCENE)
@@ -157,7 +157,7 @@ def test_values_over_decades_come_into_bins_of_equal_ratio():
 
 def test_there_is_an_end_to_what_one_student_hands_in():
     found = collected([told(0.0, 1.0, "a", k) for k in range(MOST_OF_ONE)])
-    with pytest.raises(Refusal, match="100 results of a are there"):
+    with pytest.raises(InputError, match="100 results of a are there"):
         found.add(told(0.0, 1.0, "a", 0))
     found.add(told(0.0, 1.0, "b", 0))
 
@@ -210,7 +210,7 @@ def test_a_table_is_read_back_by_pandas_to_the_bit_and_by_us():
 def test_a_table_of_a_stranger_is_refused_in_one_line(before, after, said):
     text = to_csv(collected([told(1.5, 0.5, "Ada")]))
     assert before in text
-    with pytest.raises(Refusal, match=said) as refused:
+    with pytest.raises(InputError, match=said) as refused:
         points_from_csv(text.replace(before, after, 1), ORDER, lambda _: "", "here")
     assert "\n" not in str(refused.value)
 
@@ -246,7 +246,7 @@ def test_pictures_are_what_they_say_and_always_the_same():
                  "not of the class's scene"):  # fmt: skip
         assert said in words
     assert drawn["svg"] == picture(pickle.loads(pickle.dumps(found)), "svg", curve)
-    with pytest.raises(Refusal, match="kind of picture 'gif'"):
+    with pytest.raises(InputError, match="kind of picture 'gif'"):
         picture(found, "gif")
 
 

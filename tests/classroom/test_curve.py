@@ -16,12 +16,12 @@ from app.experiments.runs.database import FILE
 from app.experiments.sweeps.conduct import conduct
 from app.experiments.sweeps.results import Results
 from app.experiments.sweeps.sweep import read_sweep
-from app.viewer.lab.sweeps.sweeps import Sweeps, demand_from_page
-from app.viewer.run.home import at_home
+from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps, demand_from_page
+from app.viewer.run.run_preset import at_home
 from tests.classroom.small import AGREE, LED, ORDER, SCENE, VALUES
 from tests.viewer.waiting import until
+from worlds.input_error import InputError
 from worlds.layout import world as build_world
-from worlds.refusal import Refusal
 
 
 @pytest.fixture(scope="module")
@@ -101,17 +101,17 @@ def test_a_world_of_ones_own_goes_along(tmp_path):
 )
 def test_a_sweep_of_something_else_is_not_the_curve(results, changes, said):
     question = question_of(VALUES | changes, SCENE)
-    with pytest.raises(Refusal, match=said):
+    with pytest.raises(InputError, match=said):
         curve_of(results / "vem-eta", question, SCENE)
     assert find_curve(results, question, SCENE) is None
 
 
 def test_a_sweep_over_two_axes_or_of_another_model_is_not_the_curve(results):
-    with pytest.raises(Refusal, match="is swept over v0 too"):
+    with pytest.raises(InputError, match="is swept over v0 too"):
         curve_of(results / "both", ORDER, SCENE)
-    with pytest.raises(Refusal, match="is not a sweep of vem"):
+    with pytest.raises(InputError, match="is not a sweep of vem"):
         curve_of(results / "hwvem-p2", ORDER, SCENE)
-    with pytest.raises(Refusal, match="not a store of runs"):
+    with pytest.raises(InputError, match="not a store of runs"):
         curve_of(results / "broken", ORDER, SCENE)
     assert find_curve(results / "nowhere", ORDER, SCENE) is None
 
@@ -148,5 +148,5 @@ def test_what_spans_decades_is_shown_on_a_logarithmic_axis():
 
 
 def test_what_is_too_much_for_a_page_is_refused():
-    with pytest.raises(Refusal, match="101 runs of a cell are not allowed"):
+    with pytest.raises(InputError, match="101 runs of a cell are not allowed"):
         CurveAsked(ORDER, SCENE, 101).to_toml()

@@ -17,12 +17,12 @@ from app.classroom.collect.bounds import mean_neighbours
 from app.classroom.collect.hand_in import hand_in, warm_up
 from app.classroom.collect.question import question_of
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from tests.classroom.small import AGREE, LED, ORDER, SCENE, VALUES, WHEN, made
 from tests.viewer.waiting import until
+from worlds.input_error import InputError
 from worlds.layout import layout_names
 from worlds.layout import world as build_world
-from worlds.refusal import Refusal
 
 
 def swept(question, scene, axis, seeds):
@@ -79,7 +79,7 @@ def test_points_of_every_world_can_be_opened(world):
     values = VALUES | {"ticks": 2, "measure": asked, "parameter": "agents", "values": []}
     try:
         question = question_of(values, scene)
-    except Refusal:
+    except InputError:
         pytest.skip("no flock of ten begins there")
     point = hand_in(question, "Ada", scene, scene, WHEN)
     assert hand_in(question, "Ada", point.scene(question).spec, scene, WHEN) == point
@@ -182,18 +182,18 @@ def test_a_free_parameter_is_no_difference_and_is_kept():
 )
 def test_what_cannot_be_handed_in_is_refused_before_it_is_run(spec, said, monkeypatch):
     monkeypatch.setattr("app.experiments.sweeps.making.one_run.Making.run", None)
-    with pytest.raises(Refusal, match=said) as refused:
+    with pytest.raises(InputError, match=said) as refused:
         hand_in(ORDER, "Ada", spec, SCENE)
     assert "\n" not in str(refused.value)
 
 
 def test_what_takes_too_long_is_refused_with_numbers():
     question = question_of(VALUES | {"ticks": 20_000}, SCENE)
-    with pytest.raises(Refusal, match=r"300 agents for 20,000 ticks .* here 250 agents"):
+    with pytest.raises(InputError, match=r"300 agents for 20,000 ticks .* here 250 agents"):
         hand_in(question, "Ada", SCENE.but(agents=300), SCENE)
     slow = question_of(VALUES | {"measure": {"observe": "connectivity", "over": 400},
                                  "ticks": 400}, SCENE)  # fmt: skip
-    with pytest.raises(Refusal, match="connectivity of 1,000 agents at each of 400 ticks"):
+    with pytest.raises(InputError, match="connectivity of 1,000 agents at each of 400 ticks"):
         hand_in(slow, "Ada", SCENE.but(agents=1000), SCENE)
 
 
@@ -210,7 +210,7 @@ def test_what_it_costs_goes_by_pairs_and_not_by_agents_alone(agents, size, refus
     if not refused:
         question.demand_cheap(spec)
         return
-    with pytest.raises(Refusal, match=refused) as told:
+    with pytest.raises(InputError, match=refused) as told:
         question.demand_cheap(spec)
     assert "\n" not in str(told.value)
 

@@ -14,7 +14,7 @@ from app.classroom.classroom import Classroom
 from app.classroom.student import Role
 from app.viewer.gallery.saved_scene import SavedScene
 from tests.classroom.running import BUSY, SCENE
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 WAITS = 2.0
 
@@ -92,7 +92,7 @@ def test_who_is_taken_out_while_their_flock_opens_has_none(begun):
         opening = asyncio.create_task(made.place_of(bo))
         await until(lambda: bo.worker is not None)
         made.forget(bo)
-        with pytest.raises(Refusal, match="has been closed"):
+        with pytest.raises(InputError, match="has been closed"):
             await opening
         assert held(made) == [0, 0]
 

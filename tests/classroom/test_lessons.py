@@ -18,7 +18,7 @@ from app.classroom.collect.hand_in import hand_in
 from app.classroom.lessons.lessons import find_lesson, lesson_names, lesson_of
 from app.cli.classroom import opened
 from app.viewer.gallery.saved_scene import SavedScene
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SEEDS = range(1, 6)
 
@@ -85,7 +85,7 @@ class TestALesson:
 
 def test_a_scene_of_the_gallery_is_no_lesson_but_may_be_opened():
     assert lesson_of(find_lesson("mill")) == ""
-    with pytest.raises(Refusal, match="unknown lesson or scene 'who-lead'"):
+    with pytest.raises(InputError, match="unknown lesson or scene 'who-lead'"):
         find_lesson("who-lead")
 
 

@@ -14,10 +14,10 @@ from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
 from app.classroom.collect.choices import measures_of, parameters_of, ready_for
 from app.classroom.collect.question import question_from_toml, question_of
-from app.viewer.gallery.collection import find_scene, scene_names
-from app.viewer.run.home import at_home
+from app.viewer.gallery.scene_collection import find_scene, scene_names
+from app.viewer.run.run_preset import at_home
 from tests.classroom.small import AGREE, LED, ORDER, SCENE, VALUES
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 ANYTHING = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
@@ -83,7 +83,7 @@ def test_values_are_in_order_and_titles_on_one_line():
     ],
 )  # fmt: skip
 def test_what_cannot_be_asked_is_refused_in_one_line(changes, said):
-    with pytest.raises(Refusal, match=said) as refused:
+    with pytest.raises(InputError, match=said) as refused:
         question_of(VALUES | changes, SCENE)
     assert "\n" not in str(refused.value)
 
@@ -94,14 +94,14 @@ def test_whatever_a_browser_sends_is_a_question_or_refused(changes):
     try:
         made = question_of(VALUES | changes, SCENE)
         assert question_of(made.to_values(), SCENE) == made
-    except Refusal as refusal:
+    except InputError as refusal:
         said = str(refusal)
     assert "\n" not in said
 
 
 @given(ANYTHING)
 def test_nothing_else_is_a_question(values):
-    with pytest.raises(Refusal):
+    with pytest.raises(InputError):
         question_of(values, SCENE)
 
 

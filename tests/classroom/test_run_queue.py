@@ -20,13 +20,13 @@ from app.classroom.student import Role
 from app.classroom.workers.measuring import MadeRun, TimeLimit
 from app.classroom.workers.process import Gone, WorkerProcess
 from app.classroom.workers.task_process import TaskProcess, TimeUp
-from app.viewer.gallery.address import packed
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.run.home import at_home
+from app.viewer.gallery.scene_address import packed
+from app.viewer.run.run_preset import at_home
 from tests.classroom.running import BUSY, roster, running
 from tests.classroom.small import SCENE
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 ASKED = {
     "title": "Order against agents",
@@ -201,7 +201,7 @@ def test_others_have_their_results_while_the_runs_of_some_never_end(
             assert await asking.picture("png")
             assert len(load(file).questions[0].points) == 12
             assert not set(over) & {*names}, over
-            with pytest.raises(Refusal, match="your last result is still being made"):
+            with pytest.raises(InputError, match="your last result is still being made"):
                 await asking.hand_in(names[0], toml(ENDLESS))
             await asyncio.wait(evil, return_when="FIRST_COMPLETED", timeout=2 * BUSY)
             first = next(one for one in evil if one.done())
@@ -211,7 +211,7 @@ def test_others_have_their_results_while_the_runs_of_some_never_end(
                 "the next"
             )
             assert asking.runs.note(name).startswith("a run took more than 3 s of processor")
-            with pytest.raises(Refusal, match=r"was refused or ended: hand in again in \d+ s"):
+            with pytest.raises(InputError, match=r"was refused or ended: hand in again in \d+ s"):
                 await asking.hand_in(name, toml(ENDLESS))
             assert (await handed(asking, "Ada 1", SCENE)).status == "ok"
             assert {one.student for one in asking.demand().points} >= {f"Ada {k}" for k in range(4)}
@@ -231,7 +231,7 @@ def test_a_page_that_is_left_has_no_second_run(tmp_path):
             first = asyncio.create_task(asking.hand_in("Eve", toml(SCENE)))
             await asyncio.sleep(0)
             first.cancel()
-            with pytest.raises(Refusal, match="your last result is still being made"):
+            with pytest.raises(InputError, match="your last result is still being made"):
                 await asking.hand_in("Eve", toml(SCENE))
             while not asking.demand().points:
                 await asyncio.wait(asking.handed, timeout=BUSY)

@@ -7,7 +7,7 @@ import pytest
 from experiments.small import small
 
 from agents import Flock
-from agents.state.whereabouts import Stray
+from agents.state.stray_agents import StrayAgents
 from app.experiments.conduct import conduct
 from app.experiments.runs.reading import Kept
 from app.experiments.sweeps.table import wide
@@ -75,7 +75,7 @@ def test_a_state_with_an_agent_in_an_obstacle_is_refused(tmp_path):
 
 
 def test_the_row_of_an_experiment_tells_of_its_run(tmp_path, monkeypatch):
-    found = Stray(7, 6, 40, np.array([1.0, 2.0]), 0.25, 1)
+    found = StrayAgents(7, 6, 40, np.array([1.0, 2.0]), 0.25, 1)
     monkeypatch.setattr(Flock, "stray", lambda flock: found if flock.seed == 2 else None)
     done = conduct(
         small(tmp_path), tmp_path, runs=2, seed=1, workers=1, tell=None, at=lambda *_: None

@@ -11,7 +11,7 @@ EAST = """
 import dataclasses
 from agents.engine.block import Wish
 from agents.rules.vicsek import VEM
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 @compiled
 def decide(me, near, surroundings, p):

@@ -12,8 +12,8 @@ import pytest
 
 from agents import Flock
 from cli.calling import call, refusal
-from worlds.refusal import Refusal
-from worlds.writing import write_text, writing
+from worlds.file_writer import write_text, writing
+from worlds.input_error import InputError
 
 WRITERS = {
     "--save": (("run", "vem", "--ticks", 2, "--quiet", "--save"), "x.parquet"),
@@ -164,11 +164,11 @@ def test_nothing_half_written_is_left(here):
     (here / "kept.txt").write_text("old")
     with pytest.raises(ZeroDivisionError), writing("file", "kept.txt") as file:
         file.write(b"new" * (1 // 0))
-    no_space = pytest.raises(Refusal, match=r"'kept.txt' cannot be written: No space")
+    no_space = pytest.raises(InputError, match=r"'kept.txt' cannot be written: No space")
     with no_space, writing("file", "kept.txt") as file, open("/dev/full", "wb", 0) as full:
         file.write(b"new")
         full.write(b"new")
-    with pytest.raises(Refusal, match="no character of UTF-8"):
+    with pytest.raises(InputError, match="no character of UTF-8"):
         write_text("file", "kept.txt", "\udcff")
     assert (here / "kept.txt").read_text() == "old"
     assert {path.name for path in here.iterdir()} == {"room.wkt", "kept.txt"}
@@ -179,7 +179,7 @@ def test_a_state_from_python_follows_the_same_rules():
     flock.save("flock.parquet")
     flock.save("flock.parquet")
     for place, words in (("flock.csv", "a name that ends in"), ("/dev/full", "is a device")):
-        with pytest.raises(Refusal, match=words):
+        with pytest.raises(InputError, match=words):
             flock.save(place)
 
 

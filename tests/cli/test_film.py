@@ -32,7 +32,7 @@ from app.viewer.pictures.sheet import Sheet
 from app.viewer.pictures.shot import look_of, shot
 from app.viewer.pictures.space import Eye
 from cli.calling import call, refusal, start, wait_until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SMALL = ("--pixels", "400x320", "--renderer", "plain")
 RUN = ("hwvem", "--agents", 20, "--seed", 2)
@@ -91,7 +91,7 @@ def test_which_ticks_are_shown():
     assert (plan.ticks, plan.fps, plan.left_out) == ([50, 75, 100], 2.0, 0)
     assert planned(ticks, 50, 110, 25, 50.0, 30.0).left_out == 10
     assert planned([0, 20, 40], 0, 40, None, 60.0, 30.0).fps == 3.0
-    with pytest.raises(Refusal, match="no tick from 41 to 50"):
+    with pytest.raises(InputError, match="no tick from 41 to 50"):
         planned([0, 20, 40], 41, 50, None, 60.0, 30.0)
 
 

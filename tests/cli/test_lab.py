@@ -62,7 +62,7 @@ def test_a_file_has_a_run_of_its_own(files):
 
 
 def test_files_are_told_apart_by_what_is_in_them(files):
-    from app.viewer.gallery.opened import opened_file
+    from app.viewer.gallery.file_opener import opened_file
     from app.viewer.gallery.saved_scene import SavedScene
 
     kinds = {name: opened_file(str(files / name)) for name in ("state.bin", "flight.parquet")}

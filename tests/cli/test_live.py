@@ -18,14 +18,14 @@ import pytest
 from live.natnet_emulator import Body, NatNetEmulator, free_port
 
 from app.live.laboratory.example import FILE, example
-from app.live.laboratory.lab import lab_from_toml
-from app.live.links.links import open_link
-from app.live.operating.choices import laboratory
+from app.live.laboratory.lab_file import lab_from_toml
+from app.live.links.link_catalogue import open_link
 from app.live.operating.flock_driver import FlockDriver
-from app.live.recording.record import TABLES, Recording
-from app.live.recording.replay import read
+from app.live.operating.lab_choices import laboratory
+from app.live.recording.recording_replay import read
+from app.live.recording.recording_writer import TABLES, RecordingWriter
 from cli.calling import PROGRAM, call, refusal, start
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 PATIENCE = 60.0
 
@@ -196,7 +196,7 @@ def test_options_out_of_range_are_refused(room, tmp_path):
 
 @pytest.mark.parametrize("command", [("recover",), ("live", "recover")])
 def test_the_folder_of_a_killed_live_run_is_recovered(tmp_path, command):
-    with Recording(tmp_path / "run", example().to_toml()):
+    with RecordingWriter(tmp_path / "run", example().to_toml()):
         shutil.copytree(tmp_path / "run", tmp_path / "killed")
     made = call(*command, tmp_path / "killed", "--json")
     assert json.loads(made.stdout) == {
@@ -332,5 +332,5 @@ def test_the_links_that_may_be_chosen_lie_there_too(room, tmp_path):
     assert laboratory(path).lab.links == {"radio": f"{tmp_path.resolve() / 'mine.py'}:a"}
     assert laboratory(path, link="radio").lab.link == f"{tmp_path.resolve() / 'mine.py'}:a"
     (tmp_path / "mine.py").unlink()
-    with pytest.raises(Refusal, match=r"there is no file .*mine\.py \(link 'mine\.py:a'\)"):
+    with pytest.raises(InputError, match=r"there is no file .*mine\.py \(link 'mine\.py:a'\)"):
         laboratory(path)

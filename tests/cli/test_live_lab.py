@@ -9,8 +9,8 @@ import pytest
 from app.cli.live.console import SessionConsole
 from app.cli.live.lab import lab
 from app.cli.stopping import Stopping
-from app.live.control.events import Event
-from worlds.refusal import Refusal
+from app.live.control.loop_events import Event
+from worlds.input_error import InputError
 
 
 class StubSession:
@@ -66,5 +66,5 @@ def test_quiet_it_prints_no_event(capsys):
 
 
 def test_an_unknown_source_is_refused_before_anything_is_opened():
-    with pytest.raises(Refusal, match="unknown source 'nowhere'"):
+    with pytest.raises(InputError, match="unknown source 'nowhere'"):
         lab(source="nowhere", open_browser=False)

@@ -11,9 +11,9 @@ from live.driven_tables import leaping, straight, swapped, table
 from live.recordings import write_trial
 from live.test_live_record import record
 
-from app.live.sources.opening import open_source
+from app.live.sources.source_catalogue import open_source
 from cli.calling import call, refusal
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def values(*arguments):
@@ -37,7 +37,7 @@ def test_quaternions_written_w_first_are_refused_with_their_cure(tmp_path):
     line = refusal("live", "check", path, "--quiet")
     assert "no other axis stays vertical" in line
     assert line.endswith("the poses make sense with ?quaternion=wxyz")
-    with pytest.raises(Refusal, match=r"sound if w comes first: add \?quaternion=wxyz"):
+    with pytest.raises(InputError, match=r"sound if w comes first: add \?quaternion=wxyz"):
         open_source(f"recorded:{path}")
     found = values(f"{path}?quaternion=wxyz")
     assert found["amiss"] == []
@@ -55,7 +55,7 @@ def test_quaternions_written_w_first_are_refused_with_their_cure(tmp_path):
 def test_cars_that_stand_at_yaw_0_w_first_lie_on_their_roofs(tmp_path):
     path = table(tmp_path, w_first=True, where=lambda _, phase: (0.0, phase, 0.0))
     assert "its axis -z points up, not z" in refusal("live", "check", path, "--quiet")
-    with pytest.raises(Refusal, match=r"\?quaternion=wxyz"):
+    with pytest.raises(InputError, match=r"\?quaternion=wxyz"):
         open_source(f"recorded:{path}")
 
 
@@ -65,7 +65,7 @@ def test_cars_that_drive_along_minus_x_w_first_stand_upright_and_are_found_by_th
     line = refusal("live", "check", path, "--quiet")
     assert "red: it drives backwards in 100 % of its way" in line
     assert line.endswith("the poses make sense with ?quaternion=wxyz")
-    with pytest.raises(Refusal, match=r"\?quaternion=wxyz"):
+    with pytest.raises(InputError, match=r"\?quaternion=wxyz"):
         open_source(f"recorded:{path}")
     declared = open_source(f"recorded:{path}?quaternion=xyzw")  # a car that really backs
     assert declared.recording()[0].sightings[0].pose.yaw == 0.0

@@ -18,7 +18,7 @@ from app.viewer.pictures.space import Eye, split
 from app.viewer.scene.cameras.camera import view
 from app.viewer.scene.shown import palette
 from cli.calling import call, refusal
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -139,7 +139,7 @@ def test_bad_input_is_one_line(tmp_path, flock):
     assert "tick = 9 is not in" in refusal("picture", tmp_path / "state.parquet", "--tick", 9, *out)
     assert not (tmp_path / "a.png").exists()
     now = flock.snapshot(signals=True)
-    with pytest.raises(Refusal, match="agent 99 is not there at tick 4"):
+    with pytest.raises(InputError, match="agent 99 is not there at tick 4"):
         Aim(follow=99).camera(shot(now, look_of(now, None)))
 
 

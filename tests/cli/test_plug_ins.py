@@ -17,15 +17,15 @@ MODULES = {
     "no_rule": ("NAME = 3", "NAME", "a Rule or a Model is needed, not int"),
     "thief": (RULE + "NAME = dataclasses.replace(VEM, title='Mine')", "NAME",
               "has the name 'vem', which is built in"),
-    "worldly": ("from flockscope import Refusal, World\n" + RULE +
+    "worldly": ("from flockscope import InputError, World\n" + RULE +
                 "NAME = dataclasses.replace(VEM, name='worldly', title='Another')", "NAME", ""),
     "right": (RULE + "NAME = dataclasses.replace(VEM, name='mine', title='My rule')", "NAME", ""),
 }  # fmt: skip
 LINK = """
-from flockscope.live import CarLink, Refusal, levels, open_wire
+from flockscope.live import CarLink, InputError, levels, open_wire
 
 def open_link(place):
-    raise Refusal(f"the radio of {place.where} is off")
+    raise InputError(f"the radio of {place.where} is off")
 """
 
 
@@ -72,11 +72,11 @@ def test_the_face_may_be_imported_while_plug_ins_are_collected(first):
         f"{first}\n"
         "import warnings\n"
         "warnings.simplefilter('ignore')\n"
-        "from flockscope.live import Refusal, open_link\n"
+        "from flockscope.live import InputError, open_link\n"
         "from flockscope import MODELS\n"
         "print([name in MODELS for name in ('mine', 'worldly')])\n"
         "try:\n    open_link('text:there')\n"
-        "except Refusal as refusal:\n    print(refusal)\n"
+        "except InputError as refusal:\n    print(refusal)\n"
     )
     made = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False

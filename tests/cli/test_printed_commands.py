@@ -16,12 +16,12 @@ from agents.flock import Flock
 from agents.record import Recorder
 from app.cli.main import COMMANDS
 from app.experiments.experiment import experiment_names
-from app.viewer.gallery.collection import find_scene, scene_names
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.words import command_line
-from app.viewer.run.home import at_home
-from app.viewer.run.picture import Wanted
-from app.viewer.run.run import Run
+from app.viewer.gallery.scene_code import command_line
+from app.viewer.gallery.scene_collection import find_scene, scene_names
+from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.run_preset import at_home
 from tests.cli.calling import call
 
 ROOT = Path(__file__).parents[2]
@@ -183,7 +183,7 @@ def files(tmp_path_factory):
     """The files that are typed: as the page gives them, with what was changed on the way."""
     folder = tmp_path_factory.mktemp("printed")
     spec = at_home("vem", agents=12, seed=1)
-    run = Run(Flock(spec), 1, Wanted())
+    run = FlockRun(Flock(spec), 1, FrameRequest())
     run.advance(3)
     run.change(lambda run: run.set("eta", 1.0))
     run.advance(3)

@@ -16,7 +16,7 @@ from agents.columns import columns_of
 from agents.record import KEY, Recorder, batch_of
 from agents.recording import Recording
 from cli.calling import call, refusal
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 TICKS = (0, 2, 5)
 
@@ -77,9 +77,9 @@ def test_some_columns_and_some_ticks(recorded):
     assert list(frame.columns) == ["y", "tick"]
     assert sorted(set(frame.tick)) == [2, 5]
     assert np.array_equal(found.at(2).position, taken[1].position)
-    with pytest.raises(Refusal, match=r"unknown column 'z'.*points.parquet"):
+    with pytest.raises(InputError, match=r"unknown column 'z'.*points.parquet"):
         found.to_dataframe(["z"])
-    with pytest.raises(Refusal, match="tick = 3 is not in"):
+    with pytest.raises(InputError, match="tick = 3 is not in"):
         found.to_dataframe(ticks=3)
 
 

@@ -12,7 +12,7 @@ from agents import Flock
 from agents.spec import Spec
 from cli.calling import PROGRAM, call, refusal
 from worlds import memory
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 MODELS = "vem, vem-a, ivem"
 
@@ -276,9 +276,13 @@ def test_a_file_that_is_nested_too_deep_is_refused(tmp_path, text, words):
 
 
 def test_a_seed_or_a_spec_too_large_is_refused_from_python():
-    with pytest.raises(Refusal, match=r"seed = 16069\d+\.\.\.\d+ is not allowed: the largest is"):
+    with pytest.raises(
+        InputError, match=r"seed = 16069\d+\.\.\.\d+ is not allowed: the largest is"
+    ):
         Flock("vem", rng=2**200)
-    with pytest.raises(Refusal, match=r"seed = 9\d+ is not allowed: the largest is 9\d+ \(here\)"):
+    with pytest.raises(
+        InputError, match=r"seed = 9\d+ is not allowed: the largest is 9\d+ \(here\)"
+    ):
         Spec.from_values({"model": "vem", "agents": 3, "informed": 0, "seed": 2**63,
                           "world": "wrap", "size": (1.0, 1.0)}, "here")  # fmt: skip
     assert Flock("vem", agents=2, rng=2**63 - 1).spec.seed == 2**63 - 1

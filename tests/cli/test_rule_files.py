@@ -12,7 +12,7 @@ import pytest
 from agents import Flock, catalogue
 from agents.catalogue import MODELS, from_file
 from cli.calling import call, refusal
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 PAGE = Path(__file__).parents[2] / "docs" / "new-rule.md"
 CODE = re.search(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[1]  # type: ignore[index]
@@ -68,7 +68,7 @@ def test_what_a_run_keeps_goes_on_with_the_rule_named_again(mine, tmp_path):
 
 def test_its_setup_offers_it_in_the_laboratory(mine):
     from app.viewer.lab.panels.setup import MODELS as OFFERED
-    from app.viewer.run.home import at_home
+    from app.viewer.run.run_preset import at_home
 
     name = from_file(str(mine)).name
     assert OFFERED[name].title == "Fading Vicsek model"
@@ -126,5 +126,5 @@ def test_an_edited_file_replaces_its_rule_and_the_same_one_stays(mine):
 
 
 def test_a_name_in_a_spec_or_from_a_browser_is_never_run_as_a_file(mine):
-    with pytest.raises(Refusal, match="unknown model"):
+    with pytest.raises(InputError, match="unknown model"):
         Flock(str(mine))

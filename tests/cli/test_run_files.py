@@ -10,7 +10,7 @@ import pytest
 from agents.flock import Flock
 from agents.spec import Spec
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from tests.cli.calling import call, refusal
 from worlds.layout import world
 

@@ -22,7 +22,7 @@ from agents.recording import Recording
 from cli import thrift_tree
 from cli.calling import refusal
 from cli.thrift_tree import at, put
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def told(table, **changes):
@@ -114,7 +114,7 @@ def test_rows_that_cannot_be_are_one_line(table, tmp_path, name, values, says, c
         assert says in refusal("recording", path, "--csv", tmp_path / "out.csv")
         assert not (tmp_path / "out.csv").exists()
     else:
-        with pytest.raises(Refusal) as found:
+        with pytest.raises(InputError) as found:
             Flock.load(path)
         assert says in str(found.value)
 
@@ -167,15 +167,15 @@ def test_a_row_group_of_too_many_numbers_is_refused_before_it_is_decoded(
 ):
     path = written(table, tmp_path / "run.parquet")
     monkeypatch.setattr(parquet, "MOST_NUMBERS", 40)
-    with pytest.raises(Refusal, match="120 numbers in a row group: at most 40 numbers are read"):
+    with pytest.raises(InputError, match="120 numbers in a row group: at most 40 numbers are read"):
         Recording(path).at(0)
     monkeypatch.undo()
     monkeypatch.setattr(parquet, "MOST_BYTES", 40)
-    with pytest.raises(Refusal, match="its pages unpack to too much"):
+    with pytest.raises(InputError, match="its pages unpack to too much"):
         _ = Recording(path).ticks
     monkeypatch.undo()
     monkeypatch.setattr(frames, "MOST", 2)
-    with pytest.raises(Refusal, match="looked up together"):
+    with pytest.raises(InputError, match="looked up together"):
         _ = Recording(path).ticks
 
 
@@ -183,7 +183,7 @@ def test_a_text_that_stands_in_every_row_is_not_unpacked(tmp_path):
     words = pa.DictionaryArray.from_arrays(pa.array([0] * 1000), pa.array(["a" * 20_000]))
     path = written(pa.table({"words": words.dictionary_decode()}), tmp_path / "words.parquet")
     made = parquet.ParquetTable(path, None, "a table")
-    with pytest.raises(Refusal, match="a text of it is longer than 10000 bytes"):
+    with pytest.raises(InputError, match="a text of it is longer than 10000 bytes"):
         made.read()
 
 
@@ -192,7 +192,7 @@ import random, sys
 import numpy as np
 from agents.recording import Recording
 from cli import thrift_tree
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 sound, what, draw = open(sys.argv[1], "rb").read(), sys.argv[2], random.Random(1)
 body, footer = thrift_tree.split(sound)
 
@@ -220,7 +220,7 @@ for _ in range(200):
         for tick in found.ticks.tolist():
             assert np.isfinite(found.at(tick).position).all()
         found.table()
-    except Refusal as refusal:
+    except InputError as refusal:
         assert "\\n" not in str(refusal)
 """
 
@@ -274,11 +274,11 @@ def test_a_footer_that_cannot_be_is_one_line(table, tmp_path, changed):
 def test_a_footer_of_more_structs_than_are_kept_is_refused(table, tmp_path, monkeypatch):
     path = written(table, tmp_path / "run.parquet", row_group_size=1)
     monkeypatch.setattr(parquet_thrift, "MOST_STRUCTS", 200)
-    with pytest.raises(Refusal, match="its footer cannot be read"):
+    with pytest.raises(InputError, match="its footer cannot be read"):
         Recording(path)
     monkeypatch.undo()
     monkeypatch.setattr(parquet_footer, "LONGEST_FOOTER", 300)
-    with pytest.raises(Refusal, match="its footer cannot be read"):
+    with pytest.raises(InputError, match="its footer cannot be read"):
         Recording(path)
     monkeypatch.undo()
     assert Recording(path).rows == 15
@@ -328,7 +328,7 @@ def test_metadata_whose_bytes_are_changed_make_a_flock_or_one_line(table, data):
         found = Recording("changed.parquet", out.getvalue())
         found.described()
         line = str(np.isfinite(found.at(1).position).all())
-    except Refusal as refusal:
+    except InputError as refusal:
         line = str(refusal)
     assert "\n" not in line
 
@@ -356,7 +356,9 @@ def test_lists_are_bounded_whatever_their_column_is_called(tmp_path, monkeypatch
     assert made.numbers(0, [name]) == 1500
     assert made.unpacked(0, [name]) > 0
     for read in (made.read, lambda: list(made.batches()), lambda: made.group(0)):
-        with pytest.raises(Refusal, match=r"1500 numbers.*: at most 1000 numbers are read at once"):
+        with pytest.raises(
+            InputError, match=r"1500 numbers.*: at most 1000 numbers are read at once"
+        ):
             read()
 
 
@@ -366,7 +368,7 @@ def test_the_numbers_in_lists_of_all_row_groups_are_bounded(tmp_path, monkeypatc
     pq.write_table(pa.table({"x": pa.array([[0.0] * 400] * 3)}), path, row_group_size=1)
     made = parquet.ParquetTable(path, None, "a table")
     assert sum(batch.num_rows for batch in made.batches()) == 3
-    with pytest.raises(Refusal, match="1200 numbers"):
+    with pytest.raises(InputError, match="1200 numbers"):
         made.read()
 
 
@@ -377,9 +379,9 @@ def test_a_word_that_stands_in_every_row_is_bounded(tmp_path, monkeypatch):
     assert made.unpacked(0, ["word"]) < 20_000
     assert made.read().num_rows == 2000
     monkeypatch.setattr(parquet, "MOST_TEXT", 10**6)
-    with pytest.raises(Refusal, match="its texts unpack to more than 1000000 bytes"):
+    with pytest.raises(InputError, match="its texts unpack to more than 1000000 bytes"):
         made.read()
     assert sum(batch.num_rows for batch in made.batches(rows=100)) == 2000
     monkeypatch.setattr(parquet, "MOST_BYTES", 10**6)
-    with pytest.raises(Refusal, match="its rows unpack to more than 1000000 bytes"):
+    with pytest.raises(InputError, match="its rows unpack to more than 1000000 bytes"):
         made.table(made.batches(rows=100))

@@ -14,11 +14,11 @@ import pytest
 
 from agents import part_stream
 from agents.record import KEY
-from app.live.recording.record import TABLES
+from app.live.recording.recording_writer import TABLES
 from app.live.recording.recovery import recover as recover_tables
-from app.live.recording.stream import LONGEST, Stream
+from app.live.recording.stream import LONGEST, RecordingStream
 from cli.calling import call, refusal
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def left(folder, table, **more):
@@ -200,7 +200,7 @@ def live_tables(folder, **columns):
         values = [of_kind[kind] for kind in kinds.values()]
         if name == "events":
             values = [columns.get(column, of_kind[kind]) for column, kind in kinds.items()]
-        stream = Stream(folder / f"{name}.parquet", kinds, META)
+        stream = RecordingStream(folder / f"{name}.parquet", kinds, META)
         stream.write([tuple(values)])
         stream.close()
     return folder
@@ -209,7 +209,7 @@ def live_tables(folder, **columns):
 def test_tables_of_a_live_recording_have_the_same_bounds(tmp_path):
     assert recover_tables(live_tables(tmp_path / "sound", words="a" * LONGEST))["events"] == 1
     folder = live_tables(tmp_path / "long", words="a" * (LONGEST + 1))
-    with pytest.raises(Refusal, match=f"a text of it is longer than {LONGEST} bytes"):
+    with pytest.raises(InputError, match=f"a text of it is longer than {LONGEST} bytes"):
         recover_tables(folder)
     assert (folder / "events.parquet.part").exists()
 
@@ -219,7 +219,7 @@ def test_a_live_table_whose_columns_are_of_other_kinds_is_one_line(tmp_path, col
     folder = live_tables(tmp_path / "run")
     kinds = TABLES["ticks"] | {column: "string"}
     values = {"int64": 3, "int8": 0, "float64": 1.5, "string": "red"}
-    stream = Stream(folder / "ticks.parquet", kinds, META)
+    stream = RecordingStream(folder / "ticks.parquet", kinds, META)
     stream.write([tuple(values[kind] for kind in kinds.values())])
     stream.close()
     line = refusal("recover", folder)
@@ -230,7 +230,7 @@ def ticks_of(folder, meta=META, **columns):
     """Another stream of ticks for a live recording, of one row."""
     of_kind = {"int64": 3, "int8": 0, "float64": 1.5, "string": "red"}
     row = {name: of_kind[kind] for name, kind in TABLES["ticks"].items()} | columns
-    stream = Stream(folder / "ticks.parquet", TABLES["ticks"], meta)
+    stream = RecordingStream(folder / "ticks.parquet", TABLES["ticks"], meta)
     stream.write([tuple(row.values())])
     stream.close()
     return folder
@@ -251,7 +251,7 @@ def test_a_live_table_whose_metadata_are_of_other_kinds_is_one_line(tmp_path, ke
 CHANGED = """
 import random, sys, pathlib
 from agents.record import recover
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 part, draw = pathlib.Path(sys.argv[1]), random.Random(1)
 sound = part.read_bytes()
 for _ in range(400):
@@ -263,7 +263,7 @@ for _ in range(400):
     try:
         path, rows = recover(part)
         path.unlink()
-    except Refusal as refusal:
+    except InputError as refusal:
         assert "\\n" not in str(refusal)
 """
 

@@ -16,7 +16,7 @@ from agents.record import Recorder
 from app.experiments.runs.outcome import Outcome
 from app.experiments.runs.store import Store
 from cli.calling import start
-from worlds.refusal import CONTROLS
+from worlds.input_error import CONTROLS
 
 HOSTILE = "a\x1b[2J\x1b]0;owned\x07\x9b31m\u202egnp\x7f\u2028\u200f\ud800z"
 SHOWN = r"a\x1b[2J\x1b]0;owned\x07\x9b31m\u202egnp\x7f\u2028\u200f\ud800z"

@@ -20,7 +20,7 @@ from app.experiments.sweeps.table import as_csv, long, wide
 from app.experiments.workers.makers import Task
 from experiments.jobs import Sums
 from experiments.test_sweep_file import read
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 pytest.importorskip("dask_jobqueue", reason="the extra cluster is not installed")
 import psutil
@@ -281,7 +281,7 @@ def test_a_queue_that_sends_no_worker_is_told_of(tmp_path, slurm, monkeypatch):
 def test_what_a_queue_says_to_a_job_is_told(tmp_path, slurm):
     (slurm / "sbatch").write_text("#!/bin/sh\necho 'invalid partition specified' >&2; exit 1\n")
     cluster = Cluster(kind="slurm", shared=str(tmp_path / "shared"))
-    with pytest.raises(Refusal, match=r"takes no job: sbatch: invalid partition specified"):
+    with pytest.raises(InputError, match=r"takes no job: sbatch: invalid partition specified"):
         conduct(read(tmp_path, text=SMALL), tmp_path / "out", workers=1, cluster=cluster)
 
 
@@ -363,7 +363,7 @@ def test_a_table_that_cannot_be_is_refused_with_its_line(tmp_path):
     text = SMALL + TABLE.replace("cores = 8", "cores = 0")
     line = text.splitlines().index("cores = 0") + 1
     said = f"cluster.cores: a number >= 1 is needed .*s.toml, line {line}"
-    with pytest.raises(Refusal, match=said):
+    with pytest.raises(InputError, match=said):
         read(tmp_path, text=text)
 
 

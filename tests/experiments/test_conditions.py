@@ -3,7 +3,7 @@
 import pytest
 
 from app.experiments.sweeps.given.conditions import Comparison, Condition, comparison
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 VALUES = {"a": 2.0, "b": 3, "name": "x"}
 
@@ -33,18 +33,18 @@ def test_it_holds_where_it_is_true(text, holds):
     ],
 )  # fmt: skip
 def test_whatever_is_no_comparison_is_refused(text):
-    with pytest.raises(Refusal):
+    with pytest.raises(InputError):
         Condition(text, VALUES)
 
 
 def test_an_unknown_axis_is_named_with_the_nearest():
-    with pytest.raises(Refusal, match="unknown axis 'aa'"):
+    with pytest.raises(InputError, match="unknown axis 'aa'"):
         Condition("aa > b", VALUES)
 
 
 @pytest.mark.parametrize("text", ["name > 1", "a / (b - 3) > 1"])
 def test_what_cannot_be_compared_is_refused(text):
-    with pytest.raises(Refusal, match=r"cannot be said of a = 2.0, b = 3, name = 'x'"):
+    with pytest.raises(InputError, match=r"cannot be said of a = 2.0, b = 3, name = 'x'"):
         Condition(text, VALUES).holds(VALUES)
 
 
@@ -58,5 +58,5 @@ def test_a_comparison_of_an_observable():
     "text", ["x", "x > y", "1 < x < 2", "x >= 1 and y > 2", "x > 1" + " " * 900]
 )
 def test_another_comparison_is_refused(text):
-    with pytest.raises(Refusal, match="one comparison of an observable with a number is needed"):
+    with pytest.raises(InputError, match="one comparison of an observable with a number is needed"):
         comparison(text)

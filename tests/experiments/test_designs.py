@@ -6,7 +6,7 @@ from pydantic import TypeAdapter
 
 from app.experiments.sweeps.given.designs import points_of
 from app.experiments.sweeps.given.file import AnyDesign
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 BOUNDS = {"a": {"from": 0.0, "to": 1.0}, "b": {"from": -2.0, "to": 2.0}}
 
@@ -43,7 +43,7 @@ def test_a_condition_leaves_cells_out():
     axes = {"a": [1, 2, 3], "b": [1, 2, 3]}
     points = made(kind="grid", where="a > b", axes=axes)
     assert [tuple(point.values()) for point in points] == [(2, 1), (3, 1), (3, 2)]
-    with pytest.raises(Refusal, match="holds for none of 9 cells"):
+    with pytest.raises(InputError, match="holds for none of 9 cells"):
         made(kind="grid", where="a > 9", axes=axes)
 
 
@@ -58,7 +58,7 @@ def test_rows_of_a_csv_are_cells(tmp_path):
 @pytest.mark.parametrize("text", ["", "p\n", "p,p\n1,2\n", "p,q\n1\n", "p,\n1,2\n"])
 def test_another_csv_is_refused(tmp_path, text):
     (tmp_path / "points.csv").write_text(text)
-    with pytest.raises(Refusal, match=r"points\.csv"):
+    with pytest.raises(InputError, match=r"points\.csv"):
         made(tmp_path, kind="list", file="points.csv")
 
 

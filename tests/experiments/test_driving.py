@@ -13,8 +13,8 @@ from app.experiments.kinds.driving import Drive, Driving, gaps, lags, lap_of, ne
 from app.experiments.kinds.squash import Squash
 from app.experiments.overrides import PLAIN, Overrides, Ranks, with_goal
 from app.experiments.trial import fingerprint, flock_of
+from worlds.input_error import InputError
 from worlds.layout import world
-from worlds.refusal import Refusal
 
 TEXT = """
 kind = "driving"
@@ -172,7 +172,7 @@ def test_ranks_are_places_in_order():
     assert np.std([one["position"] - ranks.places for one in many]) == pytest.approx(0.1, rel=0.1)
     angle = [np.degrees(np.arctan2(-one["heading"][:, 0], one["heading"][:, 1])) for one in many]
     assert np.std(angle) == pytest.approx(5.0, rel=0.1)
-    with pytest.raises(Refusal, match="only 3 have a place"):
+    with pytest.raises(InputError, match="only 3 have a place"):
         ranks.start(4, 1)
 
 
@@ -200,16 +200,18 @@ def test_a_row_may_override_its_mission(tmp_path):
     ],
 )
 def test_a_wrong_file_is_refused(tmp_path, before, after, words):
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         small(tmp_path, TEXT.replace(before, after, 1))
 
 
 def test_a_drive_needs_an_injected_car_that_goes_round_within_it():
     settings = Driving(world="cars-circle", limit=11.0)
-    with pytest.raises(Refusal, match=r"limit = 11 s is less than a lap.* 11\.4 s in cars-circle"):
+    with pytest.raises(
+        InputError, match=r"limit = 11 s is less than a lap.* 11\.4 s in cars-circle"
+    ):
         settings.run(Flock("squashing", agents=1, rng=1), lambda: None)
     alone = Flock("squashing", agents=1, rng=1, world="open", size=5.0)
-    with pytest.raises(Refusal, match="'open' has no injected car"):
+    with pytest.raises(InputError, match="'open' has no injected car"):
         settings.run(alone, lambda: None)
-    with pytest.raises(Refusal, match="'open' has no goal"):
+    with pytest.raises(InputError, match="'open' has no goal"):
         with_goal(world("open", 2, 5.0), Overrides(speed=1.0))

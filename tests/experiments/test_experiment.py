@@ -6,7 +6,7 @@ from app.beside import EXPERIMENTS
 from app.experiments.experiment import experiment_names, read_experiment
 from app.experiments.lines import line_of, place
 from experiments.small import TEXT, small
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def test_the_papers_files_are_found():
@@ -44,7 +44,7 @@ def test_narrowing(tmp_path):
     whole = small(tmp_path)
     assert [case.spec.model for case in whole.narrowed(["vem"], []).cases] == ["vem"]
     assert [case.agents for case in whole.narrowed([], [20]).cases] == [20]
-    with pytest.raises(Refusal, match="unknown agents '13'"):
+    with pytest.raises(InputError, match="unknown agents '13'"):
         whole.narrowed([], [13])
 
 
@@ -63,7 +63,7 @@ def test_narrowing(tmp_path):
     ],
 )
 def test_a_wrong_file_is_refused_with_its_line(tmp_path, before, after, words):
-    with pytest.raises(Refusal) as refusal:
+    with pytest.raises(InputError) as refusal:
         small(tmp_path, TEXT.replace(before, after, 1))
     for word in [*words, str(tmp_path / "small.toml")]:
         assert word in str(refusal.value)

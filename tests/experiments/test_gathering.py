@@ -19,7 +19,7 @@ from app.experiments.runs.reading import Kept
 from app.experiments.trial import fingerprint, flock_of
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import of, verdicts
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 TEXT = """
 kind = "gathering"
@@ -126,7 +126,7 @@ def test_a_flock_of_which_nobody_flies_has_no_group():
     ],
 )
 def test_a_wrong_file_is_refused(tmp_path, before, after, words):
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         small(tmp_path, TEXT.replace(before, after, 1))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from agents.mission import fly
+from agents.mission_record import fly
 from app.experiments.experiment import read_experiment
 from app.experiments.kinds.beginning import Beginning, gaps
 from app.experiments.kinds.detours import A1, A2, A3, Course, Detours, boundary_end
@@ -19,8 +19,8 @@ from app.experiments.overrides import Overrides, with_goal
 from app.experiments.pictures.missions.flight import Flight
 from app.experiments.pictures.missions.nearest import nearness
 from app.experiments.trial import flock_of
+from worlds.input_error import InputError
 from worlds.layout import world
-from worlds.refusal import Refusal
 
 
 def nothing():
@@ -220,9 +220,9 @@ def test_a_car_is_held_near_the_place():
 def test_a_goal_rests_or_moves():
     with pytest.raises(ValueError, match="rests has no speed"):
         Overrides(rests=(0.0, 0.0), speed=1.0)
-    with pytest.raises(Refusal, match="has no goal"):
+    with pytest.raises(InputError, match="has no goal"):
         with_goal(world("open", 2, 5.0), Overrides(rests=(1.0, 2.0)))
-    with pytest.raises(Refusal, match="it has no goal"):
+    with pytest.raises(InputError, match="it has no goal"):
         Holding(world="open", limit=1.0, radius=1.0, late=0.5).run(
             Flock("squashing-cars", agents=1, world="open", size=8.0, rng=1), nothing
         )

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.mission import fly
+from agents.mission_record import fly
 from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import experiment_names, read_experiment, read_file
 from app.experiments.file import Every, Faster, Order
@@ -19,7 +19,7 @@ from app.experiments.trial import fingerprint, flock_of
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import of, verdicts
 from experiments.test_schemes import SCHEMES
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 TEXT = """
 kind = "mission"
@@ -108,7 +108,7 @@ def test_the_store_has_a_column_for_each_measure(done):
 
 def test_a_store_of_another_kind_is_refused(tmp_path, done):
     (tmp_path / "runs.sqlite").write_text("model,agents,parameters,seed,fingerprint,k_con\n")
-    with pytest.raises(Refusal, match="is not a store of runs"):
+    with pytest.raises(InputError, match="is not a store of runs"):
         carry_out(done[0], tmp_path)
 
 
@@ -149,7 +149,7 @@ def test_a_world_without_its_obstacles_is_another_run(tmp_path):
     ],
 )
 def test_a_wrong_file_is_refused(tmp_path, before, after, words):
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         small(tmp_path, TEXT.replace(before, after, 1))
 
 

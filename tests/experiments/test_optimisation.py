@@ -10,7 +10,7 @@ from app.experiments.optimisation.study import read_study
 from app.experiments.runs.reading import Kept
 from app.experiments.sweeps.table import wide
 from app.experiments.workers.makers import ThisProcess
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SMALL = """
 [run]
@@ -232,7 +232,7 @@ def test_the_corner_of_a_narrower_box(tmp_path):
     ],
 )
 def test_bad_files_are_refused_before_anything_runs(tmp_path, before, after, said):
-    with pytest.raises(Refusal, match=said):
+    with pytest.raises(InputError, match=said):
         study(tmp_path, (before, after))
 
 

@@ -16,7 +16,7 @@ from app.experiments.pictures.draw import draw
 from app.experiments.reports.report import show
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import verdicts
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 MEASURES = ("order", "binder", "chi")
 TEXT = """
@@ -201,7 +201,7 @@ def test_a_claim_needs_one_bound(tmp_path):
     bare = '[[claims]]\nsays = "reaches"\nmeasure = "order"\nlabel = "vicsek1995"\nagents = [20]\n'
     text = TEXT.replace("[[sweeps]]", f"{bare}\n[[sweeps]]")
     assert text != TEXT
-    with pytest.raises(Refusal, match="either above or below is needed"):
+    with pytest.raises(InputError, match="either above or below is needed"):
         small(tmp_path, text)
 
 

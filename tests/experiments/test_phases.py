@@ -20,7 +20,7 @@ from app.experiments.runs.reading import Kept
 from app.experiments.runs.store import Store
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import verdicts
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 TEXT = """
 kind = "phases"
@@ -194,7 +194,7 @@ def test_every_agent_detects_another_at_the_start(seed):
 
 def test_a_start_without_company_is_refused():
     flock = Flock("couzin", agents=2, size=900.0, dim=3, world="open", rng=1, dr_o=0.0, dr_a=0.0)
-    with pytest.raises(Refusal, match="cannot be placed"):
+    with pytest.raises(InputError, match="cannot be placed"):
         bring_in_sight(flock)
 
 
@@ -234,12 +234,12 @@ def test_claims_about_phases_and_memory():
 
 def test_a_word_that_is_none_is_refused(tmp_path):
     assert Found(says="found", measure="phase", word="mill").word == "mill"
-    with pytest.raises(Refusal, match=r"unknown phase 'swam'.*'swarm'"):
+    with pytest.raises(InputError, match=r"unknown phase 'swam'.*'swarm'"):
         small(tmp_path, TEXT.replace('word = "swarm"', 'word = "swam"'))
 
 
 def test_a_second_parameter_needs_values(tmp_path):
-    with pytest.raises(Refusal, match="against and against_values need each other"):
+    with pytest.raises(InputError, match="against and against_values need each other"):
         small(tmp_path, TEXT.replace("against_values = [5.0, 9.0]", ""))
 
 

@@ -13,7 +13,7 @@ from app.experiments.runs.outcome import Outcome
 from app.experiments.workers.makers import Awake, Task
 from app.experiments.workers.processes import Process, Processes
 from experiments.jobs import Sums
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def carried_out(job, tasks, workers=2, beat=lambda: False):
@@ -75,7 +75,7 @@ def test_a_killed_process_is_replaced_and_its_run_made_again():
 
 
 def test_a_job_that_cannot_begin_is_refused():
-    with pytest.raises(Refusal, match="can be begun: they end with code 1"):
+    with pytest.raises(InputError, match="can be begun: they end with code 1"):
         carried_out(Sums("nowhere"), [Task(1, 0, None)], workers=1)
 
 

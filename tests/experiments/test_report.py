@@ -14,7 +14,7 @@ from app.experiments.reports.report import as_value, show, write_summary
 from app.experiments.reports.tables import number
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import verdicts
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 NAMES = ("liu2021-table1", "liu2021-fig5", "liu2021-fig6")
 
@@ -71,7 +71,7 @@ def test_the_summary_as_csv(tmp_path):
     assert len(rows) == 18
     assert float(rows[0]["published_mean"]) == 84.31
     assert float(rows[0]["mean"]) == made[0].summary.mean
-    with pytest.raises(Refusal, match="cannot be written"):
+    with pytest.raises(InputError, match="cannot be written"):
         write_summary(tmp_path / "no" / "summary.csv", made)
 
 

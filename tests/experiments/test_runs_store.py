@@ -17,7 +17,7 @@ from app.experiments.runs.outcome import Outcome
 from app.experiments.runs.reading import Kept, readable
 from app.experiments.runs.store import Store, is_taken
 from app.experiments.sweeps.table import long, wide
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 CELLS = [("aaa", '{"axes":{"p":1}}'), ("bbb", '{"axes":{"p":2}}')]
 
@@ -73,7 +73,10 @@ def test_failed_runs_are_forgotten_on_request(tmp_path):
 @pytest.mark.parametrize("content", [b"a,b,c\n1,2,3\n", b"SQLite format 3\0 torn"])
 def test_another_file_is_refused_and_left_alone(tmp_path, content):
     (tmp_path / FILE).write_bytes(content)
-    with pytest.raises(Refusal, match="is not a store of runs: move it away"), Store(tmp_path, []):
+    with (
+        pytest.raises(InputError, match="is not a store of runs: move it away"),
+        Store(tmp_path, []),
+    ):
         pass
     assert (tmp_path / FILE).read_bytes() == content
     assert not readable(tmp_path)
@@ -84,7 +87,7 @@ def test_a_database_of_anything_else_is_refused_and_left_alone(tmp_path):
     other.execute("CREATE TABLE run (mine)")
     other.close()
     before = (tmp_path / FILE).read_bytes()
-    with pytest.raises(Refusal, match="is not a store of runs"), Store(tmp_path, []):
+    with pytest.raises(InputError, match="is not a store of runs"), Store(tmp_path, []):
         pass
     assert (tmp_path / FILE).read_bytes() == before
 
@@ -93,7 +96,7 @@ def test_a_store_of_a_newer_format_is_refused(tmp_path):
     with Store(tmp_path, []) as store:
         store.connection.execute("PRAGMA user_version = 99")
     with (
-        pytest.raises(Refusal, match=r"newer .* \(format 99, here 1\)"),
+        pytest.raises(InputError, match=r"newer .* \(format 99, here 1\)"),
         Store(tmp_path, []),
     ):
         pass
@@ -103,7 +106,7 @@ def test_two_parents_cannot_have_one_store(tmp_path):
     with Store(tmp_path, []):
         assert is_taken(tmp_path)
         with (
-            pytest.raises(Refusal, match="by another process"),
+            pytest.raises(InputError, match="by another process"),
             Store(tmp_path, []),
         ):
             pass
@@ -112,14 +115,14 @@ def test_two_parents_cannot_have_one_store(tmp_path):
 
 def test_a_folder_that_is_a_file_is_refused(tmp_path):
     (tmp_path / "file").touch()
-    with pytest.raises(Refusal, match="cannot be made"), Store(tmp_path / "file" / "deep", []):
+    with pytest.raises(InputError, match="cannot be made"), Store(tmp_path / "file" / "deep", []):
         pass
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
 def test_a_folder_that_may_only_be_read_is_refused(tmp_path):
     tmp_path.chmod(0o500)
-    with pytest.raises(Refusal, match="cannot be written"), Store(tmp_path, []):
+    with pytest.raises(InputError, match="cannot be written"), Store(tmp_path, []):
         pass
 
 
@@ -132,7 +135,7 @@ def test_a_full_disk_is_told_in_a_line_and_loses_nothing_that_was_kept(tmp_path)
         store.connection.execute(f"PRAGMA max_page_count = {pages}")
         for seed in range(2, 2000):
             store.add(cell, seed, Outcome("ok"))
-        with pytest.raises(Refusal, match="cannot be kept: the disk is full"):
+        with pytest.raises(InputError, match="cannot be kept: the disk is full"):
             store.keep()
     assert Kept(tmp_path).counts["ok"] == 1
     with Store(tmp_path, []) as store:
@@ -174,7 +177,7 @@ def test_a_hundred_thousand_runs_load_in_two_seconds(tmp_path):
 
 
 def test_a_reader_of_what_is_not_there_is_refused(tmp_path):
-    with pytest.raises(Refusal, match="there is no store of runs"):
+    with pytest.raises(InputError, match="there is no store of runs"):
         looked_into(tmp_path / FILE)
 
 
@@ -199,7 +202,7 @@ def test_a_store_of_anything_but_plain_tables_is_refused(tmp_path, change):
     with closing(sqlite3.connect(tmp_path / FILE)) as connection:
         connection.executescript(change)
     for look in (lambda: Kept(tmp_path).counts, lambda: Store(tmp_path, ["k"]).__enter__()):
-        with pytest.raises(Refusal, match="is not a store of runs"):
+        with pytest.raises(InputError, match="is not a store of runs"):
             look()
 
 
@@ -212,7 +215,7 @@ def test_json_in_a_store_that_others_cannot_read_is_refused_in_a_line(tmp_path, 
         pass
     with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
         connection.execute("INSERT INTO state VALUES ('runs', ?)", [text])
-    with pytest.raises(Refusal, match="broken JSON"):
+    with pytest.raises(InputError, match="broken JSON"):
         _ = Kept(tmp_path).state
 
 
@@ -237,7 +240,7 @@ def answer(kept, ask):
 def test_a_question_that_takes_too_long_is_interrupted(tmp_path, ask):
     long_plan(tmp_path)
     assert answer(Kept(tmp_path), ask), "in 30 s there is one"
-    with pytest.raises(Refusal, match="cannot be read: the answer takes too long"):
+    with pytest.raises(InputError, match="cannot be read: the answer takes too long"):
         answer(Kept(tmp_path, limit=0.0), ask)
 
 
@@ -254,7 +257,9 @@ def test_who_goes_on_with_a_store_that_takes_too_long_is_told_and_can_still_writ
         assert len(store.done([1])) == 100_000
         monkeypatch.setattr("app.experiments.runs.store.LONGEST", 0.0)
         for ask in (lambda: store.done([1]), lambda: store.others([2]), store.outcomes):
-            with pytest.raises(Refusal, match="cannot be gone on with: the answer takes too long"):
+            with pytest.raises(
+                InputError, match="cannot be gone on with: the answer takes too long"
+            ):
                 ask()
         store.add(1, 100_001, Outcome("ok", {"k": 1}))
     assert Kept(tmp_path).counts["ok"] == 100_001
@@ -267,7 +272,7 @@ def test_an_axis_with_the_name_of_another_column_makes_no_table(tmp_path, axis):
         store.add(cell, 1, Outcome("ok", {"k": 1}))
         store.tell(axes=[axis])
     for table in (wide, long):
-        with pytest.raises(Refusal, match=f"axis '{axis}' has the name of another column"):
+        with pytest.raises(InputError, match=f"axis '{axis}' has the name of another column"):
             table(Kept(tmp_path))
 
 
@@ -304,7 +309,7 @@ def test_a_value_of_any_kind_in_any_column_is_an_answer_or_a_line(tmp_path, tabl
         except sqlite3.IntegrityError:
             return  # SQLite itself keeps it out
     for ask in ("counts", "state", "cells", "runs", "series"):
-        with suppress(Refusal):
+        with suppress(InputError):
             answer(Kept(tmp_path), ask)
 
 
@@ -315,6 +320,6 @@ def test_a_strangers_store_is_judged_before_anything_is_written(tmp_path):
         connection.execute("PRAGMA journal_mode = DELETE")
         connection.execute("CREATE VIEW more AS SELECT 1")
     before = (tmp_path / FILE).read_bytes()
-    with pytest.raises(Refusal, match="is not a store of runs"):
+    with pytest.raises(InputError, match="is not a store of runs"):
         Store(tmp_path, ["k"]).__enter__()
     assert (tmp_path / FILE).read_bytes() == before

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from app.experiments.sweeps.pictures.groups import Group
 from app.experiments.sweeps.pictures.scaling import Scaling, by_size, collapse, crossing_of
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 BETA, NU, CRITICAL = 0.45, 1.6, 4.3
 SIZES = {100: 5.0, 400: 10.0, 1600: 20.0}
@@ -60,11 +60,11 @@ def test_lines_that_do_not_cross_exactly_once_have_no_crossing(value):
 
 def test_what_does_not_scale_is_refused():
     kept, groups = sweep(scaled)
-    with pytest.raises(Refusal, match="scaling needs the axis 'agents'"):
+    with pytest.raises(InputError, match="scaling needs the axis 'agents'"):
         by_size(kept, [one for one in groups if one.axes["agents"] == 100], "eta")
     for number, one in enumerate(groups):
         one.axes["v0"] = number % 2
-    with pytest.raises(Refusal, match=r"^v0 varies too: say at which value"):
+    with pytest.raises(InputError, match=r"^v0 varies too: say at which value"):
         by_size(kept, groups, "eta")
-    with pytest.raises(Refusal, match=r"^nu = 0 is not above 0$"):
+    with pytest.raises(InputError, match=r"^nu = 0 is not above 0$"):
         Scaling(0.5, 0.0)

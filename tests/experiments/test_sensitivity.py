@@ -10,7 +10,7 @@ from app.experiments.sweeps.conduct import conduct
 from app.experiments.sweeps.given.designs import unit_sample
 from app.experiments.sweeps.given.file import Morris, Saltelli, Span
 from experiments.test_sweep_file import read
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 ANGLE = Span(**{"from": -np.pi, "to": np.pi})
 UNIT = Span(**{"from": 0.0, "to": 1.0})
@@ -77,18 +77,18 @@ def test_what_gives_zeros_is_refused():
     y = ishigami(design)
     hole = y.copy()
     hole[3] = np.nan
-    with pytest.raises(Refusal, match="1 of 40 cells have no value"):
+    with pytest.raises(InputError, match="1 of 40 cells have no value"):
         sobol(design, hole)
-    with pytest.raises(Refusal, match="it is 2 in every cell: there is nothing to explain"):
+    with pytest.raises(InputError, match="it is 2 in every cell: there is nothing to explain"):
         sobol(design, np.full(40, 2.0))
     ends = np.full(40, 2.0)
     ends[1] = 3.0  # of neither of the two samples that the variance is taken of
-    with pytest.raises(Refusal, match="nothing to explain"):
+    with pytest.raises(InputError, match="nothing to explain"):
         sobol(design, ends)
-    with pytest.raises(Refusal, match="64 values are not allowed: the design has 40 cells"):
+    with pytest.raises(InputError, match="64 values are not allowed: the design has 40 cells"):
         sobol(design, np.arange(64.0))
     effects = Morris(kind="morris", axes={"a": UNIT}, trajectories=2)
-    with pytest.raises(Refusal, match="nothing to explain"):
+    with pytest.raises(InputError, match="nothing to explain"):
         morris(effects, np.ones(4))
 
 
@@ -142,7 +142,7 @@ def test_order_of_couzins_zones(tmp_path):
     ],
 )
 def test_designs_without_indices_are_refused(tmp_path, before, after, said):
-    with pytest.raises(Refusal, match=said):
+    with pytest.raises(InputError, match=said):
         design_of(read(tmp_path, (before, after), text=ZONES))
 
 
@@ -160,8 +160,8 @@ def test_runs_without_a_value_are_refused(tmp_path):
         sweep = read(tmp_path, *small, change, text=ZONES)
         folder = tmp_path / str(number)
         conduct(sweep, folder, workers=1, limit=3)
-        with pytest.raises(Refusal, match="17 of 20 runs are not made yet"):
+        with pytest.raises(InputError, match="17 of 20 runs are not made yet"):
             analysed(sweep, Kept(folder))
         conduct(sweep, folder, workers=1)
-        with pytest.raises(Refusal, match=said):
+        with pytest.raises(InputError, match=said):
             analysed(sweep, Kept(folder))

@@ -9,7 +9,7 @@ from app.experiments.runs.database import FILE
 from app.experiments.runs.reading import Kept
 from app.experiments.trial import fingerprint
 from experiments.small import TEXT, small
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def carry_out(experiment, folder, runs=4, seed=1, workers=2):
@@ -68,5 +68,5 @@ def test_other_settings_are_other_runs(tmp_path, before, after):
 
 def test_a_parameter_out_of_range_names_the_experiment(tmp_path):
     experiment = small(tmp_path, TEXT.replace("p2 = 7.0", "p2 = 0.5"))
-    with pytest.raises(Refusal, match=r"p2 = 0.5 is outside .* \(small, hwvem with N = 20\)"):
+    with pytest.raises(InputError, match=r"p2 = 0.5 is outside .* \(small, hwvem with N = 20\)"):
         carry_out(experiment, tmp_path)

@@ -246,7 +246,7 @@ def test_a_series_is_in_the_long_table(tmp_path):
 
 @pytest.mark.usefixtures("here")
 def test_a_script_gets_the_same_as_a_file(tmp_path):
-    from flockscope import Refusal, Spec, sweep
+    from flockscope import InputError, Spec, sweep
 
     carry_out(read(tmp_path, text=SMALL), tmp_path / "a")
     axes = {"eta": np.array([0.0, 3.0, 6.0])}
@@ -256,9 +256,9 @@ def test_a_script_gets_the_same_as_a_file(tmp_path):
     assert made.columns == wide(Kept(tmp_path / "a"))
     assert sweep(Spec("vem", agents=10, size=2.0), **asked).columns == made.columns
     assert sweep(tmp_path / "s.toml").counts == {"ok": 12, "gave-up": 0, "failed": 0, "killed": 0}
-    with pytest.raises(Refusal, match="says itself what is run"):
+    with pytest.raises(InputError, match="says itself what is run"):
         sweep(tmp_path / "s.toml", vary=axes)
-    with pytest.raises(Refusal, match=r"eta = 9.0 rad is outside .*\(flockscope.sweep; cell 2"):
+    with pytest.raises(InputError, match=r"eta = 9.0 rad is outside .*\(flockscope.sweep; cell 2"):
         sweep("vem", vary={"eta": [1.0, 9.0]})
 
 

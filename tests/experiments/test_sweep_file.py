@@ -3,7 +3,7 @@
 import pytest
 
 from app.experiments.sweeps.sweep import read_sweep
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 TEXT = """
 [run]
@@ -92,17 +92,17 @@ def test_distinct_seeds_are_no_others_and_stay_with_their_cell(tmp_path):
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_refused_with_its_place(tmp_path, before, after, said):
-    with pytest.raises(Refusal, match=said):
+    with pytest.raises(InputError, match=said):
         read(tmp_path, (before, after))
 
 
 def test_an_axis_is_no_column_of_the_table_of_runs(tmp_path):
-    with pytest.raises(Refusal, match=r"axis 'p1' is not allowed: .*s.toml, line 15"):
+    with pytest.raises(InputError, match=r"axis 'p1' is not allowed: .*s.toml, line 15"):
         read(tmp_path, ("over = 10", 'column = "p1"'))
 
 
 def test_a_condition_names_its_line(tmp_path):
-    with pytest.raises(Refusal, match=r"unknown axis 'p7'.*s.toml, line 14\)"):
+    with pytest.raises(InputError, match=r"unknown axis 'p7'.*s.toml, line 14\)"):
         read(tmp_path, ('kind = "grid"', 'kind = "grid"\nwhere = "p1 > p7"'))
 
 
@@ -110,9 +110,9 @@ def test_measures_of_ones_own_are_found_beside_the_file(tmp_path):
     (tmp_path / "mine.py").write_text("def width(flock):\n    return flock.position[:, 0].std()\n")
     own = ('name = "polarisation"\nover', 'measure = "mine.py:width"\nover')
     assert read(tmp_path, own).making.columns[-1] == "width-over-10"
-    with pytest.raises(Refusal, match="'depth': there is no such function"):
+    with pytest.raises(InputError, match="'depth': there is no such function"):
         read(tmp_path, (own[0], own[1].replace("width", "depth")))
-    with pytest.raises(Refusal, match="FUNCTION is needed"):
+    with pytest.raises(InputError, match="FUNCTION is needed"):
         read(tmp_path, (own[0], own[1].replace("mine.py:", "")))
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from agents.flight.aircraft import Aircraft, demand_possible
 from agents.models.declare import checked, declared
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def test_moments_of_inertia_are_of_masses():
@@ -31,18 +31,18 @@ def test_every_value_says_whose_it_is():
 
 
 def test_values_out_of_range_are_refused():
-    with pytest.raises(Refusal, match=r"mass = 9.0 kg is outside \[0.05, 5\] kg \(test\)"):
+    with pytest.raises(InputError, match=r"mass = 9.0 kg is outside \[0.05, 5\] kg \(test\)"):
         checked(Aircraft, {"mass": 9.0}, "test")
-    with pytest.raises(Refusal, match="did you mean 'chord'"):
+    with pytest.raises(InputError, match="did you mean 'chord'"):
         checked(Aircraft, {"cord": 0.3})
-    with pytest.raises(Refusal, match="suction"):
+    with pytest.raises(InputError, match="suction"):
         checked(Aircraft, {"suction": math.nan})
 
 
 def test_parts_that_do_not_fit_are_refused():
-    with pytest.raises(Refusal, match=r"wing_mass = 0.06 kg is outside \[0, 0.0475\] kg"):
+    with pytest.raises(InputError, match=r"wing_mass = 0.06 kg is outside \[0, 0.0475\] kg"):
         demand_possible(Aircraft(mass=0.1, wing_mass=0.06))
-    with pytest.raises(Refusal, match=r"twist_axis = 0.4 m .* with chord = 0.36 m \(here\)"):
+    with pytest.raises(InputError, match=r"twist_axis = 0.4 m .* with chord = 0.36 m \(here\)"):
         demand_possible(Aircraft(twist_axis=0.4), "here")
-    with pytest.raises(Refusal, match=r"wing_centre = 0\.4 m"):
+    with pytest.raises(InputError, match=r"wing_centre = 0\.4 m"):
         demand_possible(Aircraft(span=0.7))

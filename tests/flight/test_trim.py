@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from agents.flight.aircraft import Aircraft
+from agents.flight.flight_motion import MOVING, THETA, Q, U, W, X, Z, fly
 from agents.flight.glide import glide
-from agents.flight.motion import MOVING, THETA, Q, U, W, X, Z, fly
 from agents.flight.power import readings
 from agents.flight.stability import monodromy
 from agents.flight.trim import trim
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 READING = {3.0: 0.55, 3.5: 0.49, 4.0: 0.53, 5.0: 0.71, 6.0: 0.95}
 """Energy per metre (J/m) that the reading of the thesis measured with its own closure."""
@@ -128,14 +128,14 @@ def test_a_glide_has_nothing_left_to_balance():
     ],
 )
 def test_what_cannot_be_asked_is_refused(values, said):
-    with pytest.raises(Refusal, match=said):
+    with pytest.raises(InputError, match=said):
         trim(**values)
 
 
 def test_a_flight_that_is_not_there_is_refused():
-    with pytest.raises(Refusal, match=r"no level flight was found at 3.5 m/s with 1.5 Hz"):
+    with pytest.raises(InputError, match=r"no level flight was found at 3.5 m/s with 1.5 Hz"):
         trim(Aircraft(mass=2.0))
-    with pytest.raises(Refusal, match=r"cannot glide at 3.5 m/s: its wings stall"):
+    with pytest.raises(InputError, match=r"cannot glide at 3.5 m/s: its wings stall"):
         glide(Aircraft(mass=2.0), 3.5)
 
 
@@ -143,5 +143,5 @@ def test_a_flight_that_tumbles_is_refused(trims):
     made = trims[3.5]
     start = made.state.copy()
     start[Q] = 150.0
-    with pytest.raises(Refusal, match="the aircraft tumbles at 0 s"):
+    with pytest.raises(InputError, match="the aircraft tumbles at 0 s"):
         fly(made.aircraft, made.controls, start, 3.0)

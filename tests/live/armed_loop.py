@@ -5,9 +5,9 @@ from __future__ import annotations
 import threading
 
 from app.live.control.arm import OperatorRequest
-from app.live.control.control import Control
-from app.live.control.injected import Injected
-from app.live.control.loop import Loop
+from app.live.control.car_control import CarControl
+from app.live.control.control_loop import Loop
+from app.live.control.injected_target import InjectedTarget
 from app.live.links.dry import DryLink
 from app.live.links.link import RUN, CarLink
 from tests.live.rooms import LAB, Steady, lab
@@ -27,11 +27,11 @@ class ArmedLoop:
         room = lab(ROOM)
         self.link = link or DryLink()
         self.loop = Loop(
-            Control(room.safety(), Steady((0.5, 0.1))),
+            CarControl(room.safety(), Steady((0.5, 0.1))),
             feed,
             self.link,
             room.addresses,
-            Injected(room.injected, room.area),
+            InjectedTarget(room.injected, room.area),
         )
         self.thread = threading.Thread(target=self.loop.run)
 

@@ -17,9 +17,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from app.live.emulation.cars import Datagrams, EmulatedCars
+from app.live.emulation.emulated_cars import Datagrams, EmulatedCars
 from app.live.emulation.plant import EmulatedPlant
-from app.live.laboratory.lab import lab_from_toml
+from app.live.laboratory.lab_file import lab_from_toml
 from app.live.links.firmware import Firmware
 from app.live.links.link import RUN
 
@@ -93,7 +93,7 @@ from pathlib import Path
 from live import told_poses as ends
 from app.live.control.arm import OperatorRequest
 from app.live.operating.operator import Operator
-from app.live.laboratory.lab import read_lab
+from app.live.laboratory.lab_file import read_lab
 
 if __name__ == "__main__":
     operator = Operator(read_lab({file!r}), ends.{opener}, Path({folder!r}))

@@ -6,8 +6,8 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from app.live.laboratory.lab import Lab
-from app.live.operating.choices import Choices
+from app.live.laboratory.lab_file import Lab
+from app.live.operating.lab_choices import Choices
 from app.viewer.live.page import LivePage
 from tests.live.waiting import until
 

@@ -7,13 +7,13 @@ import time
 from dataclasses import dataclass, field
 
 from app.live.control.arm import OperatorRequest
-from app.live.control.control import Control, Step
+from app.live.control.car_control import CarControl, ControlStep
 from app.live.control.pose import MocapFrame, Pose, seen
-from app.live.laboratory.lab import Lab, lab_from_toml
+from app.live.laboratory.lab_file import Lab, lab_from_toml
 from app.live.links.firmware import WATCHDOG
 from app.live.links.link import RUN
-from app.live.links.links import open_link
-from app.live.operating.ends import Ends, open_ends
+from app.live.links.link_catalogue import open_link
+from app.live.operating.loop_components import LoopComponents, open_ends
 
 LAB = """title = "a room"
 source = "mock:"
@@ -72,10 +72,10 @@ class Room:
 
     def __post_init__(self):
         self.lab = lab(self.text)
-        self.control = Control(self.lab.safety(), self.driver)
+        self.control = CarControl(self.lab.safety(), self.driver)
         self.at = {name: [-2.0, 0.7 * k, 0.0] for k, name in enumerate(self.lab.cars)}
         self.events = []
-        self.step: Step | None = None
+        self.step: ControlStep | None = None
         self.shown = {}
         self.told = None
         self.cut_at: float | None = None
@@ -97,7 +97,7 @@ class Room:
             ),
         )
 
-    def tick(self, *requests: OperatorRequest) -> Step:
+    def tick(self, *requests: OperatorRequest) -> ControlStep:
         """One tick; then the cars move as they were told."""
         self.now += TICK
         self.control.see(self.now, requests, self.frame())
@@ -120,12 +120,12 @@ class Room:
             at[0] += 0.0 if name in self.stuck else step
             at[2] = wanted + (at[2] - wanted) * decay
 
-    def arm(self) -> Step:
+    def arm(self) -> ControlStep:
         """See the cars, then arm."""
         self.tick()
         return self.tick(OperatorRequest("arm", "test"))
 
-    def ticks(self, seconds: float) -> Step:
+    def ticks(self, seconds: float) -> ControlStep:
         """Tick for a while; at least once."""
         for _ in range(max(1, round(seconds / TICK))):
             step = self.tick()
@@ -153,17 +153,17 @@ class Waiting:
         return [MocapFrame(number + 1, time.monotonic(), cars)]
 
 
-def crawling(lab: Lab) -> Ends:
+def crawling(lab: Lab) -> LoopComponents:
     """Ends of the room whose cars are told so little throttle that they need not move."""
-    return Ends(Waiting(), open_link(lab.link), Steady((0.5, 0.1)))
+    return LoopComponents(Waiting(), open_link(lab.link), Steady((0.5, 0.1)))
 
 
-def named(lab: Lab) -> Ends:
+def named(lab: Lab) -> LoopComponents:
     """The ends that the file names, with a driver whose cars need not move."""
     return open_ends(lab, Steady((0.5, 0.1)))
 
 
-def refusing(lab: Lab) -> Ends:
+def refusing(lab: Lab) -> LoopComponents:
     """Ends that cannot be opened."""
     open_link("dri")
     raise AssertionError(lab)

@@ -8,7 +8,7 @@ import time
 from dataclasses import dataclass
 
 from app.live.control.pose import MocapFrame, Pose, seen, unseen
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Stub:
             case "holding the interpreter":
                 ctypes.PyDLL(None).sleep(600)
             case "refusing":
-                raise Refusal("no such host\nas lab")
+                raise InputError("no such host\nas lab")
             case "mistaken":
                 raise KeyError("car1")
             case "printing":

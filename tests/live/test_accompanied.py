@@ -12,12 +12,12 @@ import pytest
 
 from app.live.control.arm import OperatorRequest
 from app.live.operating.flock_driver import FlockDriver
-from app.live.recording.replay import read, replay
+from app.live.recording.recording_replay import read, replay
 from live.rooms import Room, Steady, lab
 from live.test_companions import beside
 from live.test_flock_driver import SQUASHING
 from live.test_live_record import ARM, record
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 class Accompanying(Room):
@@ -124,7 +124,7 @@ def test_a_changed_simulated_car_is_found(tmp_path):
 def test_a_recording_from_before_there_were_any_is_read(tmp_path):
     record(tmp_path / "run", 60, text=SQUASHING, make=FlockDriver)
     (tmp_path / "run" / "companions.parquet").unlink()
-    with pytest.raises(Refusal, match=r"companions\.parquet' cannot be read"):
+    with pytest.raises(InputError, match=r"companions\.parquet' cannot be read"):
         read(tmp_path / "run")
     for path in (tmp_path / "run").iterdir():
         table = pq.read_table(path)

@@ -11,7 +11,7 @@ from app.live.control.pose import MocapFrame
 from app.live.links.link import EMERGENCY, RUN, STOP
 from app.live.sources.axes import Axes
 from live.rooms import Room, lab
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 ARM = OperatorRequest("arm", "test")
 
@@ -121,7 +121,7 @@ def test_the_arming_is_its_table(actions):
     for action in actions:
         before = arm.state
         if (before, action) == ("emergency", "arm"):
-            with pytest.raises(Refusal):
+            with pytest.raises(InputError):
                 arm.take(OperatorRequest(action, "test"))
         else:
             changed = arm.take(OperatorRequest(action, "test"))
@@ -130,5 +130,5 @@ def test_the_arming_is_its_table(actions):
 
 
 def test_a_request_that_there_is_none_of_is_refused():
-    with pytest.raises(Refusal, match="unknown request 'armed': did you mean 'arm'"):
+    with pytest.raises(InputError, match="unknown request 'armed': did you mean 'arm'"):
         OperatorRequest("armed", "test")

@@ -18,11 +18,11 @@ from types import ModuleType, SimpleNamespace
 
 import pytest
 
+from app.live.links.command_frame import encode, size
 from app.live.links.firmware import Firmware
-from app.live.links.frame import encode, size
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.links.links import open_link
-from worlds.refusal import Refusal
+from app.live.links.link_catalogue import open_link
+from worlds.input_error import InputError
 
 TEXT = (Path(__file__).parents[2] / "docs" / "car-link.md").read_text(encoding="utf-8")
 
@@ -57,7 +57,7 @@ def test_the_link_of_ones_own_sends_its_lines(tmp_path):
     while said.count(b"\n") < 3 and select.select([end], [], [], 1.0)[0]:
         said += os.read(end, 1000)
     assert said.decode().splitlines() == ["7 50 -25", "9 -100 100", "7 50 0"]
-    with pytest.raises(Refusal, match="throttle of car 7 = 2 is outside"):
+    with pytest.raises(InputError, match="throttle of car 7 = 2 is outside"):
         link.send(3, RUN, {7: (0.0, 2.0)})
     assert link.occupies(4) == 600 / 57600
     link.close()

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.live.links.links import open_link
-from app.live.operating.choices import SIMULATED, Choices
-from app.live.sources.opening import open_source
+from app.live.links.link_catalogue import open_link
+from app.live.operating.lab_choices import SIMULATED, Choices
+from app.live.sources.source_catalogue import open_source
 from live.rooms import LAB, lab
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 MORE = """
 [sources]
@@ -73,10 +73,12 @@ def test_emulated_cars_have_a_link_of_their_own():
 
 
 def test_real_poses_do_not_go_with_emulated_cars():
-    with pytest.raises(Refusal, match=r"link = 'simulated\?port=5005' needs source = 'simulated'"):
+    with pytest.raises(
+        InputError, match=r"link = 'simulated\?port=5005' needs source = 'simulated'"
+    ):
         choosing(lab(SOFTWARE), "monday", "emulated cars", "squashing")
     body = ROOM.replace('path = "circle"\nradius = 2.0', 'path = "body"\nbody = "wand"')
-    with pytest.raises(Refusal, match="cannot be emulated"):
+    with pytest.raises(InputError, match="cannot be emulated"):
         choosing(lab(body), "emulated cars", "dry run", "squashing")
 
 
@@ -101,20 +103,22 @@ def test_another_rule_keeps_the_parameters_that_it_has():
     ],
 )
 def test_other_words_are_refused(words, says):
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         choosing(lab(ROOM), *words)
     assert str(refused.value).startswith(says)
     assert str(refused.value).endswith("(the laboratory)")
 
 
 def test_software_is_a_known_kind_but_is_opened_with_its_laboratory():
-    with pytest.raises(Refusal, match=r"unknown kind of source 'simulatd': did you mean 'simulate"):
+    with pytest.raises(
+        InputError, match=r"unknown kind of source 'simulatd': did you mean 'simulate"
+    ):
         open_source("simulatd:")
-    with pytest.raises(Refusal, match=r"unknown link 'simulatd': did you mean 'simulated'"):
+    with pytest.raises(InputError, match=r"unknown link 'simulatd': did you mean 'simulated'"):
         open_link("simulatd")
-    with pytest.raises(Refusal, match="only where a laboratory is opened"):
+    with pytest.raises(InputError, match="only where a laboratory is opened"):
         open_source("simulated")
-    with pytest.raises(Refusal, match="only where a laboratory is opened"):
+    with pytest.raises(InputError, match="only where a laboratory is opened"):
         open_link("simulated?port=5005")
 
 
@@ -132,7 +136,7 @@ anything = st.one_of(st.text(), st.sampled_from([*TEXTS, *CARRIERS, "mine.py:", 
 def test_whatever_is_asked_for_only_the_files_texts_come_out(source, link, rule):
     try:
         made = choosing(HERE, source, link, rule)
-    except Refusal:
+    except InputError:
         assert not (source in CHOICES.sources and link in CHOICES.links and rule in CHOICES.rules)
         return
     assert made.source in TEXTS

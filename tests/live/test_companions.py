@@ -16,15 +16,15 @@ from agents.bodies.cars.chassis import separation
 from agents.catalogue import cars_by
 from agents.flock import Flock
 from app.live.control.arm import OperatorRequest
-from app.live.control.control import Control
-from app.live.control.driver import Accompanied
+from app.live.control.car_control import CarControl
+from app.live.control.driver import CompanionDriver
 from app.live.control.pose import MocapFrame, Pose, seen, unseen
 from app.live.links.link import RUN, STOP
 from app.live.operating.companions import APART
 from app.live.operating.flock_driver import FlockDriver, world_of
 from live.rooms import lab
 from live.test_flock_driver import PERFECT, SQUASHING, naive, text_of
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 ROOT = Path(__file__).parents[2]
 TARGET = Pose(2.0, 0.0, 0.5 * math.pi)
@@ -71,7 +71,7 @@ def at(driver):
 
 def test_they_begin_once_all_real_cars_were_seen():
     driver = FlockDriver(lab(beside(cars=3)))
-    assert isinstance(driver, Accompanied)
+    assert isinstance(driver, CompanionDriver)
     red, blue = seen("red", PLACES[0]), seen("blue", PLACES[1])
     assert driver.drive(0.0, (red, unseen("blue")), TARGET, True) == {}
     assert driver.companions == ()
@@ -241,7 +241,7 @@ def test_the_number_changes_and_those_that_stay_keep_all():
 def test_a_number_that_is_not_allowed_changes_nothing(count, words):
     driver = begun(beside())
     before = driver.companions
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         driver.accompany(count)
     drive(driver, 1, running=False)
     assert driver.companions == before
@@ -260,7 +260,9 @@ def test_where_there_is_no_room_nothing_changes():
     driver.drive(0.0, sightings(driver, places), target, False)
     driver.accompany(1)
     before = driver.companions
-    with pytest.raises(Refusal, match=r"sim \d has no room: none of 200 places within the fence"):
+    with pytest.raises(
+        InputError, match=r"sim \d has no room: none of 200 places within the fence"
+    ):
         driver.accompany(8)
     assert driver.companions == before
     told = driver.drive(0.01, sightings(driver, places), target, False)
@@ -270,7 +272,7 @@ def test_where_there_is_no_room_nothing_changes():
 
 def test_simulated_cars_that_do_not_fit_an_empty_room_are_refused_before_anything_begins():
     words = r"simulated cars = 8 is not allowed: sim (\d) has no room: .*; (\d) would fit"
-    with pytest.raises(Refusal, match=words) as refused:
+    with pytest.raises(InputError, match=words) as refused:
         FlockDriver(lab(narrow(8)))
     first, fit = re.search(words, str(refused.value)).groups()
     assert int(first) == int(fit) + 1
@@ -281,7 +283,7 @@ def test_what_does_not_fit_between_the_real_ones_is_refused_once_and_they_drive(
     text = narrow(1).replace("[-1.5, -1.0]", "[-1.2, -0.8]").replace("[1.5, 1.0]", "[1.2, 0.8]")
     one, now = lab(text), 100.0
     driver = FlockDriver(one)
-    control = Control(one.safety(), driver)
+    control = CarControl(one.safety(), driver)
     target = Pose(0.0, 0.3, 0.0)
     events, modes = [], []
     for number in range(25):

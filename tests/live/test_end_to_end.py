@@ -29,8 +29,8 @@ import pytest
 
 from app.live.control.arm import OperatorRequest
 from app.live.operating.flock_driver import FlockDriver
+from app.live.recording.recording_replay import replay
 from app.live.recording.recovery import recover
-from app.live.recording.replay import replay
 from live.full_room import FullRoom
 
 pytest.importorskip("motioncapture")

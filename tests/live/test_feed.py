@@ -14,12 +14,12 @@ import pytest
 
 from app.live.control.pose import MocapFrame, Pose
 from app.live.sources import feed as feed_module
-from app.live.sources import simulated
+from app.live.sources import simulated_source
 from app.live.sources.feed import KEPT, Feed
-from app.live.sources.simulated import Simulated
+from app.live.sources.simulated_source import SimulatedSource
 from tests.live.stub_sources import Stub, StubSimulator
 from tests.live.waiting import HandClock, until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 WITHIN = 60.0
 """Seconds in which what is waited for happens, on a machine that is very busy."""
@@ -107,7 +107,7 @@ def test_what_never_brought_a_frame_fails_for_good_in_one_line(how, says):
         until(lambda: not feed.alive)
         assert feed.trouble == f"stub that is {how}: {says}"
         assert feed.state == "failed"
-        with pytest.raises(Refusal, match=r"^stub that is"):
+        with pytest.raises(InputError, match=r"^stub that is"):
             feed.first(0.0)
 
 
@@ -255,7 +255,7 @@ def test_a_child_that_stands_still_does_not_hold_up_who_looks():
 def test_a_source_without_a_frame_says_so():
     with Feed(Stub(count=0)) as feed:
         until(lambda: not feed.alive)
-        with pytest.raises(Refusal) as refused:
+        with pytest.raises(InputError) as refused:
             feed.first(1.0)
     assert str(refused.value) == "stub that is steady: it ended without a frame"
 
@@ -268,7 +268,7 @@ def test_what_a_library_prints_does_not_reach_the_terminal(capfd):
 
 @pytest.mark.parametrize("patience", [0.0, -1.0, 601.0, float("nan")])
 def test_a_patience_that_is_none_is_refused(patience):
-    with pytest.raises(Refusal, match=r"patience = .* is outside"):
+    with pytest.raises(InputError, match=r"patience = .* is outside"):
         Feed(Stub(), patience)
 
 
@@ -310,7 +310,7 @@ def test_a_child_whose_parent_is_killed_leaves(how):
 
 
 def test_a_simulator_comes_through_a_feed_and_keeps_to_the_wall_clock():
-    with Feed(Simulated(StubSimulator, rate=100.0)) as feed:
+    with Feed(SimulatedSource(StubSimulator, rate=100.0)) as feed:
         until(lambda: feed.latest() is not None and feed.latest().number >= 30)
         frames = feed.since(-1)
     assert frames[0].number == 0
@@ -323,13 +323,13 @@ def test_a_simulator_comes_through_a_feed_and_keeps_to_the_wall_clock():
 
 def test_a_simulator_that_is_late_loses_frames_and_no_time(monkeypatch):
     clock = HandClock()
-    monkeypatch.setattr(simulated, "time", clock)
+    monkeypatch.setattr(simulated_source, "time", clock)
 
     def work(seconds):
         clock.now += 0.305 if seconds == 0.02 else 0.001
 
     room = StubSimulator(work)
-    played = Simulated(lambda: room, rate=100.0).frames(clock)
+    played = SimulatedSource(lambda: room, rate=100.0).frames(clock)
     frames = list(islice(played, 5))
     assert [frame.number for frame in frames] == [0, 1, 2, 33, 34]
     assert [frame.received for frame in frames] == pytest.approx(
@@ -341,5 +341,5 @@ def test_a_simulator_that_is_late_loses_frames_and_no_time(monkeypatch):
 
 
 def test_a_simulator_at_no_rate_is_refused():
-    with pytest.raises(Refusal, match="rate = 0 Hz"):
-        Simulated(StubSimulator, rate=0.0)
+    with pytest.raises(InputError, match="rate = 0 Hz"):
+        SimulatedSource(StubSimulator, rate=0.0)

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.live.emulation.cars import Datagrams, EmulatedCars, Terminal
+from app.live.emulation.emulated_cars import Datagrams, EmulatedCars, Terminal
+from app.live.links.command_frame import CommandFrame, encode
 from app.live.links.firmware import WATCHDOG, CarFirmware, Firmware
-from app.live.links.frame import CommandFrame, encode
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.links.links import open_link
-from worlds.refusal import Refusal
+from app.live.links.link_catalogue import open_link
+from worlds.input_error import InputError
 
 AHEAD = (1.0, 1.0)
 
@@ -221,6 +221,6 @@ def test_emulated_cars_hear_through_bad_air():
 
 def test_a_port_that_is_taken_is_refused():
     taken = Datagrams()
-    with pytest.raises(Refusal, match=r"udp port \d+ cannot be listened to"):
+    with pytest.raises(InputError, match=r"udp port \d+ cannot be listened to"):
         Datagrams(int(taken.link.rpartition(":")[2]))
     taken.close()

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from agents.bodies.cars.signals import SIGNALS
 from agents.catalogue import cars_by
 from agents.flock import Flock
-from app.live.control.injected import Injected
+from app.live.control.injected_target import InjectedTarget
 from app.live.control.pose import Pose, seen, unseen
 from app.live.emulation.plant import EmulatedPlant
 from app.live.operating.flock_driver import FlockDriver, world_of
 from live.rooms import LAB, lab
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SQUASHING = LAB.replace('rule = "none"', 'rule = "squashing"')
 PERFECT = {"noise_xy": 0.0, "noise_yaw": 0.0, "latency": 0.0, "hop": 0.0}
@@ -152,7 +152,11 @@ def closed_form(radius=2.0, target=1.1, top=1.0, alpha=0.4, circle=0.95):
 def test_one_emulated_car_settles_at_the_closed_forms_lag():
     text = SQUASHING[: SQUASHING.index("[cars.blue]")]
     one = lab(text)
-    driver, plant, injected = FlockDriver(one), EmulatedPlant(one), Injected(one.injected, one.area)
+    driver, plant, injected = (
+        FlockDriver(one),
+        EmulatedPlant(one),
+        InjectedTarget(one.injected, one.area),
+    )
     plant(0.0, {})
     told = {1: (0.0, 0.0)}
     lags = []
@@ -203,7 +207,7 @@ def test_tuning_changes_what_is_told_and_a_refusal_changes_nothing(driver):
         ({"alpha_turn": 9.0}, "alpha_turn = 9.* is outside"),
         ({"noise_xy": 0.1}, "noise_xy = .* is not allowed: it is of simulated cars"),
     ]:
-        with pytest.raises(Refusal, match=words):
+        with pytest.raises(InputError, match=words):
             driver.tune(values)
     assert driver.drive(0.01, cars, TARGET, True) == before
     driver.tune({"alpha_turn": 0.0})
@@ -219,12 +223,12 @@ def test_tuning_changes_what_is_told_and_a_refusal_changes_nothing(driver):
     ],
 )
 def test_a_rule_that_cannot_drive_cars_is_refused(rule, words):
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         FlockDriver(lab(SQUASHING.replace('"squashing"', f'"{rule}"')))
 
 
 def test_parameters_of_the_laboratory_are_checked():
-    with pytest.raises(Refusal, match="unknown parameter 'bet': did you mean 'beta'"):
+    with pytest.raises(InputError, match="unknown parameter 'bet': did you mean 'beta'"):
         FlockDriver(lab(with_parameters(bet=1.0)))
-    with pytest.raises(Refusal, match=r"dropout = 0\.5 is not allowed"):
+    with pytest.raises(InputError, match=r"dropout = 0\.5 is not allowed"):
         FlockDriver(lab(with_parameters(dropout=0.5)))

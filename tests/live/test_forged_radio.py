@@ -8,10 +8,10 @@ import threading
 
 import pytest
 
+from app.live.links.command_frame import MOST_CARS, encode
 from app.live.links.firmware import WATCHDOG, Firmware
-from app.live.links.frame import MOST_CARS, encode
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.links.links import open_link
+from app.live.links.link_catalogue import open_link
 from tests.live.chain_cars import chain_of
 from tests.live.waiting import until
 from tests.live.xbee_radio import Radio, api_frame

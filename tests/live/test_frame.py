@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.car_frames import crc16, read_stream, write_frame
 
-from app.live.links.frame import MOST_CARS, CommandFrame, Decoder, encode, size
-from worlds.refusal import Refusal
+from app.live.links.command_frame import MOST_CARS, CommandFrame, Decoder, encode, size
+from worlds.input_error import InputError
 
 FOUR = {1: (0.5, 1.0), 2: (-1.0, 0.25), 17: (0.0, 0.0), 254: (1.0, -1.0)}
 UNIT = st.floats(-1.0, 1.0)
@@ -75,7 +75,7 @@ def test_only_run_sends_throttle(mode):
     ],
 )
 def test_what_no_car_may_be_told_is_refused(mode, commands, words):
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         encode(1, mode, commands)
 
 

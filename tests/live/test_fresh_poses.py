@@ -10,7 +10,7 @@ import pytest
 
 from app.live.control.arm import OperatorRequest
 from app.live.control.pose import MocapFrame, Pose, seen
-from app.live.control.seen import REMEMBERED
+from app.live.control.pose_tracker import REMEMBERED
 from app.live.links.link import RUN, STOP
 from live.rooms import LAB, TICK, Room, Steady
 

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from app.live.control.arm import OperatorRequest
-from app.live.control.limits import CarLimits
+from app.live.control.safety_limits import CarLimits
 from app.live.control.travel import DELAY, Travel
 from app.live.links.link import RUN, STOP
 from live.rooms import LAB, Room, Steady, lab

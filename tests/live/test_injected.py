@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.live.control.injected import INJECTED, Injected, Injection
+from app.live.control.injected_target import INJECTED, InjectedTarget, Injection
 from app.live.control.pose import Pose, seen
 from live.rooms import lab
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 AREA = lab().area
 SQUARE = ((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0))
@@ -81,7 +81,7 @@ def test_it_moves_with_its_speed_along_its_nose_and_within_its_corners(name, sec
 
 
 def test_it_moves_only_while_the_cars_run():
-    target = Injected(PLANS["circle"], AREA)
+    target = InjectedTarget(PLANS["circle"], AREA)
     first = target.at(10.0, False, ())
     assert target.at(20.0, False, ()) == first
     assert target.at(21.0, True, ()) == PLANS["circle"].along(1.0)
@@ -89,21 +89,21 @@ def test_it_moves_only_while_the_cars_run():
 
 
 def test_a_hand_cannot_leave_the_fence():
-    hand = Injected(Injection(path="hand"), AREA)
+    hand = InjectedTarget(Injection(path="hand"), AREA)
     hand.place(9.0, -9.0)
     assert hand.at(0.0, True, ()) == Pose(2.5, -2.5, pytest.approx(-math.pi / 4))
-    with pytest.raises(Refusal, match="cannot be at"):
+    with pytest.raises(InputError, match="cannot be at"):
         hand.place(math.nan, 0.0)
     hand.place(2.5, -2.495)
     assert hand.at(0.0, True, ()) == Pose(2.5, -2.495, pytest.approx(-math.pi / 4))
 
 
 def test_a_body_is_where_it_is_seen():
-    target = Injected(Injection(path="body", body="wand"), AREA)
+    target = InjectedTarget(Injection(path="body", body="wand"), AREA)
     pose = Pose(1.0, 2.0, 3.0)
     assert target.at(0.0, True, (seen("red", Pose(0.0, 0.0, 0.0)), seen(INJECTED, pose))) == pose
     assert target.at(0.0, True, ()) is None
 
 
 def test_none_is_nowhere():
-    assert Injected(Injection(path="none"), AREA).at(0.0, True, ()) is None
+    assert InjectedTarget(Injection(path="none"), AREA).at(0.0, True, ()) is None

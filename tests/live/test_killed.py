@@ -10,11 +10,11 @@ from contextlib import contextmanager
 import pytest
 from cli.calling import call
 
-from app.live.control.loop import PARTING
+from app.live.control.control_loop import PARTING
 from app.live.links.firmware import WATCHDOG
 from app.live.links.link import RUN, STOP
-from app.live.recording.record import EVERY
-from app.live.recording.replay import read, replay
+from app.live.recording.recording_replay import read, replay
+from app.live.recording.recording_writer import EVERY
 from live.logged_cars import LoggedRoom
 from live.rooms import ROUND, Steady
 from live.served_room import descendants, is_there

@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.live.control.area import Area
-from app.live.control.injected import INJECTED
-from app.live.kinds import name_of
-from app.live.laboratory.lab import lab_from_toml, read_lab
-from app.live.laboratory.lines import line_of
+from app.live.control.injected_target import INJECTED
+from app.live.control.tracking_area import TrackingArea
+from app.live.device_kinds import name_of
+from app.live.laboratory.lab_file import lab_from_toml, read_lab
+from app.live.laboratory.toml_lines import line_of
 from live.rooms import LAB, lab
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def test_what_a_file_does_not_say_is_as_in_the_reading():
@@ -204,7 +204,7 @@ REFUSED = [
 @pytest.mark.parametrize(("old", "new", "says", "line"), REFUSED)
 def test_what_is_wrong_is_refused_in_one_line_with_its_place(old, new, says, line):
     assert old in LAB
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         lab(LAB.replace(old, new, 1))
     told = str(refused.value)
     assert told.startswith(says)
@@ -235,7 +235,7 @@ CHOICES_REFUSED = [
 @pytest.mark.parametrize(("table", "entries", "says", "line"), CHOICES_REFUSED)
 def test_what_cannot_be_chosen_is_refused_with_its_line(table, entries, says, line):
     at = LAB.splitlines().index("[area]")
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         lab(LAB.replace("[area]", f"[{table}]\n{entries}\n\n[area]"))
     told = str(refused.value)
     assert told.startswith(says)
@@ -247,7 +247,7 @@ def test_a_body_cannot_be_the_injected_car_in_software():
     software = LAB.replace('"mock:"', '"simulated"').replace('"dry"', '"simulated"')
     assert lab(software).link == "simulated"
     assert lab(software.replace('"circle"\nradius = 2.0', '"hand"')).injected.path == "hand"
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         lab(software.replace('path = "circle"\nradius = 2.0', 'path = "body"\nbody = "wand"'))
     assert str(refused.value) == (
         'injected.path = "body" cannot be emulated: use "circle", "hand" or "none" there '
@@ -258,19 +258,19 @@ def test_a_body_cannot_be_the_injected_car_in_software():
 def test_another_value_is_checked_as_those_of_the_file_are():
     one = lab()
     assert one.altered("here", rule="couzin-cars") == one.model_copy(update={"rule": "couzin-cars"})
-    with pytest.raises(Refusal, match=r"link = 'simulated' needs source .* \(here\)$"):
+    with pytest.raises(InputError, match=r"link = 'simulated' needs source .* \(here\)$"):
         one.altered("here", link="simulated")
 
 
 def test_a_laboratory_without_cars_is_refused():
-    with pytest.raises(Refusal, match=r"the laboratory has no cars \(room.toml\)"):
+    with pytest.raises(InputError, match=r"the laboratory has no cars \(room.toml\)"):
         lab(LAB[: LAB.index("[cars")])
 
 
 def test_a_slower_car_may_have_a_narrower_fence():
     text = LAB.replace("fence = 0.5", "fence = 0.25").replace("address", "throttle = 0.5\naddress")
     assert lab(text).area.fence == 0.25
-    with pytest.raises(Refusal, match=r"red may run on for 0\.25 m"):
+    with pytest.raises(InputError, match=r"red may run on for 0\.25 m"):
         lab(text.replace("fence = 0.25", "fence = 0.2499"))
 
 
@@ -281,7 +281,7 @@ def test_a_file_that_cannot_be_read(tmp_path, content, says):
     path = tmp_path / "lab.toml"
     if content is not None:
         path.write_bytes(content)
-    with pytest.raises(Refusal, match=says):
+    with pytest.raises(InputError, match=says):
         read_lab(path)
 
 
@@ -332,7 +332,7 @@ def test_the_line_of_a_key(keys, line):
 @settings(max_examples=100, deadline=None)
 @given(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(0.0, 1.0), st.floats(0.1, 9.0))
 def test_what_is_clamped_is_within_the_fence_and_moved_no_further_than_needed(x, y, fence, side):
-    area = Area(low=(-1.0, -2.0), high=(-1.0 + 2.0 * fence + side, 8.0), fence=fence)
+    area = TrackingArea(low=(-1.0, -2.0), high=(-1.0 + 2.0 * fence + side, 8.0), fence=fence)
     inside = area.inside(x, y)
     at = area.clamp(x, y)
     assert area.inside(*at) >= -1e-12

@@ -14,16 +14,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.live.links import links, wire
+from app.live.link_address import read_place
+from app.live.links import link_catalogue, wire
 from app.live.links.chain import encode_chain
-from app.live.links.frame import CommandFrame, Decoder, encode
-from app.live.links.jam import MOST_IN_A_ROW
+from app.live.links.command_frame import CommandFrame, Decoder, encode
 from app.live.links.link import EMERGENCY, RUN, STOP, LinkLost, shortage
-from app.live.links.links import open_link
-from app.live.place import read_place
+from app.live.links.link_catalogue import open_link
+from app.live.links.stall_detector import MOST_IN_A_ROW
 from live.chain_cars import chain_of
 from worlds import plug_ins
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 FOUR = {1: (0.5, 1.0), 2: (-1.0, 0.25), 3: (0.0, 0.0), 4: (1.0, -1.0)}
 
@@ -93,7 +93,7 @@ def test_a_port_that_is_pulled_out_is_told(ends):
 def test_a_port_has_one_owner(ends):
     _, port = ends
     link = open_link(f"serial:{port}")
-    with pytest.raises(Refusal, match="another program has it open"):
+    with pytest.raises(InputError, match="another program has it open"):
         open_link(f"chain:{port}")
     link.close()
 
@@ -222,7 +222,7 @@ def test_a_frame_is_dropped_while_the_one_before_is_on_its_way(ends, monkeypatch
     ],
 )
 def test_a_link_that_cannot_be_is_refused_in_one_line(text, words):
-    with pytest.raises(Refusal, match=words) as refusal:
+    with pytest.raises(InputError, match=words) as refusal:
         open_link(text)
     assert "\n" not in str(refusal.value)
 
@@ -239,7 +239,9 @@ def test_what_is_not_installed_is_named(kind, monkeypatch):
         return found(name, *rest)
 
     monkeypatch.setattr(builtins, "__import__", missing)
-    with pytest.raises(Refusal, match=r"needs (pyserial|digi-xbee): install the extra live: `uv"):
+    with pytest.raises(
+        InputError, match=r"needs (pyserial|digi-xbee): install the extra live: `uv"
+    ):
         open_link(f"{kind}:/dev/x")
 
 
@@ -247,7 +249,7 @@ def test_what_is_not_installed_is_named(kind, monkeypatch):
 def test_any_text_is_taken_apart_or_refused(text):
     try:
         place = read_place(text)
-    except Refusal:
+    except InputError:
         return
     assert place.text == text
     assert text.startswith(place.kind)
@@ -260,13 +262,13 @@ def test_a_link_may_be_a_file_of_ones_own(tmp_path):
         "def open_link(place):\n    return Mine(place.where)\n"
     )
     assert open_link("mine.py:/dev/thing", tmp_path).name == "/dev/thing"
-    with pytest.raises(Refusal, match=r"there is no file .*yours\.py"):
+    with pytest.raises(InputError, match=r"there is no file .*yours\.py"):
         open_link("yours.py:/dev/thing", tmp_path)
     (tmp_path / "empty.py").write_text("")
-    with pytest.raises(Refusal, match=r"has no function open_link\(place\)"):
+    with pytest.raises(InputError, match=r"has no function open_link\(place\)"):
         open_link("empty.py", tmp_path)
     (tmp_path / "wrong.py").write_text("1 / 0")
-    with pytest.raises(Refusal, match="cannot be run: ZeroDivisionError"):
+    with pytest.raises(InputError, match="cannot be run: ZeroDivisionError"):
         open_link("wrong.py", tmp_path)
 
 
@@ -275,10 +277,10 @@ def test_a_link_of_another_package_enters_by_its_name(monkeypatch):
         name = "smoke"
 
         def load(self):
-            return links.open_dry
+            return link_catalogue.open_dry
 
     monkeypatch.setattr(plug_ins, "entry_points", lambda group: [Entry()] * (group[-5:] == "links"))
-    assert set(links.collect()) == {"serial", "xbee", "udp", "chain", "dry", "smoke"}
+    assert set(link_catalogue.collect()) == {"serial", "xbee", "udp", "chain", "dry", "smoke"}
 
 
 def test_closing_does_not_wait_for_a_port_that_nobody_reads(ends):

@@ -17,17 +17,17 @@ import pytest
 
 from agents import parquet
 from app.live.control.arm import OperatorRequest
-from app.live.control.control import Control
-from app.live.control.injected import Injected
-from app.live.control.loop import Loop
+from app.live.control.car_control import CarControl
+from app.live.control.control_loop import Loop
+from app.live.control.injected_target import InjectedTarget
 from app.live.control.pose import MocapFrame, Pose, Sighting
 from app.live.links.link import EMERGENCY, RUN, STOP
-from app.live.links.links import open_link
-from app.live.recording.record import TABLES, Recording
+from app.live.links.link_catalogue import open_link
+from app.live.recording.recording_replay import bits, read, replay
+from app.live.recording.recording_writer import TABLES, RecordingWriter
 from app.live.recording.recovery import recover
-from app.live.recording.replay import bits, read, replay
 from live.rooms import LAB, Steady, lab
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 ROOT = Path(__file__).parents[2]
 ARM = OperatorRequest("arm", "test")
@@ -52,7 +52,7 @@ class Nervous:
 
     def tune(self, values):
         if set(values) != {"gain"}:
-            raise Refusal(f"unknown parameter {next(iter(values))!r}")
+            raise InputError(f"unknown parameter {next(iter(values))!r}")
         self.gain = values["gain"]
 
 
@@ -127,13 +127,13 @@ def record(folder, ticks=600, seed=1, requests=None, text=LAB, make=make):
     requests = {5: ARM, 150: ARM, 300: ARM} if requests is None else requests
     one = lab(text)
     clock, radio = Ticking(seed), open_link("dry")
-    with Recording(folder, text) as journal:
+    with RecordingWriter(folder, text) as journal:
         loop = Loop(
-            Control(one.safety(), make(one)),
+            CarControl(one.safety(), make(one)),
             Wild(clock, radio, seed),
             radio,
             one.addresses,
-            Injected(one.injected, one.area),
+            InjectedTarget(one.injected, one.area),
             journal,
             one.rate,
             clock,
@@ -277,7 +277,7 @@ def test_a_killed_recording_is_recovered_and_replays(tmp_path):
         time.sleep(0.05)
     process.kill()
     process.wait()
-    with pytest.raises(Refusal, match="was killed: recover it first"):
+    with pytest.raises(InputError, match="was killed: recover it first"):
         read(folder)
     with open(part, "r+b") as file:  # as if the kill had come in the middle of a write
         file.truncate(os.path.getsize(part) - 7)
@@ -287,13 +287,13 @@ def test_a_killed_recording_is_recovered_and_replays(tmp_path):
     replayed = replay(folder, make)
     assert replayed.differs == ""
     assert replayed.ticks > 100
-    with pytest.raises(Refusal, match="holds nothing to recover"):
+    with pytest.raises(InputError, match="holds nothing to recover"):
         recover(folder)
 
 
 def test_a_kill_at_once_leaves_tables_without_rows(tmp_path):
     folder = tmp_path / "run"
-    journal = Recording(folder, LAB)
+    journal = RecordingWriter(folder, LAB)
     journal.__enter__()
     left = {part.name: part.read_bytes() for part in folder.iterdir()}  # as a kill would leave it
     journal.__exit__()
@@ -307,14 +307,14 @@ def test_a_kill_at_once_leaves_tables_without_rows(tmp_path):
 
 def test_a_recording_writes_over_nothing(tmp_path):
     record(tmp_path / "run", 3)
-    with pytest.raises(Refusal, match="exists already: name a new folder"):
-        Recording(tmp_path / "run", LAB).__enter__()
+    with pytest.raises(InputError, match="exists already: name a new folder"):
+        RecordingWriter(tmp_path / "run", LAB).__enter__()
 
 
 def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(Refusal, match="cannot be written"):
-        Recording(tmp_path / "file" / "run", LAB).__enter__()
+    with pytest.raises(InputError, match="cannot be written"):
+        RecordingWriter(tmp_path / "file" / "run", LAB).__enter__()
 
 
 def test_a_full_disk_is_said_and_holds_nothing_up(tmp_path):
@@ -324,14 +324,14 @@ def test_a_full_disk_is_said_and_holds_nothing_up(tmp_path):
 
     one = lab()
     clock, radio = Ticking(1), open_link("dry")
-    journal = Recording(tmp_path / "run", LAB)
+    journal = RecordingWriter(tmp_path / "run", LAB)
     journal.__enter__()
     loop = Loop(
-        Control(one.safety(), Steady()),
+        CarControl(one.safety(), Steady()),
         Wild(clock, radio, 1),
         radio,
         one.addresses,
-        Injected(one.injected, one.area),
+        InjectedTarget(one.injected, one.area),
         journal,
         one.rate,
         clock,
@@ -357,14 +357,14 @@ def test_a_table_of_a_recording_that_unpacks_to_too_much_is_refused(tmp_path, mo
     monkeypatch.setattr(parquet, "MOST_NUMBERS", 10)
     found = read(tmp_path / "run")
     for look in (lambda: found.table("commands"), lambda: list(found.ticks()), found.events):
-        with pytest.raises(Refusal, match="at most 10 numbers are read at once"):
+        with pytest.raises(InputError, match="at most 10 numbers are read at once"):
             look()
 
 
 def test_what_is_no_recording_is_refused(tmp_path):
-    with pytest.raises(Refusal, match="cannot be read"):
+    with pytest.raises(InputError, match="cannot be read"):
         read(tmp_path)
     record(tmp_path / "run", 3)
     pq.write_table(pa.table({"tick": [1]}), tmp_path / "run" / "ticks.parquet")
-    with pytest.raises(Refusal, match="is not a table of a laboratory's recording"):
+    with pytest.raises(InputError, match="is not a table of a laboratory's recording"):
         read(tmp_path / "run")

@@ -9,13 +9,13 @@ import time
 import pytest
 
 from app.live.control.arm import OperatorRequest
-from app.live.control.control import Control
-from app.live.control.events import KEPT, Event, Events
-from app.live.control.injected import Injected
-from app.live.control.loop import MOST_REQUESTS, PARTING, STATUS_EVERY, Loop
+from app.live.control.car_control import CarControl
+from app.live.control.control_loop import MOST_REQUESTS, PARTING, STATUS_EVERY, Loop
+from app.live.control.injected_target import InjectedTarget
+from app.live.control.loop_durations import KEPT as SPANS
+from app.live.control.loop_durations import Durations
+from app.live.control.loop_events import KEPT, Event, Events
 from app.live.control.pose import MocapFrame, Pose, seen
-from app.live.control.timing import KEPT as SPANS
-from app.live.control.timing import Durations
 from app.live.links.link import EMERGENCY, RUN, STOP
 from live.rooms import LAB, Steady, lab
 
@@ -94,11 +94,11 @@ def loop_of(driver=None, text=LAB, journal=None):
     clock = Clock()
     one = lab(text)
     loop = Loop(
-        Control(one.safety(), driver or Steady((0.5, 0.0))),
+        CarControl(one.safety(), driver or Steady((0.5, 0.0))),
         Standing(clock),
         Radio(clock),
         one.addresses,
-        Injected(one.injected, one.area),
+        InjectedTarget(one.injected, one.area),
         journal,
         one.rate,
         clock,
@@ -380,11 +380,11 @@ def test_in_real_time_it_keeps_to_its_deadlines():
     one = lab()
     clock = time.monotonic
     loop = Loop(
-        Control(one.safety(), Steady((0.5, 0.0))),
+        CarControl(one.safety(), Steady((0.5, 0.0))),
         Standing(clock),
         Radio(),
         one.addresses,
-        Injected(one.injected, one.area),
+        InjectedTarget(one.injected, one.area),
     )
     ends = threading.Timer(1.0, lambda: loop.leave("test"))
     ends.start()

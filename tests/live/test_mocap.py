@@ -14,10 +14,10 @@ from app.live.sources import mocap
 from app.live.sources.axes import Axes
 from app.live.sources.feed import Feed
 from app.live.sources.mocap import MotionCapture
-from app.live.sources.opening import open_source
+from app.live.sources.source_catalogue import open_source
 from tests.live.natnet_emulator import Body, NatNetEmulator
 from tests.live.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 pytest.importorskip("motioncapture")
 
@@ -123,7 +123,7 @@ def test_a_server_that_does_not_answer_is_given_up_in_one_line():
         began = time.monotonic()
         with Feed(optitrack(server), patience=4.0) as feed:
             assert feed.latest() is None
-            with pytest.raises(Refusal) as refused:
+            with pytest.raises(InputError) as refused:
                 feed.first(10.0)
             assert 4.0 <= time.monotonic() - began < 10.0
             assert server.requests == [0]
@@ -198,7 +198,7 @@ def test_the_mock_of_the_library_gives_its_bodies():
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line_with_the_text(text, says):
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         open_source(text)
     assert str(refused.value).startswith(says)
     assert text in str(refused.value)

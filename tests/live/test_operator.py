@@ -15,14 +15,14 @@ from pathlib import Path
 import pytest
 
 from app.live.control.arm import OperatorRequest
-from app.live.links.frame import Decoder
+from app.live.links.command_frame import Decoder
 from app.live.links.link import EMERGENCY, RUN, STOP
 from app.live.operating.operator import Operator
-from app.live.recording.replay import read, replay
-from app.viewer.live.shelf import is_finished
+from app.live.recording.recording_replay import read, replay
+from app.viewer.live.recordings_folder import is_finished
 from live.rooms import LAB, Steady, crawling, lab, named, refusing
 from tests.viewer.waiting import until as wait_until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 30.0
@@ -232,7 +232,7 @@ def children(pid):
 
 
 def test_what_cannot_begin_is_refused_in_one_line():
-    with pytest.raises(Refusal, match="unknown link 'dri': did you mean 'dry'"):
+    with pytest.raises(InputError, match="unknown link 'dri': did you mean 'dry'"):
         Operator(lab(), refusing)
 
 
@@ -279,7 +279,7 @@ def test_a_recording_begins_and_ends_while_the_cars_drive(cars, tmp_path):
         assert 1 < ticks[0][0] < ticks[0][-1] < ticks[1][0]
         assert all(one == list(range(one[0], one[-1] + 1)) for one in ticks)
         assert not (tmp_path / "other").exists()
-    with pytest.raises(Refusal, match="it was begun at tick"):
+    with pytest.raises(InputError, match="it was begun at tick"):
         replay(tmp_path / "shelf" / "1", lambda _: Steady())
 
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from app.live.control.events import Event, Events
-from app.live.laboratory.lab import lab_from_toml
-from app.live.laboratory.parts import MB, RESERVE, RecordingLimits, parts_of
-from app.live.recording.record import TABLES, Recording
+from app.live.control.loop_events import Event, Events
+from app.live.laboratory.lab_file import lab_from_toml
+from app.live.laboratory.recording_parts import MB, RESERVE, RecordingLimits, parts_of
+from app.live.recording.recording_replay import read, replay
+from app.live.recording.recording_writer import TABLES, RecordingWriter
 from app.live.recording.recovery import ending, recover
-from app.live.recording.replay import read, replay
 from live.rooms import LAB
 from live.test_live_record import make, record
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SMALL = LAB + "\n[recording]\npart = 1.0\nmost = 4.0\n"
 
@@ -25,8 +25,8 @@ def small(monkeypatch):
         def begin(self, folder, laboratory, _kept=None):
             begun(self, folder, laboratory, RecordingLimits.model_construct(part=part, most=most))
 
-        begun = Recording.__init__
-        monkeypatch.setattr(Recording, "__init__", begin)
+        begun = RecordingWriter.__init__
+        monkeypatch.setattr(RecordingWriter, "__init__", begin)
         return RecordingLimits.model_construct(part=part, most=most)
 
     return kept
@@ -58,17 +58,17 @@ def test_the_oldest_parts_are_removed_and_a_replay_says_what_is_missing(tmp_path
     kept = small(0.1, 0.6)
     folder = tmp_path / "run"
     sizes = []
-    turn_over = Recording.turn_over
+    turn_over = RecordingWriter.turn_over
 
     def watched(self):
         turn_over(self)
         sizes.append(size(folder))
 
-    Recording.turn_over = watched
+    RecordingWriter.turn_over = watched
     try:
         loop = record(folder, 6000)
     finally:
-        Recording.turn_over = turn_over
+        RecordingWriter.turn_over = turn_over
     parts = parts_of(folder)
     assert parts[0].number > 1
     assert not list(folder.glob("*.parquet"))
@@ -80,9 +80,9 @@ def test_the_oldest_parts_are_removed_and_a_replay_says_what_is_missing(tmp_path
     assert numbers[0] > 0
     gone = f"parts 1 to {parts[0].number - 1}" if parts[0].number > 2 else "part 1"
     assert recorded.removed == gone
-    with pytest.raises(Refusal, match=f"cannot be replayed: {gone} of it were removed"):
+    with pytest.raises(InputError, match=f"cannot be replayed: {gone} of it were removed"):
         replay(folder, make)
-    with pytest.raises(Refusal, match="holds nothing to recover"):
+    with pytest.raises(InputError, match="holds nothing to recover"):
         recover(folder)
     last = ending(folder)
     assert last is not None
@@ -97,7 +97,7 @@ def test_the_oldest_parts_are_removed_and_a_replay_says_what_is_missing(tmp_path
 def test_a_kill_amid_many_parts_is_recovered(tmp_path, small):
     small(0.1, 100.0)
     folder = tmp_path / "run"
-    exits = Recording.__exit__
+    exits = RecordingWriter.__exit__
 
     def killed(self, *_):
         """As a kill would: nothing is finished."""
@@ -105,15 +105,15 @@ def test_a_kill_amid_many_parts_is_recovered(tmp_path, small):
         self.thread.join()
         self.filer.shutdown()
 
-    Recording.__exit__ = killed
+    RecordingWriter.__exit__ = killed
     try:
         record(folder, 1500)
     finally:
-        Recording.__exit__ = exits
+        RecordingWriter.__exit__ = exits
     number = parts_of(folder)[-1].number
     (folder / f"{number + 1:04d}").mkdir()  # and a part had just been begun
     (folder / f"{number + 1:04d}" / "frames.parquet.part").write_bytes(b"")
-    with pytest.raises(Refusal, match="was killed: recover it first"):
+    with pytest.raises(InputError, match="was killed: recover it first"):
         read(folder)
     assert recover(folder).keys() == set(TABLES)
     assert not list(folder.rglob("*.part"))
@@ -125,7 +125,7 @@ def test_a_part_that_is_missing_in_the_middle_is_named(tmp_path, small):
     small(0.1, 100.0)
     record(tmp_path / "run", 1500)
     parts_of(tmp_path / "run")[1].remove()
-    with pytest.raises(Refusal, match="has no part 2, but part 3"):
+    with pytest.raises(InputError, match="has no part 2, but part 3"):
         read(tmp_path / "run")
 
 
@@ -140,7 +140,7 @@ def test_a_part_that_is_missing_in_the_middle_is_named(tmp_path, small):
     ],
 )
 def test_what_is_kept_is_checked_as_all_else_in_the_file(values, words):
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         lab_from_toml(f"{LAB}\n[recording]\n{values}\n", "room.toml")
 
 
@@ -150,7 +150,7 @@ def test_the_file_says_how_much_is_kept():
 
 
 def test_a_disk_that_takes_nothing_is_given_up(tmp_path):
-    journal = Recording(tmp_path / "run", LAB)
+    journal = RecordingWriter(tmp_path / "run", LAB)
     for _ in range(7000):
         journal.write(None)
     assert "the disk has taken nothing for 6000 ticks" in journal.trouble

@@ -11,9 +11,9 @@ from app.live.control.plausibility import (
     AGREES,
     LONGEST_STRIDE,
     STRIDE,
+    BodyTrack,
     Jump,
     Swap,
-    Track,
     circular_spread,
     compare_yaw,
     find_jumps,
@@ -29,7 +29,7 @@ def track(x, y, yaw, name="red", up=NONE, step=0.01):
     """A track of 100 frames a second from lists or numbers."""
     x, y, yaw = np.broadcast_arrays(*(np.asarray(one, float) for one in (x, y, yaw)))
     n = len(x)
-    return Track(name, np.arange(n), step * np.arange(n), np.column_stack([x, y]), yaw, up)
+    return BodyTrack(name, np.arange(n), step * np.arange(n), np.column_stack([x, y]), yaw, up)
 
 
 def ups(*vectors):

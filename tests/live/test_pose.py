@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from app.live.control.pose import MocapFrame, Pose, seen, unseen
 from app.live.sources.axes import NOSES, Axes, turned
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 HALF = math.sqrt(0.5)
 ABOUT_Z = (0.0, 0.0, HALF, HALF)
@@ -149,5 +149,5 @@ def test_yaw_is_the_angle_about_the_up_axis_whatever_the_pitch(yaw, pitch, up):
     ],
 )
 def test_axes_that_are_none_are_refused(declared, says):
-    with pytest.raises(Refusal, match=says):
+    with pytest.raises(InputError, match=says):
         Axes(**declared)

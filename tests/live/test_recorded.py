@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from app.live.control.pose import Pose, seen, unseen
-from app.live.sources import recorded
+from app.live.sources import recorded_source
 from app.live.sources.axes import Axes
+from app.live.sources.c3d_trial import MarkedBody
 from app.live.sources.feed import Feed
-from app.live.sources.opening import open_source
-from app.live.sources.recorded import Recorded
-from app.live.sources.trial import MarkedBody
+from app.live.sources.recorded_source import RecordedSource
+from app.live.sources.source_catalogue import open_source
 from tests.live.recordings import ROWS, csv_of, write_trial
 from tests.live.waiting import HandClock, until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def test_a_trial_of_markers_is_read_back_and_gaps_stay_gaps(tmp_path):
@@ -29,7 +29,7 @@ def test_a_trial_of_markers_is_read_back_and_gaps_stay_gaps(tmp_path):
     points[:, 1, 2] = np.nan  # the front marker is hidden in frame 2
     points[:, 0, 3] = points[:, 1, 3]  # in frame 3 the two are one
     write_trial(path, ("car1_rear", "car1_front", "else"), points)
-    source = Recorded(path, bodies=(MarkedBody("car1", "car1_rear", "car1_front"),))
+    source = RecordedSource(path, bodies=(MarkedBody("car1", "car1_rear", "car1_front"),))
     frames = source.recording()
     assert [(frame.time, frame.number) for frame in frames] == [
         (0.0, 0), (0.01, 1), (0.02, 2), (0.03, 3)
@@ -52,7 +52,7 @@ def test_a_trial_of_rotations_is_read_back_and_gaps_stay_gaps(tmp_path):
     )[:, :, None]
     matrices[:, :, 1, 1] = np.nan
     write_trial(path, ("m",), np.ones((3, 1, 3)), matrices, ("car1", "car2"), units="m", rate=50.0)
-    frames = Recorded(path, Axes(up="y")).recording()
+    frames = RecordedSource(path, Axes(up="y")).recording()
     assert [frame.time for frame in frames] == [0.0, 0.02, 0.04]
     assert frames[0].sightings[0] == seen("car1", Pose(1.0, 2.0, 0.0))
     assert frames[0].sightings[1].pose.yaw == pytest.approx(turn, abs=1e-6)
@@ -63,22 +63,22 @@ def test_a_trial_of_rotations_is_read_back_and_gaps_stay_gaps(tmp_path):
 def test_what_a_trial_does_not_hold_is_refused(tmp_path):
     path = tmp_path / "trial.c3d"
     write_trial(path, ("rear", "front"), np.ones((3, 2, 3)))
-    with pytest.raises(Refusal, match=r"no rotations: say which markers .*markers: rear, front"):
-        Recorded(path).recording()
-    with pytest.raises(Refusal, match="unknown marker 'frnt': did you mean 'front'"):
-        Recorded(path, bodies=(MarkedBody("car1", "rear", "frnt"),)).recording()
+    with pytest.raises(InputError, match=r"no rotations: say which markers .*markers: rear, front"):
+        RecordedSource(path).recording()
+    with pytest.raises(InputError, match="unknown marker 'frnt': did you mean 'front'"):
+        RecordedSource(path, bodies=(MarkedBody("car1", "rear", "frnt"),)).recording()
     write_trial(path, ("rear", "front"), np.ones((3, 2, 3)), units="inch")
-    with pytest.raises(Refusal, match=r"unknown unit of length 'inch'.*POINT:UNITS"):
-        Recorded(path, bodies=(MarkedBody("car1", "rear", "front"),)).recording()
+    with pytest.raises(InputError, match=r"unknown unit of length 'inch'.*POINT:UNITS"):
+        RecordedSource(path, bodies=(MarkedBody("car1", "rear", "front"),)).recording()
 
 
 @pytest.mark.parametrize("factor", [0.5, 1.0, 4.0])
 def test_a_recording_is_played_at_its_times_by_the_factor(tmp_path, monkeypatch, factor):
     clock = HandClock()
-    monkeypatch.setattr(recorded, "time", clock)
+    monkeypatch.setattr(recorded_source, "time", clock)
     times = [7.0, 7.02, 7.04, 7.5, 7.51]
     rows = [f"{t},{k},car1,{k},0,0,0,0,0,1,1" for k, t in enumerate(times)]
-    frames = list(Recorded(csv_of(tmp_path, rows), factor=factor).frames(clock))
+    frames = list(RecordedSource(csv_of(tmp_path, rows), factor=factor).frames(clock))
     assert [frame.number for frame in frames] == [0, 1, 2, 3, 4]
     assert [frame.pose("car1").x for frame in frames] == [0, 1, 2, 3, 4]
     assert [frame.sent for frame in frames] == pytest.approx(times)
@@ -88,17 +88,17 @@ def test_a_recording_is_played_at_its_times_by_the_factor(tmp_path, monkeypatch,
 
 def test_a_recording_that_is_late_catches_up(tmp_path, monkeypatch):
     clock = HandClock()
-    monkeypatch.setattr(recorded, "time", clock)
+    monkeypatch.setattr(recorded_source, "time", clock)
     rows = [f"{0.01 * k},{k},car1,0,0,0,0,0,0,1,1" for k in range(5)]
     received = []
-    for frame in Recorded(csv_of(tmp_path, rows)).frames(clock):
+    for frame in RecordedSource(csv_of(tmp_path, rows)).frames(clock):
         received.append(frame.received)
         clock.now += 0.025 if frame.number == 0 else 0.0
     assert received == pytest.approx([0.0, 0.025, 0.025, 0.03, 0.04])
 
 
 def test_a_recording_that_begins_anew_goes_on_in_time_and_number(tmp_path):
-    source = Recorded(csv_of(tmp_path, ROWS), factor=20.0, again=True)
+    source = RecordedSource(csv_of(tmp_path, ROWS), factor=20.0, again=True)
     stop = threading.Event()
     frames = []
     for frame in source.frames(stop):
@@ -114,7 +114,7 @@ def test_a_recording_that_begins_anew_goes_on_in_time_and_number(tmp_path):
 def test_a_recording_comes_through_a_feed(tmp_path):
     path = csv_of(tmp_path, ROWS)
     source = open_source(f"recorded:{path}?factor=0.1")
-    assert source == Recorded(Path(path), factor=0.1)
+    assert source == RecordedSource(Path(path), factor=0.1)
     with Feed(source) as feed:
         feed.first(10.0)
         until(lambda: not feed.alive)
@@ -144,7 +144,7 @@ def test_texts_that_name_recordings(tmp_path):
         (f"recorded:{table}?speed=2", "unknown option 'speed'"),
         (f"recorded:{tmp_path / 'none.csv'}", "cannot be read"),
     ):
-        with pytest.raises(Refusal) as refused:
+        with pytest.raises(InputError) as refused:
             open_source(text)
         assert says in str(refused.value)
         assert "\n" not in str(refused.value)

@@ -10,10 +10,10 @@ import pytest
 from agents import parquet
 from app.live.control.pose import Pose, seen, unseen
 from app.live.sources.axes import Axes
-from app.live.sources.recorded import Recorded
-from app.live.sources.recording import RecordedFrame
+from app.live.sources.recorded_frames import RecordedFrame
+from app.live.sources.recorded_source import RecordedSource
 from tests.live.recordings import HEADER, ROWS, csv_of
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 RECORDING = [
     RecordedFrame(
@@ -60,11 +60,11 @@ def nearly(frames):
 
 
 def test_a_csv_table_is_read_and_its_gaps_stay_gaps(tmp_path):
-    assert nearly(Recorded(csv_of(tmp_path, ROWS)).recording()) == nearly(RECORDING)
+    assert nearly(RecordedSource(csv_of(tmp_path, ROWS)).recording()) == nearly(RECORDING)
 
 
 def test_a_parquet_table_is_read_as_the_csv(tmp_path):
-    assert nearly(Recorded(parquet_of(tmp_path)).recording()) == nearly(RECORDING)
+    assert nearly(RecordedSource(parquet_of(tmp_path)).recording()) == nearly(RECORDING)
 
 
 def test_columns_may_stand_in_any_order_and_others_are_left_alone(tmp_path):
@@ -74,20 +74,20 @@ def test_columns_may_stand_in_any_order_and_others_are_left_alone(tmp_path):
         ",".join(dict(zip(header, row.split(","), strict=True)).get(c, "hm") for c in order)
         for row in ROWS
     ]
-    source = Recorded(csv_of(tmp_path, rows, ",".join(order)))
+    source = RecordedSource(csv_of(tmp_path, rows, ",".join(order)))
     assert nearly(source.recording()) == nearly(RECORDING)
 
 
 def test_the_axes_of_a_table_are_declared(tmp_path):
     row = "0,1,car1,1000,50,-2000,0,0.7071067811865476,0,0.7071067811865476,1"
-    [frame] = Recorded(csv_of(tmp_path, [row]), Axes("y", "mm")).recording()
+    [frame] = RecordedSource(csv_of(tmp_path, [row]), Axes("y", "mm")).recording()
     pose = frame.sightings[0].pose
     assert (pose.x, pose.y, pose.yaw) == pytest.approx((1.0, 2.0, math.pi / 2), abs=1e-12)
 
 
 def test_a_car_on_its_nose_is_not_tracked(tmp_path):
     row = "0,1,car1,1,2,0,0,0.7071067811865476,0,0.7071067811865476,1"
-    [frame] = Recorded(csv_of(tmp_path, [row])).recording()
+    [frame] = RecordedSource(csv_of(tmp_path, [row])).recording()
     assert frame.sightings == (unseen("car1"),)
 
 
@@ -115,8 +115,8 @@ def test_what_is_wrong_in_a_table_is_named_by_line_and_column(tmp_path, line, ro
     rows = list(ROWS)
     rows[line - 2] = row
     path = csv_of(tmp_path, rows)
-    with pytest.raises(Refusal) as refused:
-        Recorded(path).recording()
+    with pytest.raises(InputError) as refused:
+        RecordedSource(path).recording()
     assert str(refused.value).startswith(f"{path}{says}")
 
 
@@ -131,8 +131,8 @@ def test_what_is_wrong_in_a_table_is_named_by_line_and_column(tmp_path, line, ro
 )
 def test_what_is_wrong_in_a_parquet_table_is_named_by_row_and_column(tmp_path, changed, says):
     path = parquet_of(tmp_path, **changed)
-    with pytest.raises(Refusal) as refused:
-        Recorded(path).recording()
+    with pytest.raises(InputError) as refused:
+        RecordedSource(path).recording()
     assert str(refused.value).startswith(f"{path}{says}")
 
 
@@ -160,8 +160,8 @@ def test_files_that_are_none_are_refused_in_one_line(tmp_path):
     for name, content in wrong.items():
         (tmp_path / name).write_bytes(content)
     for name, said in says.items():
-        with pytest.raises(Refusal) as refused:
-            Recorded(tmp_path / name).recording()
+        with pytest.raises(InputError) as refused:
+            RecordedSource(tmp_path / name).recording()
         assert said in str(refused.value)
         assert "\n" not in str(refused.value)
 
@@ -174,5 +174,5 @@ def test_a_small_table_of_endless_rows_is_refused_before_it_is_unpacked(tmp_path
     columns |= {"frame": pa.array(np.zeros(rows, int)), "name": pa.array(["red"] * rows)}
     table = pa.table(columns | {"valid": pa.array(["1"] * rows)})
     pq.write_table(table, tmp_path / "many.parquet")
-    with pytest.raises(Refusal, match=r"many\.parquet' holds .* numbers in a row group"):
-        Recorded(tmp_path / "many.parquet").recording()
+    with pytest.raises(InputError, match=r"many\.parquet' holds .* numbers in a row group"):
+        RecordedSource(tmp_path / "many.parquet").recording()

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.live.control.events import Events
-from app.live.laboratory.parts import RecordingLimits
-from app.live.operating.recorder import Recorder, RecordRequest
+from app.live.control.loop_events import Events
+from app.live.laboratory.recording_parts import RecordingLimits
+from app.live.operating.recorder import LoopRecorder, RecordRequest
 from live.rooms import LAB
 from tests.viewer.waiting import until
 
@@ -24,7 +24,7 @@ def loop():
 
 @pytest.fixture
 def recorder(loop):
-    with Recorder(LAB, RecordingLimits()) as made:
+    with LoopRecorder(LAB, RecordingLimits()) as made:
         made.loop = loop
         yield made
 
@@ -51,7 +51,7 @@ def test_a_folder_that_cannot_be_made_is_told(recorder, loop, tmp_path):
 
 
 def test_what_is_recorded_when_the_loop_ends_is_finished(loop, tmp_path):
-    with Recorder(LAB, RecordingLimits()) as recorder:
+    with LoopRecorder(LAB, RecordingLimits()) as recorder:
         recorder.loop = loop
         recorder.ask(RecordRequest(tmp_path / "one", "browser 1"))
         assert words(loop) == ("record", f"recording in {tmp_path / 'one'}")

@@ -8,12 +8,12 @@ from cli.calling import call, refusal
 from pyarrow.csv import read_csv
 
 from agents.record import KEY
-from app.live.recording.columns import COLUMNS
-from app.live.recording.record import TABLES
-from app.live.recording.replay import read
+from app.live.recording.recording_columns import COLUMNS
+from app.live.recording.recording_replay import read
+from app.live.recording.recording_writer import TABLES
 from live.test_live_record import record
+from worlds.input_error import InputError
 from worlds.layout import world_from_layout
-from worlds.refusal import Refusal
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def test_a_table_as_a_data_frame(folder):
     assert [tick.now for tick in recorded.ticks()] == frame["now"].tolist()
     assert frame.attrs["units"]["latency"] == "s"
     assert frame.attrs["time_per_tick"] == 0.01
-    with pytest.raises(Refusal, match="unknown table 'pose'"):
+    with pytest.raises(InputError, match="unknown table 'pose'"):
         recorded.to_dataframe("pose")
 
 

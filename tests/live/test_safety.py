@@ -9,20 +9,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.live.control.arm import OperatorRequest
-from app.live.control.limits import CarLimits, Limits
 from app.live.control.pose import MocapFrame, Pose, Sighting, seen
 from app.live.control.safety import Safety, limited
+from app.live.control.safety_limits import CarLimits, SafetyLimits
 from app.live.control.travel import DELAY, LEAST
 from app.live.links.link import EMERGENCY, RUN, STOP
 from live.rooms import TICK, Room, Steady, lab
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 ARM = OperatorRequest("arm", "test")
 
 
 def one_car(**limits) -> Safety:
     """The safety of one car that cannot go far, tracked under its own name."""
-    return Safety(Limits(**limits), lab().area, {"red": CarLimits()})
+    return Safety(SafetyLimits(**limits), lab().area, {"red": CarLimits()})
 
 
 def frame(number: int, received: float, x: float = 0.0, y: float = 0.0) -> MocapFrame:
@@ -132,7 +132,7 @@ def test_the_fence_stops_all_and_waits_to_be_armed_again(x, y):
     verdict = safety.judge(0.02, {"red": (0.0, 1.0)})
     assert (verdict.mode, verdict.held) == (STOP, True)
     assert verdict.reasons[0].kind == "fence"
-    with pytest.raises(Refusal, match="red is at the fence"):
+    with pytest.raises(InputError, match="red is at the fence"):
         safety.ask(0.02, ARM)
 
 
@@ -254,8 +254,8 @@ def test_limits_of_a_car():
 
 
 def test_the_way_to_stop_is_the_worst_fault_and_the_motor():
-    assert CarLimits().runs_on(Limits()) == pytest.approx(1.0 * (0.35 + 0.15))
-    assert CarLimits(throttle=0.5, lag=0.1).runs_on(Limits(frozen=0.2)) == pytest.approx(
+    assert CarLimits().runs_on(SafetyLimits()) == pytest.approx(1.0 * (0.35 + 0.15))
+    assert CarLimits(throttle=0.5, lag=0.1).runs_on(SafetyLimits(frozen=0.2)) == pytest.approx(
         0.5 * (0.25 + 0.1)
     )
 
@@ -276,7 +276,7 @@ MOMENT = st.tuples(
 @given(st.lists(MOMENT, max_size=40), st.floats(0.1, 1.0), st.floats(0.0, 1.0))
 def test_whatever_happens_nothing_exceeds_the_limits(moments, throttle, reverse):
     car = CarLimits(throttle=throttle, reverse=reverse, steer=0.8)
-    safety = Safety(Limits(), lab().area, {"red": car})
+    safety = Safety(SafetyLimits(), lab().area, {"red": car})
     now, steered, number = 0.0, 0.0, 0
     emergency = False
     for step, actions, where, wanted in moments:
@@ -289,7 +289,7 @@ def test_whatever_happens_nothing_exceeds_the_limits(moments, throttle, reverse)
         for action in actions:
             try:
                 safety.ask(now, OperatorRequest(action, "test"))
-            except Refusal:
+            except InputError:
                 assert action == "arm"
             emergency = action == "emergency" or (emergency and action != "reset")
         armed = safety.arm.state == "armed"
@@ -315,5 +315,5 @@ def position(safety: Safety) -> tuple[float, float]:
 
 
 def test_constants_are_those_of_the_reading():
-    assert (Limits().stale, Limits().frozen, lab().area.fence) == (0.1, 0.35, 0.5)
+    assert (SafetyLimits().stale, SafetyLimits().frozen, lab().area.fence) == (0.1, 0.35, 0.5)
     assert LEAST < 0.3 * (0.35 - DELAY)

@@ -12,7 +12,7 @@ from app.live.control.pose import seen
 from app.live.control.travel import STRAY
 from app.live.links.link import EMERGENCY, RUN, STOP
 from live.rooms import LAB, TICK, Room, Steady
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 REAL = LAB.replace('link = "dry"', 'link = "udp:127.0.0.1:5005"')
 """A room whose link reaches the cars."""
@@ -82,7 +82,7 @@ def test_it_cannot_be_armed_while_a_car_moves():
     room.ticks(1.5)
     room.driven = {"blue": 0.2}
     room.ticks(0.5)
-    with pytest.raises(Refusal, match="blue moves though it is told to stand"):
+    with pytest.raises(InputError, match="blue moves though it is told to stand"):
         room.control.safety.ask(room.now, OperatorRequest("arm", "test"))
 
 

@@ -17,11 +17,11 @@ from app.live.control.pose import Pose, seen, unseen
 from app.live.sources.axes import NOSES, UNITS, UPS
 from app.live.sources.feed import Feed
 from app.live.sources.mocap import SYSTEMS
-from app.live.sources.opening import OPENERS, open_source
-from app.live.sources.recorded import SUFFIXES, Recorded
-from app.live.sources.table import COLUMNS
+from app.live.sources.pose_table import COLUMNS
+from app.live.sources.recorded_source import SUFFIXES, RecordedSource
+from app.live.sources.source_catalogue import OPENERS, open_source
 from tests.live.natnet_emulator import free_port
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 PAGE = (Path(__file__).parents[2] / "docs" / "tracking.md").read_text(encoding="utf-8")
 
@@ -43,7 +43,7 @@ def datagrams(tmp_path, monkeypatch):
 
 @pytest.mark.usefixtures("datagrams")
 def test_a_source_of_ones_own_is_one_like_any_other():
-    with pytest.raises(Refusal, match="port = 'x' is no whole number"):
+    with pytest.raises(InputError, match="port = 'x' is no whole number"):
         open_source("datagrams:x")
     port = free_port()
     with (
@@ -81,18 +81,18 @@ def test_the_table_of_the_page_is_read(tmp_path):
     path = tmp_path / "poses.csv"
     [table] = blocks("csv")
     path.write_text(table, encoding="utf-8")
-    first, second = Recorded(path).recording()
+    first, second = RecordedSource(path).recording()
     assert first.sightings[0] == seen("car1", Pose(1.0, 2.0, 0.0))
     assert first.sightings[1].pose.yaw == pytest.approx(math.pi / 2)
     assert second.sightings[1] == unseen("car2")
     path.write_text(table.replace("1.100", "abc"), encoding="utf-8")
-    with pytest.raises(Refusal) as refused:
-        Recorded(path).recording()
+    with pytest.raises(InputError) as refused:
+        RecordedSource(path).recording()
     assert f"`{str(refused.value).replace(str(path), 'poses.csv')}`" in PAGE
 
 
 def test_the_refusal_of_the_page_is_what_is_said():
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         open_source("optitrack:10.0.0.1?port=1510")
     assert f"    {refused.value}\n" in PAGE
 

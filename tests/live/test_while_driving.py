@@ -17,8 +17,8 @@ import pytest
 from cli.calling import call
 
 from app.live.links.link import STOP
-from app.live.recording.record import TABLES
-from app.live.recording.replay import read, replay
+from app.live.recording.recording_replay import read, replay
+from app.live.recording.recording_writer import TABLES
 from live.logged_cars import LoggedRoom
 from live.rooms import ROUND, Steady
 from live.served_room import is_there
@@ -122,11 +122,11 @@ def test_the_time_of_day_jumps(tmp_path):
 
 
 ALLOWED = {
-    ("app/live/recording/record.py", "time.time"),
+    ("app/live/recording/recording_writer.py", "time.time"),
     ("app/viewer/live/session.py", "datetime.now"),
     ("app/viewer/live/session_requests.py", "datetime.now"),
-    ("app/viewer/live/panels/log.py", "datetime.now"),
-    ("app/viewer/live/panels/log.py", "time.time"),
+    ("app/viewer/live/panels/log_panel.py", "datetime.now"),
+    ("app/viewer/live/panels/log_panel.py", "time.time"),
 }
 """Who asks for the time of day: names of files and folders, what is shown, nothing that decides."""
 

@@ -7,12 +7,12 @@ import time
 import pytest
 
 from app.live.links import xbee
+from app.live.links.command_frame import encode, size
 from app.live.links.firmware import Firmware
-from app.live.links.frame import encode, size
 from app.live.links.link import RUN, STOP, LinkLost, shortage
-from app.live.links.links import open_link
+from app.live.links.link_catalogue import open_link
 from live.xbee_radio import Radio, api_frame
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 EVERYONE = 0xFFFF
 
@@ -104,18 +104,18 @@ def test_a_radio_that_is_gone_is_told(capfd):
 
 def test_a_radio_of_another_family_is_refused():
     zigbee = {"VR": b"\x40\x60"}
-    with Radio(**zigbee) as radio, pytest.raises(Refusal, match=r"no XBee for IEEE 802\.15\.4"):
+    with Radio(**zigbee) as radio, pytest.raises(InputError, match=r"no XBee for IEEE 802\.15\.4"):
         open_link(f"xbee:{radio.port}")
 
 
 def test_a_radio_that_does_not_answer_is_refused(monkeypatch):
     monkeypatch.setattr(xbee, "ANSWER", 0.1)
-    with Radio(answers=False) as radio, pytest.raises(Refusal, match="in API mode at 9600 baud"):
+    with Radio(answers=False) as radio, pytest.raises(InputError, match="in API mode at 9600 baud"):
         open_link(f"xbee:{radio.port}?baud=9600")
 
 
 def test_a_port_that_is_not_there_is_refused():
-    with pytest.raises(Refusal, match="cannot open /dev/nowhere: there is no such port"):
+    with pytest.raises(InputError, match="cannot open /dev/nowhere: there is no such port"):
         open_link("xbee:/dev/nowhere")
 
 
@@ -123,7 +123,7 @@ def test_what_no_car_may_be_told_never_reaches_the_radio():
     heard = []
     with Radio(lambda *one: heard.append(one)) as radio:
         link = open_link(f"xbee:{radio.port}")
-        with pytest.raises(Refusal, match=r"steer of car 1 = 1.01 is outside \[-1, 1\]"):
+        with pytest.raises(InputError, match=r"steer of car 1 = 1.01 is outside \[-1, 1\]"):
             link.send(1, RUN, {1: (1.01, 0.0)})
         link.close()
     assert heard == []

@@ -9,9 +9,9 @@ import time
 from itertools import count
 
 from app.live.control.pose import MocapFrame, Pose, seen
-from app.live.laboratory.lab import Lab
-from app.live.links.links import open_link
-from app.live.operating.ends import Ends
+from app.live.laboratory.lab_file import Lab
+from app.live.links.link_catalogue import open_link
+from app.live.operating.loop_components import LoopComponents
 from live.rooms import ROUND, Steady
 
 MOST_BYTES = 100_000
@@ -42,19 +42,19 @@ class Told:
             frames.append(MocapFrame(self.number, received, cars))
 
 
-def circling(lab: Lab) -> Ends:
+def circling(lab: Lab) -> LoopComponents:
     """Nothing goes wrong."""
     port = int(lab.source.partition(":")[2])
-    return Ends(Told(port), open_link(lab.link), Steady(ROUND))
+    return LoopComponents(Told(port), open_link(lab.link), Steady(ROUND))
 
 
-def crowded(lab: Lab) -> Ends:
+def crowded(lab: Lab) -> LoopComponents:
     """No file of this process can become long: the disk is soon full."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (MOST_BYTES, MOST_BYTES))
     return circling(lab)
 
 
-def jumping(lab: Lab) -> Ends:
+def jumping(lab: Lab) -> LoopComponents:
     """The time of day jumps an hour back and forth whenever this process asks for it."""
     asked, told = count(), time.time
 

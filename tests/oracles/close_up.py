@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from agents.engine.block import Me, Near
+from agents.engine.block import Me, NeighbourBlock
 
 
 def close_up(flock, row):
-    """`Me` and `Near` of a row: everybody is in the block, and the boundary points within reach."""
+    """`Me` and `NeighbourBlock` of a row: everybody is in the block, and the boundary points within
+    reach."""
     n = len(flock.ids)
     shared = len(flock.model.signals)
     signals = flock.signals()
@@ -29,6 +30,6 @@ def close_up(flock, row):
     surroundings = flock.engine.surroundings
     away = np.hypot(surroundings.point_x - q[0, row], surroundings.point_y - q[1, row])
     x, y = surroundings.point_x[away <= flock.reach], surroundings.point_y[away <= flock.reach]
-    return me, Near(
+    return me, NeighbourBlock(
         n, *q, *u, flock.speed, told, np.ones(n), len(x), x, y, np.empty((4, n + len(x)))
     )

@@ -18,7 +18,7 @@ import tomlkit
 from app.cli.main import COMMANDS
 from app.experiments.optimisation.file import OptimisationFile
 from app.experiments.sweeps.given.file import SweepFile
-from app.live.laboratory.lab import lab_from_toml
+from app.live.laboratory.lab_file import lab_from_toml
 from pages.blocks import BLOCKS, PAGES, ROOT, Block, blocks_of, inline_commands, text_of
 from pages.not_run import ELSEWHERE, PRINTED
 from pages.plan import (
@@ -233,9 +233,9 @@ def check_data(block):
     file = Path(file_of(block))
     assert file.name, f"{block}: the page does not say what it is saved as"
     if block.language == "csv":
-        from app.live.sources.recorded import Recorded
+        from app.live.sources.recorded_source import RecordedSource
 
-        assert list(Recorded(file).recording())
+        assert list(RecordedSource(file).recording())
     else:
         read_geometry(file)
 

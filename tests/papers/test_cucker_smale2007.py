@@ -13,7 +13,7 @@ from app.experiments.experiment import read_experiment
 from app.experiments.kinds.consensus import Bound, Consensus
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import of, verdicts
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def test_the_critical_speed_of_two_is_that_of_the_integral():
@@ -48,7 +48,7 @@ def test_agents_set_off_straight_apart():
 def test_a_flock_that_becomes_wider_than_its_reach_is_refused():
     settings = Consensus(world="open", radius=0.5, lasts=400, looks=4)
     flock = Flock("cucker-smale", agents=2, size=4.0, world="open", rng=1, v_start=9.0, r=5.0)
-    with pytest.raises(Refusal, match="r = 5 is less than the flock became wide, "):
+    with pytest.raises(InputError, match="r = 5 is less than the flock became wide, "):
         settings.run(flock, lambda: None)
 
 

@@ -9,7 +9,7 @@ import math
 import pytest
 
 from agents import Flock
-from agents.mission import fly
+from agents.mission_record import fly
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import of
 from papers.flying import flown

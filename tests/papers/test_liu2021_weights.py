@@ -4,7 +4,7 @@ import pytest
 
 from app.experiments.experiment import read_experiment
 from app.experiments.trial import Trial, flock_of, run_trial
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SMALL = {"evaluations": 12, "population": 4, "seeds": 3, "fresh": 10}
 
@@ -50,5 +50,5 @@ def test_a_box_rises_and_its_logarithms_are_of_what_is_above_0():
     experiment = read_experiment("liu2021-weights")
     values = experiment.settings.model_dump()
     for wrong in ({"box": {"p1": (2.0, 0.0), "p2": (1.0, 9.0)}}, {"log": ["p1"]}):
-        with pytest.raises((ValueError, Refusal)):
+        with pytest.raises((ValueError, InputError)):
             type(experiment.settings)(**(values | wrong))

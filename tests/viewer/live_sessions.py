@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.live.operating.choices import laboratory
+from app.live.operating.lab_choices import laboratory
 from app.viewer.live.session import Session
 from tests.viewer.stub_operator import Operators, driver
 from tests.viewer.waiting import until

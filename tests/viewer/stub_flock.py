@@ -14,9 +14,9 @@ from agents.models.declare import Parameters, checked, parameter
 from agents.snapshot import Snapshot
 from agents.spec import Spec
 from agents.state.crashes import Crashes
-from app.viewer.run.compiling import Estimate
-from app.viewer.run.home import at_home
-from worlds.refusal import Refusal
+from app.viewer.run.kernel_compiler import CompileEstimate
+from app.viewer.run.run_preset import at_home
+from worlds.input_error import InputError
 from worlds.world import World
 
 
@@ -31,7 +31,7 @@ class StubCompiling:
 
     def __init__(self, flocks):
         self.flocks = list(flocks)
-        self.estimate = Estimate(time.monotonic(), 8.0, True)
+        self.estimate = CompileEstimate(time.monotonic(), 8.0, True)
         self.ready: Future[None] = Future()
         self.closed = False
 
@@ -156,7 +156,7 @@ def timed_stub(dt: float = 0.02, unit: str = "s", strict: bool = False, **more) 
 
         def refuse(**values) -> None:
             if values["eta"] > 2.0:
-                raise Refusal(f"eta = {values['eta']} is too much")
+                raise InputError(f"eta = {values['eta']} is too much")
             take(**values)
 
         flock.set = refuse

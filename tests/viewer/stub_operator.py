@@ -11,15 +11,15 @@ from types import SimpleNamespace
 from agents.catalogue import cars_by
 from app.live.control.arm import OperatorRequest
 from app.live.control.driver import Companion
-from app.live.control.events import Event
+from app.live.control.loop_durations import DurationSummary
+from app.live.control.loop_events import Event
+from app.live.control.loop_status import CarStatus, Status
 from app.live.control.pose import Pose
-from app.live.control.status import CarStatus, Status
-from app.live.control.timing import Summary
 from app.live.links.link import EMERGENCY, RUN, STOP
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 MODES = {"safe": STOP, "armed": RUN, "emergency": EMERGENCY}
-SUMMARY = Summary(0.01, 0.012, 0.02)
+SUMMARY = DurationSummary(0.01, 0.012, 0.02)
 AT = Pose(1.0, 0.5, 0.0)
 
 
@@ -132,7 +132,7 @@ class Operators:
         self.begun += 1
         assert self.gate.wait(30)
         if self.refuses:
-            raise Refusal(self.refuses)
+            raise InputError(self.refuses)
         self.made.append(StubOperator(lab, opener, recording))
         return self.made[-1]
 

@@ -20,19 +20,19 @@ from websockets.sync.client import connect
 
 from agents.spec import Spec
 from app.viewer.editing.forms import disc
-from app.viewer.gallery.address import packed
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.scene_address import packed
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.panels.making import Making
 from app.viewer.run.allowance import Allowance
-from app.viewer.run.home import at_home
-from app.viewer.run.keeping import LONGEST, Share
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
+from app.viewer.run.simulation_limits import LONGEST, Share
 from app.viewer.web.server import renders_of
 from tests.live.stand_in import CAMERA
 from tests.viewer.http_client import ask
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SMALL = Allowance(agents=200, obstacles=3, unseen=0.8, files=0.01)
 OPENS = {"X-Flockscope": "scene"}
@@ -114,7 +114,7 @@ def test_agents_of_all_flocks_count(agents, informed, beside, allowed):
     if allowed:
         SMALL.demand(spec, beside, None)
     else:
-        with pytest.raises(Refusal, match="a class allows 200 agents"):
+        with pytest.raises(InputError, match="a class allows 200 agents"):
             SMALL.demand(spec, beside, None)
 
 
@@ -214,9 +214,9 @@ def test_there_is_no_tab_for_sweeps_and_its_routes_say_why(laboratory):
 def test_films_are_refused_and_pictures_and_files_are_rationed(laboratory, monkeypatch):
     me = "somebody"
     client = SimpleNamespace(client_id=99, camera=None, send_file_download=lambda *_, **__: None)
-    from app.viewer.lab.taking import Visit
+    from app.viewer.lab.picture_exporter import ExportClient
 
-    monkeypatch.setitem(laboratory.taking.visits, me, Visit(client))
+    monkeypatch.setitem(laboratory.taking.visits, me, ExportClient(client))
     monkeypatch.setattr(renders_of(laboratory.server), "ask", lambda *_, **__: None)
     until(lambda: laboratory.drawing.drawn is not None)
 
@@ -253,7 +253,7 @@ def test_files_are_made_one_after_the_other_of_all_pages():
 
 
 def test_no_recording_is_opened_and_files_are_small(laboratory, monkeypatch):
-    with pytest.raises(Refusal, match="opens no saved states and recordings"):
+    with pytest.raises(InputError, match="opens no saved states and recordings"):
         SMALL.demand_recordings("mine.parquet")
     words = []
     monkeypatch.setattr(laboratory.saving, "tell", words.append)

@@ -10,7 +10,7 @@ from app.cli.live.console import SessionConsole
 from app.cli.stopping import Stopping
 from app.viewer.live.arming_code import DIGITS, TRIES, ArmingCode
 from app.viewer.live.banner import banner_of
-from app.viewer.live.panels.log import as_csv
+from app.viewer.live.panels.log_panel import as_csv
 from tests.viewer.live_sessions import Sessions, told
 from tests.viewer.waiting import until
 

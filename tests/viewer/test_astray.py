@@ -1,9 +1,9 @@
 """An agent that is where it cannot be is a notice in the laboratory, once."""
 
 from agents import Flock
-from app.viewer.run.picture import Wanted
-from app.viewer.run.run import Run
-from app.viewer.run.words import Astray, in_words
+from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.run_errors import StrayAgentError, in_words
 from worlds.obstacles import Box
 from worlds.world import World
 
@@ -14,14 +14,14 @@ YARD = World(
 
 def test_it_is_told_once():
     flock = Flock("vem", agents=5, world=YARD, rng=1)
-    run = Run(flock, 1, Wanted())
+    run = FlockRun(flock, 1, FrameRequest())
     run.look(closely=False)
-    assert not any(isinstance(trouble, Astray) for trouble in run.troubles)
+    assert not any(isinstance(trouble, StrayAgentError) for trouble in run.troubles)
     flock.position[1] = (5.0, 5.5)
     run.look(closely=False)
     flock.position[1] = (5.0, 5.6)
     run.look(closely=False)
-    [trouble] = [trouble for trouble in run.troubles if isinstance(trouble, Astray)]
+    [trouble] = [trouble for trouble in run.troubles if isinstance(trouble, StrayAgentError)]
     assert in_words(trouble) == (
         f"agent {flock.ids[1]} where it cannot be: 0.5 inside what is solid at (5, 5.5), tick 0"
     )

@@ -15,23 +15,23 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.spec import Spec
 from app.cli.lab import parameters
-from app.viewer.lab.panels.monitors.compared import compared
+from app.viewer.lab.panels.monitors.comparison_table import compared
 from app.viewer.lab.panels.setup import NOBODY, SetupPanel, differs
-from app.viewer.run.beside import Pair, companion, named, pace_note, ratio, shared_by
-from app.viewer.run.home import at_home
-from app.viewer.run.picture import Wanted
-from app.viewer.run.words import Broken
+from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.paired_run import PairedRun, companion, named, pace_note, ratio, shared_by
+from app.viewer.run.run_errors import ComparedFlockError
+from app.viewer.run.run_preset import at_home
 from tests.viewer.stub_flock import timed_stub
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SAME = ("position", "heading", "informed", "ids")
 
 
-def pair(model: str = "hwvem", beside: str = "vem-a", **given) -> Pair:
+def pair(model: str = "hwvem", beside: str = "vem-a", **given) -> PairedRun:
     own = given.pop("own", {})
     first = Flock(at_home(model, **({"seed": 4, "agents": 12} | given)))
-    return Pair(first, companion(first, Spec(beside, parameters=own)), 1, Wanted())
+    return PairedRun(first, companion(first, Spec(beside, parameters=own)), 1, FrameRequest())
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_what_knows_no_information_agents_begins_where_they_are():
 @pytest.mark.parametrize("steps", [(1,) * 60, (60,), (7, 13, 40)])
 @pytest.mark.parametrize(("lasts", "ticks"), [(0.1, 12), (0.02, 60), (0.008, 150), (0.03, 40)])
 def test_the_second_keeps_up_with_the_time_of_the_first(steps, lasts, ticks):
-    both = Pair(timed_stub(0.02), timed_stub(lasts), 1, Wanted())
+    both = PairedRun(timed_stub(0.02), timed_stub(lasts), 1, FrameRequest())
     for one in steps:
         both.advance(one)
         behind = both.flock.tick * 0.02 - both.second.flock.tick * lasts
@@ -101,7 +101,7 @@ def test_the_second_keeps_up_with_the_time_of_the_first(steps, lasts, ticks):
 
 
 def test_without_a_common_unit_both_go_tick_by_tick():
-    both = Pair(timed_stub(1.0, unit="ticks"), timed_stub(0.02), 1, Wanted())
+    both = PairedRun(timed_stub(1.0, unit="ticks"), timed_stub(0.02), 1, FrameRequest())
     both.advance(9)
     assert both.second.flock.tick == 9
     assert ratio(1.0, "ticks", 0.02, "s") == 1.0
@@ -158,11 +158,11 @@ def test_a_parameter_that_only_has_its_name_in_common_is_set_in_one():
 
 
 def test_what_one_refuses_is_refused_for_both():
-    both = Pair(timed_stub(), timed_stub(strict=True), 1, Wanted())
+    both = PairedRun(timed_stub(), timed_stub(strict=True), 1, FrameRequest())
     both.set("eta", 1.0)
-    with pytest.raises(Refusal, match=r"Stub: eta = 3\.0 is too much"):
+    with pytest.raises(InputError, match=r"Stub: eta = 3\.0 is too much"):
         both.set("eta", 3.0)
-    with pytest.raises(Refusal, match="eta = 99"):
+    with pytest.raises(InputError, match="eta = 99"):
         both.set("eta", 99.0)
     assert both.values["eta"] == both.second.values["eta"] == 1.0
 
@@ -177,7 +177,7 @@ def test_what_one_refuses_is_refused_for_both():
     ],
 )
 def test_a_second_model_that_cannot_be_is_refused_by_name(given, words):
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         pair(**given)
 
 
@@ -186,12 +186,12 @@ def test_an_agent_is_looked_at_in_the_flock_it_is_in():
     frame = both.look(closely=True)
     assert (frame.title, frame.beside.title) == (MODELS["vem-a"].title, "Vicsek model")
     assert frame.beside.speed_scale == frame.speed_scale
-    both.want(Wanted(row=5, beside=True))
+    both.want(FrameRequest(row=5, beside=True))
     until(lambda: both.look(closely=False).beside.inspected, 60)
     frame = both.look(closely=False)
     assert frame.inspected is None
     assert frame.beside.inspected.row == 5
-    both.want(Wanted(row=5))
+    both.want(FrameRequest(row=5))
     until(lambda: both.look(closely=False).inspected, 60)
     assert both.look(closely=False).beside.inspected is None
 
@@ -226,11 +226,11 @@ def test_both_are_saved_in_one_file():
 
 
 def test_a_position_that_is_no_number_is_named_too():
-    both = Pair(timed_stub(), timed_stub(), 1, Wanted())
+    both = PairedRun(timed_stub(), timed_stub(), 1, FrameRequest())
     both.second.flock.position[2] = np.nan
     with pytest.raises(ArithmeticError, match="Stub: agent 2 has position"):
         both.look(closely=False)
-    with pytest.raises(Broken, match="Stub: KeyError"), named(both.flock):
+    with pytest.raises(ComparedFlockError, match="Stub: KeyError"), named(both.flock):
         raise KeyError("x")
 
 
@@ -244,7 +244,7 @@ def test_the_command_gives_each_model_its_own():
     )
     assert parameters("hwvem-nav", [], "hwvem") == ({}, {"eta": 0.3})
     assert parameters("vem", ["eta=1"], "hwvem") == ({"eta": 1.0}, {})
-    with pytest.raises(Refusal, match="unknown parameter 'd_bet'"):
+    with pytest.raises(InputError, match="unknown parameter 'd_bet'"):
         parameters("boundary-points", ["d_bet=2"], "olfati-saber")
 
 

@@ -10,11 +10,11 @@ import pytest
 
 from agents.spec import Spec
 from app.viewer.editing import forms
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock, timed_stub
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 @pytest.fixture
@@ -115,6 +115,6 @@ def test_a_broken_second_flock_is_named_and_stops_both(simulate, error, words, t
     assert simulation.state.error == words
     assert simulation.notices.get(timeout=5) == words
     assert not simulation.state.running
-    with pytest.raises(Refusal, match="press Setup"):
+    with pytest.raises(InputError, match="press Setup"):
         simulation.go().result(5)
     assert ("Traceback" in capfd.readouterr().err) == told

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents import Flock
-from app.viewer.run.picture import Camera
+from app.viewer.run.frame_builder import FrameBuilder
 from app.viewer.scene.draw.attitude import attitude, nose, rolled
 from app.viewer.scene.draw.bird import SHOULDER, TIP, beaten, body, wings
 from app.viewer.scene.draw.coarse import OF_LENGTH
@@ -164,11 +164,11 @@ def test_a_frame_holds_who_flies_what_is_saved_and_the_distance_kept():
     flock = Flock("thesis", agents=12, rng=1)
     flock.arrays.crash_record[3] = (0.0, 1.0, *flock.position[3])
     flock.speed[3] = 1e3
-    taken = Camera(flock, 1).take()
+    taken = FrameBuilder(flock, 1).take()
     assert np.flatnonzero(taken.down).tolist() == [3]
     assert taken.crashes.row.tolist() == [3]
     assert taken.speed_scale == np.delete(flock.speed, 3).max()
     assert np.isnan(taken.saved).all()
     assert taken.kept == flock.parameters.d_r
-    plain = Camera(Flock("vem", agents=3, dim=3, rng=1), 1).take()
+    plain = FrameBuilder(Flock("vem", agents=3, dim=3, rng=1), 1).take()
     assert (plain.active, plain.crashes, plain.saved, plain.kept) == (None, None, None, np.inf)

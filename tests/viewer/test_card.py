@@ -16,8 +16,8 @@ from agents.inspection import Inspection
 from agents.models.model import whole
 from app.viewer.lab.panels.agent.card import FIRST, ON_ITS_WAY, facts, folds, head
 from app.viewer.lab.panels.agent.inspector import Inspector
-from app.viewer.run.home import at_home
-from app.viewer.run.picture import Camera
+from app.viewer.run.frame_builder import FrameBuilder
+from app.viewer.run.run_preset import at_home
 from app.viewer.scene.shown.frame import Frame
 
 VALUE = 0.25
@@ -41,7 +41,7 @@ def inspected(name: str) -> tuple[Frame, Inspection]:
         minds=True,
         model=flock.model,
     )
-    return Camera(flock, 1).take(), seen
+    return FrameBuilder(flock, 1).take(), seen
 
 
 def rows(text: str) -> dict[str, str]:

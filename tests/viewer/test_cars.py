@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from agents import Flock
 from agents.models.declare import Vehicle
-from app.viewer.run.picture import Camera
+from app.viewer.run.frame_builder import FrameBuilder
 from app.viewer.scene.draw.car import AXLES, TRACK, TREAD, WHEEL, cabin, hubs, hull, wheel
 from app.viewer.scene.draw.picture import LEAST_CAR
 from app.viewer.scene.marks.flock.agents import Agents
@@ -192,7 +192,7 @@ def test_a_camera_tells_what_the_bodies_know(model):
     flock = Flock(model, agents=3, rng=2, world="cars-circle")
     for ticks in (0, 30):
         flock.advance(ticks)
-        taken = Camera(flock, run=1).take()
+        taken = FrameBuilder(flock, run=1).take()
         assert (taken.cars.length, taken.cars.width) == (0.22, 0.12)
         assert np.isfinite(taken.cars.steering).all()
         assert not taken.cars.stuck.any()

@@ -7,11 +7,11 @@ import threading
 import pytest
 
 from app.viewer.run.command_queue import MOST, MOST_TICKS, CommandQueue
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 @pytest.fixture
@@ -116,7 +116,7 @@ def test_more_than_can_wait_is_refused_and_what_can_be_merged_is_not(held):
     answers = [simulation.tell(lambda: None) for _ in range(MOST + 5)]
     refused = [answer for answer in answers if answer.done()]
     assert len(refused) == 5
-    with pytest.raises(Refusal, match=f"{MOST} commands wait already"):
+    with pytest.raises(InputError, match=f"{MOST} commands wait already"):
         refused[0].result()
     assert "too much at once" in simulation.notices.get(timeout=5)
     paused = simulation.pause()

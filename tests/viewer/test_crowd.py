@@ -6,12 +6,16 @@ import numpy as np
 import pytest
 
 from agents.flock import Flock
-from app.viewer.measuring.crowd import expected_pairs, refuse_too_dense, refuse_too_many_links
-from app.viewer.run.home import at_home
+from app.viewer.measuring.density_limits import (
+    expected_pairs,
+    refuse_too_dense,
+    refuse_too_many_links,
+)
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -28,14 +32,14 @@ def test_everybody_sees_everybody_in_a_tiny_world():
 
 def test_a_flock_that_would_stall_the_laboratory_is_refused():
     refuse_too_dense(StubFlock(at_home(agents=19_000, size=1.0)))
-    with pytest.raises(Refusal, match="pairs of neighbours"):
+    with pytest.raises(InputError, match="pairs of neighbours"):
         refuse_too_dense(StubFlock(at_home(agents=21_000, size=1.0)))
 
 
 def test_links_that_would_fill_the_memory_are_not_listed():
     refuse_too_many_links(StubFlock(at_home(agents=4000, size=1.0)))
     refuse_too_many_links(StubFlock(at_home(agents=20_000, size=70.0)))
-    with pytest.raises(Refusal, match="too many neighbours"):
+    with pytest.raises(InputError, match="too many neighbours"):
         refuse_too_many_links(StubFlock(at_home(agents=20_000, size=1.0)))
 
 

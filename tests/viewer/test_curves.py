@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.catalogue import usual_charts
-from app.viewer.measuring.curves import choices, points, steps, together, worded
-from app.viewer.measuring.measured import offered
-from app.viewer.measuring.readings import Readings
+from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.observable_curves import choices, points, steps, together, worded
+from app.viewer.measuring.observable_format import offered
 from app.viewer.measuring.time_series import POINTS, TimeSeries
 
 
@@ -123,14 +123,16 @@ def test_agreement_with_a_leader_is_plotted_where_one_leads():
 
 def test_crashes_are_plotted_to_the_tick():
     flock = Flock("safe", agents=30, rng=3)
-    readings = Readings(flock)
+    readings = FlockReadings(flock)
     flock.arrays.crash_record[:3, :2] = [[2, 1], [2, 1], [7, 2]]
     flock.tick = 9
     readings.read(at_once=True)
     ticks, count = points(readings, "crashes")
     assert ticks.tolist() == [0, pytest.approx(1.999), 2, pytest.approx(6.999), 7, 9]
     assert count.tolist() == [0, 0, 2, 2, 3, 3]
-    assert [len(one) for one in points(Readings(Flock("vem", agents=3, rng=1)), "crashes")] == [
+    assert [
+        len(one) for one in points(FlockReadings(Flock("vem", agents=3, rng=1)), "crashes")
+    ] == [
         0,
         0,
     ]

@@ -13,7 +13,7 @@ import viser
 
 from agents.catalogue import MODELS
 from agents.models.declare import Parameters, declared, parameter
-from agents.models.proposed import is_wide, still_proposed
+from agents.models.proposed_range import is_wide, still_proposed
 from app.viewer.panels.dials import Dials, decimals, step_of, stops, widened
 from app.viewer.panels.parameters import add_control
 from app.viewer.web.server import admit_browsers, close_server, open_server

@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.viewer.editing import forms
-from app.viewer.editing.editor import MOST_OBSTACLES, STEPS, Editor, Gone
+from app.viewer.editing.editor import MOST_OBSTACLES, STEPS, Editor, MissingObstacleError
 from worlds import obstacles
+from worlds.input_error import InputError
 from worlds.layout import world_from_layout
 from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.obstacles import Box, CShape, Disc, Polygon, Prism, Ring, Sphere, Union, Wall, rectangle
-from worlds.refusal import Refusal
 from worlds.world import World
 
 PLAIN = World("plain", (20.0, 10.0), ("open", "wrap"))
@@ -97,7 +97,7 @@ def test_what_is_deleted_cannot_be_dragged_and_comes_back_with_its_key():
     first, second = editor.now.keys
     gone = editor.delete(first)
     assert gone.now.keys == (second,)
-    with pytest.raises(Gone, match="not there any more"):
+    with pytest.raises(MissingObstacleError, match="not there any more"):
         gone.move(first, (1.0, 0.0))
     assert gone.move(second, (1.0, 0.0)).now.obstacle(second).centre == (9.0, 4.0)
     assert gone.undo().move(first, (1.0, 0.0)).now.obstacle(first).centre == (4.0, 4.0)
@@ -107,7 +107,7 @@ def test_two_editors_never_share_a_key():
     one = Editor.of(PLAIN).add(forms.disc((3, 4), 1.0))
     other = Editor.of(one.world)
     assert not set(one.now.keys) & set(other.now.keys)
-    with pytest.raises(Gone):
+    with pytest.raises(MissingObstacleError):
         other.move(one.newest, (1.0, 0.0))
 
 
@@ -179,9 +179,9 @@ def test_what_stands_on_the_floor_is_moved_up_only_where_it_has_a_height():
 def test_a_corner_clicked_twice_counts_once_and_two_corners_are_no_polygon():
     made = forms.polygon([(0, 0), (1, 0), (1, 0), (1, 1), (0, 0)])
     assert made.points == ((1.0, 0.0), (1.0, 1.0), (0.0, 0.0))
-    with pytest.raises(Refusal, match="3 corners or more, 2 were given"):
+    with pytest.raises(InputError, match="3 corners or more, 2 were given"):
         forms.polygon([(0, 0), (1, 0), (1, 0)])
-    with pytest.raises(Refusal, match="200 corners at most, 201"):
+    with pytest.raises(InputError, match="200 corners at most, 201"):
         forms.polygon([(math.cos(a), math.sin(a)) for a in range(201)])
 
 
@@ -208,7 +208,7 @@ def test_a_corner_clicked_twice_counts_once_and_two_corners_are_no_polygon():
 )
 def test_what_a_browser_may_not_ask_for_is_refused_in_one_line(change, words):
     editor = Editor.of(PLAIN).add(forms.disc((3, 4), 1.0))
-    with pytest.raises(Refusal, match=words) as refused:
+    with pytest.raises(InputError, match=words) as refused:
         change(editor)
     assert "\n" not in str(refused.value)
 
@@ -216,7 +216,7 @@ def test_what_a_browser_may_not_ask_for_is_refused_in_one_line(change, words):
 def test_there_are_no_more_than_so_many_obstacles():
     discs = tuple(Disc(centre=(float(k), 5.0), radius=0.1) for k in range(MOST_OBSTACLES))
     editor = Editor.of(World("full", (600.0, 10.0), ("open", "open"), obstacles=discs))
-    with pytest.raises(Refusal, match="there may be no more"):
+    with pytest.raises(InputError, match="there may be no more"):
         editor.add(forms.disc((3, 4), 1.0))
     assert len(editor.delete(editor.newest).add(forms.disc((3, 4), 1.0)).world.obstacles) == 500
 
@@ -243,10 +243,10 @@ MISSION = World(
 )
 def test_what_would_make_the_mission_impossible_is_refused(at, radius, words):
     editor = Editor.of(MISSION)
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         editor.add(forms.disc(at, radius))
     aside = editor.add(forms.disc((5.0, 8.0), radius))
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         aside.move(aside.newest, (at[0] - 5.0, at[1] - 8.0))
 
 
@@ -256,10 +256,10 @@ def test_the_goal_is_moved_with_its_route_but_not_into_an_obstacle():
     assert moved.world.mission.goal.route == ((16.0, 8.0), (16.0, 2.0))
     assert moved.world.mission.goal.speed == 0.1
     assert moved.undo().world is editor.world
-    with pytest.raises(Refusal, match=r"goal.route\[0\] = \(14, 8\) is inside"):
+    with pytest.raises(InputError, match=r"goal.route\[0\] = \(14, 8\) is inside"):
         editor.move_goal((-4.0, 0.0))
     for by in [(math.nan, 0.0), (1.0,), (1e6, 0.0)]:
-        with pytest.raises(Refusal):
+        with pytest.raises(InputError):
             editor.move_goal(by)
 
 
@@ -297,7 +297,7 @@ def test_any_order_of_changes_gives_a_sound_world_or_a_refusal(operations):
                     editor = editor.move_goal((value, 0.1 * value), gesture)
                 case _:
                     editor = getattr(editor, what)()
-        except Refusal as refusal:
+        except InputError as refusal:
             told.append(str(refusal))
         keys = sorted({*keys, *editor.now.keys})
         assert len(set(editor.now.keys)) == len(editor.now.keys) == len(editor.world.obstacles)

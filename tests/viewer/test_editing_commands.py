@@ -11,13 +11,13 @@ import pytest
 from agents.spec import Spec
 from app.viewer.editing import forms
 from app.viewer.editing.editor import Editor
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
+from worlds.input_error import InputError
 from worlds.obstacles import rectangle
 from worlds.queries.clearance import clearance
-from worlds.refusal import Refusal
 from worlds.world import World
 
 START = at_home(agents=300, size=10.0)
@@ -36,7 +36,7 @@ class Walker(StubFlock):
 
     def change_world(self, world: World) -> None:
         if world.dim != self.world.dim:
-            raise Refusal("another dimension")
+            raise InputError("another dimension")
         self.world = world
 
 
@@ -93,7 +93,7 @@ def test_reset_keeps_the_world_that_was_built_and_its_history(simulation):
 def test_what_is_refused_is_told_and_changes_nothing(simulation):
     add(simulation)
     world, editor = simulation.run.flock.world, simulation.edits.editor
-    with pytest.raises(Refusal, match="crosses itself"):
+    with pytest.raises(InputError, match="crosses itself"):
         simulation.edits.change(
             lambda e: e.add(forms.polygon([(0, 0), (4, 4), (4, 0), (0, 4)]))
         ).result(5)
@@ -108,7 +108,7 @@ def test_a_world_without_room_for_the_agents_is_refused(simulation):
     until(lambda: simulation.state.run == 2)
     flock = simulation.run.flock
     before = flock.position.copy()
-    with pytest.raises(Refusal, match="no free place would be left"):
+    with pytest.raises(InputError, match="no free place would be left"):
         simulation.edits.change(lambda e: e.add(rectangle((5, 5), 20.0, 20.0))).result(5)
     assert flock.world is room
     np.testing.assert_array_equal(flock.position, before)
@@ -177,7 +177,7 @@ def test_a_layout_is_saved_and_opened_again(simulation):
 def test_a_file_that_is_refused_changes_nothing(simulation):
     add(simulation)
     editor = simulation.edits.editor
-    with pytest.raises(Refusal):
+    with pytest.raises(InputError):
         simulation.edits.open_layout("mine.toml", b"size = ").result(5)
     assert "mine.toml is not TOML" in simulation.notices.get(timeout=5)
     assert (simulation.state.run, simulation.edits.editor) == (1, editor)
@@ -186,7 +186,7 @@ def test_a_file_that_is_refused_changes_nothing(simulation):
 def test_a_world_in_which_the_flock_cannot_be_leaves_the_old_one(simulation):
     def build(start: Spec) -> Walker:
         if isinstance(start.world, World) and start.world.dim == 3:
-            raise Refusal("dim = 3 is not allowed: hwvem is defined in 2-D")
+            raise InputError("dim = 3 is not allowed: hwvem is defined in 2-D")
         return Walker(start)
 
     simulation.building.build = build

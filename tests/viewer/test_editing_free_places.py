@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.viewer.editing.free_places import GAP, set_free
+from worlds.input_error import InputError
 from worlds.obstacles import Box, Disc, Polygon, Sphere
 from worlds.queries.clearance import clearance
-from worlds.refusal import Refusal
 from worlds.world import World
 
 DISC = Disc(centre=(5.0, 5.0), radius=2.0)
@@ -54,7 +54,7 @@ def test_no_free_place_is_nearer_than_the_one_taken(discs, edges, seed):
     position = np.random.default_rng(seed).uniform(0.0, 10.0, (20, 2))
     try:
         free = set_free(world, position)
-    except Refusal:
+    except InputError:
         return
     assert (clearance(world, free) > 0.0).all()
     axis = np.linspace(-5.0, 15.0, 161)
@@ -92,10 +92,10 @@ def test_no_two_are_put_on_the_same_spot():
 def test_a_world_without_a_free_place_is_refused():
     full = Box(low=(-1.0, -1.0), high=(11.0, 11.0))
     world = World("full", (10.0, 10.0), ("solid", "solid"), obstacles=(full,))
-    with pytest.raises(Refusal, match="no free place would be left for the agents in full"):
+    with pytest.raises(InputError, match="no free place would be left for the agents in full"):
         set_free(world, np.array([[5.0, 5.0]]))
     cube = World("full", (10.0,) * 3, ("solid",) * 3, obstacles=(full,))
-    with pytest.raises(Refusal, match="no free place would be left"):
+    with pytest.raises(InputError, match="no free place would be left"):
         set_free(cube, np.full((1, 3), 5.0))
 
 

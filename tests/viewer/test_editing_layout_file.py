@@ -17,10 +17,10 @@ from app.viewer.editing.layout_file import (
     plain_name,
 )
 from app.viewer.lab.panels.world.plan_questions import with_answer
+from worlds.input_error import InputError
 from worlds.mission import Goal, Mission
 from worlds.obstacles import Disc
 from worlds.readers.plan_question import PlanQuestion
-from worlds.refusal import Refusal
 from worlds.world import World
 
 WORLD = World(
@@ -71,7 +71,7 @@ def test_maps_come_as_one_file():
     text = b"type octile\nheight 2\nwidth 3\nmap\n.@.\n...\n"
     world = layout_from_browser("arena.map", text)
     assert (world.size, len(world.obstacles)) == ((3.0, 2.0), 1)
-    with pytest.raises(Refusal, match=r"lab.yaml is one half of a map of ROS: open a ZIP file"):
+    with pytest.raises(InputError, match=r"lab.yaml is one half of a map of ROS: open a ZIP file"):
         layout_of("lab.yaml", b"image: lab.pgm\n")
 
 
@@ -119,7 +119,7 @@ def polygon(points: str, first: str = "size = 10.0\n") -> bytes:
     ],
 )  # fmt: skip
 def test_what_cannot_be_a_world_is_refused_in_one_line_without_a_path(name, content, words):
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         layout_of(name, content)
     told = str(refused.value)
     assert words in told
@@ -133,7 +133,7 @@ def test_too_many_corners_are_refused():
     ring = np.column_stack([np.cos(angles), np.sin(angles)]).tolist()
     ring.append(ring[0])
     drawing = {"type": "Polygon", "coordinates": [ring]}
-    with pytest.raises(Refusal, match="more than 50000 corners"):
+    with pytest.raises(InputError, match="more than 50000 corners"):
         layout_of("a.geojson", json.dumps(drawing).encode())
 
 
@@ -145,7 +145,7 @@ def test_too_many_corners_are_refused():
     content=st.one_of(st.binary(max_size=60), st.text(max_size=60).map(str.encode)),
 )
 def test_nonsense_is_refused_and_nothing_else_happens(ending, content):
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         layout_of("nonsense" + ending, content)
     assert len(str(refused.value).splitlines()) == 1
 

@@ -16,15 +16,15 @@ from websockets.exceptions import InvalidHandshake
 from agents.flock import Flock
 from agents.spec import Spec
 from app.live.laboratory.example import example
-from app.live.operating.choices import Choices
+from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import SCRIPTS
 from app.viewer.live.page import LivePage
 from app.viewer.live.session import Session
-from app.viewer.notebook.place import Place
-from app.viewer.notebook.view import View
-from app.viewer.run.home import at_home
-from app.viewer.watching.watching import Watching
+from app.viewer.notebook.notebook_access import NotebookAccess
+from app.viewer.notebook.notebook_view import NotebookView
+from app.viewer.run.run_preset import at_home
+from app.viewer.watching.watch_page import WatchPage
 from app.viewer.web.incoming.connection import HELD
 from app.viewer.web.incoming.messages import Messages
 from app.viewer.web.incoming.waiting import Admission
@@ -119,12 +119,12 @@ def test_a_flock_begins_for_who_connects_at_the_first_byte(beside):
 def test_a_flock_that_is_shown_answers_who_connects_at_the_first_byte(monkeypatch):
     port = free_port()
     monkeypatch.setattr(
-        "app.viewer.notebook.view.open_server",
+        "app.viewer.notebook.notebook_view.open_server",
         lambda **_: open_server(port=port, front=Front(SCRIPTS)),
     )
     flock = Flock(at_home("vem-a", agents=30, seed=2))
     with Eager(port):
-        shown = View(flock, Place(), 640, running=True)
+        shown = NotebookView(flock, NotebookAccess(), 640, running=True)
         try:
             until(lambda: runs(shown.laboratory) and shown.laboratory.browsers() == 1, LATE)
             assert shown.flock.tick > 0
@@ -188,7 +188,7 @@ def admitted(monkeypatch):
 
 
 def test_every_page_is_whole_before_it_lets_browsers_in(admitted, live_page):
-    with closing(laboratory(0)) as made, closing(Watching(made)) as watching:
+    with closing(laboratory(0)) as made, closing(WatchPage(made)) as watching:
         page = live_page()
         for one in (made, watching, page):
             assert admitted.pop(type(one).__name__) == whole(one)

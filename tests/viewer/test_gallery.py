@@ -13,8 +13,10 @@ from hypothesis import strategies as st
 from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.spec import Spec
-from app.viewer.gallery.address import PACKED, packed, unpacked
-from app.viewer.gallery.collection import (
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.scene_address import PACKED, packed, unpacked
+from app.viewer.gallery.scene_code import command_line, python
+from app.viewer.gallery.scene_collection import (
     FIRST,
     GROUPS,
     MODEL,
@@ -24,11 +26,9 @@ from app.viewer.gallery.collection import (
     find_scene,
     scene_names,
 )
-from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.words import command_line, python
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
+from worlds.input_error import InputError
 from worlds.layout import layout_names
-from worlds.refusal import Refusal
 
 SHOWN = (
     # scene, changes, observable, tick, relation, bound
@@ -160,7 +160,7 @@ MINE = SavedScene("mine", at_home("vem", agents=30), look={"links": True})
     ],
 )
 def test_a_wrong_scene_is_refused_in_one_line(text, words):
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         SavedScene.from_toml(text, "here.toml")
     assert words in str(refused.value)
     assert "here.toml" in str(refused.value)
@@ -190,14 +190,14 @@ def made_of(data: bytes) -> str:
     ],
 )
 def test_what_is_no_scene_is_refused(text):
-    with pytest.raises(Refusal):
+    with pytest.raises(InputError):
         find_scene(text)
 
 
 @given(st.text(max_size=60))
 def test_no_address_breaks_anything(text):
     for name in (text, PACKED + text):
-        with pytest.raises(Refusal):
+        with pytest.raises(InputError):
             find_scene(name)
 
 

@@ -10,10 +10,10 @@ from types import SimpleNamespace
 import pytest
 
 from agents.catalogue import MODELS
-from app.viewer.lab.panels.guide.guide import about
-from app.viewer.lab.panels.guide.tries import Tries, is_done, lesson, where
-from app.viewer.run.home import at_home
-from app.viewer.run.state import State
+from app.viewer.lab.panels.guide.model_guide import about
+from app.viewer.lab.panels.guide.try_runner import TryRunner, is_done, lesson, where
+from app.viewer.run.run_preset import at_home
+from app.viewer.run.simulation_state import SimulationState
 
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=lambda model: model.name)
@@ -22,7 +22,7 @@ def test_it_says_what_a_model_is_and_what_to_try_with_it(model):
     for words in (model.summary, model.rule.source, model.body.title, model.body.source):
         assert words in page
     for number, one in enumerate(model.to_try, 1):
-        text = html.unescape(lesson(number, one, Tries.settings(model.name, one)))
+        text = html.unescape(lesson(number, one, TryRunner.settings(model.name, one)))
         assert f"{number}. {one.words}" in text
         assert one.see in text
         assert ("The run begins again." in text) == one.anew
@@ -31,8 +31,8 @@ def test_it_says_what_a_model_is_and_what_to_try_with_it(model):
 
 def test_nothing_is_done_to_the_flock_of_another_model():
     told = queue.SimpleQueue()
-    state = State(at_home("couzin"), values={"r": 1.0})
-    tries = Tries(SimpleNamespace(state=state, notices=told), None, None)
+    state = SimulationState(at_home("couzin"), values={"r": 1.0})
+    tries = TryRunner(SimpleNamespace(state=state, notices=told), None, None)
     button = SimpleNamespace(label="Do it", color="green")
     one = MODELS["vem"].to_try[0]
     asyncio.run(tries.pressed("vem", one, SimpleNamespace(target=button)))

@@ -16,11 +16,11 @@ import pytest
 from cli.calling import refusal
 
 from app.cli.lab import opened_by, parameters
-from app.viewer.gallery.collection import FIRST, built_in
+from app.viewer.gallery.scene_collection import FIRST, built_in
 from tests.cli.test_rule_files import CODE
 from tests.live.stand_in import StandIn
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 COLD = 120.0
 """Seconds for what a busy machine compiles without a cache."""
@@ -137,7 +137,7 @@ def test_settings_are_checked_and_a_little_noise_keeps_it_alive():
     assert parameters("hwvem", []) == ({"eta": 0.3}, {})
     settings = ["eta=0", "p2 = 20", "layers=instant"]
     assert parameters("hwvem", settings) == ({"eta": 0.0, "p2": 20.0, "layers": "instant"}, {})
-    with pytest.raises(Refusal, match="NAME=VALUE"):
+    with pytest.raises(InputError, match="NAME=VALUE"):
         parameters("hwvem", ["=3"])
 
 

@@ -14,18 +14,18 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from agents.catalogue import cars_by
-from app.live.control.safety import Reason
+from app.live.control.safety import StopReason
 from app.live.laboratory.example import example
-from app.live.operating.choices import Choices, laboratory
 from app.live.operating.flock_driver import NOT_SIMULATED
+from app.live.operating.lab_choices import Choices, laboratory
 from app.viewer.live.page import KEYS, LivePage
 from app.viewer.live.session import Session
 from tests.viewer.stub_operator import Operators, driver
 from tests.viewer.test_laboratory import CAMERA
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
-UNSEEN = Reason("unseen", "blue was last seen 0.40 s ago", "blue", holds=False)
+UNSEEN = StopReason("unseen", "blue was last seen 0.40 s ago", "blue", holds=False)
 
 
 @pytest.fixture
@@ -283,19 +283,19 @@ def test_simulated_cars_are_asked_for_and_clamped(serve, operators):
 
 def test_a_busy_port_is_refused_before_anything_is_opened(serve):
     page = serve()
-    with pytest.raises(Refusal, match="port"):
+    with pytest.raises(InputError, match="port"):
         LivePage(laboratory(), port=page.server.get_port(), make_session=pytest.fail)
 
 
 def test_a_room_that_cannot_be_made_frees_the_port():
     def make_session(_choices, _recording):
-        raise Refusal("it cannot be made")
+        raise InputError("it cannot be made")
 
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
     for _ in range(2):
-        with pytest.raises(Refusal, match="it cannot be made"):
+        with pytest.raises(InputError, match="it cannot be made"):
             LivePage(laboratory(), port=port, make_session=make_session)
     names = {thread.name for thread in threading.enumerate()}
     assert "room" not in names

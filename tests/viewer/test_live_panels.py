@@ -13,28 +13,28 @@ import numpy as np
 import pytest
 
 from agents.catalogue import cars_by
-from app.live.control.events import Event
+from app.live.control.loop_events import Event
 from app.live.control.pose import Pose
-from app.live.control.safety import Reason
+from app.live.control.safety import StopReason
 from app.live.laboratory.example import example
 from app.live.links.link import RUN
 from app.viewer.live.banner import MOVES, banner_of
 from app.viewer.live.drag_handle import DragHandle
-from app.viewer.live.framing import Setting, frame_of
-from app.viewer.live.opening import notice_of
-from app.viewer.live.panels.log import COLUMNS, as_csv, listed
-from app.viewer.live.panels.monitors import cars, numbers
-from app.viewer.live.panels.plots import WINDOW, LivePlots, colours
-from app.viewer.live.panels.room import injected, limited
-from app.viewer.live.panels.state import banner_html
-from app.viewer.live.readings import RoomReadings
+from app.viewer.live.loop_connection import notice_of
+from app.viewer.live.panels.live_plots import WINDOW, LivePlots, colours
+from app.viewer.live.panels.log_panel import COLUMNS, as_csv, listed
+from app.viewer.live.panels.room_monitors import cars, numbers
+from app.viewer.live.panels.room_panel import injected, limited
+from app.viewer.live.panels.state_panel import banner_html
+from app.viewer.live.room_frame import Setting, frame_of
+from app.viewer.live.room_readings import RoomReadings
 from app.viewer.live.session_state import SessionState
 from app.viewer.scene.shown import palette
 from app.viewer.web.server import admit_browsers, close_server, open_server
 from tests.viewer.stub_operator import car_status, companion, status_at
 
 OPEN = SessionState("emulated cars", "dry run", "squashing", phase="open")
-UNSEEN = Reason("unseen", "blue was last seen 0.40 s ago", "blue", holds=False)
+UNSEEN = StopReason("unseen", "blue was last seen 0.40 s ago", "blue", holds=False)
 
 
 @pytest.fixture
@@ -72,7 +72,7 @@ def test_the_banner_says_how_the_room_stands(state, status, kind, words):
 @pytest.mark.parametrize("arm", ["safe", "armed", "emergency"])
 def test_a_car_that_moves_though_told_to_stand_is_a_large_banner_in_every_state(arm):
     words = "blue moves though it is told to stand: is it pushed?"
-    more = (Reason("moves", words, "blue"), *[replace(UNSEEN, words=str(k)) for k in range(9)])
+    more = (StopReason("moves", words, "blue"), *[replace(UNSEEN, words=str(k)) for k in range(9)])
     now = banner_of(OPEN, replace(status_at(arm=arm), mode=0, reasons=more))
     assert now.alarm == MOVES
     assert now.reasons[0] == words

@@ -6,20 +6,20 @@ import math
 
 import pytest
 
-from app.live.control.control import Step
+from app.live.control.car_control import ControlStep
 from app.live.control.driver import Companion
 from app.live.control.pose import MocapFrame, Pose, Sighting
-from app.live.control.safety import Verdict
+from app.live.control.safety import SafetyDecision
 from app.live.control.tick_record import TickRecord
 from app.live.laboratory.example import example
 from app.live.links.link import RUN, STOP
-from app.live.recording.record import Recording
+from app.live.recording.recording_writer import RecordingWriter
 from app.viewer.live.banner import banner_of
-from app.viewer.live.replaying import Replaying
-from app.viewer.live.shelf import listed, on_shelf
+from app.viewer.live.recordings_folder import listed, on_shelf
+from app.viewer.live.room_replay import RoomReplay
 from tests.viewer.live_sessions import armed, told
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 TICKS, FIRST, LOST = 400, 21, 300
 """Ticks, the number of the first, and how many have poses."""
@@ -36,7 +36,7 @@ def moment(tick: int, cars) -> TickRecord:
     mode = RUN if tick > 100 else STOP
     commands = dict.fromkeys(cars, (0.25, 0.5))
     beside = (Companion("sim 1", Pose(1.0, 2.0, 0.0), 0.1),)
-    step = Step(commands, Verdict(mode, commands, ()), (), beside)
+    step = ControlStep(commands, SafetyDecision(mode, commands, ()), (), beside)
     arm = "armed" if mode == RUN else "safe"
     return TickRecord(tick, now, frames, pose(tick), step, arm, (), 0.003)
 
@@ -47,7 +47,7 @@ def shelf(tmp_path_factory):
     folder = tmp_path_factory.mktemp("shelf")
     lab = example()
     for name in ("2026-11-22-101500", "2026-11-21-080000"):
-        with Recording(folder / name, lab.to_toml()) as recording:
+        with RecordingWriter(folder / name, lab.to_toml()) as recording:
             for tick in range(FIRST, FIRST + TICKS):
                 recording.write(moment(tick, lab.cars))
     (folder / "going-on").mkdir()
@@ -80,7 +80,7 @@ def test_a_button_begins_and_ends_a_recording_in_a_new_folder(enter, operators, 
 def test_finished_recordings_are_listed_and_nothing_else_can_be_named(shelf):
     assert listed(shelf) == ("2026-11-22-101500", "2026-11-21-080000")
     for name in ("going-on", "holiday", "..", "../shelf", "/etc", "", "2026"):
-        with pytest.raises(Refusal, match="recording"):
+        with pytest.raises(InputError, match="recording"):
             on_shelf(shelf, name)
     assert listed(None) == listed(shelf / "none") == ()
 
@@ -132,7 +132,7 @@ def test_a_recording_that_is_damaged_is_a_notice(room, shelf, tmp_path):
 
 
 def test_it_is_played_sought_and_paused(shelf):
-    shown = Replaying(shelf / "2026-11-22-101500", 3)
+    shown = RoomReplay(shelf / "2026-11-22-101500", 3)
     assert (shown.first, shown.last, shown.seconds) == (FIRST, FIRST + TICKS - 1, 3.99)
     status, frame = shown.play(10.0)
     assert (status.tick, frame.run, frame.tick) == (FIRST, 3, FIRST)

@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import pytest
 
-from app.live.operating.choices import laboratory
+from app.live.operating.lab_choices import laboratory
 from tests.viewer.live_sessions import EMULATED, armed, told
 from tests.viewer.stub_operator import driver
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def test_it_opens_the_file_s_own_room_and_shows_it(enter, operators):
@@ -29,7 +29,7 @@ def test_it_opens_the_file_s_own_room_and_shows_it(enter, operators):
 
 
 def test_an_unknown_source_is_refused_at_once():
-    with pytest.raises(Refusal, match="unknown source 'emulatd': did you mean 'emulated cars'"):
+    with pytest.raises(InputError, match="unknown source 'emulatd': did you mean 'emulated cars'"):
         laboratory(source="emulatd")
 
 

@@ -6,11 +6,11 @@ import time
 
 import pytest
 
-from app.viewer.live import tuning
-from app.viewer.live.opening import GONE
+from app.viewer.live import parameter_changes
+from app.viewer.live.loop_connection import GONE
 from tests.viewer.live_sessions import armed, told
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def test_a_parameter_takes_the_value_that_the_loop_took(enter, operators):
@@ -25,7 +25,7 @@ def test_a_parameter_takes_the_value_that_the_loop_took(enter, operators):
 def test_what_the_loop_refuses_stays_as_it_was(enter, operators):
     session = enter()
     operators.last.refuses = "beta is not to be touched"
-    with pytest.raises(Refusal, match="beta is not to be touched"):
+    with pytest.raises(InputError, match="beta is not to be touched"):
         session.tune("beta", 2.5, "browser 1").result(5)
     assert session.state.values["beta"] == 2.0
     assert told(session, "beta is not").count("beta is not to be touched") == 1
@@ -49,17 +49,17 @@ def test_what_the_loop_refuses_stays_as_it_was(enter, operators):
 )
 def test_a_value_that_is_not_allowed_does_not_reach_the_loop(enter, operators, name, value, words):
     session = enter()
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         session.tune(name, value, "browser 1").result(0)
     told(session, words)
     assert operators.last.asked == []
 
 
 def test_a_change_without_an_answer_is_given_up(enter, operators, monkeypatch):
-    monkeypatch.setattr(tuning, "PATIENCE", 0.1)
+    monkeypatch.setattr(parameter_changes, "PATIENCE", 0.1)
     session = enter()
     operators.last.mute = True
-    with pytest.raises(Refusal, match=r"beta = 2.5 has no answer from the control loop"):
+    with pytest.raises(InputError, match=r"beta = 2.5 has no answer from the control loop"):
         session.tune("beta", 2.5, "browser 1").result(5)
 
 
@@ -68,7 +68,7 @@ def test_a_change_that_waits_when_the_room_closes_is_answered(enter, operators):
     operators.last.mute = True
     answer = session.tune("beta", 2.5, "browser 1")
     session.close()
-    with pytest.raises(Refusal, match="the room was closed"):
+    with pytest.raises(InputError, match="the room was closed"):
         answer.result(0)
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from app.live.operating.choices import laboratory
 from app.live.operating.flock_driver import FlockDriver
-from app.live.recording.replay import replay
+from app.live.operating.lab_choices import laboratory
+from app.live.recording.recording_replay import replay
 from app.viewer.live.session import Session
 from tests.viewer.waiting import until
 

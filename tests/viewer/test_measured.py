@@ -12,9 +12,9 @@ from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
 from app.viewer.lab.panels.monitors.bars import size_bars
-from app.viewer.measuring.measured import cards, offered, scale, told, unit
-from app.viewer.measuring.readings import Readings
-from app.viewer.run.home import at_home
+from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.observable_format import cards, offered, scale, told, unit
+from app.viewer.run.run_preset import at_home
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.world import World
@@ -35,7 +35,7 @@ def test_every_observable_on_offer_can_be_measured_of_a_snapshot():
     for name, ticks in (("hwvem-nav", 0), ("safe", 3)):
         flock = Flock(name, agents=20, rng=2)
         flock.advance(ticks)
-        readings = Readings(flock, watched=frozenset(offered(flock)))
+        readings = FlockReadings(flock, watched=frozenset(offered(flock)))
         readings.read(at_once=True)
         for one in offered(flock):
             assert readings.values[one] == pytest.approx(float(flock.observe(one)), nan_ok=True), (
@@ -52,7 +52,7 @@ def test_a_snapshot_stays_as_it_was():
 
 
 def test_what_is_not_watched_any_more_is_not_shown_any_more():
-    readings = Readings(Flock("vem", agents=20, rng=2))
+    readings = FlockReadings(Flock("vem", agents=20, rng=2))
     readings.read(at_once=True)
     assert "nearest-neighbour" not in readings.values
     readings.watch(frozenset({"nearest-neighbour"}))
@@ -66,7 +66,7 @@ def test_what_is_not_watched_any_more_is_not_shown_any_more():
 
 def test_what_is_costly_is_measured_aside_and_comes_later():
     flock = Flock("vem", agents=50, rng=2)
-    readings = Readings(flock, watched=frozenset({"correlation-length"}))
+    readings = FlockReadings(flock, watched=frozenset({"correlation-length"}))
     readings.read()
     assert "polarisation" in readings.values
     assert "correlation-length" not in readings.values
@@ -82,20 +82,20 @@ def test_what_is_costly_is_measured_aside_and_comes_later():
 
 
 def test_fluctuations_are_of_the_plotted_part_of_the_run():
-    readings = Readings(StubFlock(at_home(agents=8)))
+    readings = FlockReadings(StubFlock(at_home(agents=8)))
     series = [0.0] * 100 + [0.2, 0.4] * 50
     for tick, value in enumerate(series):
         readings.series("polarisation").add(tick, value)
     assert readings.over("susceptibility", last=99) == pytest.approx(8 * 0.01)
     assert readings.over("susceptibility") == pytest.approx(8 * np.var(series))
     assert readings.over("binder", last=99) == pytest.approx(1 - 0.0136 / 3 / 0.1**2)
-    assert math.isnan(Readings(StubFlock(at_home(agents=8))).over("binder"))
+    assert math.isnan(FlockReadings(StubFlock(at_home(agents=8))).over("binder"))
 
 
 def test_only_those_that_fly_are_counted():
     flock = Flock("safe", agents=12, rng=4)
     flock.arrays.crash_record[:4, :2] = [0, 1]
-    readings = Readings(flock)
+    readings = FlockReadings(flock)
     readings.read(at_once=True)
     assert len(readings.crashes) == 4
     assert readings.sizes.sum() == 8
@@ -111,7 +111,7 @@ def test_a_flock_that_has_all_crashed_is_told_without_an_error():
     flock = Flock("safe", agents=6, rng=4)
     flock.advance(2)
     flock.arrays.crash_record[:, :2] = [0, 1]
-    readings = Readings(flock, watched=frozenset(offered(flock)))
+    readings = FlockReadings(flock, watched=frozenset(offered(flock)))
     readings.read(at_once=True)
     assert len(readings.crashes) == 6
     assert (readings.values["groups"], len(readings.sizes)) == (0.0, 0)

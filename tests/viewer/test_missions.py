@@ -14,20 +14,25 @@ from agents.inspection import Inspection
 from agents.observables.neighbours import nearest_neighbour
 from agents.spec import Spec
 from app.viewer.lab.panels.agent.card import signal_facts
-from app.viewer.lab.panels.monitors.monitors import headed, mission_numbers, mission_title, numbers
+from app.viewer.lab.panels.monitors.flock_monitors import (
+    headed,
+    mission_numbers,
+    mission_title,
+    numbers,
+)
 from app.viewer.lab.panels.setup import differs
-from app.viewer.measuring.extremes import MOST_AGENTS, Extremes
-from app.viewer.measuring.readings import Readings, arrived
-from app.viewer.run.home import at_home, home, lively_speed, titled, world_titles
-from app.viewer.run.picture import Camera, Wanted
-from app.viewer.run.run import Run
-from app.viewer.run.state import State
+from app.viewer.measuring.flock_readings import FlockReadings, arrived
+from app.viewer.measuring.minimum_distances import MOST_AGENTS, MinimumDistances
+from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.frame_builder import FrameBuilder, FrameRequest
+from app.viewer.run.run_preset import at_home, home, lively_speed, titled, world_titles
+from app.viewer.run.simulation_state import SimulationState
 from app.viewer.scene.shown.frame import Frame, Progress
 from tests.viewer.waiting import until
+from worlds.input_error import InputError
 from worlds.layout import layout_names, world
 from worlds.mission import Goal, Mission, Path
 from worlds.queries.clearance import clearance
-from worlds.refusal import Refusal
 from worlds.world import World
 
 
@@ -37,7 +42,7 @@ def flying(name: str = "liu2021-mission", agents: int = 12, **more) -> Flock:
 
 def test_extremes_are_those_of_every_tick():
     flock, twin = flying("obstacles"), flying("obstacles")
-    extremes = Extremes(flock)
+    extremes = MinimumDistances(flock)
     gap = far = np.inf
     for ticks in (1, 7, 40):
         extremes.run(ticks)
@@ -57,23 +62,23 @@ def test_extremes_are_those_of_every_tick():
 def test_an_agent_inside_an_obstacle_is_a_collision():
     flock = flying("obstacles")
     flock.position[3] = (12.5, 19.0)
-    assert Extremes(flock).values()["inside"] == 1.0
-    assert Extremes(flock).values()["least-clearance"] == pytest.approx(-3.0, abs=0.01)
+    assert MinimumDistances(flock).values()["inside"] == 1.0
+    assert MinimumDistances(flock).values()["least-clearance"] == pytest.approx(-3.0, abs=0.01)
 
 
 def test_nothing_is_watched_where_there_is_nothing_to_run_into():
     flock = Flock("vem", agents=10, rng=1)
-    extremes = Extremes(flock)
+    extremes = MinimumDistances(flock)
     extremes.run(3)
     assert flock.tick == 3
     assert extremes.values() == {}
     many = flying("obstacles", agents=MOST_AGENTS + 10)
-    assert not Extremes(many).wanted
+    assert not MinimumDistances(many).wanted
 
 
 def test_readings_of_a_mission_have_its_distance_and_who_follows():
     flock = flying()
-    readings = Readings(flock)
+    readings = FlockReadings(flock)
     readings.read(at_once=True)
     flock.advance(30)
     readings.read(at_once=True)
@@ -97,24 +102,24 @@ def test_who_is_near_the_goal_has_arrived():
 
 def test_a_frame_knows_how_the_mission_stands():
     flock = flying("obstacles")
-    frame = Camera(flock, 1).take()
+    frame = FrameBuilder(flock, 1).take()
     assert frame.world is flock.world
     assert frame.progress.goal.tolist() == [30.0, 5.0]
     assert frame.progress.done == 0
     assert [corner.tolist() for corner in frame.room] == [[2.0, 2.0], [14.0, 12.0]]
     flock.arrays.leg[flock.informed] = 2
-    assert Camera(flock, 1).take().progress.done == 2
-    assert Camera(Flock("vem", agents=3, rng=1), 1).take().progress == Progress()
+    assert FrameBuilder(flock, 1).take().progress.done == 2
+    assert FrameBuilder(Flock("vem", agents=3, rng=1), 1).take().progress == Progress()
 
 
 def test_a_start_region_of_a_density_depends_on_the_number_of_agents():
-    low, high = Camera(flying(agents=49), 1).take().room
+    low, high = FrameBuilder(flying(agents=49), 1).take().room
     assert np.prod(high - low) == pytest.approx(50 / 3.265)
 
 
 def test_boundary_points_are_one_array_until_the_world_changes():
     flock = flying()
-    camera = Camera(flock, 1, Wanted(points=True))
+    camera = FrameBuilder(flock, 1, FrameRequest(points=True))
     camera.examine()
     first = camera.take().points
     away = clearance(flock.world, first)
@@ -124,13 +129,13 @@ def test_boundary_points_are_one_array_until_the_world_changes():
     flock.change_world(world("obstacles"))
     camera.examine()
     assert camera.take().points is not first
-    camera.want(Wanted())
+    camera.want(FrameRequest())
     camera.examine()
     assert camera.take().points is None
 
 
 def test_an_agent_is_inspected_as_soon_as_what_it_takes_is_compiled():
-    run = Run(flying(), 1, Wanted(row=4))
+    run = FlockRun(flying(), 1, FrameRequest(row=4))
     until(lambda: run.look(closely=False).inspected, 60)
     seen = run.look(closely=False).inspected
     assert list(seen.forces) == ["alignment", "repulsion", "attraction"]
@@ -177,7 +182,7 @@ def test_monitors_say_only_what_the_world_has():
 
 def test_time_is_told_in_seconds_where_bodies_count_them():
     place = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
-    state = State(at_home("vem"))
+    state = SimulationState(at_home("vem"))
     assert "time" not in numbers(state, frame_of(place), {}, 1)
     timed = frame_of(place, dt=0.02, unit="s")
     told = numbers(state, timed, {}, 1)
@@ -187,8 +192,8 @@ def test_time_is_told_in_seconds_where_bodies_count_them():
 
 def test_browsers_are_counted_when_there_are_several_and_rotation_where_there_are_zones():
     frame = frame_of(World("wrap", (5.0, 5.0), ("wrap", "wrap")))
-    assert "browsers" not in numbers(State(at_home("vem")), frame, {}, 1)
-    told = numbers(State(at_home("couzin")), frame, {"angular-momentum": 0.5}, 2)
+    assert "browsers" not in numbers(SimulationState(at_home("vem")), frame, {}, 1)
+    told = numbers(SimulationState(at_home("couzin")), frame, {"angular-momentum": 0.5}, 2)
     assert (told["browsers"], told["rotation"]) == ("2", "0.500")
     assert "consistency" not in told
 
@@ -211,7 +216,7 @@ def test_a_model_starts_in_the_world_that_it_is_at_home_in():
     assert at_home("hwvem") == at_home() == Spec("hwvem", seed=1, **plain)
     for name in MODELS:
         assert len(Flock(at_home(name, seed=2)).ids) >= 1
-    with pytest.raises(Refusal, match="obstacles"):
+    with pytest.raises(InputError, match="obstacles"):
         at_home("hwvem", world="obstacle")
 
 

@@ -12,13 +12,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.viewer.notebook.place import Place, Server, find_place, running_servers
-from app.viewer.notebook.view import View, open_views, show
+from app.viewer.notebook.notebook_access import NotebookAccess, Server, find_place, running_servers
+from app.viewer.notebook.notebook_view import NotebookView, open_views, show
 from flockscope import Disc, Flock, world
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
-NOWHERE = Place()
+NOWHERE = NotebookAccess()
 
 
 @pytest.fixture(autouse=True)
@@ -58,7 +58,7 @@ def test_the_pages_of_the_server_that_has_started_it_may_frame_it(tmp_path, monk
     server(runtime, port=7777, pid=2**22 + 1)
     assert {one.port for one in running_servers()} == {8888, 9999}
     monkeypatch.setenv("JPY_PARENT_PID", str(os.getpid()))
-    assert find_place() == Place(("http://localhost:8888", "http://127.0.0.1:8888"))
+    assert find_place() == NotebookAccess(("http://localhost:8888", "http://127.0.0.1:8888"))
     monkeypatch.setenv("JPY_PARENT_PID", "1")
     assert len(find_place().framed_by) == 5
     assert "https://lab7:9999" in find_place().framed_by
@@ -77,7 +77,7 @@ def test_the_servers_are_those_that_jupyter_lists(tmp_path):
 def test_on_a_hub_it_goes_through_the_proxy(monkeypatch):
     monkeypatch.setenv("JUPYTERHUB_SERVICE_PREFIX", "/user/ada/")
     place = find_place()
-    assert place == Place(("'self'",), (), "/user/ada/proxy/")
+    assert place == NotebookAccess(("'self'",), (), "/user/ada/proxy/")
     assert place.address(4321, "abc") == "/user/ada/proxy/4321/abc/"
     named = find_place(origin="https://hub.example.org")
     assert named.framed_by == ("'self'", "https://hub.example.org")
@@ -116,7 +116,7 @@ def test_numeric_addresses_of_ipv6_are_in_no_policy():
     ],
 )
 def test_what_cannot_be_is_refused(words, options):
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         show(flock(), **options)
     assert open_views == []
 
@@ -174,14 +174,14 @@ def test_what_the_laboratory_would_refuse_is_told_at_once():
     home = world("open", size=10.0)
     mine = Flock("vem", agents=5, world=home, rng=1)
     mine.change_world(replace(home, obstacles=(Disc(centre=(5.0, 5.0), radius=4.9),)))
-    with pytest.raises(Refusal, match="position of row"):
+    with pytest.raises(InputError, match="position of row"):
         mine.show()
     assert open_views == []
 
 
 def test_each_has_an_address_that_nobody_guesses_and_html_that_frames_it():
-    one = View(flock(), Place(("http://localhost:8888",)), 500, False)
-    other = View(flock(), NOWHERE, 500, False)
+    one = NotebookView(flock(), NotebookAccess(("http://localhost:8888",)), 500, False)
+    other = NotebookView(flock(), NOWHERE, 500, False)
     assert len(one.secret) == 32
     assert one.secret != other.secret
     assert f'<iframe src="{one.address}"' in one.in_html()

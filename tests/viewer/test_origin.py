@@ -7,7 +7,7 @@ import socket
 import pytest
 
 from app.viewer.web.origin import allowed, authority, trusted
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 NAME = socket.gethostname()
 
@@ -137,7 +137,7 @@ def test_nobody_else_may_for_that(name, host, origin):
     ],
 )
 def test_what_is_no_name_is_refused_in_one_line(text):
-    with pytest.raises(Refusal, match="is not a host name with an optional port") as refused:
+    with pytest.raises(InputError, match="is not a host name with an optional port") as refused:
         allowed(text)
     assert "\n" not in str(refused.value)
 

@@ -15,18 +15,18 @@ from viser import uplot
 
 from agents.flock import Flock
 from agents.spec import Spec
-from app.viewer.lab.panels.monitors.numbers import NumbersTable, tabled
+from app.viewer.lab.panels.monitors.numbers_table import NumbersTable, tabled
 from app.viewer.lab.panels.plots.overlay import Overlay
-from app.viewer.measuring.course import Course
-from app.viewer.measuring.curves import over_earlier, thinned
-from app.viewer.measuring.earlier import KEPT, EarlierRuns
-from app.viewer.measuring.numbers import Number, numbers
-from app.viewer.measuring.readings import Readings
+from app.viewer.measuring.earlier_runs import KEPT, EarlierRuns
+from app.viewer.measuring.flock_numbers import Number, numbers
+from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.observable_curves import over_earlier, thinned
+from app.viewer.measuring.observable_history import ObservableHistory
 from app.viewer.measuring.run_conditions import MOST, ConditionHistory, RunConditions, Stretch
 from app.viewer.panels.chart import Chart, Curve, Shown
 from app.viewer.panels.plotted import KINDS
 from app.viewer.panels.sending import Sender
-from app.viewer.run.beside import companion
+from app.viewer.run.paired_run import companion
 from app.viewer.web.server import admit_browsers, close_server, open_server
 
 ORDER = ("polarisation", "angular-momentum")
@@ -40,9 +40,9 @@ def server():
     close_server(made)
 
 
-def read(flock: Flock, ticks: int, each: int = 5) -> Readings:
+def read(flock: Flock, ticks: int, each: int = 5) -> FlockReadings:
     """A flock that has run, measured now and then."""
-    readings = Readings(flock, watched=frozenset({"nearest-neighbour"}))
+    readings = FlockReadings(flock, watched=frozenset({"nearest-neighbour"}))
     readings.read(at_once=True)
     for _ in range(ticks // each):
         flock.advance(each)
@@ -50,11 +50,13 @@ def read(flock: Flock, ticks: int, each: int = 5) -> Readings:
     return readings
 
 
-def run(seed: int, ticks: int = 20, model: str = "vem", **given) -> Readings:
+def run(seed: int, ticks: int = 20, model: str = "vem", **given) -> FlockReadings:
     return read(Flock(model, agents=12, seed=seed, **given), ticks)
 
 
-def overlay(*runs: Readings, earlier: EarlierRuns | None = None, most=3, last=math.inf) -> Overlay:
+def overlay(
+    *runs: FlockReadings, earlier: EarlierRuns | None = None, most=3, last=math.inf
+) -> Overlay:
     return Overlay(runs, earlier or EarlierRuns(), most, last)
 
 
@@ -91,7 +93,7 @@ def test_a_table_says_units_and_time():
 
 def test_a_table_counts_crashes_to_the_tick():
     flock = Flock("safe", agents=30, rng=3)
-    readings = Readings(flock)
+    readings = FlockReadings(flock)
     flock.arrays.crash_record[:3, :2] = [[2, 1], [2, 1], [7, 2]]
     flock.tick = 9
     readings.read(at_once=True)
@@ -176,7 +178,7 @@ def test_few_earlier_runs_are_kept_and_the_same_one_once():
 
 def test_a_run_of_which_nothing_was_seen_is_not_kept():
     runs = EarlierRuns()
-    runs.follow([Readings(Flock("vem", agents=4, seed=1))])
+    runs.follow([FlockReadings(Flock("vem", agents=4, seed=1))])
     runs.follow([run(2, ticks=0)])
     runs.follow([run(3)])
     assert runs.kept == []
@@ -200,7 +202,7 @@ def test_what_differs_between_runs_is_told():
     assert ConditionHistory((Stretch(0, more),)).differences(now).endswith("…")
 
 
-def changed(readings: Readings, ticks: int = 10, **values) -> None:
+def changed(readings: FlockReadings, ticks: int = 10, **values) -> None:
     """Change parameters of a run as it goes, and run on."""
     readings.flock.set(**values)
     readings.note_conditions()
@@ -260,7 +262,7 @@ def test_a_change_is_a_mark_on_the_curve_and_a_step_in_the_table():
 def test_a_chart_is_not_made_anew_by_a_change():
     """A browser that makes a chart anew while the run goes on may lose the end of its time."""
     runs = EarlierRuns()
-    runs.keep(Course.of(run(seed=1)))
+    runs.keep(ObservableHistory.of(run(seed=1)))
     now = run(seed=2)
     pens = [one.pen for one in overlay(now, earlier=runs).shown(ORDER, keyed=True).curves]
     changed(now, eta=2.0)
@@ -345,7 +347,7 @@ def test_of_too_many_changes_no_value_is_told_that_was_not():
 def test_earlier_runs_of_one_name_are_told_apart():
     runs = EarlierRuns()
     now = run(seed=1, ticks=5)
-    one = Course.of(run(seed=2, ticks=5))
+    one = ObservableHistory.of(run(seed=2, ticks=5))
     runs.keep(one)
     other = replace(one.history.first, dt=0.5)
     runs.keep(replace(one, history=ConditionHistory((Stretch(0, other),))))
@@ -374,7 +376,7 @@ def test_the_points_that_are_drawn_stay_while_the_curve_moves_on(moved):
 
 def test_a_plot_is_taken_as_a_figure():
     runs = EarlierRuns()
-    runs.keep(Course.of(run(seed=1)))
+    runs.keep(ObservableHistory.of(run(seed=1)))
     plotted = overlay(run(seed=2), earlier=runs).plotted(ORDER)
     assert plotted.file("PNG") == "vem-seed2-tick20-polarisation-angular-momentum.png"
     picture = Image.open(io.BytesIO(plotted.content("PNG")))
@@ -391,7 +393,7 @@ def test_a_plot_is_taken_as_a_figure():
 class NoMore:
     """Nobody has asked for more numbers."""
 
-    def values(self, _readings: Readings, _last: float) -> dict[str, Number]:
+    def values(self, _readings: FlockReadings, _last: float) -> dict[str, Number]:
         return {}
 
 

@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 from agents.flock import Flock
-from app.viewer.lab.panels.run import status
-from app.viewer.run.compiling import Compiling, last_time, remember
-from app.viewer.run.home import at_home
+from app.viewer.lab.panels.run_panel import status
+from app.viewer.run.kernel_compiler import KernelCompiler, last_time, remember
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubCompiling, StubFlock
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 class Uncompiled(StubFlock):
@@ -108,7 +108,9 @@ def test_what_is_changed_on_the_way_is_changed_again_at_the_same_tick(simulate):
 
 def test_what_is_saved_is_only_ever_the_compiled_run(simulate):
     simulation = simulate(agents=5)
-    with pytest.raises(Refusal, match="this is a preview, and what is saved is the compiled run"):
+    with pytest.raises(
+        InputError, match="this is a preview, and what is saved is the compiled run"
+    ):
         simulation.saved().result(5)
     simulation.compiling.ready.set_result(None)
     until(lambda: simulation.state.compiling is None)
@@ -118,7 +120,7 @@ def test_what_is_saved_is_only_ever_the_compiled_run(simulate):
 def test_a_flock_that_is_too_large_for_a_preview_stands_and_the_page_says_for_how_long(simulate):
     simulation = simulate(agents=301, size=20.0)
     assert not simulation.state.preview
-    with pytest.raises(Refusal, match=r"stands until it is compiled \(about 8 s more\)"):
+    with pytest.raises(InputError, match=r"stands until it is compiled \(about 8 s more\)"):
         simulation.step().result(5)
     simulation.go().result(5)
     simulation.set("eta", 1.0).result(5)
@@ -172,7 +174,7 @@ def test_a_change_in_the_very_moment_when_it_is_compiled_begins_no_other_compile
 
 def test_a_model_that_cannot_be_compiled_stops_the_run_and_says_why(simulate):
     simulation = simulate(agents=5)
-    simulation.compiling.ready.set_exception(Refusal("rule 'x', decide, line 3: no"))
+    simulation.compiling.ready.set_exception(InputError("rule 'x', decide, line 3: no"))
     until(lambda: simulation.state.error)
     assert simulation.state.error == "rule 'x', decide, line 3: no"
     assert simulation.state.compiling is None
@@ -192,7 +194,7 @@ COLD = """
 import time
 import numpy as np
 from agents.flock import Flock
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 
 spec = at_home("vem", agents=20, seed=5)
@@ -240,7 +242,7 @@ def test_a_preview_is_the_compiled_run_up_to_rounding():
 PARENT = """
 import sys, time
 from agents.flock import Flock
-from app.viewer.run.compiling import Compiling
+from app.viewer.run.kernel_compiler import Compiling
 made = Compiling([Flock("guarded", rng=1)])
 while made.process is None:
     time.sleep(0.01)
@@ -279,7 +281,7 @@ def is_gone(process: int) -> bool:
 
 def test_a_compile_that_is_closed_is_never_ready(tmp_path, monkeypatch):
     monkeypatch.setenv("FLOCKSCOPE_CACHE", str(tmp_path))
-    made = Compiling([Flock("hwvem", agents=3, rng=1, activation="random")])
+    made = KernelCompiler([Flock("hwvem", agents=3, rng=1, activation="random")])
     process = until(lambda: made.process)
     made.close()
     assert process.wait(20) != 0

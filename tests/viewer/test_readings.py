@@ -9,18 +9,18 @@ import pytest
 
 from agents.catalogue import MODELS
 from app.viewer.lab.panels.monitors.bars import layer_bars
-from app.viewer.measuring.rate_limit import RateLimit
-from app.viewer.measuring.readings import Readings
+from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.work_throttle import WorkThrottle
 from app.viewer.panels.notation import equation_svg, plain
-from app.viewer.run.home import at_home
 from app.viewer.run.pace import ANSWER, Pace
+from app.viewer.run.run_preset import at_home
 from tests.viewer.stub_flock import StubFlock
 
 
 def test_readings_count_layers_and_leave_the_unknown_out():
     flock = StubFlock(at_home(agents=5))
     flock.position = np.array([[1.0, 1.0], [1.5, 1.0], [1.0, 1.5], [3.5, 3.0], [3.5, 3.2]])
-    readings = Readings(flock)
+    readings = FlockReadings(flock)
     readings.read(at_once=True)
     assert readings.layers.tolist() == [1, 2]
     assert readings.unknown == 2
@@ -39,7 +39,7 @@ def test_deep_layers_share_the_last_bar():
 
 
 def test_a_ration_gives_costly_work_its_share():
-    rate_limit = RateLimit(period=0.1, share=0.1)
+    rate_limit = WorkThrottle(period=0.1, share=0.1)
     rate_limit.spent(0.0, 50.0)
     assert rate_limit.due(0.1), "the first time may have had to compile"
     rate_limit.spent(1.0, 0.05)

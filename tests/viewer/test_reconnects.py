@@ -11,13 +11,13 @@ import pytest
 import viser
 
 from app.live.laboratory.example import example
-from app.live.operating.choices import Choices
+from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
 from app.viewer.live.session import Session
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from app.viewer.scene.shown.look import RIDE
-from app.viewer.watching.watching import Watching
+from app.viewer.watching.watch_page import WatchPage
 from tests.attacks.raw import Raw
 from tests.live.stand_in import StandIn
 from tests.viewer.stub_operator import Operators, driver
@@ -88,7 +88,7 @@ def test_reconnects_leave_nothing_in_a_laboratory(handles, laboratory):
 
 
 def test_reconnects_leave_nothing_where_one_only_watches(handles, laboratory):
-    with closing(Watching(laboratory)) as watching:
+    with closing(WatchPage(laboratory)) as watching:
         for _ in range(TIMES):
             come_and_go(watching)
         nothing_is_left(handles)

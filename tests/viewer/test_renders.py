@@ -14,7 +14,7 @@ from app.viewer.web.incoming.kinds import RENDER
 from app.viewer.web.incoming.messages import BYTES, Messages
 from app.viewer.web.incoming.rate_limit import RateLimit
 from app.viewer.web.renders import GROUND, Eye, Renders
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 EYE = Eye(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]), 0.5)
 
@@ -79,19 +79,19 @@ def test_what_is_clear_has_the_page_behind_it():
     ],
 )
 def test_what_is_no_such_picture_is_refused(payload, why):
-    with pytest.raises(Refusal, match=why):
+    with pytest.raises(InputError, match=why):
         ask(lambda _: (payload, 3))
 
 
 def test_a_browser_that_never_answers_is_not_waited_for():
-    with pytest.raises(Refusal, match=r"nothing in 0\.3 s"):
+    with pytest.raises(InputError, match=r"nothing in 0\.3 s"):
         ask(lambda _: (None, 3), patience=0.3)
-    with pytest.raises(Refusal, match="has gone"):
+    with pytest.raises(InputError, match="has gone"):
         ask(lambda _: (None, 3), there=False)
 
 
 def test_another_browser_cannot_answer():
-    with pytest.raises(Refusal, match="nothing in"):
+    with pytest.raises(InputError, match="nothing in"):
         ask(lambda _: (pictured((80, 60)), 4), patience=0.3)
 
 
@@ -113,6 +113,6 @@ def test_only_what_is_asked_for_comes_in_and_only_once():
         return b"", 3
 
     renders = Renders()
-    with pytest.raises(Refusal, match="cannot draw"):
+    with pytest.raises(InputError, match="cannot draw"):
         renders.ask(Page(renders, answer), (80, 60), EYE, patience=5.0)
     assert allowed == [False, True, False]

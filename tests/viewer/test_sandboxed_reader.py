@@ -12,9 +12,9 @@ from app.sandboxed_reader import read_in_sandbox, read_toml
 from app.viewer.editing import layout_file
 from app.viewer.editing.layout_file import layout_from_browser
 from app.viewer.gallery import saved_scene
-from app.viewer.gallery.opened import opened
+from app.viewer.gallery.file_opener import opened
+from worlds.input_error import InputError
 from worlds.obstacles import Disc
-from worlds.refusal import Refusal
 from worlds.world import World
 
 HERE = __name__
@@ -51,13 +51,13 @@ def test_a_file_is_read_by_another_process():
 
 @pytest.mark.parametrize("reader", ["take_memory", "end_at_once"])
 def test_a_reader_that_dies_is_a_refusal(reader):
-    with pytest.raises(Refusal, match=r"a\.dxf cannot be read: it is broken, or takes too much"):
+    with pytest.raises(InputError, match=r"a\.dxf cannot be read: it is broken, or takes too much"):
         read_in_sandbox(f"{HERE}:{reader}", "a.dxf", b"")
 
 
 def test_a_reader_that_takes_too_long_is_ended(monkeypatch):
     monkeypatch.setattr(sandboxed_reader, "TIMEOUT", 0.5)
-    with pytest.raises(Refusal, match=r"a.toml cannot be read within 0\.5 s"):
+    with pytest.raises(InputError, match=r"a.toml cannot be read within 0\.5 s"):
         read_in_sandbox(f"{HERE}:read_for_ever", "a.toml", b"")
 
 
@@ -77,11 +77,11 @@ def test_the_page_s_own_process_parses_nothing(monkeypatch):
 
 def test_what_is_wrong_is_said_as_before():
     disc = b'[[obstacle]]\nshape = "disc"\ncentre = [5.0, 5.0]\nradius = 1.0\n'
-    with pytest.raises(Refusal, match=r"big\.toml has 501 obstacles"):
+    with pytest.raises(InputError, match=r"big\.toml has 501 obstacles"):
         layout_from_browser("big.toml", b"size = 10.0\n" + 501 * disc)
-    with pytest.raises(Refusal, match=r"a\.toml is not TOML"):
+    with pytest.raises(InputError, match=r"a\.toml is not TOML"):
         read_toml("a.toml", b"= 3")
-    with pytest.raises(Refusal, match=r"a\.toml is not a text file"):
+    with pytest.raises(InputError, match=r"a\.toml is not a text file"):
         opened("a.toml", b"\xff\xfe\xff" * 30)
-    with pytest.raises(Refusal, match="unknown kind of layout file"):
+    with pytest.raises(InputError, match="unknown kind of layout file"):
         layout_from_browser("a.exe", b"")

@@ -10,15 +10,15 @@ import pytest
 from PIL import Image
 
 from agents.catalogue import MODELS
-from app.viewer.gallery.address import packed
-from app.viewer.gallery.collection import built_in, cards
 from app.viewer.gallery.saved_scene import LARGEST, SavedScene, read_scene
+from app.viewer.gallery.scene_address import packed
+from app.viewer.gallery.scene_collection import built_in, cards
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.setup import NOBODY
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from tests.viewer.http_client import ask
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 from worlds.world import World
 
 OPENS = {"X-Flockscope": "scene"}
@@ -128,7 +128,7 @@ def test_a_world_that_a_scene_brings_is_looked_at_before_it_is_built(laboratory)
     until(lambda: runs(laboratory, "vem") and laboratory.simulation.state.spec.agents == 10)
     until(lambda: laboratory.simulation.frame.world.size == (10.0, 10.0))
     bad = 'title = "x"\n[run]\nmodel = "vem"\n[run.layout]\nsize = [1e300, 1.0]\n'
-    with pytest.raises(Refusal):
+    with pytest.raises(InputError):
         read_scene("bad.toml", bad.encode())
 
 
@@ -141,7 +141,7 @@ def test_a_file_is_a_scene_or_a_spec_of_bounded_size():
         (b"a = ", "is not TOML"),
         (b"#" * (LARGEST + 1), "at most"),
     ):
-        with pytest.raises(Refusal, match=words):
+        with pytest.raises(InputError, match=words):
             read_scene("x.toml", data)
 
 

@@ -15,7 +15,7 @@ from websockets.sync.client import connect
 from app.viewer.web.server import UNWANTED, admit_browsers, close_server, listening, open_server
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def say(client: Any, **message: Any) -> None:
 def test_a_busy_port_is_refused_in_one_line_and_not_changed():
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        with pytest.raises(Refusal, match=f"port {port} on 127.0.0.1 cannot be used") as refused:
+        with pytest.raises(InputError, match=f"port {port} on 127.0.0.1 cannot be used") as refused:
             open_server(port=port)
     assert "\n" not in str(refused.value)
 
@@ -60,7 +60,7 @@ def test_a_port_can_be_used_again_at_once():
 
 @pytest.mark.parametrize("host", ["192.0.2.1", "no-such-host.invalid"])
 def test_a_host_that_is_not_this_machine_is_refused(host):
-    with pytest.raises(Refusal, match=host) as refused:
+    with pytest.raises(InputError, match=host) as refused:
         listening(host, 0)
     assert "Unknown error" not in str(refused.value)
 

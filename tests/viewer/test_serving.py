@@ -28,7 +28,7 @@ from app.viewer.web.serving.client_page import (
 from app.viewer.web.serving.front import Front, words
 from app.viewer.web.serving.query import MOST, leads_elsewhere
 from tests.viewer.http_client import ask, tell, upgrade
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 @pytest.fixture(scope="module")
@@ -276,7 +276,7 @@ def test_base_88_is_that_of_the_loader():
 )
 def test_a_page_that_viser_builds_otherwise_is_refused_in_one_line(monkeypatch, page):
     monkeypatch.setattr("app.viewer.web.serving.client_page.viser_page", lambda: page)
-    with pytest.raises(Refusal, match=f"the page of viser {viser.__version__}") as refused:
+    with pytest.raises(InputError, match=f"the page of viser {viser.__version__}") as refused:
         client_page.__wrapped__(())
     assert "\n" not in str(refused.value)
 

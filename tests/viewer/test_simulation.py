@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from app.viewer.lab.panels.agent.card import facts
-from app.viewer.run.home import at_home
-from app.viewer.run.picture import Wanted
+from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 @pytest.fixture
@@ -93,7 +93,7 @@ def test_a_change_is_noted_at_its_tick_and_told_in_the_spec(simulate):
     assert simulation.readings.conditions.changes() == []
     words = before.conditions.differences(simulation.readings.conditions)
     assert words == "eta 0.5 → 2 at tick 5"
-    with pytest.raises(Refusal, match="is outside"):
+    with pytest.raises(InputError, match="is outside"):
         simulation.set("eta", 99.0).result(5)
     assert simulation.readings.conditions.changes() == []
 
@@ -111,7 +111,7 @@ def test_a_parameter_acts_at_once_and_one_out_of_range_is_refused(simulate):
     simulation = simulate()
     simulation.set("eta", 1.5).result(5)
     assert simulation.run.flock.parameters.eta == 1.5 == simulation.state.values["eta"]
-    with pytest.raises(Refusal, match=r"eta = 99 is outside \[0, 6.28\]"):
+    with pytest.raises(InputError, match=r"eta = 99 is outside \[0, 6.28\]"):
         simulation.set("eta", 99).result(5)
     assert simulation.run.flock.parameters.eta == 1.5
     assert "eta = 99" in simulation.notices.get(timeout=5)
@@ -154,7 +154,7 @@ def test_a_rule_that_raises_stops_the_run_and_setup_mends_it(simulate, error, wo
     assert words in simulation.state.error
     assert words in simulation.notices.get(timeout=5)
     assert not simulation.state.running
-    with pytest.raises(Refusal, match="press Setup"):
+    with pytest.raises(InputError, match="press Setup"):
         simulation.go().result(5)
     simulation.setup(at_home())
     until(lambda: simulation.state.run == 2)
@@ -207,7 +207,7 @@ def test_a_slow_pace_does_not_delay_commands(simulate):
 
 @pytest.mark.parametrize("speed", [0.0, -1.0, math.nan])
 def test_an_impossible_pace_is_refused(simulate, speed):
-    with pytest.raises(Refusal, match="ticks/s"):
+    with pytest.raises(InputError, match="ticks/s"):
         simulate().run_at(speed).result(5)
 
 
@@ -248,7 +248,7 @@ def test_layers_groups_links_and_an_agent_are_in_frames_only_when_wanted(simulat
     simulation = simulate(agents=3, size=0.5)
     frame = simulation.frame
     assert frame.layer is frame.group is frame.links is frame.inspected is None
-    simulation.want(Wanted(layers=True, groups=True, links=True, row=2))
+    simulation.want(FrameRequest(layers=True, groups=True, links=True, row=2))
     frame = until(lambda: simulation.frame if simulation.frame.layer is not None else None)
     assert frame.layer.tolist() == [1, 2, 2]
     assert frame.group.tolist() == [0, 0, 0]
@@ -287,7 +287,7 @@ def test_what_cannot_be_observed_is_told_once_and_the_flock_runs_on(simulate, ca
             raise KeyError("nothing to see")
 
     simulation = simulate(build=Shy, running=True)
-    simulation.want(Wanted(row=1))
+    simulation.want(FrameRequest(row=1))
     before = tick(simulation)
     until(lambda: tick(simulation) > before + 20)
     told = {simulation.notices.get(timeout=5), simulation.notices.get(timeout=5)}

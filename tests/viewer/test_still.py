@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from flockscope import Flock
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 @pytest.fixture(scope="module")
@@ -62,10 +62,10 @@ def test_in_space_and_after_an_agent(flock):
     ],
 )
 def test_what_cannot_be_drawn_is_refused(flock, words, options):
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         flock.picture(**options)
 
 
 def test_only_pictures_are_written(flock, tmp_path):
-    with pytest.raises(Refusal, match=r"ends in \.png or \.svg or \.pdf"):
+    with pytest.raises(InputError, match=r"ends in \.png or \.svg or \.pdf"):
         flock.picture().save(tmp_path / "flock.gif")

@@ -17,10 +17,10 @@ from agents import Flock
 from agents.parquet import ParquetTable
 from agents.record import KEY
 from app.sandboxed_reader import read_in_sandbox
-from app.viewer.gallery.opened import opened
-from app.viewer.run.past import stored as limits
-from app.viewer.run.past.stored import REWRITE, Stored, stored
-from worlds.refusal import Refusal
+from app.viewer.gallery.file_opener import opened
+from app.viewer.run.past import stored_flock as limits
+from app.viewer.run.past.stored_flock import REWRITE, StoredFlock, stored
+from worlds.input_error import InputError
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def with_column(table, name: str, values) -> bytes:
 
 
 def refused(content: bytes) -> str:
-    with pytest.raises(Refusal) as found:
+    with pytest.raises(InputError) as found:
         stored("sent.parquet", content)
     line = str(found.value)
     assert "\n" not in line
@@ -59,7 +59,7 @@ def refused(content: bytes) -> str:
 
 def test_a_state_from_a_browser_goes_on_to_the_bit(state):
     made = opened("../../state.parquet", packed(state))
-    assert isinstance(made, Stored)
+    assert isinstance(made, StoredFlock)
     assert (made.name, made.kind) == ("state.parquet", "saved state")
     flock = made.flock(Flock)
     assert np.array_equal(flock.position[:, 0], state["x"].to_numpy())
@@ -183,7 +183,7 @@ def test_bytes_that_are_changed_are_refused_or_make_a_flock(state, data):
         content[data.draw(st.integers(4, len(content) - 1))] = data.draw(st.integers(0, 255))
     try:
         made = opened("sent.parquet", bytes(content))
-    except Refusal as error:
+    except InputError as error:
         line = str(error)
     else:
         line = made.kind
@@ -196,7 +196,7 @@ def test_a_file_that_ends_the_process_that_reads_it_is_refused(state, monkeypatc
     aborts.write_text("#!/bin/sh\nkill -ABRT $$\n")
     aborts.chmod(0o700)
     monkeypatch.setattr(sys, "executable", str(aborts))
-    with pytest.raises(Refusal, match=r"^sent\.parquet cannot be read: it is broken, or"):
+    with pytest.raises(InputError, match=r"^sent\.parquet cannot be read: it is broken, or"):
         opened("sent.parquet", packed(state))
 
 

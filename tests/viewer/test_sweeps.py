@@ -22,22 +22,22 @@ from app.experiments.sweeps.pictures.groups import Group
 from app.experiments.sweeps.sweep import read_sweep
 from app.experiments.sweeps.table import wide
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.lab.panels.sweep import status
-from app.viewer.lab.sweeps.asked import AGENTS, Asked, Axis
-from app.viewer.lab.sweeps.bounds import MOST_CELLS, words
-from app.viewer.lab.sweeps.picture import picture
-from app.viewer.lab.sweeps.reading import Shown, scene_of, shown, typical
-from app.viewer.lab.sweeps.sweeps import Sweeps, demand_from_page
-from app.viewer.lab.sweeps.taking import content
-from app.viewer.run.home import at_home
+from app.viewer.lab.panels.sweep_panel import status
+from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps, demand_from_page
+from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, scene_of, shown, typical
+from app.viewer.lab.sweeps.sweep_downloads import content
+from app.viewer.lab.sweeps.sweep_limits import MOST_CELLS, words
+from app.viewer.lab.sweeps.sweep_request import AGENTS, Axis, SweepRequest
+from app.viewer.lab.sweeps.sweep_svg import picture
+from app.viewer.run.run_preset import at_home
 from tests.viewer.http_client import ask
 from tests.viewer.waiting import until
+from worlds.input_error import InputError
 from worlds.layout import world as build_world
-from worlds.refusal import Refusal
 
 OPENS = {"X-Flockscope": "scene"}
 SPEC_OF = at_home("vem", agents=20, seed=2, parameters={"eta": 0.4, "v0": 0.05})
-ASKED = Asked(SPEC_OF, [Axis("eta", 0.0, 6.0, 3)], "polarisation", runs=2, ticks=30)
+ASKED = SweepRequest(SPEC_OF, [Axis("eta", 0.0, 6.0, 3)], "polarisation", runs=2, ticks=30)
 OF_PAGE = '[run]\nmodel = "vem"\nticks = 100\n'
 GRID_OF_WORLDS = '[[design]]\nkind = "grid"\n[design.axes]\nworld = ["mine.toml"]\n'
 LONG = replace(ASKED, axes=[Axis("eta", 0.0, 6.0, 50)], runs=100, ticks=4000)
@@ -118,7 +118,7 @@ def test_a_world_of_ones_own_goes_along(tmp_path):
 )
 def test_what_is_too_much_or_nonsense_is_refused_before_anything_is_made(tmp_path, changes, said):
     sweeps = Sweeps(tmp_path)
-    with pytest.raises(Refusal, match=said):
+    with pytest.raises(InputError, match=said):
         sweeps.begin(replace(ASKED, **changes))
     assert not list(tmp_path.iterdir())
     sweeps.close()
@@ -217,14 +217,14 @@ def test_all_of_it_can_be_taken_along(finished):
     assert tomllib.loads(content(finished, "Spec")[1].decode())["run"]["agents"] == 20
     assert content(finished, "PNG")[1].startswith(b"\x89PNG")
     assert b"<svg" in content(finished, "SVG")[1]
-    with pytest.raises(Refusal, match="not one of"):
+    with pytest.raises(InputError, match="not one of"):
         content(finished, "EXE")
 
 
 def test_it_is_stopped_gone_on_with_and_outlives_the_laboratory(tmp_path):
     sweeps = Sweeps(tmp_path)
     name = sweeps.begin(LONG)
-    with pytest.raises(Refusal, match="one sweep at a time"):
+    with pytest.raises(InputError, match="one sweep at a time"):
         sweeps.begin(ASKED)
     until(lambda: state_of(sweeps, name) == "running" and sweeps.seen.of(name).done, 90)
     sweeps.stop(name)
@@ -240,7 +240,7 @@ def test_it_is_stopped_gone_on_with_and_outlives_the_laboratory(tmp_path):
     assert making.runs, "a laboratory that ends leaves its sweep running"
     other = Sweeps(tmp_path)
     until(lambda: state_of(other, name) == "running")
-    with pytest.raises(Refusal, match="one sweep at a time"):
+    with pytest.raises(InputError, match="one sweep at a time"):
         other.begin(ASKED)
     other.stop(name)
     assert (tmp_path / name / STOP).exists() or not is_taken(tmp_path / name)
@@ -286,7 +286,7 @@ def store_of(folder: Path, text: str, runs: int, agents: int = 20) -> Path:
     ],
 )
 def test_the_page_goes_on_with_what_it_could_have_begun_only(tmp_path, text, runs, agents, said):
-    with pytest.raises(Refusal, match=said):
+    with pytest.raises(InputError, match=said):
         demand_from_page(store_of(tmp_path / "one", text, runs, agents))
     demand_from_page(store_of(tmp_path / "two", OF_PAGE, 10))
 
@@ -313,7 +313,7 @@ def test_a_store_of_anything_else_is_no_sweep_and_a_broken_one_is_said(tmp_path)
 
 
 def drawn(axes: dict, cells: dict[int, Group]) -> str:
-    return picture(Shown("a<b", "vem", axes, ("polarisation",), "polarisation", cells, 10))
+    return picture(DrawnSweep("a<b", "vem", axes, ("polarisation",), "polarisation", cells, 10))
 
 
 def test_a_curve_marks_what_has_no_value_and_says_its_names_safely():

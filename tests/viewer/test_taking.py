@@ -13,14 +13,14 @@ import pytest
 from imageio_ffmpeg import count_frames_and_secs
 from PIL import Image
 
-from app.viewer.lab import filming, taking
+from app.viewer.lab import film_recorder, picture_exporter
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.pictures.seen import darkened
-from app.viewer.run.home import at_home
+from app.viewer.run.run_preset import at_home
 from app.viewer.web.server import renders_of
 from tests.viewer.http_client import ask
 from tests.viewer.waiting import until
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SCENE = (40, 120, 200)
 """The one colour of all that the browser draws."""
@@ -136,7 +136,7 @@ def test_a_film_lasts_as_long_as_it_was_watched(laboratory, page, tmp_path):
     name, made = page.files.pop()
     (tmp_path / name).write_bytes(made)
     frames, _ = count_frames_and_secs(str(tmp_path / name))
-    assert frames == pytest.approx(filming.FPS * seconds, abs=15)
+    assert frames == pytest.approx(film_recorder.FPS * seconds, abs=15)
 
 
 def test_a_page_that_plays_holds_the_frames(laboratory, page):
@@ -187,9 +187,9 @@ def test_films_want_an_extra_and_say_so(laboratory, page, monkeypatch):
     """A page that plays is made without it."""
 
     def absent(purpose):
-        raise Refusal(f"{purpose} needs the package")
+        raise InputError(f"{purpose} needs the package")
 
-    monkeypatch.setattr(taking, "demand_film", absent)
+    monkeypatch.setattr(picture_exporter, "demand_film", absent)
     assert json.loads(wanted(laboratory, page).text)["missing"] == "a film needs the package"
     answer = wanted(laboratory, page, do="film", kind="mp4", size="400x320")
     assert (answer.status, answer.text) == (400, "a film needs the package\n")
@@ -204,14 +204,14 @@ def test_discarded_is_discarded(laboratory, page):
 
 
 def test_a_film_ends_by_itself(laboratory, page, monkeypatch):
-    monkeypatch.setattr(filming, "LONGEST", 0.4)
+    monkeypatch.setattr(film_recorder, "LONGEST", 0.4)
     wanted(laboratory, page, do="film", kind="gif", size="400x320")
     until(lambda: page.files, 30)
 
 
 def test_a_browser_that_draws_nothing_is_told(laboratory, page, monkeypatch):
     def nothing(*_args, **_more):
-        raise Refusal("the browser has drawn nothing in 15 s")
+        raise InputError("the browser has drawn nothing in 15 s")
 
     monkeypatch.setattr(renders_of(laboratory.server), "ask", nothing)
     for what, kind in (("picture", "png"), ("film", "webm")):
@@ -266,6 +266,10 @@ def test_a_coarse_browser_is_asked_for_more(laboratory, monkeypatch):
     for dots in ("1", "0.5", "nan", "1e9", "x"):
         monkeypatch.setattr(renders_of(laboratory.server), "ask", draw)
         (visit,) = laboratory.taking.visits.values()
-        visit.dots = taking.coarseness(dots)
-        assert taking.Eyes(laboratory, visit).render((400, 300)).shape == (300, 400, 3)
+        visit.dots = picture_exporter.coarseness(dots)
+        assert picture_exporter.BrowserCapture(laboratory, visit).render((400, 300)).shape == (
+            300,
+            400,
+            3,
+        )
     assert asked == [(400, 300), (800, 600), (400, 300), (400, 300), (400, 300)]

@@ -12,14 +12,14 @@ from agents.flock import Flock
 from agents.record import Recorder
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.measuring.time_series import TimeSeries
-from app.viewer.run.home import at_home
-from app.viewer.run.past.history import History, Moment
-from app.viewer.run.past.stored import stored
-from app.viewer.run.picture import Wanted
+from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.past.checkpoint_history import CheckpointHistory, RunCheckpoint
+from app.viewer.run.past.stored_flock import stored
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 from tests.viewer.waiting import until
+from worlds.input_error import InputError
 from worlds.obstacles import Disc
-from worlds.refusal import Refusal
 
 RUN = {"model": "vem", "agents": 30, "seed": 4, "eta": 0.3}
 EVERY, FRAMES = 5, 9
@@ -122,7 +122,7 @@ def test_nothing_can_be_changed_in_a_recording(played):
         lambda: played.place(0, np.zeros(2), np.array([1.0, 0.0])),
         lambda: played.edits.change(lambda editor: editor.add(Disc(centre=(9.0, 9.0), radius=0.1))),
     ):
-        with pytest.raises(Refusal, match=r"flight\.parquet is a recording"):
+        with pytest.raises(InputError, match=r"flight\.parquet is a recording"):
             command().result(10)
 
 
@@ -140,7 +140,7 @@ def test_what_is_measured_of_a_recording_is_that_of_the_tick(played):
 def test_an_agent_of_a_recording_is_looked_at_from_close(played):
     flock = Flock("vem", agents=30, rng=4, eta=0.3)
     flock.run(15)
-    played.want(Wanted(row=3, links=True)).result(10)
+    played.want(FrameRequest(row=3, links=True)).result(10)
     seek(played, 15)
 
     def seen():
@@ -251,7 +251,7 @@ def test_parameters_are_those_of_the_tick_that_is_gone_on_from(simulate):
     shown(live, 40)
     seek(live, 0)
     assert live.state.values["eta"] == 1.5
-    with pytest.raises(Refusal, match="looked back at"):
+    with pytest.raises(InputError, match="looked back at"):
         live.set("eta", 0.9).result(10)
     live.time_line.to_now().result(10)
     assert live.state.values["eta"] == 0.2
@@ -275,13 +275,13 @@ def test_two_flocks_go_back_together(simulate):
     assert np.array_equal(live.frame.beside.position, first)
 
 
-def moment(tick: int, numbers: int = 100) -> Moment:
+def moment(tick: int, numbers: int = 100) -> RunCheckpoint:
     snapshot = SimpleNamespace(tick=tick, arrays=(np.zeros(numbers),))
-    return Moment((snapshot,), ((0.0, 0.0),), 0.0, at_home(), None)
+    return RunCheckpoint((snapshot,), ((0.0, 0.0),), 0.0, at_home(), None)
 
 
 def test_a_history_is_bounded_and_denser_towards_now():
-    history = History(memory=50 * 800)
+    history = CheckpointHistory(memory=50 * 800)
     for tick in range(3000):
         history.note(moment(tick))
         assert history.size == sum(one.size for one in history.moments) <= 50 * 800
@@ -294,7 +294,7 @@ def test_a_history_is_bounded_and_denser_towards_now():
 
 
 def test_a_moment_at_the_same_tick_takes_the_place_of_the_one_before():
-    history = History()
+    history = CheckpointHistory()
     for tick in (0, 4, 4, 2):
         history.note(moment(tick))
     assert [one.tick for one in history.moments] == [0, 2]

@@ -13,12 +13,12 @@ import viser
 from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.spec import Spec
-from app.viewer.lab.panels.view import FlockView
-from app.viewer.live.panels.view import CONTROLS
-from app.viewer.live.panels.view import usual as usual_of_room
+from app.viewer.lab.panels.flock_view import FlockView
+from app.viewer.live.panels.room_look import CONTROLS
+from app.viewer.live.panels.room_look import usual as usual_of_room
 from app.viewer.panels.view import ViewPanel
-from app.viewer.run.home import at_home, usual_of
-from app.viewer.run.picture import Camera
+from app.viewer.run.frame_builder import FrameBuilder
+from app.viewer.run.run_preset import at_home, usual_of
 from app.viewer.scene.shown.control import controls_of
 from app.viewer.scene.shown.look import AGENTS, BIRDS_UP_TO, CAMERA, NUMBERED_UP_TO, WORLD, Look
 from app.viewer.scene.shown.usual import TURNS
@@ -65,7 +65,7 @@ def test_every_model_at_home_shows_what_its_scene_has(view, name):
     flock = Flock(at_home(name, seed=3))
     rule, world, mission = flock.model.rule, flock.world, flock.world.mission
     count, space = len(flock.ids), flock.world.dim == 3
-    view.fit(Camera(flock, 1).take())
+    view.fit(FrameBuilder(flock, 1).take())
     expected = {
         "wake": space and count <= BIRDS_UP_TO,
         "birds": space and count <= BIRDS_UP_TO,

@@ -11,13 +11,13 @@ import pytest
 from agents.observables.catalogue import OBSERVABLES
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import GALLERY, OPEN, TAKE
-from app.viewer.measuring.measured import QUICK
-from app.viewer.run.home import at_home
-from app.viewer.run.picture import Camera, Elsewhere, Wanted
-from app.viewer.watching.marks import Choice
-from app.viewer.watching.plots import ALWAYS, MOST, wanted
-from app.viewer.watching.watching import LOOKED_AT, Watching
-from app.viewer.watching.words import standing, values
+from app.viewer.measuring.observable_format import QUICK
+from app.viewer.run.frame_builder import FrameBuilder, FrameRequest, WatchPageRequest
+from app.viewer.run.run_preset import at_home
+from app.viewer.watching.own_marks import AgentSelection
+from app.viewer.watching.own_plots import ALWAYS, MOST, wanted
+from app.viewer.watching.run_description import standing, values
+from app.viewer.watching.watch_page import LOOKED_AT, WatchPage
 from tests.live.stand_in import StandIn
 from tests.viewer.http_client import ask
 from tests.viewer.stub_flock import StubFlock
@@ -37,7 +37,7 @@ def laboratory():
 
 @pytest.fixture(scope="module")
 def page(laboratory):
-    made = Watching(laboratory, "Ada <script>")
+    made = WatchPage(laboratory, "Ada <script>")
     yield made
     made.close()
 
@@ -60,7 +60,7 @@ def plotted(browser: StandIn) -> str:
     return browser.controls.get(browser.found("Plot 1"), {}).get("value", "")
 
 
-def click(browser: StandIn, page: Watching, row: int) -> None:
+def click(browser: StandIn, page: WatchPage, row: int) -> None:
     """Click on an agent, from straight above."""
     x, y, _ = until(lambda: page.scene.where(row))
     browser.say(
@@ -96,7 +96,7 @@ def test_nothing_is_drawn_while_nobody_watches(page, laboratory):
         until(lambda: drawing() == 2)
     until(lambda: drawing() == 1)
     assert page.drawing is None
-    until(lambda: laboratory.elsewhere == Elsewhere())
+    until(lambda: laboratory.elsewhere == WatchPageRequest())
 
 
 def test_it_serves_the_page_and_nothing_that_opens_or_takes(page):
@@ -166,7 +166,7 @@ def test_each_inspects_its_own_agent_and_the_laboratory_none(page, laboratory, b
 def test_another_run_has_other_agents(page, laboratory, browsers):
     (_, own), _ = browsers
     frame = laboratory.simulation.frame
-    own.choose(Choice(3, run=frame.run))
+    own.choose(AgentSelection(3, run=frame.run))
     until(lambda: page.scene.own)
     laboratory.simulation.reset()
     until(lambda: laboratory.simulation.frame.run > frame.run)
@@ -208,7 +208,7 @@ def test_what_is_measured_for_those_who_watch_is_bounded_and_what_most_want_goes
 def test_agents_that_are_looked_at_are_bounded_and_the_latest_go_first(page):
     class One:
         def __init__(self, row: int, beside: bool):
-            self.choice = Choice(row, beside)
+            self.choice = AgentSelection(row, beside)
             self.plots = type("Plots", (), {"names": frozenset()})
 
     asked = page.asked([One(k, k % 2 == 0) for k in range(LOOKED_AT + 20)])
@@ -224,7 +224,9 @@ def test_agents_of_other_pages_are_looked_at_a_few_times_a_second_and_the_own_in
             looked.append(row)
             return super().inspect(row)
 
-    camera = Camera(Seen(at_home(agents=5)), 1, Wanted(row=1, others=frozenset({2, 3, 99})))
+    camera = FrameBuilder(
+        Seen(at_home(agents=5)), 1, FrameRequest(row=1, others=frozenset({2, 3, 99}))
+    )
     until(camera.is_warm)
     for _ in range(10):
         camera.inspect()
@@ -235,17 +237,17 @@ def test_agents_of_other_pages_are_looked_at_a_few_times_a_second_and_the_own_in
     assert set(camera.take().others) == {2, 3}
     camera.inspect_others(at_once=True)
     assert looked.count(2) == 2
-    camera.want(Wanted(row=1))
+    camera.want(FrameRequest(row=1))
     camera.inspect_others()
     assert camera.take().others == {}
 
 
 def test_what_other_pages_inspect_does_not_have_layers_found_anew():
-    camera = Camera(StubFlock(at_home(agents=5)), 1, Wanted(layers=True))
+    camera = FrameBuilder(StubFlock(at_home(agents=5)), 1, FrameRequest(layers=True))
     camera.rate_limit.next = 1e12
-    camera.want(Wanted(layers=True, others=frozenset({2})))
+    camera.want(FrameRequest(layers=True, others=frozenset({2})))
     assert camera.rate_limit.next == 1e12
-    camera.want(Wanted(layers=True, groups=True, others=frozenset({2})))
+    camera.want(FrameRequest(layers=True, groups=True, others=frozenset({2})))
     assert camera.rate_limit.next == 0.0
 
 

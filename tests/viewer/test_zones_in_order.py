@@ -8,12 +8,12 @@ from hypothesis import strategies as st
 
 from agents.flock import Flock
 from agents.spec import Spec
-from app.viewer.run.beside import Pair, companion
-from app.viewer.run.home import at_home
-from app.viewer.run.picture import Wanted
+from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.paired_run import PairedRun, companion
+from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
-from app.viewer.run.zones import allowed, in_order, radii, stopped
-from worlds.refusal import Refusal
+from app.viewer.run.zone_order import allowed, in_order, radii, stopped
+from worlds.input_error import InputError
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +72,7 @@ def test_it_is_told_and_the_answer_is_the_value_taken():
         assert simulation.state.values["d_r"] == 2.5
         words = "d_r stops at 2.5: repulsion ends at 2.5, orientation ends at 2.5"
         assert words in simulation.notices.get(timeout=5)
-        with pytest.raises(Refusal, match="alpha = 999"):
+        with pytest.raises(InputError, match="alpha = 999"):
             simulation.set("alpha", 999.0).result(10)
     finally:
         simulation.close()
@@ -80,7 +80,7 @@ def test_it_is_told_and_the_answer_is_the_value_taken():
 
 def test_of_two_models_both_keep_their_order():
     first = Flock(at_home("thesis", agents=4))
-    both = Pair(first, companion(first, Spec("safe")), 1, Wanted())
+    both = PairedRun(first, companion(first, Spec("safe")), 1, FrameRequest())
     both.second.flock.set(d_o=2.0)
     assert both.allowed("d_r", 2.3) == 2.0
     assert "d_r" in stopped(first, "d_r", 2.5)

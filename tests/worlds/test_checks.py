@@ -3,11 +3,11 @@
 import pytest
 
 from worlds.checks import demand_sound, problems
+from worlds.input_error import InputError
 from worlds.layout import world
 from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.obstacles import Box, Disc, Polygon, Prism, Sphere, Union
 from worlds.queries.survey import survey
-from worlds.refusal import Refusal
 from worlds.world import World
 
 BOW = Polygon(points=((0, 0), (4, 4), (4, 0), (0, 4)), name="bow")
@@ -96,7 +96,7 @@ def test_errors(unsound, feature, place, text):
     found = problems(unsound)[0]
     assert (found.feature, found.text, found.severity) == (feature, text, "error")
     assert place is None or found.place == pytest.approx(place)
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         demand_sound(unsound)
     assert str(refused.value) == f"{text} ({unsound.name})"
 
@@ -124,10 +124,10 @@ def test_a_sound_world_has_no_problems():
 def test_a_file_with_an_unsound_obstacle_is_refused(tmp_path):
     path = tmp_path / "yard.toml"
     path.write_text(flat(BOW).to_toml())
-    with pytest.raises(Refusal, match=r"'bow' crosses itself at \(2, 2\) \(.*yard.toml\)"):
+    with pytest.raises(InputError, match=r"'bow' crosses itself at \(2, 2\) \(.*yard.toml\)"):
         world(str(path))
 
 
 def test_an_unsound_world_is_never_surveyed():
-    with pytest.raises(Refusal, match="'bow' of yard is unsound"):
+    with pytest.raises(InputError, match="'bow' of yard is unsound"):
         survey(flat(BOW), 1.0)

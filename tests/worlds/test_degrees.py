@@ -8,10 +8,10 @@ import pytest
 import shapely
 from pyproj import Geod
 
+from worlds.input_error import InputError
 from worlds.readers import open_drawing, read_geometry
 from worlds.readers.degrees import question_of_degrees
 from worlds.readers.plan_question import PlanQuestion
-from worlds.refusal import Refusal
 
 GEOD = Geod(ellps="WGS84")
 RING = [[8.65, 49.87], [8.6513, 49.8702], [8.651, 49.871], [8.65, 49.871], [8.65, 49.87]]
@@ -114,19 +114,19 @@ def test_lengths_are_not_taken_for_degrees(plan, ring, more):
     ],
 )
 def test_what_cannot_be_projected_is_refused(plan, ring, options, words):
-    with pytest.raises(Refusal, match=words):
+    with pytest.raises(InputError, match=words):
         read_geometry(plan(ring), degrees=True, **options)
 
 
 def test_the_extra_is_named_where_it_is_missing(plan, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyproj", None)
     monkeypatch.setattr("worlds.extra.find_spec", lambda _: None)
-    with pytest.raises(Refusal, match=r"needs the package pyproj.*uv sync --extra maps"):
+    with pytest.raises(InputError, match=r"needs the package pyproj.*uv sync --extra maps"):
         read_geometry(plan(), degrees=True)
 
 
 def test_degrees_are_for_two_formats(tmp_path):
     path = tmp_path / "a.map"
     path.write_text("type octile\nheight 1\nwidth 2\nmap\n.@\n")
-    with pytest.raises(Refusal, match=r"--degrees is for \.geojson, \.json, \.wkt files"):
+    with pytest.raises(InputError, match=r"--degrees is for \.geojson, \.json, \.wkt files"):
         read_geometry(path, degrees=True)

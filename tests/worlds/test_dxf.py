@@ -8,9 +8,9 @@ import pytest
 import shapely
 from ezdxf import units
 
+from worlds.input_error import InputError
 from worlds.obstacles import Disc, Polygon, Wall
 from worlds.readers import read_geometry
-from worlds.refusal import Refusal
 
 SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4)]
 SOLID = {"obstacle": ["*"]}
@@ -28,7 +28,7 @@ def drawing(tmp_path):
             return read_geometry(self.path, roles, **options)
 
         def refused(self, roles=SOLID, **options):
-            with pytest.raises(Refusal) as refusal:
+            with pytest.raises(InputError) as refusal:
                 self.read(roles, **options)
             line = str(refusal.value)
             assert "plan.dxf" in line
@@ -39,7 +39,7 @@ def drawing(tmp_path):
 
 
 def refusal_of(drawing, **options):
-    with pytest.raises(Refusal) as refusal:
+    with pytest.raises(InputError) as refusal:
         drawing.read(**options)
     return refusal.value
 
@@ -214,10 +214,10 @@ def test_an_entity_that_cannot_be_used_is_named(drawing, draw, words):
 def test_a_file_that_is_no_dxf_is_named(tmp_path):
     path = tmp_path / "plan.dxf"
     path.write_text("a poem\nwithout lines\n")
-    with pytest.raises(Refusal, match=r"plan\.dxf.* is not (a )?DXF"):
+    with pytest.raises(InputError, match=r"plan\.dxf.* is not (a )?DXF"):
         read_geometry(path)
     path.write_bytes(b"\x00\xff" * 40)
-    with pytest.raises(Refusal, match=r"plan\.dxf.* is not (a )?DXF"):
+    with pytest.raises(InputError, match=r"plan\.dxf.* is not (a )?DXF"):
         read_geometry(path)
 
 
@@ -225,5 +225,5 @@ def test_a_damaged_entity_is_named(drawing):
     drawing.space.add_ellipse((0, 0), (3.25, 0), 0.5)
     drawing.document.saveas(drawing.path)
     drawing.path.write_text(drawing.path.read_text().replace("3.25", "0.0"))
-    with pytest.raises(Refusal, match=r"ELLIPSE handle \w+: it is damaged: .*null vector"):
+    with pytest.raises(InputError, match=r"ELLIPSE handle \w+: it is damaged: .*null vector"):
         read_geometry(drawing.path, SOLID)

@@ -7,8 +7,8 @@ import ezdxf
 import pytest
 from ezdxf import units
 
+from worlds.input_error import InputError
 from worlds.readers import read_geometry, world_around
-from worlds.refusal import Refusal
 
 HALL = [(0, 0), (20, 0), (20, 9), (0, 9)]
 
@@ -32,7 +32,7 @@ def drawing(tmp_path):
             return read_geometry(self.path, roles, **options)
 
         def refused(self, roles=None, **options):
-            with pytest.raises(Refusal) as refusal:
+            with pytest.raises(InputError) as refusal:
                 self.read(roles, **options)
             return getattr(refusal.value, "lines", (str(refusal.value),))
 

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from worlds.checks import problems
 from worlds.generators import GENERATORS, generate
+from worlds.input_error import InputError
 from worlds.obstacles import Box, Disc, Polygon, Sphere, Wall
-from worlds.refusal import Refusal
 
 SEEDS = st.integers(0, 2**32)
 
@@ -201,7 +201,7 @@ def test_loops_take_walls_away():
 )
 def test_what_does_not_fit_is_refused(kind, values, words):
     values = {"seed": 1, "size": (60, 40), **values}
-    with pytest.raises(Refusal) as refusal:
+    with pytest.raises(InputError) as refusal:
         generate(kind, origin="here", **values)
     for word in words:
         assert word in str(refusal.value)

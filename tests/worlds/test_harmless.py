@@ -6,10 +6,10 @@ import warnings
 import numpy as np
 import pytest
 
+from worlds.input_error import InputError
 from worlds.obstacles import Polygon
 from worlds.queries.clearance import clearance
 from worlds.readers import read_geometry, world_around
-from worlds.refusal import Refusal
 from worlds.world import World
 
 SOLID = {"obstacle": ["*"]}
@@ -73,7 +73,7 @@ def test_a_hole_may_touch_the_outline_or_another(wkt, hole, area):
     ],
 )
 def test_a_hole_that_leaves_no_one_area_is_told(wkt, holes, words):
-    with pytest.raises(Refusal) as refusal:
+    with pytest.raises(InputError) as refusal:
         read_geometry(wkt(f"kiosk: POLYGON ((0 0, 8 0, 8 8, 0 8, 0 0), {holes})"))
     assert words in str(refusal.value)
 
@@ -87,7 +87,7 @@ def test_outlines_open_by_rounding_are_closed_and_others_told(tmp_path, wkt):
     # So far from the origin that nine digits do not tell the ends apart.
     x = 474934567.25
     path.write_text(json.dumps(ring([x, 0], [x + 4, 0], [x + 4, 4], [x, 4], [x + 0.25, 0])))
-    with pytest.raises(Refusal) as refusal:
+    with pytest.raises(InputError) as refusal:
         read_geometry(path, SOLID)
     assert "begins at (474934567.25, 0) and ends at (474934567.5, 0), 0.25 apart: close it" in (
         str(refusal.value)
@@ -105,5 +105,5 @@ def test_names_in_any_usual_encoding_are_read(tmp_path, encoding):
 def test_what_is_no_text_is_told(tmp_path):
     path = tmp_path / "plan.wkt"
     path.write_bytes(b"\x00\x01\xff\xd8" * 9)
-    with pytest.raises(Refusal, match="is not a text file: it holds control codes"):
+    with pytest.raises(InputError, match="is not a text file: it holds control codes"):
         read_geometry(path)

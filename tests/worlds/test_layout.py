@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import crowds, solids
 
+from worlds.input_error import InputError
 from worlds.layout import layout_names, read_layout, world, world_from_layout
 from worlds.mission import Goal, Mission, Path, StartRegion
-from worlds.refusal import Refusal
 from worlds.world import World
 
 OBSTACLE = {"shape": "disc", "centre": [5.0, 5.0], "radius": 1.0}
@@ -141,7 +141,7 @@ def test_what_is_solid():
     ],
 )
 def test_refusals(layout, dim, size, says):
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         world_from_layout(layout, "w.toml", dim, size)
     assert says in str(refused.value)
     assert "\n" not in str(refused.value)

@@ -15,9 +15,9 @@ import pytest
 import shapely
 from PIL import Image
 
+from worlds.input_error import InputError
 from worlds.readers import read_geometry, world_and_notes
-from worlds.readers.contents import LARGEST
-from worlds.refusal import Refusal
+from worlds.readers.drawing_contents import LARGEST
 
 YAML = """image: {image}
 resolution: 0.05
@@ -30,7 +30,7 @@ mode: {mode}
 
 
 def refused(path, words):
-    with pytest.raises(Refusal) as refusal:
+    with pytest.raises(InputError) as refusal:
         read_geometry(path)
     line = str(refusal.value)
     assert words in line

@@ -8,11 +8,11 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from worlds.input_error import InputError
 from worlds.layout import world_from_layout
 from worlds.queries.clearance import clearance
 from worlds.readers import open_drawing, read_geometry, world_around
 from worlds.readers.roles import cast, guess
-from worlds.refusal import Refusal
 
 OFFICE = (
     "GEOMETRYCOLLECTION (POLYGON ((0 4, 2.75 4, 3.75 3, 4.75 4, 10 4, 10 0, 7 0, 6 1, 5 0, 0 0, "
@@ -43,7 +43,7 @@ def free(world):
 
 
 def refused(path, roles=None, **options):
-    with pytest.raises(Refusal) as refusal:
+    with pytest.raises(InputError) as refusal:
         read_geometry(path, roles, **options)
     return str(refusal.value)
 
@@ -204,7 +204,7 @@ def test_sizes_have_no_rounding_errors(plan):
 def test_all_problems_of_a_file_are_told_at_once(plan):
     bow = "POLYGON ((0 0, 2 2, 2 0, 0 2, 0 0))"
     text = f"wall: {bow}\npillar: POINT (3 4)\nstage: {bow}\nwall: POLYGON ((0 0, 1 0, 1 2))"
-    with pytest.raises(Refusal) as refusal:
+    with pytest.raises(InputError) as refusal:
         read_geometry(plan(text))
     told = refusal.value.lines
     assert len(told) == 4

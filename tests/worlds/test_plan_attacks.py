@@ -9,15 +9,15 @@ import ezdxf
 import pytest
 from ezdxf import units
 
+from worlds.input_error import InputError
 from worlds.readers import read_geometry
-from worlds.readers.contents import LARGEST, MOST_ITEMS
-from worlds.refusal import Refusal
+from worlds.readers.drawing_contents import LARGEST, MOST_ITEMS
 
 SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4)]
 
 
 def refused(path, roles=None, **options):
-    with pytest.raises(Refusal) as refusal:
+    with pytest.raises(InputError) as refusal:
         read_geometry(path, roles, **options)
     line = str(refusal.value)
     assert "\n" not in line
@@ -190,7 +190,7 @@ def test_noise_in_a_dxf_is_refused(tmp_path, bomb):
             path.write_text("\n".join([*lines[:number], noise, *lines[number + 1 :]]))
             try:
                 read_geometry(path, join=0.1, thickness=0.1)
-            except Refusal as refusal:
+            except InputError as refusal:
                 told.append(str(refusal))
     print(f"{24 * 5} damaged files, {len(told)} refused")
     assert len(told) > 40

@@ -7,11 +7,11 @@ import pytest
 import shapely
 from ezdxf import units
 
+from worlds.input_error import InputError
 from worlds.obstacles import Ring
 from worlds.readers import read_geometry, world_around
 from worlds.readers.plan_question import PlanQuestion
 from worlds.readers.roles import guess
-from worlds.refusal import Refusal
 
 HALL = [(0, 0), (24, 0), (24, 7), (0, 7)]
 ALONG = 24.2 * 7.2 - 23.8 * 6.8
@@ -116,7 +116,7 @@ def test_fills_stay_solid_and_circles_become_rings(drawing):
 def test_a_crossing_that_join_makes_is_told_with_all_its_pieces(drawing):
     drawing.lines([(0, 0), (4, 4), (4, 0), (0, 4)], "pillars")
     handles = [one.dxf.handle for one in drawing.space]
-    with pytest.raises(Refusal) as refusal:
+    with pytest.raises(InputError) as refusal:
         drawing.read(join=0.01)
     line = str(refusal.value)
     assert "crosses itself at (2, 2)" in line

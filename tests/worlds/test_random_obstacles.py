@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from worlds.generators import drawn
+from worlds.input_error import InputError
 from worlds.layout import world, world_from_layout
 from worlds.obstacles import Box, Polygon
 from worlds.queries.clearance import clearance
 from worlds.queries.survey import survey
-from worlds.refusal import Refusal
 
 BLOCKS = {"kind": "blocks", "count": 5, "side_low": 1.0, "side_high": 2.0, "gap": 0.5}
 ROOM = {"edges": "solid", "size": [20.0, 20.0, 20.0], "random": BLOCKS}
@@ -117,7 +117,7 @@ def test_a_maze_brings_its_mission_where_there_is_none():
     ],
 )
 def test_refusals(table, says):
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         world_from_layout({**ROOM, "random": table}, "w.toml")
     assert says in str(refused.value)
     assert "\n" not in str(refused.value)
@@ -126,23 +126,23 @@ def test_refusals(table, says):
 def test_what_does_not_fit_or_hides_a_goal_is_refused_when_it_is_drawn():
     full = {**ROOM, "random": {**BLOCKS, "count": 60, "side_low": 6.0, "side_high": 6.0}}
     bare = world_from_layout(full, "full")
-    with pytest.raises(Refusal, match=r"count = 60 blocks .* do not fit"):
+    with pytest.raises(InputError, match=r"count = 60 blocks .* do not fit"):
         drawn(bare, 1)
     crowded = {"kind": "blocks", "count": 1, "side_low": 19.0, "side_high": 19.0, "gap": 0.0}
     goal = {"goal": {"route": [[10.0, 10.0, 10.0]]}}
     hidden = world_from_layout({**ROOM, "random": crowded, "mission": goal}, "hidden")
-    with pytest.raises(Refusal, match="inside an obstacle"):
+    with pytest.raises(InputError, match="inside an obstacle"):
         drawn(hidden, 1)
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, True, "one"])
 def test_a_seed_is_a_whole_number(seed):
-    with pytest.raises(Refusal, match=r"seed = .* is not allowed: a whole number >= 0"):
+    with pytest.raises(InputError, match=r"seed = .* is not allowed: a whole number >= 0"):
         drawn(world("thesis-blocks"), seed)
 
 
 def test_a_world_that_is_not_drawn_is_not_surveyed():
     bare = world("thesis-blocks")
-    with pytest.raises(Refusal, match="random obstacles of thesis-blocks are not drawn"):
+    with pytest.raises(InputError, match="random obstacles of thesis-blocks are not drawn"):
         survey(bare, 5.0)
     assert survey(drawn(bare, 0), 5.0).solids == 20 * 4 + 6

@@ -9,10 +9,10 @@ import shapely
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from worlds.input_error import InputError
 from worlds.obstacles import Disc, Polygon, Wall
 from worlds.readers import read_geometry, world_around
-from worlds.readers.outlines import arc
-from worlds.refusal import Refusal
+from worlds.readers.dxf_outlines import arc
 
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]
 BOW = [[0, 0], [2, 2], [2, 0], [0, 2], [0, 0]]
@@ -51,7 +51,7 @@ SOLID = {"obstacle": ["*"]}
 
 
 def refused(path, roles=SOLID, **options):
-    with pytest.raises(Refusal) as refusal:
+    with pytest.raises(InputError) as refusal:
         read_geometry(path, roles, **options)
     line = str(refusal.value)
     assert "\n" not in line
@@ -89,7 +89,7 @@ def test_a_bare_geometry_and_a_collection_are_read(tmp_path):
 
 
 def refused_role(path):
-    with pytest.raises(Refusal) as refusal:
+    with pytest.raises(InputError) as refusal:
         read_geometry(path, {"solid": ["trees"]})
     return str(refusal.value)
 
@@ -277,25 +277,25 @@ def test_without_walkable_there_is_room_around(geojson):
 def test_what_no_box_can_be_made_of_is_refused(geojson):
     square = geojson(feature(polygon([[x + 1.0, y] for x, y in SQUARE]), kind="walkable"))
     taken = read_geometry(square)
-    with pytest.raises(Refusal, match=r"along x it begins at 1 \(plan.geojson\).*--to-origin"):
+    with pytest.raises(InputError, match=r"along x it begins at 1 \(plan.geojson\).*--to-origin"):
         world_around(taken, ("wrap", "solid"))
-    with pytest.raises(Refusal, match="margin = 2 m cannot be given with a walkable area"):
+    with pytest.raises(InputError, match="margin = 2 m cannot be given with a walkable area"):
         world_around(taken, margin=2.0)
     solid = read_geometry(geojson(feature(polygon(SQUARE))), SOLID)
-    with pytest.raises(Refusal, match="margin = -1 m is not a length >= 0"):
+    with pytest.raises(InputError, match="margin = -1 m is not a length >= 0"):
         world_around(solid, margin=-1.0)
-    with pytest.raises(Refusal, match=r"unknown edge .sold.: did you mean .solid.\?"):
+    with pytest.raises(InputError, match=r"unknown edge .sold.: did you mean .solid.\?"):
         world_around(solid, "sold")
-    with pytest.raises(Refusal, match="3 axes"):
+    with pytest.raises(InputError, match="3 axes"):
         world_around(solid, ("solid", "solid", "open"))
 
 
 def test_what_is_asked_is_checked(geojson, tmp_path):
     path = geojson(feature(polygon(SQUARE)))
     for scale in (0.0, -1.0, math.nan, math.inf):
-        with pytest.raises(Refusal, match=r"scale = .* metres per unit"):
+        with pytest.raises(InputError, match=r"scale = .* metres per unit"):
             read_geometry(path, scale=scale)
-    with pytest.raises(Refusal, match="thickness = 0 m is not a length > 0"):
+    with pytest.raises(InputError, match="thickness = 0 m is not a length > 0"):
         read_geometry(path, thickness=0.0)
     assert "is not a drawing that is read: .geojson, .json, .wkt, .dxf, .svg, .scenario" in refused(
         tmp_path / "a.dwg"

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenes import flat, solids, unions
 
+from worlds.input_error import InputError
 from worlds.obstacles import SHAPES, CShape, Disc, Polygon, Ring, Union, Wall, obstacle
-from worlds.refusal import Refusal
 
 
 def circle_area(radius):
@@ -120,7 +120,7 @@ DISC = {"shape": "disc", "centre": [0, 0], "radius": 1}
     ],
 )
 def test_refusals(values, says):
-    with pytest.raises(Refusal) as refused:
+    with pytest.raises(InputError) as refused:
         obstacle(values, "w.toml")
     assert says in str(refused.value)
     assert "\n" not in str(refused.value)

@@ -6,11 +6,11 @@ import math
 import pytest
 import shapely
 
+from worlds.input_error import InputError
 from worlds.obstacles import Disc
 from worlds.readers import read_geometry
-from worlds.readers.contents import MOST_ITEMS
+from worlds.readers.drawing_contents import MOST_ITEMS
 from worlds.readers.plan_question import PlanQuestion
-from worlds.refusal import Refusal
 
 HEAD = (
     '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
@@ -30,7 +30,7 @@ def svg(tmp_path):
             return read_geometry(self.path, roles, unit=unit, **options)
 
         def refused(self, body, **options):
-            with pytest.raises(Refusal) as refusal:
+            with pytest.raises(InputError) as refusal:
                 self.read(body, **options)
             line = str(refusal.value)
             assert "room.svg" in line
@@ -172,7 +172,7 @@ def test_entities_are_not_read_in_whatever_letters_they_are_written(tmp_path, en
     path = tmp_path / "bomb.svg"
     text = f'<?xml version="1.0" encoding="{encoding}"?><!DOCTYPE svg [<!ENTITY a "x">]>'
     path.write_text(text + "<svg>&a;</svg>", encoding)
-    with pytest.raises(Refusal, match="it declares entities, which are not read"):
+    with pytest.raises(InputError, match="it declares entities, which are not read"):
         read_geometry(path)
 
 
@@ -181,8 +181,8 @@ def test_entities_are_not_read(tmp_path):
     names = "abcdefgh"
     entities = "".join(f'<!ENTITY {b} "{f"&{a};" * 10}">' for a, b in itertools.pairwise(names))
     path.write_text(f'<!DOCTYPE svg [<!ENTITY a "x">{entities}]><svg>&h;</svg>')
-    with pytest.raises(Refusal, match="it declares entities, which are not read"):
+    with pytest.raises(InputError, match="it declares entities, which are not read"):
         read_geometry(path)
     path.write_text("<html><body/></html>")
-    with pytest.raises(Refusal, match="its outermost element is 'html'"):
+    with pytest.raises(InputError, match="its outermost element is 'html'"):
         read_geometry(path)

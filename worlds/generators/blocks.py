@@ -7,15 +7,22 @@ from typing import Any
 import numpy as np
 import shapely
 
-from worlds.generators.kind import Kind, Made, Parameters, box_text, count, length
+from worlds.generators.world_generator import (
+    GeneratedContents,
+    GeneratorParameters,
+    WorldGenerator,
+    box_text,
+    count,
+    length,
+)
+from worlds.input_error import InputError
 from worlds.obstacles import Box, Polygon
-from worlds.refusal import Refusal
 
 TRIES = 2_000
 """Places tried for each block."""
 
 
-class BlockParameters(Parameters):
+class BlockParameters(GeneratorParameters):
     """Random blocks."""
 
     count: int = count(12, "number of blocks")
@@ -27,13 +34,13 @@ class BlockParameters(Parameters):
 
 def make_blocks(
     rng: np.random.Generator, low: np.ndarray, size: np.ndarray, p: BlockParameters
-) -> Made:
+) -> GeneratedContents:
     """Draw the sides, evenly in their range, and then a free place for each, the largest first.
 
-    Raises Refusal if one finds no place in TRIES tries.
+    Raises InputError if one finds no place in TRIES tries.
     """
     if p.side_low > p.side_high:
-        raise Refusal(f"side_low = {p.side_low:g} m is above side_high = {p.side_high:g} m")
+        raise InputError(f"side_low = {p.side_low:g} m is above side_high = {p.side_high:g} m")
     sides = rng.uniform(p.side_low, p.side_high, (p.count, size.size))
     sides = sides[np.argsort(-sides.prod(axis=1), kind="stable")]
     place = place_box if size.size == 3 else place_rectangle
@@ -41,15 +48,17 @@ def make_blocks(
     for k, side in enumerate(sides):
         block = place(rng, low, size, side, p.gap, made)
         if block is None:
-            raise Refusal(
+            raise InputError(
                 f"count = {p.count} blocks with sides of {p.side_low:g} to {p.side_high:g} m and "
                 f"gap = {p.gap:g} m do not fit in {box_text(size)}: {k} found a place, "
                 f"the next one did not in {TRIES} tries"
             )
         made.append(block)
     if size.size == 3:
-        return Made([Box(low=tuple(lo.tolist()), high=tuple(hi.tolist())) for lo, hi in made])
-    return Made([Polygon(points=block.exterior.coords[:-1]) for block in made])
+        return GeneratedContents(
+            [Box(low=tuple(lo.tolist()), high=tuple(hi.tolist())) for lo, hi in made]
+        )
+    return GeneratedContents([Polygon(points=block.exterior.coords[:-1]) for block in made])
 
 
 def place_rectangle(
@@ -96,4 +105,4 @@ def place_box(
     return (lows[good[0]], lows[good[0]] + side) if good.size else None
 
 
-BLOCKS = Kind("blocks", "Random blocks", BlockParameters, make_blocks, (2, 3))
+BLOCKS = WorldGenerator("blocks", "Random blocks", BlockParameters, make_blocks, (2, 3))

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from worlds.generators.kind import Kind, Made, Parameters, count, length
+from worlds.generators.world_generator import (
+    GeneratedContents,
+    GeneratorParameters,
+    WorldGenerator,
+    count,
+    length,
+)
+from worlds.input_error import InputError
 from worlds.obstacles import Obstacle, Wall
-from worlds.refusal import Refusal
 
 
-class CorridorParameters(Parameters):
+class CorridorParameters(GeneratorParameters):
     """Corridors."""
 
     walls: int = count(4, "number of walls across the box", most=1000)
@@ -20,21 +26,21 @@ class CorridorParameters(Parameters):
 
 def make_corridors(
     rng: np.random.Generator, low: np.ndarray, size: np.ndarray, p: CorridorParameters
-) -> Made:
+) -> GeneratedContents:
     """Draw walls along y at even distances along x, and their gaps.
 
     Between two gaps, and between a gap and the box, there is a piece of wall at least as long as
-    the wall is thick. Raises Refusal if walls or gaps do not fit.
+    the wall is thick. Raises InputError if walls or gaps do not fit.
     """
     between = size[0] / (p.walls + 1)
     if between <= p.thickness:
-        raise Refusal(
+        raise InputError(
             f"walls = {p.walls} with thickness = {p.thickness:g} m do not fit in {size[0]:g} m: "
             f"one stands every {between:g} m"
         )
     spare = size[1] - p.gaps * p.width - (p.gaps + 1) * p.thickness
     if spare < 0.0:
-        raise Refusal(
+        raise InputError(
             f"gaps = {p.gaps} of width = {p.width:g} m do not fit in a wall {size[1]:g} m long"
         )
     made: list[Obstacle] = []
@@ -48,7 +54,9 @@ def make_corridors(
             Wall(start=(x, start), end=(x, end), thickness=p.thickness)
             for start, end in zip(starts.tolist(), ends.tolist(), strict=True)
         ]
-    return Made(made)
+    return GeneratedContents(made)
 
 
-CORRIDORS = Kind("corridors", "Parallel walls with gaps", CorridorParameters, make_corridors)
+CORRIDORS = WorldGenerator(
+    "corridors", "Parallel walls with gaps", CorridorParameters, make_corridors
+)

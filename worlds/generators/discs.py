@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from worlds.generators.kind import Kind, Made, Parameters, box_text, count, length
+from worlds.generators.world_generator import (
+    GeneratedContents,
+    GeneratorParameters,
+    WorldGenerator,
+    box_text,
+    count,
+    length,
+)
+from worlds.input_error import InputError
 from worlds.obstacles import obstacle
-from worlds.refusal import Refusal
 
 TRIES = 5_000
 """Places tried for each disc."""
 
 
-class DiscParameters(Parameters):
+class DiscParameters(GeneratorParameters):
     """Random discs."""
 
     count: int = count(20, "number of discs")
@@ -23,13 +30,15 @@ class DiscParameters(Parameters):
 
 def make_discs(
     rng: np.random.Generator, low: np.ndarray, size: np.ndarray, p: DiscParameters
-) -> Made:
+) -> GeneratedContents:
     """Draw the radii, evenly in their range, and then a free place for each, the largest first.
 
-    Raises Refusal if one finds no place in TRIES tries.
+    Raises InputError if one finds no place in TRIES tries.
     """
     if p.radius_low > p.radius_high:
-        raise Refusal(f"radius_low = {p.radius_low:g} m is above radius_high = {p.radius_high:g} m")
+        raise InputError(
+            f"radius_low = {p.radius_low:g} m is above radius_high = {p.radius_high:g} m"
+        )
     radii = np.sort(rng.uniform(p.radius_low, p.radius_high, p.count))[::-1]
     centres = np.empty((p.count, size.size))
     for k, radius in enumerate(radii):
@@ -37,14 +46,14 @@ def make_discs(
         drawn = low + radius + p.gap + np.maximum(space, 0.0) * rng.random((TRIES, size.size))
         place = None if (space < 0.0).any() else free(drawn, radius + p.gap, centres[:k], radii[:k])
         if place is None:
-            raise Refusal(
+            raise InputError(
                 f"count = {p.count} discs of radius {p.radius_low:g} to {p.radius_high:g} m with "
                 f"gap = {p.gap:g} m do not fit in {box_text(size)}: {k} found a place, "
                 f"the next one did not in {TRIES} tries"
             )
         centres[k] = place
     shape = "sphere" if size.size == 3 else "disc"
-    return Made(
+    return GeneratedContents(
         [
             obstacle({"shape": shape, "centre": centre, "radius": radius})
             for centre, radius in zip(centres.tolist(), radii.tolist(), strict=True)
@@ -70,4 +79,4 @@ def free(
     return None
 
 
-DISCS = Kind("discs", "Random discs", DiscParameters, make_discs, (2, 3))
+DISCS = WorldGenerator("discs", "Random discs", DiscParameters, make_discs, (2, 3))

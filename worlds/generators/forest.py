@@ -5,9 +5,15 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field
 
-from worlds.generators.kind import Kind, Made, Parameters, box_text, length
+from worlds.generators.world_generator import (
+    GeneratedContents,
+    GeneratorParameters,
+    WorldGenerator,
+    box_text,
+    length,
+)
+from worlds.input_error import InputError
 from worlds.obstacles import Disc
-from worlds.refusal import Refusal
 
 FILLED = 0.7
 """Points times squared distance per area that a Poisson disc sampling reaches, about."""
@@ -15,7 +21,7 @@ EVEN = 0.8
 """Distance of trunks as a share of the largest that their density allows."""
 
 
-class ForestParameters(Parameters):
+class ForestParameters(GeneratorParameters):
     """A forest."""
 
     density: float = Field(0.03, description="trunks per m²", gt=0.0, le=100.0)
@@ -27,15 +33,17 @@ class ForestParameters(Parameters):
 
 def make_forest(
     rng: np.random.Generator, low: np.ndarray, size: np.ndarray, p: ForestParameters
-) -> Made:
+) -> GeneratedContents:
     """Draw trunks by Poisson disc sampling (Bridson 2007), and leave as many as the density says.
 
-    Raises Refusal if so many do not find a place.
+    Raises InputError if so many do not find a place.
     """
     from scipy.stats import qmc
 
     if p.radius_low > p.radius_high:
-        raise Refusal(f"radius_low = {p.radius_low:g} m is above radius_high = {p.radius_high:g} m")
+        raise InputError(
+            f"radius_low = {p.radius_low:g} m is above radius_high = {p.radius_high:g} m"
+        )
     wanted = max(1, round(p.density * size.prod()))
     edge = p.gap + p.radius_high
     space = size - 2.0 * edge
@@ -48,14 +56,14 @@ def make_forest(
         )
         places = drawn.fill_space()
     if len(places) < wanted:
-        raise Refusal(
+        raise InputError(
             f"density = {p.density:g} per m² with gap = {p.gap:g} m and radii up to "
             f"{p.radius_high:g} m does not fit in {box_text(size)}: {len(places)} of {wanted} "
             "trunks found a place"
         )
     chosen = places[rng.permutation(len(places))[:wanted]]
     radii = rng.uniform(p.radius_low, p.radius_high, wanted)
-    return Made(
+    return GeneratedContents(
         [
             Disc(centre=tuple(centre), radius=radius)
             for centre, radius in zip(chosen.tolist(), radii.tolist(), strict=True)
@@ -63,4 +71,4 @@ def make_forest(
     )
 
 
-FOREST = Kind("forest", "A forest of trunks", ForestParameters, make_forest)
+FOREST = WorldGenerator("forest", "A forest of trunks", ForestParameters, make_forest)

@@ -13,9 +13,9 @@ from worlds.generators.blocks import BLOCKS
 from worlds.generators.corridors import CORRIDORS
 from worlds.generators.discs import DISCS
 from worlds.generators.forest import FOREST
-from worlds.generators.kind import Kind, Parameters
 from worlds.generators.maze import MAZE
-from worlds.refusal import Refusal, shortened, unknown
+from worlds.generators.world_generator import GeneratorParameters, WorldGenerator
+from worlds.input_error import InputError, shortened, unknown
 from worlds.world import World, box, edges_of
 
 GENERATORS = {kind.name: kind for kind in (DISCS, BLOCKS, FOREST, CORRIDORS, MAZE)}
@@ -34,18 +34,18 @@ def generate(
     """A world of a kind. The same seed, size and parameters give the same world.
 
     `size` is one side for all or one per axis, m; `dim` is 2 unless size has three sides. `origin`
-    is where the parameters come from, for refusals. Raises Refusal for an unknown kind or
+    is where the parameters come from, for refusals. Raises InputError for an unknown kind or
     parameter, a value that is not allowed, or obstacles that do not fit.
     """
     if kind not in GENERATORS:
         raise unknown("kind of world", kind, GENERATORS)
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise Refusal(f"seed = {seed!r} is not allowed: a whole number >= 0")
+        raise InputError(f"seed = {seed!r} is not allowed: a whole number >= 0")
     one = GENERATORS[kind]
     dim = dim or (2 if np.isscalar(size) else len(np.asarray(size).ravel()))
     if dim not in one.dimensions:
         where = " and ".join(f"{d}-D" for d in one.dimensions)
-        raise Refusal(f"dim = {dim} is not allowed: {kind} is made in {where}")
+        raise InputError(f"dim = {dim} is not allowed: {kind} is made in {where}")
     sides = box(dim, size)
     given = checked(one, parameters, origin)
     made = one.make(np.random.default_rng(seed), np.zeros(dim), np.array(sides), given)
@@ -61,8 +61,8 @@ def generate(
     )
 
 
-def checked(kind: Kind, values: dict[str, Any], origin: str) -> Parameters:
-    """The parameters of a kind, checked. Raises Refusal naming the first that is not allowed."""
+def checked(kind: WorldGenerator, values: dict[str, Any], origin: str) -> GeneratorParameters:
+    """The parameters of a kind, checked. Raises InputError naming the first that is not allowed."""
     fields = kind.parameters.model_fields
     for name in values:
         if name not in fields:
@@ -72,7 +72,7 @@ def checked(kind: Kind, values: dict[str, Any], origin: str) -> Parameters:
     except ValidationError as error:
         name = str(error.errors()[0]["loc"][0])
         where = f" ({origin})" if origin else ""
-        raise Refusal(
+        raise InputError(
             f"{name} = {shortened(values[name])} is not allowed: {allowed(fields[name])}{where}"
         ) from None
 

@@ -7,10 +7,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from worlds.generators.kind import Kind, Made, Parameters, box_text, length, share
+from worlds.generators.world_generator import (
+    GeneratedContents,
+    GeneratorParameters,
+    WorldGenerator,
+    box_text,
+    length,
+    share,
+)
+from worlds.input_error import InputError
 from worlds.mission import Mission, mission
 from worlds.obstacles import Obstacle, Wall
-from worlds.refusal import Refusal
 
 Cell = tuple[int, int]
 AROUND: tuple[Cell, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1))
@@ -18,7 +25,7 @@ MOST = 40_000
 """Most cells of a maze."""
 
 
-class MazeParameters(Parameters):
+class MazeParameters(GeneratorParameters):
     """A maze."""
 
     cell: float = length(5.0, "least side of a cell, from the middle of a wall to the next")
@@ -28,22 +35,22 @@ class MazeParameters(Parameters):
 
 def make_maze(
     rng: np.random.Generator, low: np.ndarray, size: np.ndarray, p: MazeParameters
-) -> Made:
+) -> GeneratedContents:
     """Draw a maze from the lower left cell to the upper right one.
 
     As many cells as fit share the box evenly. Walls that touch the box end in it: without loops
-    every cell is reached from every other by exactly one way. Raises Refusal.
+    every cell is reached from every other by exactly one way. Raises InputError.
     """
     counts = np.floor(size / p.cell * (1.0 + 1e-12)).astype(int)
     nx, ny = counts.tolist()
     if min(nx, ny) < 2 or nx * ny > MOST:
-        raise Refusal(
+        raise InputError(
             f"cell = {p.cell:g} m makes {nx} x {ny} cells of {box_text(size)}: at least 2 x 2 and "
             f"at most {MOST} cells are possible"
         )
     pitch = size / counts
     if p.thickness >= 0.5 * pitch.min():
-        raise Refusal(
+        raise InputError(
             f"thickness = {p.thickness:g} m is not less than half a cell ({pitch.min() / 2:g} m)"
         )
     doors = carved(rng, nx, ny)
@@ -53,7 +60,7 @@ def make_maze(
         drawn(start, end, low, pitch, counts, p.thickness)
         for start, end in runs(inner_walls(nx, ny, doors))
     ]
-    return Made(walls, mission_along(way, low, pitch, p.thickness))
+    return GeneratedContents(walls, mission_along(way, low, pitch, p.thickness))
 
 
 def carved(rng: np.random.Generator, nx: int, ny: int) -> set[tuple[Cell, Cell]]:
@@ -147,4 +154,4 @@ def mission_along(way: list[Cell], low: np.ndarray, pitch: np.ndarray, thickness
     )
 
 
-MAZE = Kind("maze", "A maze with the way through it", MazeParameters, make_maze)
+MAZE = WorldGenerator("maze", "A maze with the way through it", MazeParameters, make_maze)

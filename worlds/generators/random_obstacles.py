@@ -10,8 +10,8 @@ import numpy as np
 
 from worlds.checks import demand_sound
 from worlds.generators.generate import GENERATORS, checked
-from worlds.generators.kind import Made
-from worlds.refusal import Refusal, unknown
+from worlds.generators.world_generator import GeneratedContents
+from worlds.input_error import InputError, unknown
 from worlds.world import RandomObstacles, World
 
 STREAM = 1
@@ -23,7 +23,7 @@ def drawn(world: World, seed: int) -> World:
     """A world with its random obstacles drawn: the same seed >= 0 gives the same ones.
 
     They come after its own obstacles, and bring a mission where it has none. A world without
-    random obstacles is drawn already. Raises Refusal if they do not fit, or if the world is not
+    random obstacles is drawn already. Raises InputError if they do not fit, or if the world is not
     sound with them.
 
     >>> from worlds.layout import world
@@ -50,13 +50,13 @@ def drawn(world: World, seed: int) -> World:
 
 def draw(
     random: RandomObstacles, seed: int, low: tuple[float, ...], size: tuple[float, ...]
-) -> Made:
+) -> GeneratedContents:
     """The obstacles of a seed >= 0 in the box [low, low + size), with their mission if any.
 
-    Raises Refusal if they do not fit.
+    Raises InputError if they do not fit.
     """
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        raise Refusal(f"seed = {seed!r} is not allowed: a whole number >= 0")
+        raise InputError(f"seed = {seed!r} is not allowed: a whole number >= 0")
     corner, sides = np.array(low[: random.dim]), np.array(size[: random.dim])
     rng = np.random.default_rng((int(seed), STREAM))
     return GENERATORS[random.kind].make(rng, corner, sides, random.parameters)
@@ -66,13 +66,13 @@ def random_obstacles(table: Any, dim: int, stands: bool, origin: str) -> RandomO
     """What the table [random] of a layout says, for a world of `dim` dimensions.
 
     `stands` is whether the layout is flat and its world is not; then the obstacles stay flat.
-    Raises Refusal naming the key and the value; `origin` is the layout.
+    Raises InputError naming the key and the value; `origin` is the layout.
     """
     if not isinstance(table, Mapping):
-        raise Refusal(f"random = {table!r} is not a table: write [random] ({origin})")
+        raise InputError(f"random = {table!r} is not a table: write [random] ({origin})")
     given = dict(table)
     if "kind" not in given:
-        raise Refusal(f"[random] has no kind (known: {', '.join(GENERATORS)}) ({origin})")
+        raise InputError(f"[random] has no kind (known: {', '.join(GENERATORS)}) ({origin})")
     name = given.pop("kind")
     if name not in GENERATORS:
         raise unknown("kind of random obstacles", name, GENERATORS, origin)
@@ -81,7 +81,7 @@ def random_obstacles(table: Any, dim: int, stands: bool, origin: str) -> RandomO
     chosen = given.pop("dim", 2 if flat else dim)
     if isinstance(chosen, bool) or chosen not in kind.dimensions or chosen > dim:
         allowed = " or ".join(str(d) for d in kind.dimensions if d <= dim)
-        raise Refusal(
+        raise InputError(
             f"random.dim = {chosen!r} is not allowed: {name} in a world of {dim} dimensions are "
             f"drawn in {allowed} ({origin})"
         )

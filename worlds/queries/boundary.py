@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from worlds.queries.curves import MOST_SWEEP, Curves, Solid, apart, edge_rows
+from worlds.queries.arc_outlines import MOST_SWEEP, OutlineRing, Solid, apart, edge_rows
 from worlds.world import World
 
 HIDDEN = 1e-9
@@ -66,7 +66,7 @@ def seen_from(world: World, solids: list[Solid]) -> np.ndarray | None:
     return np.array([centre.x, centre.y])
 
 
-def ring_points(ring: Curves, spacing: float, towards: np.ndarray | None) -> np.ndarray:
+def ring_points(ring: OutlineRing, spacing: float, towards: np.ndarray | None) -> np.ndarray:
     """The points along a ring, (m, 2)."""
     corners = ring.corners
     before = np.concatenate([[0.0], np.cumsum(ring.length)])
@@ -81,7 +81,7 @@ def ring_points(ring: Curves, spacing: float, towards: np.ndarray | None) -> np.
     return ring.at(begins[part] + long[part] * (step + 0.5) / numbers[part])
 
 
-def nearest_along(ring: Curves, place: np.ndarray | None) -> float:
+def nearest_along(ring: OutlineRing, place: np.ndarray | None) -> float:
     """How far along a ring its nearest place to a place is, length.
 
     Where there is no such place, or all of a circle is as near, it is the furthest along x.

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
-from worlds.queries.curves import MOST_SWEEP, apart, chorded, edge_rows
-from worlds.queries.outlines import footprints, solids, spheres
+from worlds.queries.arc_outlines import MOST_SWEEP, apart, chorded, edge_rows
+from worlds.queries.solid_outlines import footprints, solids, spheres
 from worlds.world import World
 
 __all__ = ["clearance", "footprints"]

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from worlds.compiled import compiled, shared
-from worlds.queries.sight import SLACK, cells_between, on_arc, shares_within
+from worlds.compilation import compiled, shared
+from worlds.queries.sight_lines import SLACK, cells_between, on_arc, shares_within
 from worlds.queries.surface import entry_distance, solids_around
 
 RELATIVE = 1e-9
@@ -183,7 +183,8 @@ def entered(surroundings, entry, first, close, low, high, ax, ay, az, dx, dy, dz
 def first_crossing(surroundings, ax, ay, az, dx, dy, dz):
     """The first surface that the way from a along d (its length is the step's) enters: `Crossing`.
 
-    Looks into the cells along the way, row by row, as `worlds.queries.sight.line_of_sight` does.
+    Looks into the cells along the way, row by row, as `worlds.queries.sight_lines.line_of_sight`
+    does.
     """
     best = Crossing(math.inf, 0.0, 0.0, 0.0)
     reach = math.fabs(dx) + math.fabs(dy) + math.fabs(dz)

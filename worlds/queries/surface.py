@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 
 class Surface(NamedTuple):
@@ -28,7 +28,7 @@ class Surface(NamedTuple):
     """1 where the surface has a tangent, 0 at a corner and on a rim."""
 
 
-class Around(NamedTuple):
+class NearbySolids(NamedTuple):
     """The solids listed near a place, numbered from 0 on: planes, then entries."""
 
     first: int
@@ -43,7 +43,7 @@ def nowhere():
 
 @compiled
 def solids_around(surroundings, x, y):
-    """The solids that may be within reach of a place, `Around`: a cursor for `surface`.
+    """The solids that may be within reach of a place, `NearbySolids`: a cursor for `surface`.
 
     Solid edges of the box come first, then outlines and spheres, by least distance of the cell.
     """
@@ -51,10 +51,10 @@ def solids_around(surroundings, x, y):
     column = math.floor((x - surroundings.left) * surroundings.inverse)
     row = math.floor((y - surroundings.front) * surroundings.inverse)
     if not (0.0 <= column < surroundings.columns and 0.0 <= row < surroundings.rows):
-        return Around(0, planes)
+        return NearbySolids(0, planes)
     cell = int(row) * surroundings.columns + int(column)
     first = surroundings.cell_start[cell]
-    return Around(first, planes + surroundings.cell_start[cell + 1] - first)
+    return NearbySolids(first, planes + surroundings.cell_start[cell + 1] - first)
 
 
 @compiled

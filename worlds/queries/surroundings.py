@@ -26,10 +26,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from worlds.compiled import compiled
-from worlds.queries.sight import line_of_sight
+from worlds.compilation import compiled
+from worlds.queries.sight_lines import line_of_sight
 from worlds.queries.surface import (
-    Around,
+    NearbySolids,
     Surface,
     nearest_surface,
     signed_distance,
@@ -39,7 +39,7 @@ from worlds.queries.surface import (
 )
 
 __all__ = [
-    "Around",
+    "NearbySolids",
     "Surface",
     "Surroundings",
     "line_of_sight",

@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from worlds.input_error import InputError
 from worlds.mission import Goal, Mission
+from worlds.queries.arc_outlines import MOST_SWEEP, Solid, chorded, corner_rows, edge_rows
 from worlds.queries.boundary import boundary_points, sorted_points
-from worlds.queries.curves import MOST_SWEEP, Solid, chorded, corner_rows, edge_rows
-from worlds.queries.listing import Chunks, list_solids
-from worlds.queries.outlines import solids, spheres
+from worlds.queries.cell_listing import Chunks, list_solids
+from worlds.queries.solid_outlines import solids, spheres
 from worlds.queries.surroundings import Surroundings
-from worlds.refusal import Refusal
 from worlds.world import World
 
 CHUNK = 4
@@ -36,8 +36,8 @@ KEPT = 16
 def survey(world: World, reach: float) -> Surroundings:
     """The surroundings of a world, for queries up to a distance `reach` (length) from a surface.
 
-    Equal worlds share all arrays but that of the goal, which moves. Raises Refusal for an obstacle
-    whose outline crosses itself, and for a world that has not drawn its random obstacles.
+    Equal worlds share all arrays but that of the goal, which moves. Raises InputError for an
+    obstacle whose outline crosses itself, and for a world that has not drawn its random obstacles.
     """
     kept = surveyed(world, float(reach))
     return kept._replace(goal=kept.goal.copy())
@@ -47,7 +47,7 @@ def survey(world: World, reach: float) -> Surroundings:
 def surveyed(world: World, reach: float) -> Surroundings:
     """What `survey` finds."""
     if world.random is not None:
-        raise Refusal(
+        raise InputError(
             f"the random obstacles of {world.name} are not drawn: worlds.generators.drawn"
         )
     found = solids(world, reach)

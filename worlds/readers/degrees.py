@@ -10,11 +10,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from worlds.extra import demand
-from worlds.readers.contents import MOST_CORNERS, Contents, Item
+from worlds.input_error import InputError
+from worlds.readers.drawing_contents import MOST_CORNERS, DrawingContents, Item
+from worlds.readers.drawn_shapes import Bounds, DrawnCurve, Point, Shape, StrayPoint, at, bounds_of
 from worlds.readers.plan_question import PlanChoice, PlanQuestion
-from worlds.readers.roles import IGNORE, Row
-from worlds.readers.shapes import Bounds, Curve, Point, Shape, Stray, at, bounds_of
-from worlds.refusal import Refusal
+from worlds.readers.roles import IGNORE, LayerRole
 
 WIDEST = 1.0
 """Largest side of a plan in degrees; within it the projection is off by at most 0.02 %."""
@@ -24,7 +24,7 @@ READ = (".geojson", ".json", ".wkt")
 """Formats that may be in degrees."""
 
 
-def question_of_degrees(contents: Contents, places: Sequence[Point]) -> PlanQuestion | None:
+def question_of_degrees(contents: DrawingContents, places: Sequence[Point]) -> PlanQuestion | None:
     """What to ask of a plan that is, or may be, in degrees, and for which nobody has said it."""
     if contents.degrees == "no" or not places:
         return None
@@ -55,13 +55,13 @@ def look_like_degrees(bounds: Bounds, places: Sequence[Point]) -> bool:
     return side < 10.0 * WIDEST and 2 * fine > len(places)
 
 
-def projected(contents: Contents, rows: Sequence[Row]) -> tuple[Contents, str]:
+def projected(contents: DrawingContents, rows: Sequence[LayerRole]) -> tuple[DrawingContents, str]:
     """The drawing in metres around the middle of what has a role, and a line about it.
 
-    Lengths beside coordinates (radius, thickness, heights) are metres already. Raises Refusal.
+    Lengths beside coordinates (radius, thickness, heights) are metres already. Raises InputError.
     """
     if contents.path.suffix.lower() not in READ:
-        raise Refusal(f"{contents.path}: --degrees is for {', '.join(READ)} files")
+        raise InputError(f"{contents.path}: --degrees is for {', '.join(READ)} files")
     demand("pyproj", "projecting degrees", "maps")
     roles = {row.layer for row in rows if row.role not in (None, IGNORE)}
     places: list[Point] = []
@@ -69,21 +69,23 @@ def projected(contents: Contents, rows: Sequence[Row]) -> tuple[Contents, str]:
         if item.layer in roles:
             try:
                 places += places_of(item.read())
-            except Refusal:  # It is told when the item itself is taken.
+            except InputError:  # It is told when the item itself is taken.
                 continue
         if len(places) > MOST_CORNERS:
-            raise Refusal(f"{contents.path}: what it draws has more than {MOST_CORNERS} corners, "
-                          "too many to read")  # fmt: skip
+            raise InputError(
+                f"{contents.path}: what it draws has more than {MOST_CORNERS} corners, "
+                "too many to read"
+            )
     if not places:
         return contents, f"{contents.path}: there is nothing to project"
     low_x, low_y, high_x, high_y = bounds_of(places)
     if not (low_x >= -180.0 and high_x <= 180.0 and low_y >= -90.0 and high_y <= 90.0):
-        raise Refusal(
+        raise InputError(
             f"{contents.path}: its coordinates, {at((low_x, low_y))} to {at((high_x, high_y))}, "
             "are no degrees: longitudes are from -180 to 180, latitudes from -90 to 90"
         )
     if max(high_x - low_x, high_y - low_y) > WIDEST:
-        raise Refusal(
+        raise InputError(
             f"{contents.path}: it is {max(high_x - low_x, high_y - low_y):.3g} degrees wide: "
             f"at most {WIDEST:g} is projected, beyond it the earth is not flat"
         )
@@ -116,7 +118,8 @@ def reader(item: Item, to: Callable[[Point], Point]) -> Callable[[], list[Shape]
 
     def read() -> list[Shape]:
         return [
-            shape if isinstance(shape, Curve | Stray) else shape.mapped(to) for shape in item.read()
+            shape if isinstance(shape, DrawnCurve | StrayPoint) else shape.mapped(to)
+            for shape in item.read()
         ]
 
     return read
@@ -127,6 +130,6 @@ def places_of(shapes: Sequence[Shape]) -> list[Point]:
     return [
         place
         for shape in shapes
-        if not isinstance(shape, Curve | Stray)
+        if not isinstance(shape, DrawnCurve | StrayPoint)
         for place in ([shape.centre] if hasattr(shape, "centre") else shape.corners())
     ]

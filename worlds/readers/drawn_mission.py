@@ -10,9 +10,17 @@ from shapely.affinity import translate
 
 from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.queries.clearance import clearance
+from worlds.readers.drawn_shapes import (
+    DrawnArea,
+    DrawnCircle,
+    DrawnLine,
+    DrawnPoint,
+    Point,
+    Solid,
+    at,
+)
 from worlds.readers.read import Geometry
 from worlds.readers.roles import GOAL, PATH, START
-from worlds.readers.shapes import Area, Circle, Line, Place, Point, Solid, at
 from worlds.world import World
 
 SWITCH = 1.0
@@ -91,10 +99,10 @@ def goal_of(
                      "mission has one")  # fmt: skip
         return None
     shape = geometry.goals[0][1]
-    if isinstance(shape, Place):
+    if isinstance(shape, DrawnPoint):
         place: Point | None = (shape.place[0] + dx, shape.place[1] + dy)
     else:
-        found = shapely.LineString(shape.points) if isinstance(shape, Line) else outline(shape)
+        found = shapely.LineString(shape.points) if isinstance(shape, DrawnLine) else outline(shape)
         place = middle(translate(found, dx, dy).intersection(free))
     if place is not None:
         place = rounded(place, geometry.digits)
@@ -112,8 +120,8 @@ def path_of(
     if not geometry.paths:
         return None
     where = layers(geometry.paths)
-    lines = [shape for _, shape in geometry.paths if isinstance(shape, Line)]
-    circles = [shape for _, shape in geometry.paths if isinstance(shape, Circle)]
+    lines = [shape for _, shape in geometry.paths if isinstance(shape, DrawnLine)]
+    circles = [shape for _, shape in geometry.paths if isinstance(shape, DrawnCircle)]
     others = len(geometry.paths) - len(lines) - len(circles)
     if others or len(lines) > 1 or (not lines and len(circles) > 1):
         what = f"{len(lines)} lines, {len(circles)} circles and {others} other shapes"
@@ -135,7 +143,7 @@ def path_of(
 
 def outline(shape: Solid) -> shapely.Geometry:
     """The area of a shape, an empty one if it has none."""
-    if isinstance(shape, Area | Circle):
+    if isinstance(shape, DrawnArea | DrawnCircle):
         return shape.obstacle(None, 0).footprint()
     return shapely.Polygon()
 

@@ -16,21 +16,21 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from worlds.readers.contents import DEEPEST, MOST_ITEMS, Contents, Item, demand_file
-from worlds.readers.outlines import MOST_OUTLINES, STEP, along, nested
-from worlds.readers.shapes import (
+from worlds.input_error import InputError
+from worlds.readers.drawing_contents import DEEPEST, MOST_ITEMS, DrawingContents, Item, demand_file
+from worlds.readers.drawn_shapes import (
     ROUNDING,
-    Curve,
+    DrawnCurve,
     Point,
     Shape,
-    Stray,
+    StrayPoint,
     area,
     at,
     bounds_of,
     circle,
     line,
 )
-from worlds.refusal import Refusal
+from worlds.readers.dxf_outlines import MOST_OUTLINES, STEP, along, nested
 
 DRAWN = ("LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "HATCH", "SOLID", "TRACE", "3DFACE",
          "LINE", "ARC", "SPLINE")  # fmt: skip
@@ -52,8 +52,8 @@ BLOCKS_LAYER = "0"
 """What a block has on this layer stands on the layer of the INSERT."""
 
 
-def read_dxf(path: Path) -> Contents:
-    """The entities of a DXF file. Raises Refusal."""
+def read_dxf(path: Path) -> DrawingContents:
+    """The entities of a DXF file. Raises InputError."""
     import ezdxf
 
     demand_file(path)
@@ -64,7 +64,7 @@ def read_dxf(path: Path) -> Contents:
             document = ezdxf.readfile(path)
         except OSError as error:
             reason = error.strerror or "it is not DXF"
-            raise Refusal(f"{str(path)!r} cannot be read: {reason}") from None
+            raise InputError(f"{str(path)!r} cannot be read: {reason}") from None
         for entity, layer, where in entities(document.modelspace(), Budget(path)):
             kind = entity.dxftype()
             if kind in LEFT_OUT:
@@ -83,7 +83,7 @@ def read_dxf(path: Path) -> Contents:
             *(layer for _, layer in left_out),
         ]
         unit = METRES.get(document.units)
-    return Contents(path, tuple(items), tuple(dict.fromkeys(layers)), unit, hidden, left_out)
+    return DrawingContents(path, tuple(items), tuple(dict.fromkeys(layers)), unit, hidden, left_out)
 
 
 class Budget:
@@ -93,13 +93,13 @@ class Budget:
         self.path, self.left = path, MOST_ITEMS
 
     def spend(self, depth: int) -> None:
-        """Count an entity. Raises Refusal when there are too many, or it lies too deep."""
+        """Count an entity. Raises InputError when there are too many, or it lies too deep."""
         self.left -= 1
         if self.left < 0:
-            raise Refusal(f"{self.path} draws more than {MOST_ITEMS} entities, those of blocks "
+            raise InputError(f"{self.path} draws more than {MOST_ITEMS} entities, those of blocks "
                           "counted as often as they are inserted: too many to read")  # fmt: skip
         if depth > DEEPEST:
-            raise Refusal(f"{self.path}: its blocks are nested more than {DEEPEST} deep")
+            raise InputError(f"{self.path}: its blocks are nested more than {DEEPEST} deep")
 
 
 STUMBLES = (ArithmeticError, AttributeError, LookupError, RecursionError, StopIteration, TypeError,
@@ -114,10 +114,10 @@ def naming_damage(what: str) -> Iterator[None]:
 
     try:
         yield
-    except Refusal:
+    except InputError:
         raise
     except (DXFError, *STUMBLES) as error:
-        raise Refusal(f"{what}: {' '.join(str(error).split())}") from None
+        raise InputError(f"{what}: {' '.join(str(error).split())}") from None
 
 
 def entities(
@@ -126,7 +126,7 @@ def entities(
     """Each entity with its layer and where it is; blocks are opened.
 
     A block that is missing, in another file, within itself or inserted too often at once stays an
-    INSERT, which is not read. Raises Refusal when the budget is spent.
+    INSERT, which is not read. Raises InputError when the budget is spent.
     """
     for entity in drawn:
         budget.spend(len(blocks))
@@ -152,32 +152,32 @@ def opens(insert: Any, blocks: tuple[str, ...]) -> bool:
 
 
 def shapes(entity: Any, origin: str) -> list[Shape]:
-    """The shapes of an entity. Raises Refusal."""
+    """The shapes of an entity. Raises InputError."""
     if entity.dxftype() not in DRAWN:
-        raise Refusal(f"{origin}: this kind is not read (read are: {', '.join(DRAWN)})")
+        raise InputError(f"{origin}: this kind is not read (read are: {', '.join(DRAWN)})")
     with naming_damage(f"{origin}: it is damaged"):
         demand_flat(entity, origin)
         return drawn(entity, origin)
 
 
 def drawn(entity: Any, origin: str) -> list[Shape]:
-    """The shapes of an entity of a kind that is read. Raises Refusal."""
+    """The shapes of an entity of a kind that is read. Raises InputError."""
     kind, name = entity.dxftype(), ""  # the reader names it for its layer
     if kind == "HATCH":
         return [area(name, rings, origin) for rings in hatch_rings(entity, origin)]
     if kind in ("SOLID", "TRACE", "3DFACE"):
         corners = list(entity.wcs_vertices(close=True))
         if max(p.z for p in corners) - min(p.z for p in corners) > FLAT:
-            raise Refusal(f"{origin}: it does not lie flat, so it is no area of the plan")
+            raise InputError(f"{origin}: it does not lie flat, so it is no area of the plan")
         return [area(name, [[(p.x, p.y) for p in corners]], origin)]
     if kind == "SPLINE":
-        return [Curve(name, origin, (None, None), partial(chord_ends, entity))]
+        return [DrawnCurve(name, origin, (None, None), partial(chord_ends, entity))]
     if kind == "CIRCLE":
         centre = entity.ocs().to_wcs(entity.dxf.center)
         return [circle(name, (centre.x, centre.y), entity.dxf.radius, origin, is_line=True)]
     points, closed = curve(entity, kind, origin)
     if points and len(set(points)) == 1:
-        return [Stray(name, origin, (None, None), points[0])]
+        return [StrayPoint(name, origin, (None, None), points[0])]
     if closed or (len(points) > 3 and points[0] == points[-1]):
         return [area(name, [points], origin, is_line=True)]
     return [line(name, points, origin)]
@@ -186,7 +186,7 @@ def drawn(entity: Any, origin: str) -> list[Shape]:
 def chord_ends(spline: Any, tolerance: float) -> Iterator[Point]:
     """Points of a spline, between which chords stay within a tolerance (units of the file) of it.
 
-    Raises Refusal.
+    Raises InputError.
     """
     with naming_damage(f"SPLINE handle {spline.dxf.handle}: it is damaged"):
         for point in spline.flattening(tolerance):
@@ -194,7 +194,7 @@ def chord_ends(spline: Any, tolerance: float) -> Iterator[Point]:
 
 
 def curve(entity: Any, kind: str, origin: str) -> tuple[list[Point], bool]:
-    """The points of a line, an arc or a polyline, and whether it is closed. Raises Refusal."""
+    """The points of a line, an arc or a polyline, and whether it is closed. Raises InputError."""
     if kind == "LINE":
         return [(p.x, p.y) for p in (entity.dxf.start, entity.dxf.end)], False
     if kind in ("ARC", "ELLIPSE"):
@@ -204,7 +204,7 @@ def curve(entity: Any, kind: str, origin: str) -> tuple[list[Point], bool]:
         vertices = [(float(x), float(y), float(b)) for x, y, b in entity.get_points("xyb")]
     else:
         if entity.is_polygon_mesh or entity.is_poly_face_mesh:
-            raise Refusal(f"{origin}: a mesh is not an outline in the plane")
+            raise InputError(f"{origin}: a mesh is not an outline in the plane")
         closed = entity.is_closed
         vertices = [(v.dxf.location.x, v.dxf.location.y, v.dxf.bulge) for v in entity.vertices]
     points = along(vertices, closed)
@@ -237,12 +237,12 @@ def turned(entity: Any, kind: str) -> tuple[list[Point], bool]:
 
 
 def hatch_rings(hatch: Any, origin: str) -> list[list[list[Point]]]:
-    """The outlines of a hatch, each with its holes. Raises Refusal."""
+    """The outlines of a hatch, each with its holes. Raises InputError."""
     from ezdxf import path as paths
 
     rings = []
     if len(hatch.paths) > MOST_OUTLINES:
-        raise Refusal(f"{origin}: it has more than {MOST_OUTLINES} boundaries, too many to read")
+        raise InputError(f"{origin}: it has more than {MOST_OUTLINES} boundaries, too many to read")
     for boundary in hatch.paths:
         if hasattr(boundary, "vertices"):
             ocs = hatch.ocs()
@@ -254,13 +254,13 @@ def hatch_rings(hatch: Any, origin: str) -> list[list[list[Point]]]:
         else:
             (outline, *more) = paths.from_hatch_boundary_path(boundary, hatch.ocs()).sub_paths()
             if more:
-                raise Refusal(f"{origin}: a boundary of several pieces is not closed")
+                raise InputError(f"{origin}: a boundary of several pieces is not closed")
             ring = [(p.x, p.y) for p in outline.approximate(CHORDS)]
         ring = without_spike(ring)
         area("", [ring], origin)
         rings.append(ring)
     if not rings:
-        raise Refusal(f"{origin}: it has no boundary")
+        raise InputError(f"{origin}: it has no boundary")
     return nested(rings)
 
 
@@ -274,8 +274,10 @@ def without_spike(ring: list[Point]) -> list[Point]:
 
 
 def demand_flat(entity: Any, origin: str) -> None:
-    """Refuse what does not lie in a plane parallel to the floor. Raises Refusal."""
+    """Refuse what does not lie in a plane parallel to the floor. Raises InputError."""
     tilts = entity.dxf.is_supported("extrusion")
     extrusion = entity.dxf.get("extrusion") if tilts else None
     if extrusion is not None and (abs(extrusion.x) > 1e-9 or abs(extrusion.y) > 1e-9):
-        raise Refusal(f"{origin}: it lies in a tilted plane, extruded along {at(tuple(extrusion))}")
+        raise InputError(
+            f"{origin}: it lies in a tilted plane, extruded along {at(tuple(extrusion))}"
+        )

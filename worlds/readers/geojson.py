@@ -14,9 +14,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
-from worlds.readers.contents import DEEPEST, MOST_ITEMS, UNNAMED, Contents, Item, layers_of, text_of
-from worlds.readers.shapes import (
-    Place,
+from worlds.input_error import InputError, unknown
+from worlds.readers.drawing_contents import (
+    DEEPEST,
+    MOST_ITEMS,
+    UNNAMED,
+    DrawingContents,
+    Item,
+    layers_of,
+    text_of,
+)
+from worlds.readers.drawn_shapes import (
+    DrawnPoint,
     Point,
     Shape,
     Span,
@@ -26,7 +35,6 @@ from worlds.readers.shapes import (
     demand_finite,
     line,
 )
-from worlds.refusal import Refusal, unknown
 
 GEOMETRIES = ("Polygon", "MultiPolygon", "LineString", "MultiLineString", "Point", "MultiPoint",
               "GeometryCollection")  # fmt: skip
@@ -34,31 +42,31 @@ DEGREES = ("CRS84", "EPSG::4326", "EPSG:4326", "WGS84")
 """Coordinate systems whose coordinates are angles."""
 
 
-def read_geojson(path: Path) -> Contents:
-    """The features of a GeoJSON file. Raises Refusal."""
+def read_geojson(path: Path) -> DrawingContents:
+    """The features of a GeoJSON file. Raises InputError."""
     text = text_of(path)
     try:
         given = json.loads(text, parse_int=whole)
     except RecursionError:
-        raise Refusal(f"{path} is not GeoJSON: it is nested too deep") from None
+        raise InputError(f"{path} is not GeoJSON: it is nested too deep") from None
     except json.JSONDecodeError as error:
-        raise Refusal(f"{path} is not JSON: {error}") from None
+        raise InputError(f"{path} is not JSON: {error}") from None
     if not isinstance(given, dict):
-        raise Refusal(f"{path} is not GeoJSON: it holds no object with a type")
+        raise InputError(f"{path} is not GeoJSON: it holds no object with a type")
     found = features(given, path)
     if len(found) > MOST_ITEMS:
-        raise Refusal(f"{path} holds more than {MOST_ITEMS} features, too many to read")
+        raise InputError(f"{path} holds more than {MOST_ITEMS} features, too many to read")
     items = [item(feature, k, path) for k, feature in enumerate(found, start=1)]
-    return Contents(path, tuple(items), layers_of(items), None, degrees=degrees_of(given))
+    return DrawingContents(path, tuple(items), layers_of(items), None, degrees=degrees_of(given))
 
 
 def features(given: dict[str, Any], path: Path) -> list[dict[str, Any]]:
-    """The features of a collection, of one feature, or of a bare geometry. Raises Refusal."""
+    """The features of a collection, of one feature, or of a bare geometry. Raises InputError."""
     kind = given.get("type")
     if kind == "FeatureCollection":
         found = given.get("features")
         if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
-            raise Refusal(f"{path}: 'features' is not a list of features")
+            raise InputError(f"{path}: 'features' is not a list of features")
         return found
     if kind == "Feature":
         return [given]
@@ -68,12 +76,14 @@ def features(given: dict[str, Any], path: Path) -> list[dict[str, Any]]:
 
 
 def item(feature: dict[str, Any], number: int, path: Path) -> Item:
-    """One feature. Raises Refusal if it is none."""
+    """One feature. Raises InputError if it is none."""
     if feature.get("type") != "Feature":
-        raise Refusal(f"{path}, feature {number}: its type is {feature.get('type')!r}, not Feature")
+        raise InputError(
+            f"{path}, feature {number}: its type is {feature.get('type')!r}, not Feature"
+        )
     properties = feature.get("properties") or {}
     if not isinstance(properties, dict):
-        raise Refusal(f"{path}, feature {number}: 'properties' is not an object")
+        raise InputError(f"{path}, feature {number}: 'properties' is not an object")
     name = str(first(properties.get("name"), properties.get("id"), feature.get("id"), ""))
     layer = str(first(properties.get("kind"), properties.get("layer"), UNNAMED))
     origin = f"{path}, feature {number}" + (f" {name!r}" if name else "")
@@ -86,11 +96,11 @@ def item(feature: dict[str, Any], number: int, path: Path) -> Item:
 def shapes(
     geometry: Any, properties: dict[str, Any], name: str, origin: str, depth: int = 0
 ) -> list[Shape]:
-    """The shapes of a geometry, `depth` collections deep. Raises Refusal."""
+    """The shapes of a geometry, `depth` collections deep. Raises InputError."""
     if depth > DEEPEST:
-        raise Refusal(f"{origin}: it is nested too deep")
+        raise InputError(f"{origin}: it is nested too deep")
     if not isinstance(geometry, dict):
-        raise Refusal(f"{origin}: it has no geometry")
+        raise InputError(f"{origin}: it has no geometry")
     kind, given = geometry.get("type"), geometry.get("coordinates")
     span = (number(properties, "bottom", origin), number(properties, "top", origin))
     if kind not in GEOMETRIES:
@@ -98,13 +108,13 @@ def shapes(
     if kind == "GeometryCollection":
         parts = geometry.get("geometries")
         if not isinstance(parts, list):
-            raise Refusal(f"{origin}: 'geometries' is not a list")
+            raise InputError(f"{origin}: 'geometries' is not a list")
         return [
             shape for part in parts for shape in shapes(part, properties, name, origin, depth + 1)
         ]
     several = given if kind.startswith("Multi") else [given]
     if not isinstance(several, list) or not several:
-        raise Refusal(f"{origin}: its {kind} has no coordinates")
+        raise InputError(f"{origin}: its {kind} has no coordinates")
     return [
         one(kind.removeprefix("Multi"), part, properties, name, origin, span) for part in several
     ]
@@ -113,10 +123,10 @@ def shapes(
 def one(
     kind: str, given: Any, properties: dict[str, Any], name: str, origin: str, span: Span
 ) -> Shape:
-    """One simple geometry. Raises Refusal."""
+    """One simple geometry. Raises InputError."""
     if kind == "Polygon":
         if not isinstance(given, list) or not given:
-            raise Refusal(f"{origin}: its Polygon has no outline")
+            raise InputError(f"{origin}: its Polygon has no outline")
         return area(name, [points(ring, origin) for ring in given], origin, span)
     if kind == "LineString":
         return line(name, points(given, origin), origin, number(properties, "thickness", origin),
@@ -126,7 +136,7 @@ def one(
     if radius is None:
         demand_finite([centre], origin)
         need = f"a Point at {at(centre)} bounds no area: give it a radius"
-        return Place(name, origin, span, centre, need)
+        return DrawnPoint(name, origin, span, centre, need)
     return circle(name, centre, radius, origin, span)
 
 
@@ -136,9 +146,9 @@ def whole(digits: str) -> float:
 
 
 def points(given: Any, origin: str) -> list[Point]:
-    """Positions as pairs of numbers. Raises Refusal."""
+    """Positions as pairs of numbers. Raises InputError."""
     if not isinstance(given, list):
-        raise Refusal(f"{origin}: {given!r} is not a list of positions")
+        raise InputError(f"{origin}: {given!r} is not a list of positions")
     made = []
     for k, position in enumerate(given, start=1):
         if not (
@@ -146,9 +156,9 @@ def points(given: Any, origin: str) -> list[Point]:
             and len(position) in (2, 3)
             and all(isinstance(x, int | float) and not isinstance(x, bool) for x in position)
         ):
-            raise Refusal(f"{origin}: point {k} is {position!r}, not a pair of numbers")
+            raise InputError(f"{origin}: point {k} is {position!r}, not a pair of numbers")
         if len(position) == 3 and position[2] != 0:
-            raise Refusal(
+            raise InputError(
                 f"{origin}: point {k} is {at(position)}: a height is given by the properties "
                 "'bottom' and 'top'"
             )
@@ -157,10 +167,10 @@ def points(given: Any, origin: str) -> list[Point]:
 
 
 def number(properties: dict[str, Any], key: str, origin: str) -> float | None:
-    """A property that is a number, or None without it. Raises Refusal."""
+    """A property that is a number, or None without it. Raises InputError."""
     value = properties.get(key)
     if value is not None and (isinstance(value, bool) or not isinstance(value, int | float)):
-        raise Refusal(f"{origin}: {key} = {value!r} is not a number")
+        raise InputError(f"{origin}: {key} = {value!r} is not a number")
     return None if value is None else float(value)
 
 

@@ -10,9 +10,9 @@ from functools import partial
 import numpy as np
 import shapely
 
-from worlds.readers.contents import MOST_CORNERS, Item
-from worlds.readers.shapes import Shape, area
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
+from worlds.readers.drawing_contents import MOST_CORNERS, Item
+from worlds.readers.drawn_shapes import Shape, area
 
 MOST_CELLS = 25_000_000
 """Cells of a grid at most: 250 m by 250 m in cells of 5 cm."""
@@ -21,7 +21,7 @@ MOST_RUNS = 200_000
 
 
 @dataclass(frozen=True)
-class Grid:
+class RasterGrid:
     """Where cells lie: the lower left corner of the first, their side, and the turn of the rows."""
 
     origin: tuple[float, float]
@@ -38,13 +38,13 @@ class Grid:
         return np.column_stack([x + self.origin[0], y + self.origin[1]])
 
 
-def cells(layer: str, solid: np.ndarray, grid: Grid, origin: str) -> Item:
+def cells(layer: str, solid: np.ndarray, grid: RasterGrid, origin: str) -> Item:
     """Cells of one kind as an item; `solid` (rows, columns) has its lowest row first."""
     return Item(layer, "grid", partial(outlines, solid, grid, f"{origin}, {layer}"))
 
 
-def outlines(solid: np.ndarray, grid: Grid, origin: str) -> list[Shape]:
-    """The areas of cells, each with its holes. Raises Refusal where they are too many."""
+def outlines(solid: np.ndarray, grid: RasterGrid, origin: str) -> list[Shape]:
+    """The areas of cells, each with its holes. Raises InputError where they are too many."""
     # Along each row, where a run begins and where it ends.
     padded = np.zeros((solid.shape[0], solid.shape[1] + 2), np.int8)
     padded[:, 1:-1] = solid
@@ -52,17 +52,20 @@ def outlines(solid: np.ndarray, grid: Grid, origin: str) -> list[Shape]:
     row, begin = np.nonzero(change == 1)
     _, end = np.nonzero(change == -1)
     if len(row) > MOST_RUNS:
-        raise Refusal(f"{origin}: {len(row)} rows of cells, at most {MOST_RUNS} are read: a map of "
-                      "fewer cells, or with less noise, is needed")  # fmt: skip
+        raise InputError(
+            f"{origin}: {len(row)} rows of cells, at most {MOST_RUNS} are read: a map of "
+            "fewer cells, or with less noise, is needed"
+        )
     joined = shapely.union_all(shapely.box(begin, row, end, row + 1))
     parts = [part for part in shapely.get_parts(joined.simplify(0.0)) if not part.is_empty]
     if shapely.get_num_coordinates(joined) > 4 * MOST_CORNERS:
-        raise Refusal(f"{origin}: its outlines have more than {MOST_CORNERS} corners, too many to "
-                      "read")  # fmt: skip
+        raise InputError(
+            f"{origin}: its outlines have more than {MOST_CORNERS} corners, too many to read"
+        )
     return [area("", rings(part, grid), origin) for part in parts]
 
 
-def rings(part: shapely.Polygon, grid: Grid) -> list[Sequence[tuple[float, float]]]:
+def rings(part: shapely.Polygon, grid: RasterGrid) -> list[Sequence[tuple[float, float]]]:
     """The outline and the holes of an area of cells, as places."""
     return [
         [(float(x), float(y)) for x, y in grid.places(shapely.get_coordinates(ring))]
@@ -73,6 +76,6 @@ def rings(part: shapely.Polygon, grid: Grid) -> list[Sequence[tuple[float, float
 def demand_few_cells(width: int, height: int, path: object) -> None:
     """Refuse a grid that is too large, or has no cell, before its cells are read."""
     if width < 1 or height < 1:
-        raise Refusal(f"{path}: a grid of {width} x {height} cells holds nothing")
+        raise InputError(f"{path}: a grid of {width} x {height} cells holds nothing")
     if width * height > MOST_CELLS:
-        raise Refusal(f"{path}: {width} x {height} cells are too many, at most {MOST_CELLS}")
+        raise InputError(f"{path}: {width} x {height} cells are too many, at most {MOST_CELLS}")

@@ -9,8 +9,17 @@ from itertools import islice
 
 import numpy as np
 
-from worlds.readers.shapes import Area, Curve, Line, Point, Solid, area, at, line
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
+from worlds.readers.drawn_shapes import (
+    DrawnArea,
+    DrawnCurve,
+    DrawnLine,
+    Point,
+    Solid,
+    area,
+    at,
+    line,
+)
 
 MOST_NEAR = 20
 """Most ends that lie within the tolerance of one another, on average: a wider one joins nothing
@@ -22,7 +31,7 @@ MOST_CHORDS = 10_000
 
 
 @dataclass(frozen=True)
-class Joined:
+class JoinedLines:
     """What lines have become, and what has been done to them, one line each."""
 
     shapes: tuple[Solid, ...]
@@ -37,16 +46,18 @@ class Joint:
     gap: float
 
 
-def chords(curve: Curve, tolerance: float, metres: float) -> tuple[Area | Line, str]:
+def chords(curve: DrawnCurve, tolerance: float, metres: float) -> tuple[DrawnArea | DrawnLine, str]:
     """A curve drawn by chords within a tolerance (units of the file), and a word about it.
 
     `metres` is the tolerance in metres, for the word. It is an area if it ends where it begins.
-    Raises Refusal.
+    Raises InputError.
     """
     points = list(islice(curve.drawn(tolerance), MOST_CHORDS + 2))
     if len(points) > MOST_CHORDS + 1:
-        raise Refusal(f"{curve.origin}: more than {MOST_CHORDS} chords draw it within {metres:g} m:"
-                      " a wider tolerance is needed")  # fmt: skip
+        raise InputError(
+            f"{curve.origin}: more than {MOST_CHORDS} chords draw it within {metres:g} m:"
+            " a wider tolerance is needed"
+        )
     change = f"{curve.origin}: drawn by {len(points) - 1} chords, within {metres:g} m"
     ends_meet = len(points) > 3 and apart(points[0], points[-1]) <= 1e-9 * tolerance
     if ends_meet:
@@ -55,12 +66,14 @@ def chords(curve: Curve, tolerance: float, metres: float) -> tuple[Area | Line, 
     return line(curve.name, points, curve.origin, None, curve.span), change
 
 
-def joined(lines: Sequence[Line], tolerance: float, scale: float, walls: bool = False) -> Joined:
+def joined(
+    lines: Sequence[DrawnLine], tolerance: float, scale: float, walls: bool = False
+) -> JoinedLines:
     """Lines whose ends meet within a tolerance (units of the file), as one; closed, as an area.
 
     With `walls` they stay lines, closed or not.
     Where more than two ends meet nothing is joined, for who belongs to whom is not clear. At a
-    joint the later line's end moves to the earlier one's. Raises Refusal for a tolerance that is
+    joint the later line's end moves to the earlier one's. Raises InputError for a tolerance that is
     too wide for the drawing, and for what is closed and unsound.
     """
     joints, crowded = joints_of(lines, tolerance)
@@ -78,11 +91,11 @@ def joined(lines: Sequence[Line], tolerance: float, scale: float, walls: bool = 
         made, notes = chain(lines, begin, partner, seen, scale, walls)
         shapes.append(made)
         changes += notes
-    return Joined(tuple(shapes), tuple(changes))
+    return JoinedLines(tuple(shapes), tuple(changes))
 
 
 def chain(
-    lines: Sequence[Line],
+    lines: Sequence[DrawnLine],
     begin: int,
     partner: dict[int, Joint],
     seen: set[int],
@@ -119,8 +132,8 @@ def chain(
         ring = [*points[:-1], points[0]]
         try:
             made = area(first.name, [ring], first.origin + more, first.span, is_line=True)
-        except Refusal as refusal:
-            raise Refusal(f"{refusal}, where --join closes it with {pieces(changes)}: give a "
+        except InputError as refusal:
+            raise InputError(f"{refusal}, where --join closes it with {pieces(changes)}: give a "
                           "smaller --join, or make walls of its lines (--wall, --thickness)"
                           ) from None  # fmt: skip
         return made, changes
@@ -136,8 +149,8 @@ def pieces(changes: Sequence[str]) -> str:
     return ", ".join(others) or "itself"
 
 
-def joints_of(lines: Sequence[Line], tolerance: float) -> tuple[list[Joint], list[str]]:
-    """Where exactly two ends meet, and a word where more do. Raises Refusal."""
+def joints_of(lines: Sequence[DrawnLine], tolerance: float) -> tuple[list[Joint], list[str]]:
+    """Where exactly two ends meet, and a word where more do. Raises InputError."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
@@ -148,8 +161,10 @@ def joints_of(lines: Sequence[Line], tolerance: float) -> tuple[list[Joint], lis
     tree = cKDTree(ends)
     pairs = (tree.count_neighbors(tree, tolerance) - len(ends)) // 2
     if pairs > MOST_NEAR * len(ends):
-        raise Refusal(f"{lines[0].origin}: the tolerance of --join is too wide: {pairs} pairs of "
-                      f"ends of {len(lines)} lines lie within it")  # fmt: skip
+        raise InputError(
+            f"{lines[0].origin}: the tolerance of --join is too wide: {pairs} pairs of "
+            f"ends of {len(lines)} lines lie within it"
+        )
     near = tree.query_pairs(tolerance, output_type="ndarray")
     ones = np.ones(len(near))
     graph = coo_array((ones, (near[:, 0], near[:, 1])), shape=(len(ends), len(ends)))
@@ -169,7 +184,7 @@ def joints_of(lines: Sequence[Line], tolerance: float) -> tuple[list[Joint], lis
     return joints, crowded
 
 
-def joinable(lines: Sequence[Line], members: Sequence[int], tolerance: float) -> bool:
+def joinable(lines: Sequence[DrawnLine], members: Sequence[int], tolerance: float) -> bool:
     """Whether two ends are not those of one line that is shorter than the tolerance itself."""
     one, other = members
     if one // 2 != other // 2:

@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from worlds.readers.contents import Contents, Item, text_of
-from worlds.readers.grid import Grid, cells, demand_few_cells, rings
+from worlds.input_error import InputError, shortened
+from worlds.readers.drawing_contents import DrawingContents, Item, text_of
+from worlds.readers.drawn_shapes import Shape, area
+from worlds.readers.grid import RasterGrid, cells, demand_few_cells, rings
 from worlds.readers.roles import IGNORE, OBSTACLE, WALKABLE
-from worlds.readers.shapes import Shape, area
-from worlds.refusal import Refusal, shortened
 
 HEADER = ("type", "height", "width")
 LAYERS = {"@": "out of bounds", "O": "out of bounds", "T": "trees", "W": "water", "S": "swamp",
@@ -31,8 +31,8 @@ ROLES = {
 }
 
 
-def read_movingai(path: Path) -> Contents:
-    """The map. Raises Refusal with the line that is wrong."""
+def read_movingai(path: Path) -> DrawingContents:
+    """The map. Raises InputError with the line that is wrong."""
     lines = text_of(path).splitlines()
     width, height, first = header(lines, path)
     demand_few_cells(width, height, path)
@@ -40,52 +40,55 @@ def read_movingai(path: Path) -> Contents:
     while rows and not rows[-1].strip():
         rows.pop()
     if len(rows) != height:
-        raise Refusal(f"{path}: height = {height}, but there are {len(rows)} rows of the map")
+        raise InputError(f"{path}: height = {height}, but there are {len(rows)} rows of the map")
     for number, row in enumerate(rows, start=first + 1):
         if len(row) != width:
-            raise Refusal(f"{path}, line {number}: {len(row)} cells, but width = {width}")
+            raise InputError(f"{path}, line {number}: {len(row)} cells, but width = {width}")
     try:
         codes = np.frombuffer("".join(rows).encode("latin-1"), np.uint8).reshape(height, width)
     except UnicodeEncodeError:
-        raise Refusal(f"{path}: the map holds letters that are none of {letters()}") from None
+        raise InputError(f"{path}: the map holds letters that are none of {letters()}") from None
     codes = codes[::-1]
     odd = ~np.isin(codes, [ord(letter) for letter in LAYERS])
     if odd.any():
         row, column = np.argwhere(odd[::-1])[0]
-        raise Refusal(
+        raise InputError(
             f"{path}, line {first + 1 + row}: cell {column + 1} is {rows[row][column]!r}, none of "
             f"{letters()}"
         )
-    grid = Grid((0.0, 0.0), 1.0)
+    grid = RasterGrid((0.0, 0.0), 1.0)
     items = [Item(MAP, "box", partial(box, width, height, grid, str(path)))]
     for layer in ROLES:
         signs = [ord(letter) for letter, name in LAYERS.items() if name == layer]
         held = np.isin(codes, signs)
         if held.any():
             items.append(cells(layer, held, grid, str(path)))
-    return Contents(path, tuple(items), tuple(item.layer for item in items), None, roles=ROLES)
+    return DrawingContents(
+        path, tuple(items), tuple(item.layer for item in items), None, roles=ROLES
+    )
 
 
 def header(lines: list[str], path: Path) -> tuple[int, int, int]:
-    """Width, height, and the number of lines before the map. Raises Refusal."""
+    """Width, height, and the number of lines before the map. Raises InputError."""
     found: dict[str, str] = {}
     for number, line in enumerate(lines[:10]):
         words = line.split()
         if words == ["map"]:
             missing = [key for key in HEADER if key not in found]
             if missing:
-                raise Refusal(f"{path} is not a map of MovingAI: no {', no '.join(missing)}")
+                raise InputError(f"{path} is not a map of MovingAI: no {', no '.join(missing)}")
             sizes = [found[key] for key in ("width", "height")]
             for key, size in zip(("width", "height"), sizes, strict=True):
                 if not size.isascii() or not size.isdigit() or len(size) > 9:
-                    raise Refusal(f"{path}: {key} = {shortened(size)} is not a number of cells")
+                    raise InputError(f"{path}: {key} = {shortened(size)} is not a number of cells")
             return int(sizes[0]), int(sizes[1]), number + 1
         if len(words) == 2 and words[0] in HEADER:
             found[words[0]] = words[1]
         elif words:
             break
-    raise Refusal(f"{path} is not a map of MovingAI: it begins with type, height, width and map, "
-                  "a line each")  # fmt: skip
+    raise InputError(
+        f"{path} is not a map of MovingAI: it begins with type, height, width and map, a line each"
+    )
 
 
 def letters() -> str:
@@ -93,6 +96,6 @@ def letters() -> str:
     return " ".join(LAYERS)
 
 
-def box(width: int, height: int, grid: Grid, origin: str) -> list[Shape]:
+def box(width: int, height: int, grid: RasterGrid, origin: str) -> list[Shape]:
     """All of the map."""
     return [area("", rings(shapely.box(0, 0, width, height), grid), origin)]

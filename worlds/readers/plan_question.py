@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class PlanChoice:
     """Whether it needs a thickness of walls beside."""
 
 
-class PlanQuestion(Refusal):
+class PlanQuestion(InputError):
     """A drawing that may mean two things; its text says how the command line answers it."""
 
     def __init__(self, line: str, choices: tuple[PlanChoice, ...]) -> None:

@@ -10,14 +10,26 @@ from pathlib import Path
 
 import shapely
 
+from worlds.input_error import InputError, refusal_of
 from worlds.obstacles import Obstacle
-from worlds.readers.contents import MOST_CORNERS, UNNAMED, Contents
 from worlds.readers.degrees import places_of, projected, question_of_degrees
+from worlds.readers.drawing_contents import MOST_CORNERS, UNNAMED, DrawingContents
+from worlds.readers.drawn_shapes import (
+    DrawnCurve,
+    DrawnLine,
+    DrawnPoint,
+    Shape,
+    Solid,
+    StrayPoint,
+    UnitConversion,
+    at,
+    bounds_of,
+)
 from worlds.readers.dxf import read_dxf
+from worlds.readers.dxf_outlines import MOST_OUTLINES, within
 from worlds.readers.geojson import read_geojson
 from worlds.readers.join import chords, joined
 from worlds.readers.movingai import read_movingai
-from worlds.readers.outlines import MOST_OUTLINES, within
 from worlds.readers.plan_question import PlanQuestion
 from worlds.readers.roles import (
     GOAL,
@@ -27,30 +39,18 @@ from worlds.readers.roles import (
     START,
     WALKABLE,
     WALL,
-    Row,
+    LayerRole,
     cast,
     unclear,
 )
 from worlds.readers.ros_map import read_ros_map, read_zipped_map
-from worlds.readers.shapes import (
-    Curve,
-    Line,
-    Measure,
-    Place,
-    Shape,
-    Solid,
-    Stray,
-    at,
-    bounds_of,
-)
 from worlds.readers.svg import read_svg
 from worlds.readers.units import doubt, metres_per_unit
 from worlds.readers.vadere import read_vadere
-from worlds.readers.walls import question_of_walls, walls_of
+from worlds.readers.wall_lines import question_of_walls, walls_of
 from worlds.readers.wkt import read_wkt
-from worlds.refusal import Refusal, refusal_of
 
-READERS: dict[str, Callable[[Path], Contents]] = {
+READERS: dict[str, Callable[[Path], DrawingContents]] = {
     ".geojson": read_geojson, ".json": read_geojson, ".wkt": read_wkt, ".dxf": read_dxf,
     ".svg": read_svg, ".scenario": read_vadere, ".map": read_movingai, ".yaml": read_ros_map,
     ".yml": read_ros_map, ".zip": read_zipped_map,
@@ -76,7 +76,7 @@ class Geometry:
     file: str
     obstacles: tuple[Obstacle, ...]
     walkable: shapely.Geometry | None
-    layers: tuple[Row, ...]
+    layers: tuple[LayerRole, ...]
     changes: tuple[str, ...]
     starts: tuple[tuple[str, Solid], ...]
     goals: tuple[tuple[str, Solid], ...]
@@ -100,25 +100,25 @@ def read_geometry(
     `roles` are layers by what they are: "walkable", "obstacle", "wall", "start", "goal", "path",
     "ignore";
     layers that are not named are guessed from their names, see `worlds.readers.roles`. For the
-    rest see `geometry_of`. Raises Refusal with file and place for all that cannot be used.
+    rest see `geometry_of`. Raises InputError with file and place for all that cannot be used.
     """
     contents = open_drawing(path)
     rows = cast(contents, roles or {})
     return geometry_of(contents, rows, scale, unit, thickness, join, drop_lines, degrees)
 
 
-def open_drawing(path: str | Path) -> Contents:
-    """What a file holds, on its layers. Raises Refusal."""
+def open_drawing(path: str | Path) -> DrawingContents:
+    """What a file holds, on its layers. Raises InputError."""
     path = Path(path)
     ending = path.suffix.lower()
     if ending not in READERS:
-        raise Refusal(f"{str(path)!r} is not a drawing that is read: {', '.join(READERS)} are")
+        raise InputError(f"{str(path)!r} is not a drawing that is read: {', '.join(READERS)} are")
     return READERS[ending](path)
 
 
 def geometry_of(
-    contents: Contents,
-    rows: Sequence[Row],
+    contents: DrawingContents,
+    rows: Sequence[LayerRole],
     scale: float | None = None,
     unit: str | None = None,
     thickness: float | None = None,
@@ -133,19 +133,19 @@ def geometry_of(
     than a building is then questioned. `thickness` (m) makes walls of open lines. `join` (m) joins
     lines that meet end to end within it, and draws splines by chords within it. `drop_lines` leaves
     out the lines that are still open then and have no thickness. `degrees` projects longitudes and
-    latitudes to metres around the middle of the plan. Raises PlanQuestion, a Refusal
-    with the choices that answer it, for a drawing that may mean two things, and Refusal with file
-    and place for all that cannot be used; nothing is repaired without being asked.
+    latitudes to metres around the middle of the plan. Raises PlanQuestion, an InputError
+    with the choices that answer it, for a drawing that may mean two things, and InputError with
+    file and place for all that cannot be used; nothing is repaired without being asked.
     """
     for name, value in (("thickness", thickness), ("join", join)):
         if value is not None and not (value > 0.0 and math.isfinite(value)):
-            raise Refusal(f"{name} = {value:g} m is not a length > 0")
+            raise InputError(f"{name} = {value:g} m is not a length > 0")
     problems = unclear(contents, rows)
     question: PlanQuestion | None = None
     projection = None
     if degrees:
         if scale is not None or unit is not None:
-            raise Refusal(
+            raise InputError(
                 "--degrees makes metres of a plan: --unit and --scale cannot be given too"
             )
         contents, projection = projected(contents, rows)
@@ -153,7 +153,7 @@ def geometry_of(
         metres = metres_per_unit(contents, scale, unit)
     except PlanQuestion as open_unit:
         question, metres = open_unit, 1.0
-    taken = Taking(contents, rows, metres, join, thickness)
+    taken = LayerShapes(contents, rows, metres, join, thickness)
     if projection is not None:
         taken.changes.insert(0, projection)
     if drop_lines:
@@ -165,10 +165,10 @@ def geometry_of(
         raise refusal_of([*problems, *asked_too, *taken.unusable(thickness)])
     if not plan:
         layers = ", ".join(row.layer for row in rows if row.role != IGNORE)
-        raise Refusal(f"{contents.path}: there is nothing on its layers ({layers or 'none'})")
+        raise InputError(f"{contents.path}: there is nothing on its layers ({layers or 'none'})")
     asked = next((row.layer for row in rows if row.role == WALKABLE), None)
     if asked is not None and not taken.made[WALKABLE]:
-        raise Refusal(f"{contents.path}: there is nothing on the walkable layer {asked!r}")
+        raise InputError(f"{contents.path}: there is nothing on the walkable layer {asked!r}")
     if scale is None and unit is None and not degrees and question is None:
         shapes = [shape for held in taken.made.values() for _, shape in held]
         bounds = bounds_of([p for shape in plan for p in corners_of(shape.bounds())])
@@ -186,7 +186,7 @@ def geometry_of(
     return in_metres(contents, rows, taken, metres, thickness)
 
 
-class Taking:
+class LayerShapes:
     """The shapes of the layers that have a role, in units of the file; lines joined if asked.
 
     `problems` is everything that cannot be used so far, `changes` what has been done to it.
@@ -194,8 +194,8 @@ class Taking:
 
     def __init__(
         self,
-        contents: Contents,
-        rows: Sequence[Row],
+        contents: DrawingContents,
+        rows: Sequence[LayerRole],
         metres: float,
         join: float | None,
         thickness: float | None,
@@ -211,7 +211,7 @@ class Taking:
         ]
         self.made: Made = {role: [] for role in (WALKABLE, OBSTACLE, START, GOAL, PATH)}
         row_of = {row.layer: row for row in rows if row.role not in (None, IGNORE)}
-        lines: dict[str, list[Line]] = {}
+        lines: dict[str, list[DrawnLine]] = {}
         corners = 0
         for item in contents.items:
             row = row_of.get(item.layer)
@@ -219,7 +219,7 @@ class Taking:
                 continue
             try:
                 read = [self.plain(shape) for shape in item.read()]
-            except Refusal as refusal:
+            except InputError as refusal:
                 self.problems.append(str(refusal))
                 continue
             for shape in read:
@@ -227,9 +227,9 @@ class Taking:
                     continue
                 corners += len(shape.corners())
                 if corners > MOST_CORNERS:
-                    raise Refusal(f"{self.path}: what it draws has more than {MOST_CORNERS} "
+                    raise InputError(f"{self.path}: what it draws has more than {MOST_CORNERS} "
                                   "corners, too many to read")  # fmt: skip
-                if join is not None and isinstance(shape, Line) and shape.thickness is None:
+                if join is not None and isinstance(shape, DrawnLine) and shape.thickness is None:
                     lines.setdefault(item.layer, []).append(shape)
                 else:
                     self.take(row, shape)
@@ -237,7 +237,7 @@ class Taking:
             self.joined(row_of[layer], held)
         self.note_walls()
 
-    def take(self, row: Row, shape: Solid) -> None:
+    def take(self, row: LayerRole, shape: Solid) -> None:
         """Put a shape to those of its role; a closed line of a layer of walls as walls."""
         walls = walls_of(shape, row, self.thickness)
         if walls != [shape]:
@@ -254,14 +254,14 @@ class Taking:
             )
 
     def plain(self, shape: Shape) -> Solid | None:
-        """A shape of straight lines and circles, or None for a stray point. Raises Refusal."""
-        if isinstance(shape, Stray):
+        """A shape of straight lines and circles, or None for a stray point. Raises InputError."""
+        if isinstance(shape, StrayPoint):
             self.changed(f"{shape.origin}: left out, a single point at {at(shape.place)}")
             return None
-        if not isinstance(shape, Curve):
+        if not isinstance(shape, DrawnCurve):
             return shape
         if self.join is None:
-            raise Refusal(
+            raise InputError(
                 f"{shape.origin}: no straight lines draw a curve of this kind: give the distance "
                 "within which chords may draw it (--join 0.01, in m)"
             )
@@ -269,19 +269,19 @@ class Taking:
         self.changed(change)
         return made
 
-    def joined(self, row: Row, lines: list[Line]) -> None:
+    def joined(self, row: LayerRole, lines: list[DrawnLine]) -> None:
         """Take the lines of a layer, joined."""
         assert self.join is not None
         walls = row.role == WALL and self.thickness is not None
         try:
             made = joined(lines, self.join / self.metres, self.metres, walls)
-        except Refusal as refusal:
+        except InputError as refusal:
             self.problems.append(str(refusal))
             return
         for change in made.changes:
             self.changed(change)
         for shape in made.shapes:
-            closed = isinstance(shape, Line) and shape.points[0] == shape.points[-1]
+            closed = isinstance(shape, DrawnLine) and shape.points[0] == shape.points[-1]
             self.closed.update([row.layer] if walls and closed else [])
             self.take(row, shape)
 
@@ -294,7 +294,7 @@ class Taking:
         for role, thick in ((WALKABLE, None), (OBSTACLE, thickness)):
             kept = []
             for layer, shape in self.made[role]:
-                if isinstance(shape, Line) and shape.thickness is None and thick is None:
+                if isinstance(shape, DrawnLine) and shape.thickness is None and thick is None:
                     self.changed(f"{shape.origin}: left out, {shape.open_words()}")
                 else:
                     kept.append((layer, shape))
@@ -303,12 +303,12 @@ class Taking:
     def unusable(self, thickness: float | None) -> list[str]:
         """What of the plan bounds no area, one line each; many lines of a layer in one."""
         found = []
-        lines: dict[tuple[str, str], list[Line]] = {}
+        lines: dict[tuple[str, str], list[DrawnLine]] = {}
         for role, thick in ((WALKABLE, None), (OBSTACLE, thickness)):
             for layer, shape in self.made[role]:
-                if isinstance(shape, Place):
+                if isinstance(shape, DrawnPoint):
                     found.append(f"{shape.origin}: {shape.need}")
-                elif isinstance(shape, Line) and (
+                elif isinstance(shape, DrawnLine) and (
                     role == WALKABLE or (thick is None and shape.thickness is None)
                 ):
                     lines.setdefault((role, layer), []).append(shape)
@@ -327,9 +327,13 @@ class Taking:
 
 
 def in_metres(
-    contents: Contents, rows: Sequence[Row], taken: Taking, metres: float, thickness: float | None
+    contents: DrawingContents,
+    rows: Sequence[LayerRole],
+    taken: LayerShapes,
+    metres: float,
+    thickness: float | None,
 ) -> Geometry:
-    """What was taken, in metres and rounded. Raises Refusal."""
+    """What was taken, in metres and rounded. Raises InputError."""
     largest = max(
         abs(x) * metres
         for held in taken.made.values()
@@ -338,7 +342,7 @@ def in_metres(
         for x in point
     )
     digits = DIGITS - math.ceil(math.log10(largest)) if largest > 0.0 else DIGITS
-    by = Measure(metres, digits)
+    by = UnitConversion(metres, digits)
     found: Made = {}
     problems = []
     for role, held in taken.made.items():
@@ -346,7 +350,7 @@ def in_metres(
         for layer, shape in held:
             try:
                 found[role].append((layer, shape.measured(by)))
-            except Refusal as refusal:
+            except InputError as refusal:
                 problems.append(f"{refusal} (in m, rounded to {digits} decimals)")
     if problems:
         raise refusal_of(problems)
@@ -368,7 +372,7 @@ def in_metres(
 
 def nested_areas(shapes: Sequence[Solid]) -> list[str]:
     """Walkable areas that lie inside others, and would be lost in them, one line each."""
-    areas = [s for s in shapes if not isinstance(s, Line | Place)]
+    areas = [s for s in shapes if not isinstance(s, DrawnLine | DrawnPoint)]
     if len(areas) < 2:
         return []
     if len(areas) > MOST_OUTLINES:

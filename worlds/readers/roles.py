@@ -14,9 +14,9 @@ from difflib import get_close_matches
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from worlds.readers.contents import UNNAMED, Contents, Item
-from worlds.readers.shapes import Area, Place, Shape, Solid
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
+from worlds.readers.drawing_contents import UNNAMED, DrawingContents, Item
+from worlds.readers.drawn_shapes import DrawnArea, DrawnPoint, Shape, Solid
 
 WALKABLE, OBSTACLE, WALL, START, GOAL, PATH, IGNORE = (
     "walkable", "obstacle", "wall", "start", "goal", "path", "ignore"
@@ -50,7 +50,7 @@ PARAMETERS = "jps-parameters"
 
 
 @dataclass(frozen=True)
-class Row:
+class LayerRole:
     """A layer, what is on it, its role and why; a role of None is not clear."""
 
     layer: str
@@ -61,13 +61,13 @@ class Row:
     """Whether the role was asked for, by the layer's name."""
 
 
-def cast(contents: Contents, asked: Mapping[str, Sequence[str]]) -> tuple[Row, ...]:
+def cast(contents: DrawingContents, asked: Mapping[str, Sequence[str]]) -> tuple[LayerRole, ...]:
     """The role of each layer that holds anything; of an empty one only if it is asked for.
 
     `asked` are layers by role, upper or lower case; `*` in a name stands for any letters, and alone
     for every layer that has no role otherwise. What is asked goes before what the drawing hides,
-    and that before what a name says. Raises Refusal for an unknown role or layer, and for a layer
-    with two roles.
+    and that before what a name says. Raises InputError for an unknown role or layer, and for a
+    layer with two roles.
     """
     demand_known(contents, asked)
     given = {layer: asked_role(layer, asked, contents.path) for layer in contents.layers}
@@ -90,7 +90,7 @@ def cast(contents: Contents, asked: Mapping[str, Sequence[str]]) -> tuple[Row, .
         counts = Counter(item.kind for item in held)
         counts.update(dict(left.get(layer, [])))
         entities = ", ".join(f"{count} {kind}" for kind, count in counts.items()) or "nothing"
-        rows.append(Row(layer, entities, role, why, asked_for is not None))
+        rows.append(LayerRole(layer, entities, role, why, asked_for is not None))
     return tuple(
         unnamed(row, items[UNNAMED], rows, items) if is_open(row, items) else row for row in rows
     )
@@ -99,7 +99,7 @@ def cast(contents: Contents, asked: Mapping[str, Sequence[str]]) -> tuple[Row, .
 def asked_role(
     layer: str, asked: Mapping[str, Sequence[str]], path: Path
 ) -> tuple[str, str] | None:
-    """The role that is asked for a layer, its own name before a pattern. Raises Refusal."""
+    """The role that is asked for a layer, its own name before a pattern. Raises InputError."""
     folded = layer.casefold()
     found: dict[bool, dict[str, str]] = {True: {}, False: {}}
     for role, names in asked.items():
@@ -110,21 +110,21 @@ def asked_role(
     for roles in found.values():
         if len(roles) > 1:
             both = " and ".join(roles)
-            raise Refusal(f"layer {layer!r} cannot be {both}: one role each ({path})")
+            raise InputError(f"layer {layer!r} cannot be {both}: one role each ({path})")
         for role, why in roles.items():
             return role, why
     return None
 
 
-def demand_known(contents: Contents, asked: Mapping[str, Sequence[str]]) -> None:
-    """Refuse a name that is asked for and matches no layer. Raises Refusal."""
+def demand_known(contents: DrawingContents, asked: Mapping[str, Sequence[str]]) -> None:
+    """Refuse a name that is asked for and matches no layer. Raises InputError."""
     for role in asked:
         if role not in ROLES:
             raise unknown("role", role, ROLES)
     folded = [layer.casefold() for layer in contents.layers]
     rests = [role for role, names in asked.items() if REST in names]
     if len(rests) > 1:
-        raise Refusal(f"'{REST}' cannot be {' and '.join(rests)}: the rest has one role")
+        raise InputError(f"'{REST}' cannot be {' and '.join(rests)}: the rest has one role")
     for names in asked.values():
         for name in names:
             if name != REST and not any(
@@ -133,7 +133,7 @@ def demand_known(contents: Contents, asked: Mapping[str, Sequence[str]]) -> None
                 raise unknown_layer(name, contents)
 
 
-def unknown_layer(name: str, contents: Contents) -> Refusal:
+def unknown_layer(name: str, contents: DrawingContents) -> InputError:
     """A refusal of a name that no layer has; of thousands of layers the nearest are named."""
     known: Sequence[str] = contents.layers
     if len(known) > MOST_NAMED:
@@ -142,7 +142,7 @@ def unknown_layer(name: str, contents: Contents) -> Refusal:
     return unknown("layer", name, known, str(contents.path))
 
 
-def own_role(layer: str, held: Sequence[Item], contents: Contents) -> tuple[str | None, str]:
+def own_role(layer: str, held: Sequence[Item], contents: DrawingContents) -> tuple[str | None, str]:
     """What the drawing says about a layer: that it is hidden, or its name."""
     if layer in contents.hidden:
         return IGNORE, f"it is {contents.hidden[layer]}"
@@ -177,21 +177,23 @@ def guess(layer: str) -> tuple[str | None, str]:
     return role, f"its name says {word!r}"
 
 
-def is_open(row: Row, items: Mapping[str, list[Item]]) -> bool:
+def is_open(row: LayerRole, items: Mapping[str, list[Item]]) -> bool:
     """Whether a row is of what names no layer, and its role still open."""
     return row.layer == UNNAMED and row.role is None and UNNAMED in items
 
 
 def unnamed(
-    row: Row, held: Sequence[Item], rows: Sequence[Row], items: Mapping[str, list[Item]]
-) -> Row:
+    row: LayerRole, held: Sequence[Item], rows: Sequence[LayerRole], items: Mapping[str, list[Item]]
+) -> LayerRole:
     """What names no layer: solid beside a walkable area; alone, a lone polygon is walkable.
 
     Lines, discs and what has heights can only be solid. Several polygons may be rooms or blocks,
     and so may one beside solids that it does not surround: that stays open.
     """
     if any(other.role == WALKABLE for other in rows):
-        return Row(row.layer, row.entities, OBSTACLE, "it has no name, beside a walkable area")
+        return LayerRole(
+            row.layer, row.entities, OBSTACLE, "it has no name, beside a walkable area"
+        )
     try:
         shapes = [shape for item in held for shape in item.read()]
         solid = [
@@ -201,21 +203,27 @@ def unnamed(
             for item in items.get(other.layer, ())
             for shape in item.read()
         ]
-    except Refusal as refusal:
-        return Row(row.layer, row.entities, None, str(refusal))
-    areas = [shape for shape in shapes if isinstance(shape, Area) and shape.span == (None, None)]
+    except InputError as refusal:
+        return LayerRole(row.layer, row.entities, None, str(refusal))
+    areas = [
+        shape for shape in shapes if isinstance(shape, DrawnArea) and shape.span == (None, None)
+    ]
     if not areas:
-        if all(isinstance(shape, Place) for shape in shapes):
-            return Row(row.layer, row.entities, OBSTACLE, "it has no name")
-        return Row(row.layer, row.entities, OBSTACLE, "lines, discs and heights are of solids")
+        if all(isinstance(shape, DrawnPoint) for shape in shapes):
+            return LayerRole(row.layer, row.entities, OBSTACLE, "it has no name")
+        return LayerRole(
+            row.layer, row.entities, OBSTACLE, "lines, discs and heights are of solids"
+        )
     if len(areas) == len(shapes) == 1 and surrounds(areas[0], solid):
-        return Row(row.layer, row.entities, WALKABLE, "a lone polygon: its holes are solid")
+        return LayerRole(row.layer, row.entities, WALKABLE, "a lone polygon: its holes are solid")
     if len(areas) < len(shapes):
-        return Row(row.layer, row.entities, None, "polygons beside solids may be rooms or blocks")
-    return Row(row.layer, row.entities, None, f"{len(areas)} polygons may be rooms or blocks")
+        return LayerRole(
+            row.layer, row.entities, None, "polygons beside solids may be rooms or blocks"
+        )
+    return LayerRole(row.layer, row.entities, None, f"{len(areas)} polygons may be rooms or blocks")
 
 
-def surrounds(area: Area, solid: Sequence[Shape]) -> bool:
+def surrounds(area: DrawnArea, solid: Sequence[Shape]) -> bool:
     """Whether solids lie inside the bounds of an area."""
     low_x, low_y, high_x, high_y = area.bounds()
     return all(
@@ -229,7 +237,7 @@ def shown(name: str) -> str:
     return name if re.fullmatch(r"[\w.-]+", name) else repr(name[:LONGEST])
 
 
-def unclear(contents: Contents, rows: Sequence[Row]) -> list[str]:
+def unclear(contents: DrawingContents, rows: Sequence[LayerRole]) -> list[str]:
     """A line for each layer whose role is not clear, but those that names leave open in a line."""
     found, names = [], []
     for row in rows:

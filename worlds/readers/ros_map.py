@@ -21,11 +21,11 @@ import shapely
 import yaml
 from PIL import Image, UnidentifiedImageError
 
-from worlds.readers.contents import LARGEST, Contents, Item, bytes_of, text_of
-from worlds.readers.grid import Grid, cells, demand_few_cells, rings
+from worlds.input_error import InputError, unknown
+from worlds.readers.drawing_contents import LARGEST, DrawingContents, Item, bytes_of, text_of
+from worlds.readers.drawn_shapes import Shape, area, at
+from worlds.readers.grid import RasterGrid, cells, demand_few_cells, rings
 from worlds.readers.roles import OBSTACLE, WALKABLE
-from worlds.readers.shapes import Shape, area, at
-from worlds.refusal import Refusal, unknown
 
 LARGEST_YAML = 100_000
 """Bytes of the YAML file at most."""
@@ -41,44 +41,46 @@ ROLES = {
 }
 
 
-def read_ros_map(path: Path) -> Contents:
-    """The map of a YAML file and its image. Raises Refusal."""
+def read_ros_map(path: Path) -> DrawingContents:
+    """The map of a YAML file and its image. Raises InputError."""
     values = settings(text_of(path), str(path))
     image = path.parent / str(values["image"])
     try:
         data = bytes_of(image)
-    except Refusal as refusal:
-        raise Refusal(f"{path}, image: {refusal}") from None
+    except InputError as refusal:
+        raise InputError(f"{path}, image: {refusal}") from None
     return contents(path, values, data, image.name)
 
 
-def read_zipped_map(path: Path) -> Contents:
-    """The map of a ZIP file that holds one YAML file and its image. Raises Refusal."""
+def read_zipped_map(path: Path) -> DrawingContents:
+    """The map of a ZIP file that holds one YAML file and its image. Raises InputError."""
     try:
         with zipfile.ZipFile(io.BytesIO(bytes_of(path))) as archive:
             names = [name for name in archive.namelist() if not name.startswith("__MACOSX")]
             found = [name for name in names if name.lower().endswith((".yaml", ".yml"))]
             if len(found) != 1:
-                raise Refusal(f"{path} holds {len(found)} YAML files: one, and the image that it "
-                              "names, are a map of ROS")  # fmt: skip
+                raise InputError(
+                    f"{path} holds {len(found)} YAML files: one, and the image that it "
+                    "names, are a map of ROS"
+                )
             text = member(archive, found[0], LARGEST_YAML, path).decode("utf-8", "replace")
             values = settings(text, f"{path}, {found[0]}")
             wanted = PurePosixPath(str(values["image"])).name
             images = [name for name in names if PurePosixPath(name).name == wanted]
             if not images:
-                raise Refusal(f"{path} does not hold the image {wanted!r} that {found[0]} names")
+                raise InputError(f"{path} does not hold the image {wanted!r} that {found[0]} names")
             data = member(archive, images[0], LARGEST, path)
     except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError) as error:
-        raise Refusal(f"{path} is not a ZIP file that can be read: {error}") from None
+        raise InputError(f"{path} is not a ZIP file that can be read: {error}") from None
     return contents(path, values, data, wanted)
 
 
 def member(archive: zipfile.ZipFile, name: str, most: int, path: Path) -> bytes:
-    """A file in a ZIP file, of a bounded size, whatever its header says. Raises Refusal."""
+    """A file in a ZIP file, of a bounded size, whatever its header says. Raises InputError."""
     with archive.open(name) as file:
         data = file.read(most + 1)
     if len(data) > most:
-        raise Refusal(f"{path}, {name}: it has more than {most} bytes")
+        raise InputError(f"{path}, {name}: it has more than {most} bytes")
     return data
 
 
@@ -96,35 +98,35 @@ class PlainLoader(yaml.SafeLoader):
 
 
 def settings(text: str, origin: str) -> dict[str, Any]:
-    """The keys of the YAML file, checked. Raises Refusal."""
+    """The keys of the YAML file, checked. Raises InputError."""
     if len(text) > LARGEST_YAML:
-        raise Refusal(f"{origin}: it has more than {LARGEST_YAML} letters, too many for a map")
+        raise InputError(f"{origin}: it has more than {LARGEST_YAML} letters, too many for a map")
     try:
         values = yaml.load(text, Loader=PlainLoader)
     except RecursionError:
-        raise Refusal(f"{origin} is not YAML: it is nested too deep") from None
+        raise InputError(f"{origin} is not YAML: it is nested too deep") from None
     except (yaml.YAMLError, ValueError) as error:
-        raise Refusal(f"{origin} is not YAML: {' '.join(str(error).split())[:200]}") from None
+        raise InputError(f"{origin} is not YAML: {' '.join(str(error).split())[:200]}") from None
     if not isinstance(values, dict):
-        raise Refusal(f"{origin} is not a map of ROS: it has no keys")
+        raise InputError(f"{origin} is not a map of ROS: it has no keys")
     missing = [key for key in NEEDED if key not in values]
     if missing:
-        raise Refusal(f"{origin} is not a map of ROS: it has no {' and no '.join(missing)}")
+        raise InputError(f"{origin} is not a map of ROS: it has no {' and no '.join(missing)}")
     if not isinstance(values["image"], str) or not values["image"].strip("/"):
-        raise Refusal(f"{origin}: image = {values['image']!r:.60} is no name of a file")
+        raise InputError(f"{origin}: image = {values['image']!r:.60} is no name of a file")
     made: dict[str, Any] = {"image": values["image"]}
     made["resolution"] = number(values["resolution"], "resolution", origin)
     if made["resolution"] <= 0.0:
-        raise Refusal(f"{origin}: resolution = {made['resolution']:g} is not a length > 0")
+        raise InputError(f"{origin}: resolution = {made['resolution']:g} is not a length > 0")
     pose = values["origin"]
     if not isinstance(pose, list) or len(pose) != 3:
-        raise Refusal(f"{origin}: origin = {pose!r:.60} is not [x, y, yaw]")
+        raise InputError(f"{origin}: origin = {pose!r:.60} is not [x, y, yaw]")
     made["origin"] = [number(value, "origin", origin) for value in pose]
     for key, usual in THRESHOLDS.items():
         made[key] = number(values.get(key, usual), key, origin)
     if not 0.0 <= made["free_thresh"] <= made["occupied_thresh"] <= 1.0:
         low, high = made["free_thresh"], made["occupied_thresh"]
-        raise Refusal(f"{origin}: free_thresh = {low:g} and occupied_thresh = {high:g} are not "
+        raise InputError(f"{origin}: free_thresh = {low:g} and occupied_thresh = {high:g} are not "
                       "0 <= free <= occupied <= 1")  # fmt: skip
     made["negate"] = bool(number(values.get("negate", 0), "negate", origin))
     made["mode"] = str(values.get("mode", MODES[0])).lower()
@@ -134,21 +136,21 @@ def settings(text: str, origin: str) -> dict[str, Any]:
 
 
 def number(value: Any, key: str, origin: str) -> float:
-    """A number of the YAML file; 1e-2, which YAML takes for a text, too. Raises Refusal."""
+    """A number of the YAML file; 1e-2, which YAML takes for a text, too. Raises InputError."""
     try:
         made = float(value)
     except (TypeError, ValueError, OverflowError):
-        raise Refusal(f"{origin}: {key} = {value!r:.60} is not a number") from None
+        raise InputError(f"{origin}: {key} = {value!r:.60} is not a number") from None
     if not math.isfinite(made):
-        raise Refusal(f"{origin}: {key} = {made:g} is not a number")
+        raise InputError(f"{origin}: {key} = {made:g} is not a number")
     return made
 
 
-def contents(path: Path, values: dict[str, Any], data: bytes, name: str) -> Contents:
-    """The layers of a map. Raises Refusal."""
+def contents(path: Path, values: dict[str, Any], data: bytes, name: str) -> DrawingContents:
+    """The layers of a map. Raises InputError."""
     occupied, unseen = occupancy(image_of(data, f"{path}, {name}"), values)
     x, y, yaw = values["origin"]
-    grid = Grid((x, y), values["resolution"], yaw)
+    grid = RasterGrid((x, y), values["resolution"], yaw)
     origin = f"{path}, {name}"
     items = [Item(MAP, "box", partial(known_box, ~unseen, grid, origin))]
     items += [
@@ -156,23 +158,25 @@ def contents(path: Path, values: dict[str, Any], data: bytes, name: str) -> Cont
         for layer, solid in ((OCCUPIED, occupied), (UNKNOWN, unseen))
         if solid.any()
     ]
-    return Contents(path, tuple(items), tuple(item.layer for item in items), 1.0, roles=ROLES)
+    return DrawingContents(
+        path, tuple(items), tuple(item.layer for item in items), 1.0, roles=ROLES
+    )
 
 
 def image_of(data: bytes, origin: str) -> Image.Image:
-    """The image, PGM or PNG. Raises Refusal."""
+    """The image, PGM or PNG. Raises InputError."""
     try:
         with warnings.catch_warnings():  # Pillow's, of many pixels; ours is an error
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
             image = Image.open(io.BytesIO(data), formats=("PPM", "PNG"))
         demand_few_cells(*image.size, origin)
         image.load()
-    except Refusal:
+    except InputError:
         raise
     except UnidentifiedImageError:
-        raise Refusal(f"{origin}: it is no PGM and no PNG image") from None
+        raise InputError(f"{origin}: it is no PGM and no PNG image") from None
     except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
-        raise Refusal(f"{origin}: it cannot be read: {' '.join(str(error).split())}") from None
+        raise InputError(f"{origin}: it cannot be read: {' '.join(str(error).split())}") from None
     return image
 
 
@@ -211,11 +215,11 @@ def occupancy(image: Image.Image, values: dict[str, Any]) -> tuple[np.ndarray, n
     return occupied[::-1], unseen[::-1]
 
 
-def known_box(known: np.ndarray, grid: Grid, origin: str) -> list[Shape]:
-    """The box around all cells that are free or occupied. Raises Refusal."""
+def known_box(known: np.ndarray, grid: RasterGrid, origin: str) -> list[Shape]:
+    """The box around all cells that are free or occupied. Raises InputError."""
     rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
     if not len(rows):
         x, y = grid.origin
-        raise Refusal(f"{origin}: all of the map at {at((x, y))} is unknown")
+        raise InputError(f"{origin}: all of the map at {at((x, y))} is unknown")
     box = shapely.box(columns[0], rows[0], columns[-1] + 1, rows[-1] + 1)
     return [area("", rings(box, grid), origin)]

@@ -10,10 +10,10 @@ from typing import Any
 import shapely
 
 from worlds.checks import demand_sound
+from worlds.input_error import InputError
 from worlds.obstacles import Obstacle, obstacle
 from worlds.readers.drawn_mission import mission_of
 from worlds.readers.read import Geometry
-from worlds.refusal import Refusal
 from worlds.world import World, edges_of
 
 MARGIN = 0.1
@@ -33,7 +33,8 @@ def world_around(
     With a walkable area the box is its bounds, and all of the box that is not walkable is solid.
     Without one the box is the bounds of the obstacles and `margin` (m) around them, by default a
     tenth of their longest side. `edges` are one word for all sides or one per axis. `to_origin`
-    moves everything so that the box begins at (0, 0), which edges that wrap need. Raises Refusal.
+    moves everything so that the box begins at (0, 0), which edges that wrap need. Raises
+    InputError.
     """
     return world_and_notes(geometry, edges, margin, to_origin)[0]
 
@@ -49,7 +50,7 @@ def world_and_notes(
     obstacles = list(geometry.obstacles)
     if geometry.walkable is not None:
         if margin is not None:
-            raise Refusal(f"margin = {margin:g} m cannot be given with a walkable area, whose "
+            raise InputError(f"margin = {margin:g} m cannot be given with a walkable area, whose "
                           "bounds are the box")  # fmt: skip
         bounds = geometry.walkable.bounds
         obstacles += outside(geometry.walkable, geometry.digits)
@@ -63,7 +64,7 @@ def world_and_notes(
         low_x, low_y = 0.0, 0.0
     for axis, edge, start in zip("xy", both, (low_x, low_y), strict=True):
         if edge == "wrap" and start != 0.0:
-            raise Refusal(
+            raise InputError(
                 f"edges that wrap need a box that begins at 0, and along {axis} it begins at "
                 f"{start:g} ({geometry.file}): move it to the origin (--to-origin)"
             )
@@ -117,10 +118,10 @@ def rounded(value: Any, digits: int) -> Any:
 
 
 def grown(geometry: Geometry, margin: float | None) -> tuple[float, ...]:
-    """The bounds of the obstacles with a margin around them. Raises Refusal."""
+    """The bounds of the obstacles with a margin around them. Raises InputError."""
     around = shapely.total_bounds([one.footprint() for one in geometry.obstacles])
     side = max(around[2] - around[0], around[3] - around[1])
     margin = MARGIN * side if margin is None else margin
     if not (margin >= 0.0 and math.isfinite(margin)):
-        raise Refusal(f"margin = {margin:g} m is not a length >= 0")
+        raise InputError(f"margin = {margin:g} m is not a length >= 0")
     return (*(float(x) for x in around[:2] - margin), *(float(x) for x in around[2:] + margin))

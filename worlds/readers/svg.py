@@ -22,10 +22,17 @@ from xml.parsers import expat
 
 import shapely
 
-from worlds.readers.contents import DEEPEST, MOST_ITEMS, UNNAMED, Contents, Item, bytes_of
-from worlds.readers.outlines import MOST_OUTLINES, STEP, nested
-from worlds.readers.shapes import Point, Shape, Stray, area, circle, demand_finite, line
-from worlds.refusal import Refusal, shortened
+from worlds.input_error import InputError, shortened
+from worlds.readers.drawing_contents import (
+    DEEPEST,
+    MOST_ITEMS,
+    UNNAMED,
+    DrawingContents,
+    Item,
+    bytes_of,
+)
+from worlds.readers.drawn_shapes import Point, Shape, StrayPoint, area, circle, demand_finite, line
+from worlds.readers.dxf_outlines import MOST_OUTLINES, STEP, nested
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 GROUPMODE = "{http://www.inkscape.org/namespaces/inkscape}groupmode"
@@ -40,8 +47,8 @@ ROUND = 1e-9
 """Radii of a circle that differ by less than this share are one."""
 
 
-def read_svg(path: Path) -> Contents:
-    """The shapes of an SVG file. Raises Refusal."""
+def read_svg(path: Path) -> DrawingContents:
+    """The shapes of an SVG file. Raises InputError."""
     import svgelements
 
     root = document(bytes_of(path), path)
@@ -60,7 +67,9 @@ def read_svg(path: Path) -> Contents:
         TypeError,
         ValueError,
     ) as e:
-        raise Refusal(f"{path} is not SVG, or damaged: {' '.join(str(e).split())[:200]}") from None
+        raise InputError(
+            f"{path} is not SVG, or damaged: {' '.join(str(e).split())[:200]}"
+        ) from None
     items: list[Item] = []
     left_out = Counter[tuple[str, str]]()
     for element, layer in elements(drawn, ""):
@@ -74,35 +83,35 @@ def read_svg(path: Path) -> Contents:
         origin = f"{path}, layer {layer!r}, {kind} {number}" + (f" {name!r}" if name else "")
         items.append(Item(layer, kind, partial(shapes, element, height, origin)))
         if number > MOST_ITEMS:
-            raise Refusal(f"{path} draws more than {MOST_ITEMS} shapes, too many to read")
+            raise InputError(f"{path} draws more than {MOST_ITEMS} shapes, too many to read")
     layers = dict.fromkeys([*(item.layer for item in items), *(layer for _, layer in left_out)])
-    return Contents(path, tuple(items), tuple(layers), None, left_out=left_out)
+    return DrawingContents(path, tuple(items), tuple(layers), None, left_out=left_out)
 
 
 def document(data: bytes, path: Path) -> Xml.Element:
-    """The outermost element. Raises Refusal; a file that declares entities is not read."""
+    """The outermost element. Raises InputError; a file that declares entities is not read."""
     demand_no_entities(data, path)
     try:
         root = Xml.fromstring(data)
     except (Xml.ParseError, ValueError, LookupError) as error:
-        raise Refusal(f"{path} is not SVG: {error}") from None
+        raise InputError(f"{path} is not SVG: {error}") from None
     if root.tag.rpartition("}")[2] != "svg":
-        raise Refusal(f"{path} is not SVG: its outermost element is {shortened(root.tag)}")
+        raise InputError(f"{path} is not SVG: its outermost element is {shortened(root.tag)}")
     return root
 
 
 def demand_no_entities(data: bytes, path: Path) -> None:
-    """Refuse a file that declares entities, of which few bytes make many. Raises Refusal."""
+    """Refuse a file that declares entities, of which few bytes make many. Raises InputError."""
 
     # The parser looks, not we for `<!ENTITY`: in UTF-16 that is written otherwise.
     def declared(*_: object) -> None:
-        raise Refusal(f"{path}: it declares entities, which are not read: save it as plain SVG")
+        raise InputError(f"{path}: it declares entities, which are not read: save it as plain SVG")
 
     parser = expat.ParserCreate()
     parser.EntityDeclHandler = declared
     try:
         parser.Parse(data, True)
-    except Refusal:
+    except InputError:
         raise
     except (expat.ExpatError, LookupError, ValueError):
         return  # what is no XML is told by who reads it
@@ -137,15 +146,17 @@ def demand_few(root: Xml.Element, path: Path) -> None:
             opened.discard(one)
             counted[one] = 1 + sum(counted[part] for part in parts)
             if counted[one] > MOST_ITEMS:
-                raise Refusal(f"{path} draws more than {MOST_ITEMS} elements, those of use counted "
-                              "as often as they are used: too many to read")  # fmt: skip
+                raise InputError(
+                    f"{path} draws more than {MOST_ITEMS} elements, those of use counted "
+                    "as often as they are used: too many to read"
+                )
             continue
         if one in counted:
             continue
         if one in opened:
-            raise Refusal(f"{path}: the element {shortened(one.get('id'))} uses itself")
+            raise InputError(f"{path}: the element {shortened(one.get('id'))} uses itself")
         if depth > DEEPEST:
-            raise Refusal(f"{path}: its elements are nested more than {DEEPEST} deep")
+            raise InputError(f"{path}: its elements are nested more than {DEEPEST} deep")
         opened.add(one)
         stack.append((one, depth, True))
         stack += [(part, depth + 1, False) for part in parts]
@@ -171,7 +182,7 @@ def attributes(element: Any) -> dict[str, Any]:
 
 
 def shapes(element: Any, height: float, origin: str) -> list[Shape]:
-    """The shapes of an element. Raises Refusal."""
+    """The shapes of an element. Raises InputError."""
     import svgelements
 
     try:
@@ -186,17 +197,17 @@ def shapes(element: Any, height: float, origin: str) -> list[Shape]:
                 return [circle("", place, radius, origin, is_line=not is_filled)]
         path = svgelements.Path(element)
         lines = [subpath(piece, matrix, height) for piece in path.as_subpaths()]
-    except Refusal:
+    except InputError:
         raise
     except STUMBLES as error:
-        raise Refusal(f"{origin}: it is damaged: {' '.join(str(error).split())[:200]}") from None
+        raise InputError(f"{origin}: it is damaged: {' '.join(str(error).split())[:200]}") from None
     if len(lines) > MOST_OUTLINES:
-        raise Refusal(f"{origin}: it has more than {MOST_OUTLINES} pieces, too many to read")
+        raise InputError(f"{origin}: it has more than {MOST_OUTLINES} pieces, too many to read")
     lines = [points for points in lines if points]
     for points in lines:
         demand_finite(points, origin)
     if lines and len({point for points in lines for point in points}) == 1:
-        return [Stray("", origin, (None, None), lines[0][0])]
+        return [StrayPoint("", origin, (None, None), lines[0][0])]
     if not is_filled or isinstance(element, svgelements.SimpleLine):
         return [
             area("", [points], origin, is_line=True)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from worlds.readers.contents import Contents
+from worlds.input_error import InputError, unknown
+from worlds.readers.drawing_contents import DrawingContents
+from worlds.readers.drawn_shapes import Bounds
 from worlds.readers.plan_question import PlanChoice, PlanQuestion
-from worlds.readers.shapes import Bounds
-from worlds.refusal import Refusal, unknown
 
 UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "km": 1000.0, "in": 0.0254, "ft": 0.3048,
          "yd": 0.9144}  # fmt: skip
@@ -19,16 +19,19 @@ SILENT = {".dxf": "$INSUNITS", ".svg": "an SVG file has none"}
 SUGGESTED = ("m", "cm", "mm", "in", "ft")
 
 
-def metres_per_unit(contents: Contents, scale: float | None, unit: str | None) -> float:
+def metres_per_unit(contents: DrawingContents, scale: float | None, unit: str | None) -> float:
     """Metres per unit of the file: as asked, or as the file says; 1 for GeoJSON and WKT.
 
-    Raises Refusal if both are asked for, and PlanQuestion for a DXF or SVG file that does not say.
+    Raises InputError if both are asked for, and PlanQuestion for a DXF or SVG file that does not
+    say.
     """
     if scale is not None and unit is not None:
-        raise Refusal(f"scale = {scale:g} and unit = {unit} say the same thing: give one of them")
+        raise InputError(
+            f"scale = {scale:g} and unit = {unit} say the same thing: give one of them"
+        )
     if scale is not None:
         if not (scale > 0.0 and math.isfinite(scale)):
-            raise Refusal(f"scale = {scale:g} is not allowed: metres per unit of the file, > 0")
+            raise InputError(f"scale = {scale:g} is not allowed: metres per unit of the file, > 0")
         return scale
     if unit is not None:
         if unit not in UNITS:
@@ -44,7 +47,7 @@ def metres_per_unit(contents: Contents, scale: float | None, unit: str | None) -
     return contents.unit or 1.0
 
 
-def doubt(contents: Contents, bounds: Bounds, scale: float) -> PlanQuestion | None:
+def doubt(contents: DrawingContents, bounds: Bounds, scale: float) -> PlanQuestion | None:
     """What to ask about a plan whose size is none of a room or a building, or None.
 
     `bounds` are in units of the file. It is asked only where nobody has said the unit.

@@ -13,10 +13,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from worlds.readers.contents import MOST_ITEMS, Contents, Item, layers_of, text_of
+from worlds.input_error import InputError, shortened, unknown
+from worlds.readers.drawing_contents import MOST_ITEMS, DrawingContents, Item, layers_of, text_of
+from worlds.readers.drawn_shapes import Point, Shape, area, at, circle
 from worlds.readers.roles import GOAL, IGNORE, OBSTACLE, START, WALKABLE
-from worlds.readers.shapes import Point, Shape, area, at, circle
-from worlds.refusal import Refusal, shortened, unknown
 
 SHAPES = ("POLYGON", "RECTANGLE", "CIRCLE")
 BOUNDS = "bounds"
@@ -29,14 +29,14 @@ ROLES = {
 """What the lists of a topography are; all others are of no world."""
 
 
-def read_vadere(path: Path) -> Contents:
-    """The topography of a scenario, or of a file of its own. Raises Refusal."""
+def read_vadere(path: Path) -> DrawingContents:
+    """The topography of a scenario, or of a file of its own. Raises InputError."""
     try:
         given = json.loads(text_of(path))
     except RecursionError:
-        raise Refusal(f"{path} is not a scenario of Vadere: it is nested too deep") from None
+        raise InputError(f"{path} is not a scenario of Vadere: it is nested too deep") from None
     except ValueError as error:
-        raise Refusal(f"{path} is not JSON: {' '.join(str(error).split())[:200]}") from None
+        raise InputError(f"{path} is not JSON: {' '.join(str(error).split())[:200]}") from None
     topography = topography_of(given, path)
     items = [Item(BOUNDS, "box", partial(bounds, topography, path))]
     for layer, held in topography.items():
@@ -47,30 +47,32 @@ def read_vadere(path: Path) -> Contents:
             for k, element in enumerate(held, start=1)
         ]
     if len(items) > MOST_ITEMS:
-        raise Refusal(f"{path} holds more than {MOST_ITEMS} elements, too many to read")
+        raise InputError(f"{path} holds more than {MOST_ITEMS} elements, too many to read")
     others = dict.fromkeys(topography, (IGNORE, "it is not of the world"))
-    return Contents(path, tuple(items), layers_of(items), 1.0, roles={**others, **ROLES})
+    return DrawingContents(path, tuple(items), layers_of(items), 1.0, roles={**others, **ROLES})
 
 
 def topography_of(given: Any, path: Path) -> dict[str, Any]:
-    """The topography in a scenario. Raises Refusal."""
+    """The topography in a scenario. Raises InputError."""
     for key in ("scenario", "topography"):
         if isinstance(given, dict) and key in given:
             given = given[key]
     if not isinstance(given, dict) or not isinstance(given.get("attributes"), dict):
-        raise Refusal(f"{path} is not a scenario of Vadere: it has no topography with attributes")
+        raise InputError(
+            f"{path} is not a scenario of Vadere: it has no topography with attributes"
+        )
     return given
 
 
 def bounds(topography: dict[str, Any], path: Path) -> list[Shape]:
-    """What of the bounds can be walked on. Raises Refusal."""
+    """What of the bounds can be walked on. Raises InputError."""
     attributes = topography["attributes"]
     origin = f"{path}, bounds"
     low_x, low_y, width, height = rectangle(attributes.get("bounds"), origin)
     rim = number(attributes, "boundingBoxWidth", origin, 0.0)
     rim = rim if attributes.get("bounded", True) else 0.0
     if not 0.0 <= 2.0 * rim < min(width, height):
-        raise Refusal(
+        raise InputError(
             f"{origin}: boundingBoxWidth = {rim:g} leaves nothing of {width:g} x {height:g}"
         )
     corners = box(low_x + rim, low_y + rim, low_x + width - rim, low_y + height - rim)
@@ -85,10 +87,10 @@ def kind_of(element: Any) -> str:
 
 
 def shapes(element: Any, layer: str, origin: str) -> list[Shape]:
-    """The shape of an element. Raises Refusal."""
+    """The shape of an element. Raises InputError."""
     shape = element.get("shape") if isinstance(element, dict) else None
     if not isinstance(shape, dict):
-        raise Refusal(f"{origin}: it has no shape")
+        raise InputError(f"{origin}: it has no shape")
     identity = element.get("id")
     named = isinstance(identity, int) and not isinstance(identity, bool) and identity >= 0
     origin = f"{origin} (id {identity})" if named else origin
@@ -104,18 +106,18 @@ def shapes(element: Any, layer: str, origin: str) -> list[Shape]:
         raise unknown("shape", kind, SHAPES, origin)
     given = shape.get("points")
     if not isinstance(given, list) or not given:
-        raise Refusal(f"{origin}: its polygon has no points")
+        raise InputError(f"{origin}: its polygon has no points")
     points = [point(one, origin) for one in given]
     return [area(name, [[*points, points[0]]], origin)]
 
 
 def rectangle(given: Any, origin: str) -> tuple[float, float, float, float]:
-    """Lower left corner, width and height. Raises Refusal."""
+    """Lower left corner, width and height. Raises InputError."""
     if not isinstance(given, dict):
-        raise Refusal(f"{origin}: {shortened(given)} is no rectangle")
+        raise InputError(f"{origin}: {shortened(given)} is no rectangle")
     x, y, width, height = (number(given, key, origin) for key in ("x", "y", "width", "height"))
     if not (width > 0.0 and height > 0.0):
-        raise Refusal(f"{origin}: {width:g} x {height:g} at {at((x, y))} is no area")
+        raise InputError(f"{origin}: {width:g} x {height:g} at {at((x, y))} is no area")
     return x, y, width, height
 
 
@@ -125,18 +127,18 @@ def box(low_x: float, low_y: float, high_x: float, high_y: float) -> list[Point]
 
 
 def point(given: Any, origin: str) -> Point:
-    """A place. Raises Refusal."""
+    """A place. Raises InputError."""
     if not isinstance(given, dict):
-        raise Refusal(f"{origin}: {shortened(given)} is no point with x and y")
+        raise InputError(f"{origin}: {shortened(given)} is no point with x and y")
     return (number(given, "x", origin), number(given, "y", origin))
 
 
 def number(given: dict[str, Any], key: str, origin: str, usual: float | None = None) -> float:
-    """A number by its key. Raises Refusal."""
+    """A number by its key. Raises InputError."""
     value = given.get(key, usual)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise Refusal(f"{origin}: {key} = {shortened(value)} is not a number")
+        raise InputError(f"{origin}: {key} = {shortened(value)} is not a number")
     try:
         return float(value)
     except OverflowError:
-        raise Refusal(f"{origin}: {key} has too many digits") from None
+        raise InputError(f"{origin}: {key} has too many digits") from None

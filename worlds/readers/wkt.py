@@ -19,19 +19,20 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from worlds.readers.contents import (
+from worlds.input_error import InputError
+from worlds.readers.drawing_contents import (
     DEEPEST,
     MOST_CORNERS,
     MOST_ITEMS,
     UNNAMED,
-    Contents,
+    DrawingContents,
     Item,
     layers_of,
     text_of,
 )
-from worlds.readers.shapes import (
+from worlds.readers.drawn_shapes import (
     ROUNDING,
-    Place,
+    DrawnPoint,
     Point,
     Shape,
     area,
@@ -40,7 +41,6 @@ from worlds.readers.shapes import (
     demand_valid,
     line,
 )
-from worlds.refusal import Refusal
 
 RING = re.compile(r"\(([^()]*)\)")
 LINE = re.compile(r"LINESTRING\s*\([^()]*\)", re.IGNORECASE)
@@ -48,21 +48,21 @@ JUPEDSIM = ("jps-walkablearea", "jps-exits", "jps-distributions", "jps-waypoints
 """The layers of the five collections that dxf2wkt writes, in its order."""
 
 
-def read_wkt(path: Path) -> Contents:
-    """The geometries of a WKT file. Raises Refusal."""
+def read_wkt(path: Path) -> DrawingContents:
+    """The geometries of a WKT file. Raises InputError."""
     items: list[Item] = []
     geometries = list(islice(whole_geometries(text_of(path)), MOST_ITEMS + 1))
     if len(geometries) > MOST_ITEMS:
-        raise Refusal(f"{path} holds more than {MOST_ITEMS} geometries, too many to read")
+        raise InputError(f"{path} holds more than {MOST_ITEMS} geometries, too many to read")
     for number, text in geometries:
         head, colon, rest = text.partition(":")
         has_name = bool(colon) and "(" not in head and ")" not in head
         name, given = (head.strip(), rest.strip()) if has_name else ("", text.strip())
         if has_name and not given:
-            raise Refusal(f"{path}, line {number}: a name, but no geometry")
+            raise InputError(f"{path}, line {number}: a name, but no geometry")
         origin = f"{path}, line {number}" + (f" {name!r}" if name else "")
         items += items_of(given, name, origin)
-    return Contents(path, tuple(items), layers_of(items), None)
+    return DrawingContents(path, tuple(items), layers_of(items), None)
 
 
 def whole_geometries(text: str) -> Iterator[tuple[int, str]]:
@@ -85,7 +85,7 @@ def items_of(text: str, name: str, origin: str) -> list[Item]:
     """The items of one geometry: one, or those of JuPedSim's collections."""
     try:
         made = geometry(text, origin)
-    except Refusal as refusal:
+    except InputError as refusal:
         return [Item(name or UNNAMED, kind_of(text), partial(refused, str(refusal)))]
     members = list(shapely.get_parts(made))
     if (
@@ -103,8 +103,8 @@ def items_of(text: str, name: str, origin: str) -> list[Item]:
 
 
 def refused(words: str) -> list[Shape]:
-    """Nothing. Raises Refusal."""
-    raise Refusal(words)
+    """Nothing. Raises InputError."""
+    raise InputError(words)
 
 
 def kind_of(text: str) -> str:
@@ -114,10 +114,10 @@ def kind_of(text: str) -> str:
 
 
 def geometry(text: str, origin: str) -> shapely.Geometry:
-    """The geometry of a text. Raises Refusal."""
+    """The geometry of a text. Raises InputError."""
     steps = ({"(": 1, ")": -1}.get(letter, 0) for letter in text)
     if max(accumulate(steps), default=0) > DEEPEST:
-        raise Refusal(f"{origin}: it is nested too deep")
+        raise InputError(f"{origin}: it is nested too deep")
     try:
         with np.errstate(invalid="ignore", over="ignore"):  # NaN and inf are refused below
             return shapely.from_wkt(text)
@@ -128,15 +128,15 @@ def geometry(text: str, origin: str) -> shapely.Geometry:
                 return geometry(mended, origin)
             demand_closed(text, origin)
         reason = " ".join(str(error).removeprefix("ParseException: ").rstrip(".").split())
-        raise Refusal(f"{origin}: {short(text)!r} is not WKT: {short(reason, 100)}") from None
+        raise InputError(f"{origin}: {short(text)!r} is not WKT: {short(reason, 100)}") from None
 
 
 def shapes(made: shapely.Geometry, name: str, origin: str) -> list[Shape]:
-    """The shapes of one geometry. Raises Refusal."""
+    """The shapes of one geometry. Raises InputError."""
     if shapely.get_num_coordinates(made) > MOST_CORNERS:
-        raise Refusal(f"{origin}: it has more than {MOST_CORNERS} corners, too many to read")
+        raise InputError(f"{origin}: it has more than {MOST_CORNERS} corners, too many to read")
     if made.is_empty:
-        raise Refusal(f"{origin}: {made.geom_type.upper()} EMPTY has nothing in it")
+        raise InputError(f"{origin}: {made.geom_type.upper()} EMPTY has nothing in it")
     return [shape for part in parts(made, origin) for shape in one(part, name, origin)]
 
 
@@ -154,11 +154,11 @@ def parts(made: shapely.Geometry, origin: str) -> list[shapely.Geometry]:
 
 
 def one(made: shapely.Geometry, name: str, origin: str) -> list[Shape]:
-    """A simple geometry as a shape, none for an empty one. Raises Refusal."""
+    """A simple geometry as a shape, none for an empty one. Raises InputError."""
     if made.is_empty:
         return []
     if shapely.has_z(made) and (shapely.get_coordinates(made, include_z=True)[:, 2] != 0.0).any():
-        raise Refusal(f"{origin}: its points have heights; a geometry in the plane is needed")
+        raise InputError(f"{origin}: its points have heights; a geometry in the plane is needed")
     if made.geom_type == "Polygon":
         rings = [pairs(ring) for ring in (made.exterior, *made.interiors)]
         return [area(name, rings, origin)]
@@ -167,7 +167,7 @@ def one(made: shapely.Geometry, name: str, origin: str) -> list[Shape]:
     (place,) = pairs(made)
     demand_finite([place], origin)
     need = f"a {made.geom_type.upper()} at {at(place)} bounds no area: a POLYGON is needed"
-    return [Place(name, origin, (None, None), place, need)]
+    return [DrawnPoint(name, origin, (None, None), place, need)]
 
 
 def pairs(made: shapely.Geometry) -> list[Point]:
@@ -190,12 +190,12 @@ def closed_by_rounding(ring: re.Match[str]) -> str:
 
 
 def demand_closed(text: str, origin: str) -> None:
-    """Refuse rings of a polygon whose ends differ, naming them. Raises Refusal."""
+    """Refuse rings of a polygon whose ends differ, naming them. Raises InputError."""
     for ring in RING.findall(LINE.sub("", text)):
         ends = [tuple(point.split()[:2]) for point in ring.split(",")]
         if len(ends) > 1 and ends[0] != ends[-1] and all(len(end) == 2 for end in ends):
             begin, end = (f"({', '.join(ends[k])})" for k in (0, -1))
-            raise Refusal(
+            raise InputError(
                 f"{origin}: the outline is not closed: it begins at {begin} and ends at {end}"
             )
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 from worlds.queries.crossing import is_crossed
 from worlds.queries.surroundings import signed_distance
 

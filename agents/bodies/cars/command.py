@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import math
 
+from agents.bodies.cars.safe_command import BACK, yielded
 from agents.bodies.cars.signals import FRESH, LONGEST, QUEUE, STUCK, THROTTLE, WHEEL
-from agents.bodies.cars.yielding import BACK, yielded
 from agents.bodies.tracking import is_seen, yaw_error
 from agents.engine.noise import uniform
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 LOST = 9
 """Draw of the radio."""

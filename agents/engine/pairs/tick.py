@@ -1,10 +1,10 @@
 """A tick of a rule that is a sum over pairs: eight agents at once, in the order of their cells.
 
-A template as `agents.engine.sweep` is, for flocks in which nobody has signals or a memory, can
-crash, or has a body that asks who is near. Agents whose cells are neighbours along x lie side by
-side in the slots: eight of them are the lanes of a vector, and everyone in the rows of cells around
-is a candidate, met by all eight at once. So nothing is copied into blocks, and no sum runs across
-lanes.
+A template as `agents.engine.synchronous_tick` is, for flocks in which nobody has signals or a
+memory, can crash, or has a body that asks who is near. Agents whose cells are neighbours along x
+lie side by side in the slots: eight of them are the lanes of a vector, and everyone in the rows of
+cells around is a candidate, met by all eight at once. So nothing is copied into blocks, and no sum
+runs across lanes.
 
 Between the ticks of one call the flock's positions and headings stay in the order of the slots; the
 last tick puts them back into their rows. Threads meet between the phases of a tick without leaving
@@ -22,20 +22,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from agents.engine.around import axis_cells, wrapped
-from agents.engine.block import Me, Moved, Near, Other
+from agents.engine.block import BodyMove, Me, NeighbourBlock, OtherAgent
+from agents.engine.cell_neighbourhood import axis_cells, wrapped
 from agents.engine.cells import FAR, into_box, number_of, plan, share_slots
 from agents.engine.flat import ones, zeros
-from agents.engine.guide import guided
-from agents.engine.hold import PASSES, held
-from agents.engine.lanes import WIDTH, is_any, load, store
+from agents.engine.heading_noise import headed
 from agents.engine.noise import tick_key
-from agents.engine.pairs.meeting import BAD, NEXT, STOP, add, meet, read
-from agents.engine.pairs.sorting import cell_at, count_places, fill_slots, order_cells, put_back
-from agents.engine.pairs.sums import added, keep_sums, no_sums, sums_of
+from agents.engine.pairs.cell_sort import cell_at, count_places, fill_slots, order_cells, put_back
+from agents.engine.pairs.term_sums import added, keep_sums, no_sums, sums_of
+from agents.engine.pairs.thread_barrier import BAD, NEXT, STOP, add, meet, read
+from agents.engine.solid_collision import PASSES, held
+from agents.engine.vector_lanes import WIDTH, is_any, load, store
+from agents.engine.waypoint_heading import guided
 from agents.engine.wind import carried
-from agents.engine.wished import headed
-from worlds.compiled import compiled, entry
+from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import set_goal
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ X, Y, Z, UX, UY, UZ, SPEED = range(7)
 """Rows of the table in which the moves of eight agents are written down."""
 
 
-class Notes(NamedTuple):
+class PairWorkspace(NamedTuple):
     """What a thread writes down for itself."""
 
     table: np.ndarray
@@ -76,17 +76,19 @@ class Notes(NamedTuple):
     """Slots of candidates that are within reach, (CHOSEN,)."""
 
 
-def empty_notes(number: int) -> Notes:
+def empty_notes(number: int) -> PairWorkspace:
     """Notes of nothing yet, for so many sums."""
     table = np.zeros((max(SPEED + 1, number), WIDTH))
-    return Notes(table, np.zeros(WIDTH, np.int64), np.zeros(CHOSEN, np.uint64))
+    return PairWorkspace(table, np.zeros(WIDTH, np.int64), np.zeros(CHOSEN, np.uint64))
 
 
 @compiled
 def nobody():
     """The agents around, for bodies that do not look at them."""
     none: Any = zeros()
-    return Near(0, none, none, none, none, none, none, none, none, ones(), 0, none, none, none)
+    return NeighbourBlock(
+        0, none, none, none, none, none, none, none, none, ones(), 0, none, none, none
+    )
 
 
 @compiled
@@ -123,7 +125,7 @@ def met(slots, j, place, space, grid, lone):
     d2 = dx * dx + dy * dy + dz * dz
     uz = slots.uz[j] if DIM == 3 else 0.0
     speed = slots.speed[j] if ASKS_SPEED else 0.0
-    return Other(dx, dy, dz, d2, slots.ux[j], slots.uy[j], uz, speed, True)
+    return OtherAgent(dx, dy, dz, d2, slots.ux[j], slots.uy[j], uz, speed, True)
 
 
 @compiled
@@ -269,7 +271,7 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, table, context,
         row = slots.row[slot + lane]
         one = one_of(flock, slots, slot + lane, table, me.tick, me.key)
         if BY_LANES and not one.informed:
-            went = Moved(
+            went = BodyMove(
                 table[X, lane],
                 table[Y, lane],
                 table[Z, lane],

@@ -22,7 +22,7 @@ from agents.rules.terms.reserved_ball import (
     reserved_ball,
     turn_of,
 )
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 HALF = math.sqrt(0.5)
 COSINES = (1.0, HALF, HALF, 0.0, 0.0, -HALF, -HALF, -1.0)
@@ -32,7 +32,7 @@ SIDES, PACES, HEADINGS = 8, 2, 9
 """How many sides to escape to, speeds and headings are tried."""
 
 
-class Step(NamedTuple):
+class GuardedStep(NamedTuple):
     """A step, and the ball that the agent reserves after it."""
 
     u: Direction
@@ -41,7 +41,7 @@ class Step(NamedTuple):
     ball: ReservedBall
 
 
-class Choice(NamedTuple):
+class StepOptions(NamedTuple):
     """What an agent chooses from: a heading, a speed, and the escape from there."""
 
     toward: Direction
@@ -94,7 +94,7 @@ def choice(me, wish, pace, p):
     along = min(1.0, max(-1.0, wish.x * u.x + wish.y * u.y + wish.z * u.z))
     fast = nearer(me.speed, min(max(pace, p.v_min), p.v_max), p)
     slow = nearer(me.speed, p.v_min, p)
-    return Choice(
+    return StepOptions(
         beside(u, wish),
         min(math.acos(along), most),
         most,
@@ -121,7 +121,7 @@ def heading_tried(me, of, k):
 @compiled
 def onward(me, of, own):
     """The last resort, to go on with the escape: the ball stays."""
-    return Step(towards(Direction(me.ux, me.uy, me.uz), of.out, of.most), of.slow, own)
+    return GuardedStep(towards(Direction(me.ux, me.uy, me.uz), of.out, of.most), of.slow, own)
 
 
 @compiled
@@ -168,7 +168,7 @@ def safe_step(me, near, surroundings, wish, pace, p):
                 ball = reserved_ball(at, u, about(u, side, k), way)
                 over = overlap(near, planes, surroundings, own, ball, p)
                 if over == 0.0 or p.guard == 0.0:
-                    return Step(u, speed, ball)
+                    return GuardedStep(u, speed, ball)
                 if over < least:
-                    least, best = over, Step(u, speed, ball)
+                    least, best = over, GuardedStep(u, speed, ball)
     return last if overlap(near, planes, surroundings, own, own, p) < least else best

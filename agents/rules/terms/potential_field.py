@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 from worlds.queries.surroundings import solids_around, surface
 
 NEAREST = 0.05

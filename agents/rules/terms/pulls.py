@@ -10,7 +10,7 @@ import math
 from agents.bodies.tracking import normal_pair
 from agents.engine.block import adjacent
 from agents.engine.noise import cos_sin
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 ERROR_X, ERROR_Y, HUNTS = 0, 1, 2
 """The rule's signals: the error of the tracked position (m), and 1.0 for a predator."""

@@ -24,7 +24,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 from worlds.queries.surroundings import signed_distance
 
 OUT_X, OUT_Y, OUT_Z, RADIUS = range(4)

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 from agents.engine.block import adjacent, is_neighbour
-from agents.engine.lanes import where
+from agents.engine.vector_lanes import where
 from agents.models.declare import Parameters, parameter
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 QUARTER = 0.25 * math.pi
 

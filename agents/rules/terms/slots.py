@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from agents.rules.terms.zone_sums import edge_of
-from worlds.compiled import compiled
+from worlds.compilation import compiled
 
 CLOSE, LONG = 0.6, 4.0
 """How near to a slot a bird takes it, and how far behind a bird its downwash spoils it, spans."""

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from agents.engine.block import Wish, seen
-from agents.engine.pairs.sums import added, no_sums
-from worlds.compiled import compiled
+from agents.engine.block import Decision, seen
+from agents.engine.pairs.term_sums import added, no_sums
+from worlds.compilation import compiled
 
 
 def of_pairs(
@@ -65,8 +65,8 @@ def mean_heading(weight: Callable) -> dict[str, Any]:
             z += a * near.uz[j]
             n += a
         if n == 0.0:
-            return Wish(0.0, 0.0, 0.0)
-        return Wish(x / n, y / n, z / n)
+            return Decision(0.0, 0.0, 0.0)
+        return Decision(x / n, y / n, z / n)
 
     @compiled
     def weigh(me, near, p, out):
@@ -93,7 +93,7 @@ def sum_of(**terms: Callable) -> dict[str, Any]:
 @compiled
 def nothing(me, near, surroundings, p):
     """No force."""
-    return Wish(0.0, 0.0, 0.0)
+    return Decision(0.0, 0.0, 0.0)
 
 
 @compiled
@@ -114,7 +114,7 @@ def with_term(before: Callable | None, term: Callable) -> Callable:
             x += force.x
             y += force.y
             z += force.z
-        return Wish(x, y, z)
+        return Decision(x, y, z)
 
     return decide
 

@@ -6,9 +6,9 @@ import math
 from typing import NamedTuple
 
 from agents.engine.block import seen
-from agents.engine.lanes import where
-from agents.engine.pairs.sums import added, no_sums
-from worlds.compiled import compiled
+from agents.engine.pairs.term_sums import added, no_sums
+from agents.engine.vector_lanes import where
+from worlds.compilation import compiled
 
 ZONE_SUMS = 12
 """How many numbers `Sums` has."""

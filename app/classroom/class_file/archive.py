@@ -11,7 +11,7 @@ import zlib
 from collections import Counter
 from pathlib import Path
 
-from worlds.refusal import Refusal, shortened
+from worlds.input_error import InputError, shortened
 
 LARGEST = 32 * 2**20
 """Bytes of a class's file."""
@@ -40,57 +40,59 @@ BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, Runtime
 
 
 class Archive:
-    """The texts of a ZIP by their names. Raises Refusal for what is no class's file."""
+    """The texts of a ZIP by their names. Raises InputError for what is no class's file."""
 
     def __init__(self, name: str, data: bytes):
         self.name = name
         if len(data) > LARGEST:
-            raise Refusal(f"{name} has {len(data):,} bytes: a class's file has {LARGEST:,} at most")
+            raise InputError(
+                f"{name} has {len(data):,} bytes: a class's file has {LARGEST:,} at most"
+            )
         listed = data.count(ENTRY)
         if listed > MOST_ENTRIES:
-            raise Refusal(f"{name} has {listed:,} entries: a class's file has {MOST_ENTRIES:,}")
+            raise InputError(f"{name} has {listed:,} entries: a class's file has {MOST_ENTRIES:,}")
         try:
             self.pack = zipfile.ZipFile(io.BytesIO(data))
         except BROKEN:
-            raise Refusal(f"{name} is not a class's file, which is a ZIP") from None
+            raise InputError(f"{name} is not a class's file, which is a ZIP") from None
         demand_sound(name, self.pack.infolist())
         self.names = frozenset(one.filename for one in self.pack.infolist())
 
     def text(self, entry: str) -> str:
-        """A text in UTF-8. Raises Refusal."""
+        """A text in UTF-8. Raises InputError."""
         if entry not in self.names:
-            raise Refusal(f"{self.name} has no {shortened(entry)}")
+            raise InputError(f"{self.name} has no {shortened(entry)}")
         try:
             data = self.pack.read(entry)
         except BROKEN:
-            raise Refusal(f"{self.name}: {entry} is damaged") from None
+            raise InputError(f"{self.name}: {entry} is damaged") from None
         try:
             return data.decode("utf-8")
         except UnicodeDecodeError:
-            raise Refusal(f"{self.name}: {entry} is not a text") from None
+            raise InputError(f"{self.name}: {entry} is not a text") from None
 
 
 def demand_sound(name: str, entries: list[zipfile.ZipInfo]) -> None:
-    """Refuse entries that no class's file has, before any is read. Raises Refusal."""
+    """Refuse entries that no class's file has, before any is read. Raises InputError."""
     twice = [one for one, count in Counter(one.filename for one in entries).items() if count > 1]
     if twice:
-        raise Refusal(f"{name} has {shortened(twice[0])} twice")
+        raise InputError(f"{name} has {shortened(twice[0])} twice")
     for one in entries:
         where = shortened(one.filename)
         if one.is_dir() and one.filename.count("/") <= 2 and ".." not in one.filename:
             continue
         largest = allowed(one.filename)
         if largest is None:
-            raise Refusal(f"{name}: {where} is nothing that a class's file has")
+            raise InputError(f"{name}: {where} is nothing that a class's file has")
         mode = one.external_attr >> 16
         if stat.S_IFMT(mode) not in (0, stat.S_IFREG):
-            raise Refusal(f"{name}: {where} is a link or a device, not a file")
+            raise InputError(f"{name}: {where} is a link or a device, not a file")
         if one.flag_bits & LOCKED or one.compress_type not in PACKED:
-            raise Refusal(f"{name}: {where} is packed in a way that is not read here")
+            raise InputError(f"{name}: {where} is packed in a way that is not read here")
         if one.file_size > largest:
-            raise Refusal(f"{name}: {where} has {one.file_size:,} bytes: at most {largest:,}")
+            raise InputError(f"{name}: {where} has {one.file_size:,} bytes: at most {largest:,}")
     if (total := sum(one.file_size for one in entries)) > OPENED:
-        raise Refusal(f"{name} holds {total:,} bytes: a class's file holds {OPENED:,} at most")
+        raise InputError(f"{name} holds {total:,} bytes: a class's file holds {OPENED:,} at most")
 
 
 def allowed(entry: str) -> int | None:
@@ -103,16 +105,16 @@ def allowed(entry: str) -> int | None:
 
 
 def content_of(path: Path) -> bytes:
-    """The bytes of a plain file, not without end. Raises Refusal."""
+    """The bytes of a plain file, not without end. Raises InputError."""
     named = f"class {str(path)!r}"
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
-            raise Refusal(f"{named} cannot be read: it is no file")
+            raise InputError(f"{named} cannot be read: it is no file")
         with open(path, "rb") as file:
             return file.read(LARGEST + 1)
     except OSError as error:
-        raise Refusal(f"{named} cannot be read: {error.strerror or error}") from None
+        raise InputError(f"{named} cannot be read: {error.strerror or error}") from None
     except ValueError as error:
-        if isinstance(error, Refusal):
+        if isinstance(error, InputError):
             raise
-        raise Refusal(f"{named} is no name that a file can have") from None
+        raise InputError(f"{named} is no name that a file can have") from None

@@ -23,8 +23,8 @@ from app.classroom.collect.table import points_from_csv
 from app.classroom.names import same, student_name
 from app.classroom.student import Role
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
-from worlds.reading import toml
-from worlds.refusal import Refusal, shortened, unknown
+from worlds.input_error import InputError, shortened, unknown
+from worlds.text_file import toml
 
 KEYS = ("format", "title", "seats", "students", "questions")
 OF_STUDENT, OF_QUESTION, OF_GIVEN = ("name", "role", "file"), ("file", "given"), (
@@ -33,17 +33,17 @@ OF_STUDENT, OF_QUESTION, OF_GIVEN = ("name", "role", "file"), ("file", "given"),
 
 
 def load(path: str | Path) -> ClassState:
-    """The class of a file. Raises Refusal in one line, having opened nothing."""
+    """The class of a file. Raises InputError in one line, having opened nothing."""
     return opened(Path(path).name, content_of(Path(path)))
 
 
 def opened(name: str, data: bytes) -> ClassState:
-    """The class in the bytes of a file. Raises Refusal in one line."""
+    """The class in the bytes of a file. Raises InputError in one line."""
     pack = Archive(name, data)
     said = toml(pack.text("class.toml"), f"class.toml of {name}")
     demand_keys(said, KEYS, "class.toml")
     if said.get("format") != FORMAT:
-        raise Refusal(
+        raise InputError(
             f"{name} has the format {shortened(said.get('format'))}: this flockscope opens {FORMAT}"
         )
     scene = read_scene(f"scene.toml of {name}", pack.text("scene.toml").encode())
@@ -57,31 +57,33 @@ def opened(name: str, data: bytes) -> ClassState:
 
 
 def title_of(said: Mapping[str, Any]) -> str:
-    """The class's title. Raises Refusal."""
+    """The class's title. Raises InputError."""
     title = said.get("title")
     if not isinstance(title, str) or len(title) > TEXTS["title"]:
-        raise Refusal(f"title = {shortened(title)} is no text of at most {TEXTS['title']} letters")
+        raise InputError(
+            f"title = {shortened(title)} is no text of at most {TEXTS['title']} letters"
+        )
     return titled(title)
 
 
 def seats_of(said: Mapping[str, Any]) -> int:
-    """How many students there may be. Raises Refusal."""
+    """How many students there may be. Raises InputError."""
     seats = said.get("seats")
     if isinstance(seats, bool) or not isinstance(seats, int) or not 1 <= seats <= MOST_STUDENTS:
-        raise Refusal(
+        raise InputError(
             f"seats = {shortened(seats)} is not allowed: 1 to {MOST_STUDENTS} (class.toml)"
         )
     return seats
 
 
 def students_of(said: Mapping[str, Any], pack: Archive) -> dict[str, SavedStudent]:
-    """The students by name. Raises Refusal."""
+    """The students by name. Raises InputError."""
     made: dict[str, SavedStudent] = {}
     alike: set[str] = set()
     for row in tables(said, "students", MOST_STUDENTS, OF_STUDENT):
         name = checked_name(row.get("name"))
         if same(name) in alike:
-            raise Refusal(f"students: {name!r} is there twice (class.toml)")
+            raise InputError(f"students: {name!r} is there twice (class.toml)")
         alike.add(same(name))
         role: Any = row.get("role")
         if role not in list(Role):
@@ -95,7 +97,7 @@ def students_of(said: Mapping[str, Any], pack: Archive) -> dict[str, SavedStuden
 
 
 def questions_of(said: Mapping[str, Any], scene: SavedScene, pack: Archive) -> list[Collection]:
-    """The questions with their results. Raises Refusal."""
+    """The questions with their results. Raises InputError."""
     made = []
     for row in tables(said, "questions", MOST_QUESTIONS, OF_QUESTION):
         key = text_of(row.get("file"), r"[^/]+")
@@ -105,26 +107,28 @@ def questions_of(said: Mapping[str, Any], scene: SavedScene, pack: Archive) -> l
         for one in tables(row, "given", MOST_GIVEN, OF_GIVEN):
             name = checked_name(one.get("student"))
             if name in given:
-                raise Refusal(f"given: {name!r} is there twice (class.toml)")
+                raise InputError(f"given: {name!r} is there twice (class.toml)")
             given[name] = given_of(one, question)
         made.append(Collection(question, points_of(key, question, pack), given))
     return made
 
 
 def given_of(row: Mapping[str, Any], question: Question) -> Given:
-    """What a student was given. Raises Refusal."""
+    """What a student was given. Raises InputError."""
     value, seed = row.get("value"), row.get("seed")
     if value is not None and (isinstance(value, bool) or value not in question.values):
-        raise Refusal(f"given: value = {shortened(value)} is none of the question's (class.toml)")
+        raise InputError(
+            f"given: value = {shortened(value)} is none of the question's (class.toml)"
+        )
     if value is None and question.values:
-        raise Refusal("given: value is missing (class.toml)")
+        raise InputError("given: value is missing (class.toml)")
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
-        raise Refusal(f"given: seed = {shortened(seed)} is no seed (class.toml)")
+        raise InputError(f"given: seed = {shortened(seed)} is no seed (class.toml)")
     return Given(None if value is None else float(value), seed)
 
 
 def points_of(key: str, question: Question, pack: Archive) -> list[Point]:
-    """The results of a question, each with its run. Raises Refusal."""
+    """The results of a question, each with its run. Raises InputError."""
     entry = f"results/{key}.csv"
 
     def run(number: int) -> str:
@@ -139,44 +143,45 @@ def points_of(key: str, question: Question, pack: Archive) -> list[Point]:
 
 
 def demand_same_run(point: Point, question: Question, origin: str) -> None:
-    """Refuse a spec that is not the run of its row, or that could not be opened. Raises Refusal."""
+    """Refuse a spec that is not the run of its row, or that could not be opened. Raises
+    InputError."""
     spec: Spec = read_scene(origin, point.spec.encode()).spec
     values = tuple(question.value_of(spec, name) for name in question.free)
     if (spec.seed, question.value_of(spec), values) != (point.seed, point.value, point.free):
-        raise Refusal(f"{origin} is not the run of its row: seed or {question.parameter} differ")
+        raise InputError(f"{origin} is not the run of its row: seed or {question.parameter} differ")
 
 
 def tables(
     values: Mapping[str, Any], key: str, most: int, keys: tuple[str, ...]
 ) -> list[Mapping[str, Any]]:
-    """A list of tables with no other keys than these. Raises Refusal."""
+    """A list of tables with no other keys than these. Raises InputError."""
     found = values.get(key, [])
     if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
-        raise Refusal(f"{key} = {shortened(found)} is no list of tables (class.toml)")
+        raise InputError(f"{key} = {shortened(found)} is no list of tables (class.toml)")
     if len(found) > most:
-        raise Refusal(f"{key}: {len(found):,} are there, at most {most:,} (class.toml)")
+        raise InputError(f"{key}: {len(found):,} are there, at most {most:,} (class.toml)")
     for one in found:
         demand_keys(one, keys, f"{key} of class.toml")
     return found
 
 
 def demand_keys(values: Mapping[str, Any], keys: tuple[str, ...], origin: str) -> None:
-    """Refuse a key that is none of these. Raises Refusal."""
+    """Refuse a key that is none of these. Raises InputError."""
     for key in values:
         if key not in keys:
             raise unknown("key", key, keys, origin)
 
 
 def checked_name(text: Any) -> str:
-    """A student's name, written as it is shown. Raises Refusal."""
+    """A student's name, written as it is shown. Raises InputError."""
     name = student_name(text)
     if name != text:
-        raise Refusal(f"name = {shortened(text)} is not written as it is shown, {name!r}")
+        raise InputError(f"name = {shortened(text)} is not written as it is shown, {name!r}")
     return name
 
 
 def text_of(value: Any, pattern: str) -> str:
-    """The name of an entry. Raises Refusal."""
+    """The name of an entry. Raises InputError."""
     if not isinstance(value, str) or not re.fullmatch(pattern, value):
-        raise Refusal(f"file = {shortened(value)} is no name of an entry (class.toml)")
+        raise InputError(f"file = {shortened(value)} is no name of an entry (class.toml)")
     return value

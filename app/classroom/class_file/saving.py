@@ -17,8 +17,8 @@ from app.classroom.collect.collection import Collection
 from app.classroom.collect.picture import picture
 from app.classroom.collect.table import to_csv
 from app.viewer.editing.layout_file import plain_name
-from worlds.refusal import Refusal
-from worlds.writing import demand_writable, writing
+from worlds.file_writer import demand_writable, writing
+from worlds.input_error import InputError
 
 FORMAT = 1
 """Of the file; a newer flockscope may write another."""
@@ -29,7 +29,7 @@ RIGHTS = 0o100644 << 16
 
 
 def save(state: ClassState, path: str | Path, overwrite: bool = True) -> None:
-    """Write a class; its pictures take some tenths of a second each. Raises Refusal.
+    """Write a class; its pictures take some tenths of a second each. Raises InputError.
 
     It is made whole before its place is touched; a full disk leaves what was there.
     """
@@ -40,7 +40,7 @@ def save(state: ClassState, path: str | Path, overwrite: bool = True) -> None:
 
 
 def packed(state: ClassState, name: str = "the class") -> bytes:
-    """The bytes of the file; the same class makes the same ones. Raises Refusal if too many."""
+    """The bytes of the file; the same class makes the same ones. Raises InputError if too many."""
     made = io.BytesIO()
     with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as pack:
         for entry, content in entries(state):
@@ -50,7 +50,7 @@ def packed(state: ClassState, name: str = "the class") -> bytes:
         demand_sound(name, pack.infolist())
     data = made.getvalue()
     if len(data) > LARGEST:
-        raise Refusal(f"{name} has {len(data):,} bytes: a class's file has {LARGEST:,} at most")
+        raise InputError(f"{name} has {len(data):,} bytes: a class's file has {LARGEST:,} at most")
     return data
 
 

@@ -11,12 +11,12 @@ from __future__ import annotations
 import math
 
 from agents.catalogue import MODELS
-from agents.home import at_home, find_world
+from agents.flock_world import at_home, find_world
 from agents.models.declare import checked
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Spec
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 from worlds.world import World
 
 MOST_TICKS = 20_000
@@ -34,27 +34,27 @@ MOST_SEEN = 200_000
 
 
 def demand_cheap(spec: Spec, ticks: int, observable: str, looks: int) -> None:
-    """Refuse a run of so many ticks that would take too long for one of a class. Raises Refusal.
+    """Refuse a run of so many ticks that would take too long for one of a class. Raises InputError.
 
     `looks`: at how many of its ticks the observable is measured.
     """
     agents = count_agents(spec)
     if agents > MOST_AGENTS:
-        raise Refusal(f"{agents:,} agents are too many to hand in: at most {MOST_AGENTS:,}")
+        raise InputError(f"{agents:,} agents are too many to hand in: at most {MOST_AGENTS:,}")
     if agents * ticks > MOST_STEPS:
-        raise Refusal(
+        raise InputError(
             f"{agents:,} agents for {ticks:,} ticks take too long: agents times ticks may be "
             f"{MOST_STEPS:,} at most, here {MOST_STEPS // ticks:,} agents"
         )
     one = OBSERVABLES[observable]
     if not one.quick and agents * looks > MOST_SEEN and one.over is None:
-        raise Refusal(
+        raise InputError(
             f"{one.name} of {agents:,} agents at each of {looks:,} ticks takes too long: agents "
             f"times ticks may be {MOST_SEEN:,} at most for it"
         )
     neighbours = mean_neighbours(spec)
     if agents * neighbours * ticks > MOST_PAIRS:
-        raise Refusal(
+        raise InputError(
             f"{agents:,} agents that each look at {neighbours:,.0f} take too long for {ticks:,} "
             f"ticks: {agents * neighbours * ticks:.2g} pairs, at most {MOST_PAIRS:.2g}. Take fewer "
             "agents or a larger world"
@@ -62,7 +62,7 @@ def demand_cheap(spec: Spec, ticks: int, observable: str, looks: int) -> None:
 
 
 def estimate_pairs(spec: Spec, ticks: int) -> float:
-    """How much work a run of so many ticks is, in pairs. Raises Refusal."""
+    """How much work a run of so many ticks is, in pairs. Raises InputError."""
     return count_agents(spec) * (ALONE + mean_neighbours(spec)) * ticks
 
 
@@ -72,7 +72,7 @@ def count_agents(spec: Spec) -> int:
 
 
 def mean_neighbours(spec: Spec) -> float:
-    """How many others an agent looks at in a tick, of a flock spread evenly. Raises Refusal.
+    """How many others an agent looks at in a tick, of a flock spread evenly. Raises InputError.
 
     They are those in the 3^dim cells around it, which are as wide as its reach; where the nearest k
     are its neighbours, cells are so wide that each holds k + 1.
@@ -93,6 +93,6 @@ def mean_neighbours(spec: Spec) -> float:
 
 
 def world_of(spec: Spec, model: Model) -> World:
-    """The world of a run. Raises Refusal."""
+    """The world of a run. Raises InputError."""
     seeded = spec if spec.seed is not None else spec.but(seed=1)
     return find_world(at_home(seeded, model), model)

@@ -11,16 +11,16 @@ import numpy as np
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
-from agents.models.declare import Declared
-from agents.models.proposed import is_wide
+from agents.models.declare import DeclaredParameter
+from agents.models.proposed_range import is_wide
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
 from agents.spec import Spec
 from app.classroom.collect.question import Question, question_of
-from app.viewer.lab.sweeps.asked import AGENTS, allowed, is_whole, numbers
-from app.viewer.measuring.measured import words
+from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
+from app.viewer.measuring.observable_format import words
 from app.viewer.panels.notation import plain
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 How = Literal["final", "over", "until"]
 """At the end of a run, over ticks at its end, or how long until a condition holds."""
@@ -77,7 +77,7 @@ def parameters_of(spec: Spec) -> tuple[ParameterChoice, ...]:
     )
 
 
-def chosen(spec: Spec, one: Declared) -> ParameterChoice:
+def chosen(spec: Spec, one: DeclaredParameter) -> ParameterChoice:
     """A parameter as a form has it."""
     low, high = allowed(spec.model, one.name)
     least, most = one.proposed or (low, high)
@@ -235,6 +235,6 @@ def ready_for(spec: Spec, first: str = "") -> tuple[Ready, ...]:
         lesson, values = found
         try:
             made.append(Ready(name, lesson, question_of(values, spec, values["title"])))
-        except Refusal:
+        except InputError:
             continue
     return tuple(made)

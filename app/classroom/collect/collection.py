@@ -15,8 +15,8 @@ from app.classroom.collect.groups import Group, distinct, groups_of
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
 from app.experiments.sweeps.pictures.lines import spans_decades
-from worlds.counting import counted as count
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
+from worlds.number_text import counted as count
 
 MOST_POINTS = 5_000
 """Results of a question."""
@@ -61,14 +61,14 @@ class Collection:
     """By student."""
 
     def give(self, student: str) -> Given:
-        """The value and the seed of a student, always the same ones. Raises Refusal.
+        """The value and the seed of a student, always the same ones. Raises InputError.
 
         Of the values the one that fewest have, in an order that covers the range early.
         """
         if student in self.given:
             return self.given[student]
         if len(self.given) >= MOST_GIVEN:
-            raise Refusal(f"{MOST_GIVEN} students have been given a value: no more are")
+            raise InputError(f"{MOST_GIVEN} students have been given a value: no more are")
         values = self.question.values
         value = None
         if values:
@@ -91,17 +91,17 @@ class Collection:
         return spec if given.value is None else self.question.with_value(spec, given.value)
 
     def demand_room(self, student: str, ended: int = 0) -> None:
-        """Refuse a result before it is made, if there is no room for it. Raises Refusal.
+        """Refuse a result before it is made, if there is no room for it. Raises InputError.
 
         `ended`: runs of the student that were ended, which count as well.
         """
         if len(self.points) >= MOST_POINTS:
-            raise Refusal(f"{MOST_POINTS:,} results are there: no more are taken")
+            raise InputError(f"{MOST_POINTS:,} results are there: no more are taken")
         if ended + sum(point.student == student for point in self.points) >= MOST_OF_ONE:
-            raise Refusal(f"{MOST_OF_ONE} results of {student} are there: no more are taken")
+            raise InputError(f"{MOST_OF_ONE} results of {student} are there: no more are taken")
 
     def add(self, point: Point) -> int:
-        """Take a result; its number, from 0. Raises Refusal."""
+        """Take a result; its number, from 0. Raises InputError."""
         self.demand_room(point.student)
         self.points.append(point)
         return len(self.points) - 1

@@ -22,10 +22,10 @@ from app.experiments.sweeps.given.places import Places
 from app.experiments.sweeps.pictures.groups import groups_of, is_number, varied
 from app.experiments.sweeps.sweep import Sweep, sweep_of
 from app.experiments.sweeps.table import places_of, spec_at
-from app.viewer.lab.sweeps.asked import AGENTS, allowed, run_table
-from app.viewer.lab.sweeps.bounds import demand
-from app.viewer.lab.sweeps.reading import MOST_SHOWN, named_in
-from worlds.refusal import Refusal
+from app.viewer.lab.sweeps.stored_sweeps import MOST_SHOWN, named_in
+from app.viewer.lab.sweeps.sweep_limits import demand
+from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, run_table
+from worlds.input_error import InputError
 from worlds.world import World
 
 VALUES = 12
@@ -61,19 +61,19 @@ class Curve:
 
 
 def curve_of(folder: Path, question: Question, scene: Spec) -> Curve:
-    """The curve of a stored sweep. Raises Refusal if it is not one of this question."""
+    """The curve of a stored sweep. Raises InputError if it is not one of this question."""
     kept, name = Kept(folder), folder.name
     state = kept.state
     if state.get("kind") != "sweep" or state.get("runs", 0) > MOST_SHOWN:
-        raise Refusal(f"{name} is no sweep of at most {MOST_SHOWN:,} runs")
+        raise InputError(f"{name} is no sweep of at most {MOST_SHOWN:,} runs")
     cells = kept.cells
     demand_same(name, [cell["identity"] for cell in cells.values()], question)
     _, found = groups_of(kept, question.column)
     others = [axis for axis in varied(found) if axis != question.parameter]
     if others:
-        raise Refusal(f"{name} is swept over {others[0]} too")
+        raise InputError(f"{name} is swept over {others[0]} too")
     if not all(is_number(one.axes.get(question.parameter)) for one in found):
-        raise Refusal(f"{name} is not swept over {question.parameter}")
+        raise InputError(f"{name} is not swept over {question.parameter}")
     groups = []
     for one in sorted(found, key=lambda one: float(one.axes[question.parameter])):
         value = float(one.axes[question.parameter])
@@ -87,17 +87,19 @@ def curve_of(folder: Path, question: Question, scene: Spec) -> Curve:
 
 
 def demand_same(name: str, identities: Sequence[dict[str, Any]], question: Question) -> None:
-    """Refuse a sweep of another model, or that measures something else. Raises Refusal."""
+    """Refuse a sweep of another model, or that measures something else. Raises InputError."""
     making = question.making
     until = making.until and [*making.until.says, making.until.hold, making.until.every]
     measured = [[one.column, one.name, one.every, one.over] for one in making.measures]
     for identity in identities:
         if identity["spec"]["model"] != question.model:
-            raise Refusal(f"{name} is not a sweep of {question.model}")
+            raise InputError(f"{name} is not a sweep of {question.model}")
         if identity["ticks"] != making.ticks or identity["stop"] != until:
-            raise Refusal(f"{name} has other runs than {question.ticks} ticks, or stops otherwise")
+            raise InputError(
+                f"{name} has other runs than {question.ticks} ticks, or stops otherwise"
+            )
         if not all(one in identity["observe"] for one in measured):
-            raise Refusal(f"{name} does not measure {question.column}")
+            raise InputError(f"{name} does not measure {question.column}")
 
 
 def find_curve(results: Path, question: Question, scene: Spec) -> Curve | None:
@@ -109,7 +111,7 @@ def find_curve(results: Path, question: Question, scene: Spec) -> Curve | None:
     for name in named_in(results):
         try:
             found.append(curve_of(results / name, question, scene))
-        except (Refusal, OSError, KeyError, ValueError, sqlite3.Error):
+        except (InputError, OSError, KeyError, ValueError, sqlite3.Error):
             continue
     return min(found, key=lambda one: len(one.differs), default=None)
 
@@ -142,7 +144,8 @@ class CurveAsked:
         return [round(one) if question.is_whole else one for one in made]
 
     def values(self) -> dict[str, Any]:
-        """What a sweep's file says, world.toml beside it. Raises Refusal beyond a page's bounds."""
+        """What a sweep's file says, world.toml beside it. Raises InputError beyond a page's
+        bounds."""
         question, axis = self.question, self.axis()
         agents = (
             max(axis)
@@ -165,7 +168,7 @@ class CurveAsked:
         return said
 
     def to_toml(self) -> str:
-        """The file, for `flockscope sweep run FILE.toml`. Raises Refusal."""
+        """The file, for `flockscope sweep run FILE.toml`. Raises InputError."""
         return tomlkit.dumps(self.values())
 
     def world(self) -> str:
@@ -173,5 +176,6 @@ class CurveAsked:
         return self.scene.world.to_toml() if isinstance(self.scene.world, World) else ""
 
     def sweep(self, folder: Path) -> Sweep:
-        """The sweep, every cell of it checked; world.toml is looked for in a folder. Or Refusal."""
+        """The sweep, every cell of it checked; world.toml is looked for in a folder. Or
+        InputError."""
         return sweep_of(self.values(), Places(self.name), folder)

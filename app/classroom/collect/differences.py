@@ -8,7 +8,7 @@ from typing import Any
 
 from agents.flock import Flock
 from agents.spec import OPTIONS
-from app.viewer.run.home import WORLDS
+from app.viewer.run.run_preset import WORLDS
 from worlds.world import World
 
 APART = ("seed", "size", "dim", "world")

@@ -18,9 +18,9 @@ from app.classroom.collect.question import Question
 from app.experiments.runs.outcome import Outcome, Status, failure
 from app.experiments.sweeps.making.one_run import Wanted
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
-from app.viewer.lab.sweeps.asked import AGENTS
-from app.viewer.run.home import at_home
-from worlds.refusal import Refusal
+from app.viewer.lab.sweeps.sweep_request import AGENTS
+from app.viewer.run.run_preset import at_home
+from worlds.input_error import InputError
 
 SECONDS = 8.0
 """Of processor time of a run, from its start, after which it is ended: bounds are of a flock spread
@@ -54,7 +54,7 @@ class Point:
     """Values of the question's free parameters, in its order."""
 
     def scene(self, question: Question) -> SavedScene:
-        """What opens the run, at its first tick. Raises Refusal."""
+        """What opens the run, at its first tick. Raises InputError."""
         made = read_scene(f"the result of {self.student}", self.spec.encode())
         title = f"{self.student}: {question.parameter} = {self.value:g}"
         watch = self.told(question)
@@ -75,7 +75,8 @@ def hand_in(
     """Make a student's run for a question, from its first tick, and measure it.
 
     `spec` is their run as it is now, `scene` that of the class, `when` by default now. Raises
-    Refusal, before anything is run, for what cannot be run, is no answer, or would take too long.
+    InputError, before anything is run, for what cannot be run, is no answer, or would take too
+    long.
     """
     demand_answer(question, spec)
     value = question.value_of(spec)
@@ -101,7 +102,7 @@ def hand_in(
 
 
 def whole(spec: Spec, flock: Flock) -> str:
-    """A run with all its parameters, as a scene opens it again. Raises Refusal if none can."""
+    """A run with all its parameters, as a scene opens it again. Raises InputError if none can."""
     made = at_home(**dict(spec)).but(
         agents=flock.options.agents,
         informed=flock.options.informed,
@@ -114,15 +115,15 @@ def whole(spec: Spec, flock: Flock) -> str:
 
 
 def demand_answer(question: Question, spec: Spec) -> None:
-    """Refuse a run that is no answer to a question. Raises Refusal."""
+    """Refuse a run that is no answer to a question. Raises InputError."""
     if spec.model in FILES:
-        raise Refusal(f"{spec.model} is a model of a file: hand in one of the catalogue's")
+        raise InputError(f"{spec.model} is a model of a file: hand in one of the catalogue's")
     if spec.start != "random":
-        raise Refusal(
+        raise InputError(
             "this run began from given places: press Setup, which begins one that can be made again"
         )
     if spec.model not in MODELS:
-        raise Refusal(f"there is no model {spec.model!r} here")
+        raise InputError(f"there is no model {spec.model!r} here")
     question.demand_cheap(spec)
 
 

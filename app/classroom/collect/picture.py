@@ -19,7 +19,7 @@ from app.experiments.pictures.draw import LOOK
 from app.experiments.sweeps.pictures.lines import CENSORED, COLOURS, FAILED
 from app.figure import save_figure
 from app.viewer.panels.notation import plain
-from worlds.refusal import unknown
+from worlds.input_error import unknown
 
 Format = Literal["svg", "png", "pdf"]
 FORMATS: tuple[Format, ...] = get_args(Format)
@@ -29,7 +29,7 @@ FOOT = 0.02
 
 
 def picture(collection: Collection, kind: str, curve: Curve | None = None) -> bytes:
-    """The picture as SVG, PNG or PDF; the same results make the same bytes. Raises Refusal."""
+    """The picture as SVG, PNG or PDF; the same results make the same bytes. Raises InputError."""
     if kind not in FORMATS:
         raise unknown("kind of picture", kind, FORMATS)
     import matplotlib

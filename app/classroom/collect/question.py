@@ -13,7 +13,7 @@ from pydantic import ConfigDict, Field, ValidationError, model_validator
 
 from agents.catalogue import FILES, MODELS
 from agents.flock import Flock
-from agents.models.declare import Declared
+from agents.models.declare import DeclaredParameter
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Spec
 from app.classroom.collect.bounds import MOST_TICKS, demand_cheap
@@ -22,10 +22,10 @@ from app.experiments.sweeps.given.file import Observe
 from app.experiments.sweeps.making.measures import demand_number, measure_of
 from app.experiments.sweeps.making.one_run import Making, Until
 from app.strict import Strict
-from app.viewer.lab.sweeps.asked import AGENTS, allowed, is_whole, numbers
-from app.viewer.measuring.measured import words as in_words
-from worlds.reading import toml
-from worlds.refusal import Refusal, first_refusal, shortened, unknown
+from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
+from app.viewer.measuring.observable_format import words as in_words
+from worlds.input_error import InputError, first_refusal, shortened, unknown
+from worlds.text_file import toml
 
 MOST_VALUES = 50
 """That are given to students in turn."""
@@ -62,12 +62,12 @@ class Asked(Strict):
 
     @property
     def condition(self) -> Comparison | None:
-        """What has to hold. Raises Refusal."""
+        """What has to hold. Raises InputError."""
         return comparison(self.until) if self.until else None
 
     @property
     def observable(self) -> str:
-        """The observable that is looked at. Raises Refusal."""
+        """The observable that is looked at. Raises InputError."""
         return self.observe if self.condition is None else self.condition.name
 
 
@@ -95,7 +95,7 @@ class Question(Strict):
 
     @property
     def making(self) -> Making:
-        """How the sweep engine makes and measures a run of it. Raises Refusal."""
+        """How the sweep engine makes and measures a run of it. Raises InputError."""
         one, until = self.measure, None
         if one.condition is not None:
             until = Until(one.condition, one.hold, 1)
@@ -108,7 +108,7 @@ class Question(Strict):
         return self.making.columns[0]
 
     @property
-    def declared(self) -> Declared | None:
+    def declared(self) -> DeclaredParameter | None:
         """The parameter as its model declares it; None for `agents`."""
         return next((one for one in numbers(self.model) if one.name == self.parameter), None)
 
@@ -154,13 +154,13 @@ class Question(Strict):
         return (self.parameter, *self.free)
 
     def value_of(self, spec: Spec, name: str = "") -> float:
-        """The value of the parameter in a run, or of a free one. Raises Refusal without it."""
+        """The value of the parameter in a run, or of a free one. Raises InputError without it."""
         name = name or self.parameter
         if name == AGENTS:
             return float(spec.agents if spec.agents is not None else MODELS[spec.model].agents)
         found = MODELS[spec.model].parameters.model_fields.get(name)
         if found is None:
-            raise Refusal(
+            raise InputError(
                 f"{name} is what the class is asked about, and {spec.model} has no such parameter: "
                 f"take {self.model}"
             )
@@ -171,14 +171,14 @@ class Question(Strict):
         return next((one.unit for one in numbers(self.model) if one.name == name), "1")
 
     def with_value(self, spec: Spec, value: float) -> Spec:
-        """A run with another value of the parameter. Raises Refusal."""
+        """A run with another value of the parameter. Raises InputError."""
         number: float = round(value) if self.is_whole else value
         if self.parameter == AGENTS:
             return spec.but(agents=number)
         return spec.but(parameters={**spec.parameters, self.parameter: number})
 
     def demand_cheap(self, spec: Spec) -> None:
-        """Refuse a run that would take too long for one of a class. Raises Refusal."""
+        """Refuse a run that would take too long for one of a class. Raises InputError."""
         one = self.measure
         looks = self.ticks if one.until else one.over or 1
         demand_cheap(spec, self.ticks, one.observable, looks)
@@ -193,17 +193,17 @@ class Question(Strict):
 
 
 def question_of(values: object, scene: Spec, origin: str = "the question") -> Question:
-    """A question from a browser or a file, checked for the class's scene. Raises Refusal.
+    """A question from a browser or a file, checked for the class's scene. Raises InputError.
 
     `model` is that of the scene, whether it is given or not.
     """
     if not isinstance(values, Mapping):
-        raise Refusal(f"{origin} = {shortened(values)} is not a table")
+        raise InputError(f"{origin} = {shortened(values)} is not a table")
     if scene.model in FILES:
-        raise Refusal(f"{scene.model} is a model of a file: a class has those of the catalogue")
+        raise InputError(f"{scene.model} is a model of a file: a class has those of the catalogue")
     given = {"model": scene.model, **values}
     if given["model"] != scene.model:
-        raise Refusal(
+        raise InputError(
             f"model = {shortened(given['model'])} is not that of the scene: {scene.model} is"
             f" ({origin})"
         )
@@ -212,35 +212,35 @@ def question_of(values: object, scene: Spec, origin: str = "the question") -> Qu
     except ValidationError as error:
         raise first_refusal(error, origin) from None
     except TypeError:  # keys that are no words
-        raise Refusal(f"{origin} has keys that are no names") from None
+        raise InputError(f"{origin} has keys that are no names") from None
     try:
         return fitted(made, scene)
-    except Refusal as refusal:
+    except InputError as refusal:
         told = str(refusal)
-        raise Refusal(told if origin in told else f"{told} ({origin})") from None
+        raise InputError(told if origin in told else f"{told} ({origin})") from None
 
 
 def question_from_toml(text: str, scene: Spec, origin: str) -> Question:
-    """A question from a file. Raises Refusal."""
+    """A question from a file. Raises InputError."""
     return question_of(toml(text, origin), scene, origin)
 
 
 def fitted(made: Question, scene: Spec) -> Question:
-    """A question whose names, ranges and costs are those of a scene. Raises Refusal."""
+    """A question whose names, ranges and costs are those of a scene. Raises InputError."""
     title = titled(made.title)
     low, high = allowed(made.model, made.parameter)
     for value in made.values:
         if not low <= value <= high:
-            raise Refusal(f"values: {made.parameter} = {value:g} is not in [{low:g}, {high:g}]")
+            raise InputError(f"values: {made.parameter} = {value:g} is not in [{low:g}, {high:g}]")
         if made.is_whole and value != math.floor(value):
-            raise Refusal(f"values: {made.parameter} = {value:g} is not a whole number")
+            raise InputError(f"values: {made.parameter} = {value:g} is not a whole number")
     for name in made.free:
         allowed(made.model, name)
         if made.free.count(name) > 1 or name == made.parameter:
-            raise Refusal(f"free: {name} is there twice")
+            raise InputError(f"free: {name} is there twice")
     values = sorted({float(value) for value in made.values})
     if len(values) == 1:
-        raise Refusal(f"values: one value of {made.parameter} shows nothing: give two or more")
+        raise InputError(f"values: one value of {made.parameter} shows nothing: give two or more")
     demand_measured(made, scene)
     checked = made.model_copy(update={"title": title, "values": values})
     for value in values or [checked.value_of(scene)]:
@@ -249,30 +249,30 @@ def fitted(made: Question, scene: Spec) -> Question:
 
 
 def titled(text: str) -> str:
-    """A title on one line, without what cannot be printed. Raises Refusal."""
+    """A title on one line, without what cannot be printed. Raises InputError."""
     kept = "".join(one for one in text if one.isprintable() or one.isspace())
     title = re.sub(r"\s+", " ", kept).strip()
     if not title:
-        raise Refusal(f"title = {shortened(text)} has no letters")
+        raise InputError(f"title = {shortened(text)} has no letters")
     return title
 
 
 def demand_measured(made: Question, scene: Spec) -> None:
-    """Refuse what cannot be measured of a run of a scene. Raises Refusal."""
+    """Refuse what cannot be measured of a run of a scene. Raises InputError."""
     asked = made.measure
     name = asked.observable
     demand_number(name)
     one = OBSERVABLES[name]
     if asked.until and one.over is not None:
-        raise Refusal(f"{name} is measured over a run: no tick has it")
+        raise InputError(f"{name} is measured over a run: no tick has it")
     if one.over is not None and (asked.over is None or asked.over < 2):
-        raise Refusal(f"{name} is measured over a run: over = 2 or more of its last ticks")
+        raise InputError(f"{name} is measured over a run: over = 2 or more of its last ticks")
     if not one.applies(Flock(scene)):
         known = [key for key, other in OBSERVABLES.items() if other.applies(Flock(scene))]
         raise unknown("observable of this scene", name, known)
     for key, ticks in (("over", asked.over or 0), ("hold", asked.hold)):
         if ticks > made.ticks:
-            raise Refusal(f"{key} = {ticks} is more than ticks = {made.ticks}, those of a run")
+            raise InputError(f"{key} = {ticks} is more than ticks = {made.ticks}, those of a run")
     if asked.condition is not None and not math.isfinite(asked.condition.bound):
-        raise Refusal(f"until = {asked.until!r} needs a finite number")
+        raise InputError(f"until = {asked.until!r} needs a finite number")
     made.making.prepare()

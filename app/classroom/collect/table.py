@@ -20,8 +20,8 @@ from app.classroom.names import student_name
 from app.experiments.runs.outcome import Status
 from app.experiments.sweeps.table import as_csv
 from app.viewer.panels.notation import plain
-from worlds.refusal import Refusal, shortened
-from worlds.writing import unguarded_cell
+from worlds.file_writer import unguarded_cell
+from worlds.input_error import InputError, shortened
 
 APART = "; "
 """Between two differences."""
@@ -81,7 +81,7 @@ def to_csv(collection: Collection) -> str:
 def points_from_csv(
     text: str, question: Question, spec_of: Callable[[int], str], origin: str
 ) -> list[Point]:
-    """The points of a table that `to_csv` wrote. Raises Refusal.
+    """The points of a table that `to_csv` wrote. Raises InputError.
 
     `spec_of` has the specs, which stand elsewhere, by the number of their row from 1.
     """
@@ -89,16 +89,16 @@ def points_from_csv(
         rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
         rows = [[unguarded_cell(cell) for cell in row] for row in rows]
     except csv.Error as error:
-        raise Refusal(f"{origin} is no CSV: {error}") from None
+        raise InputError(f"{origin} is no CSV: {error}") from None
     if not rows or rows[0] != heads(question):
-        raise Refusal(f"{origin} has not the columns {', '.join(heads(question))}")
+        raise InputError(f"{origin} has not the columns {', '.join(heads(question))}")
     if len(rows) - 1 > MOST_POINTS:
-        raise Refusal(f"{origin} has {len(rows) - 1:,} rows: at most {MOST_POINTS:,}")
+        raise InputError(f"{origin} has {len(rows) - 1:,} rows: at most {MOST_POINTS:,}")
     made = []
     for number, row in enumerate(rows[1:], 1):
         at = f"{origin}, row {number}"
         if len(row) != len(rows[0]) or row[0] != str(number):
-            raise Refusal(f"{at} is not as its columns, or not in order")
+            raise InputError(f"{at} is not as its columns, or not in order")
         point = point_of(row, spec_of(number), at)
         demand_possible(point, question, at)
         made.append(point)
@@ -106,9 +106,11 @@ def points_from_csv(
 
 
 def demand_possible(point: Point, question: Question, at: str) -> None:
-    """Refuse a result that no run of the question has. Raises Refusal."""
+    """Refuse a result that no run of the question has. Raises InputError."""
     if point.ticks > question.ticks:
-        raise Refusal(f"ticks = {point.ticks} is more than {question.ticks}, those of a run ({at})")
+        raise InputError(
+            f"ticks = {point.ticks} is more than {question.ticks}, those of a run ({at})"
+        )
     if point.result is None:
         return
     low, high, name = 0.0, float(question.ticks), question.column
@@ -119,23 +121,23 @@ def demand_possible(point: Point, question: Question, at: str) -> None:
         low, high = found.low, found.high
     margin = ROUNDING * max(1.0, *(abs(end) for end in (low, high) if math.isfinite(end)), 0.0)
     if not low - margin <= point.result <= high + margin:
-        raise Refusal(
+        raise InputError(
             f"{name} = {point.result:g} is not allowed: it lies in [{low:g}, {high:g}] ({at})"
         )
 
 
 def point_of(row: Sequence[str], spec: str, at: str) -> Point:
-    """A row as a point. Raises Refusal."""
+    """A row as a point. Raises InputError."""
     _, student, value, *free, result, status, _, seed, ticks, differs, reason, when = row
     if status not in get_args(Status):
-        raise Refusal(f"status = {shortened(status)} is no status of a run ({at})")
+        raise InputError(f"status = {shortened(status)} is no status of a run ({at})")
     if (status != "ok" and result) or not (result or reason):
-        raise Refusal(f"a run that is {status} has a result, or else a reason ({at})")
+        raise InputError(f"a run that is {status} has a result, or else a reason ({at})")
     if max(len(differs), len(reason)) > LONGEST or not (differs + reason).isprintable():
-        raise Refusal(f"differs or reason is no line of text ({at})")
+        raise InputError(f"differs or reason is no line of text ({at})")
     name = student_name(student)
     if name != student:
-        raise Refusal(f"student = {shortened(student)} is not written as a name is ({at})")
+        raise InputError(f"student = {shortened(student)} is not written as a name is ({at})")
     return Point(
         name,
         number(value, at),
@@ -152,31 +154,31 @@ def point_of(row: Sequence[str], spec: str, at: str) -> Point:
 
 
 def number(text: str, at: str) -> float:
-    """A finite number. Raises Refusal."""
+    """A finite number. Raises InputError."""
     try:
         found = float(text)
     except ValueError:
         found = math.nan
     if not math.isfinite(found):
-        raise Refusal(f"{shortened(text)} is not a finite number ({at})")
+        raise InputError(f"{shortened(text)} is not a finite number ({at})")
     return found
 
 
 def whole(text: str, at: str) -> int:
-    """A whole number of at most 19 figures. Raises Refusal."""
+    """A whole number of at most 19 figures. Raises InputError."""
     if not (text.isascii() and text.isdigit() and len(text) <= 19):
-        raise Refusal(f"{shortened(text)} is not a whole number ({at})")
+        raise InputError(f"{shortened(text)} is not a whole number ({at})")
     return int(text)
 
 
 def moment(text: str, at: str) -> datetime:
-    """A time in UTC. Raises Refusal."""
+    """A time in UTC. Raises InputError."""
     try:
         found = datetime.fromisoformat(text)
     except ValueError:
         found = None
     if found is None or found.tzinfo is None:
-        raise Refusal(f"when = {shortened(text)} is no time with its zone ({at})")
+        raise InputError(f"when = {shortened(text)} is no time with its zone ({at})")
     return found.astimezone(UTC)
 
 

@@ -13,7 +13,7 @@ from websockets.http11 import Request
 
 from app.viewer.web.origin import Allowed
 from app.viewer.web.serving.front import refusal
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 MARK, WORD = "X-Flockscope", "class"
 """A header that no foreign page can send: a browser would ask first whether it may."""
@@ -37,7 +37,7 @@ def refused(request: web.Request, allow: tuple[Allowed, ...]) -> web.Response | 
 
 
 async def text_of(request: web.Request) -> str:
-    """What was sent with a request, as text. Raises Refusal, and HTTPRequestTimeout."""
+    """What was sent with a request, as text. Raises InputError, and HTTPRequestTimeout."""
     try:
         async with asyncio.timeout(COMES):
             sent = await request.read()
@@ -45,45 +45,46 @@ async def text_of(request: web.Request) -> str:
     except TimeoutError:
         raise web.HTTPRequestTimeout(text="what was sent did not come\n") from None
     except ValueError:
-        raise Refusal("what was sent is no text") from None
+        raise InputError("what was sent is no text") from None
 
 
 async def form_of(request: web.Request) -> dict[str, str]:
-    """What a form of ours sends. Raises Refusal."""
+    """What a form of ours sends. Raises InputError."""
     if request.content_type != FORM:
-        raise Refusal("what was sent is no form")
+        raise InputError("what was sent is no form")
     try:
         return dict(parse_qsl(await text_of(request), max_num_fields=FIELDS))
     except ValueError:
-        raise Refusal("what was sent is no form") from None
+        raise InputError("what was sent is no form") from None
 
 
 async def values_of(request: web.Request) -> dict[str, Any]:
-    """What a page of ours sends, as JSON. Raises Refusal, and HTTPForbidden for any other page."""
+    """What a page of ours sends, as JSON. Raises InputError, and HTTPForbidden for any other
+    page."""
     if request.headers.getall(MARK, []) != [WORD]:
         raise web.HTTPForbidden(text=f"this is asked with the header {MARK}: {WORD}\n")
     try:
         values = json.loads(await text_of(request))
     except (ValueError, RecursionError):
-        raise Refusal("what was sent is no JSON") from None
+        raise InputError("what was sent is no JSON") from None
     if not isinstance(values, dict):
-        raise Refusal("what was sent is no table of values")
+        raise InputError("what was sent is no table of values")
     return values
 
 
 def text_in(values: dict[str, Any], key: str, longest: int = 200) -> str:
-    """A text among the values. Raises Refusal."""
+    """A text among the values. Raises InputError."""
     found = values.get(key)
     if not isinstance(found, str) or len(found) > longest:
-        raise Refusal(f"{key} is to be a text of at most {longest} letters")
+        raise InputError(f"{key} is to be a text of at most {longest} letters")
     return found
 
 
 def numbers_in(values: dict[str, Any], key: str, most: int = 1000) -> list[int] | None:
-    """Whole numbers among the values; None if they are left out. Raises Refusal."""
+    """Whole numbers among the values; None if they are left out. Raises InputError."""
     found = values.get(key)
     if found is None:
         return None
     if not isinstance(found, list) or len(found) > most or any(type(n) is not int for n in found):
-        raise Refusal(f"{key} is to be a list of whole numbers")
+        raise InputError(f"{key} is to be a list of whole numbers")
     return found

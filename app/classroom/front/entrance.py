@@ -13,7 +13,7 @@ from app.classroom.student import Student
 from app.viewer.web.incoming.rate_limit import RateLimit
 from app.viewer.web.incoming.visitors import address_of
 from app.viewer.web.serving.headers import POLICY
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 LASTS = 12 * 3600
 """Seconds that a cookie lasts."""
@@ -68,7 +68,7 @@ class Entrance:
         return own(page.filled(**words, name=name, why=why), page, 400 if why else 200)
 
     async def come_in(self, request: web.Request) -> web.StreamResponse:
-        """Take in who sends the code and a name, or the teacher's key. Raises Refusal."""
+        """Take in who sends the code and a name, or the teacher's key. Raises InputError."""
         given = await form_of(request)
         if request.path == "/teach":
             if not self.classroom.is_key(given.get("key", "")):
@@ -82,7 +82,7 @@ class Entrance:
             raise web.HTTPTooManyRequests(text="many come in at once: try again in a moment\n")
         try:
             _, cookie = self.classroom.admit(code, given.get("name", ""))
-        except Refusal as refusal:
+        except InputError as refusal:
             if not same(code, self.classroom.code):
                 return web.Response(status=403, text=f"{refusal}\n")
             return self.ask_name(given.get("name", "")[:60], str(refusal))

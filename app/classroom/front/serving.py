@@ -30,7 +30,7 @@ from app.viewer.web.origin import Allowed, authority
 from app.viewer.web.server import listening
 from app.viewer.web.serving.client_page import ClientPage, client_page
 from app.viewer.web.serving.headers import CLOSED, FIXED, POLICY, policy
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 IDLE = 20.0
 """Seconds that a connection may be silent that has no request."""
@@ -52,7 +52,8 @@ VISIT = ("classroom/visit.js",)
 
 
 class ClassFront:
-    """What everybody reaches. Raises Refusal if the port is busy or a certificate is unusable."""
+    """What everybody reaches. Raises InputError if the port is busy or a certificate is
+    unusable."""
 
     def __init__(
         self,
@@ -162,7 +163,7 @@ class ClassFront:
             if not request.path.startswith("/"):
                 raise web.HTTPBadRequest(text="this is no address of a page\n")
             return refused(request, self.allow) or await self.answer_known(request)
-        except Refusal as refusal:
+        except InputError as refusal:
             words = f"{refusal}\n".encode("utf-8", "replace")
             return web.Response(status=400, body=words, content_type="text/plain", charset="utf-8")
         except web.HTTPException as found:
@@ -348,14 +349,14 @@ def is_websocket(request: web.Request) -> bool:
 
 
 def tls(certificate: Path, key: Path) -> ssl.SSLContext:
-    """What encrypts with a certificate. Raises Refusal."""
+    """What encrypts with a certificate. Raises InputError."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     try:
         context.load_cert_chain(certificate, key, password=lambda: "")  # else it would ask for it
     except (OSError, ssl.SSLError) as error:
         why = error.strerror or str(error)
-        raise Refusal(
+        raise InputError(
             f"--certificate {str(certificate)!r} with --key {str(key)!r} cannot be used: {why}"
         ) from None
     return context

@@ -19,7 +19,7 @@ from app.classroom.front.pages import own_page
 from app.classroom.keeping import state_of
 from app.classroom.student import Role, Student
 from app.viewer.web.serving.headers import POLICY
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 Values = dict[str, Any]
 PICTURES = {
@@ -84,7 +84,7 @@ class TeacherRequests:
             values = await values_of(request)
             action = self.actions.get(text_in(values, "do"))
             if action is None:
-                raise Refusal(f"do is to be one of {', '.join(self.actions)}")
+                raise InputError(f"do is to be one of {', '.join(self.actions)}")
             return web.Response(text=await action(values))
         return None
 
@@ -94,7 +94,7 @@ class TeacherRequests:
         if not re.fullmatch(
             rf"https?://[\w.:/\[\]~-]{{1,300}}/{self.classroom.code}", at, re.ASCII
         ):
-            raise Refusal("this is not an address of the class")
+            raise InputError("this is not an address of the class")
         made = io.BytesIO()
         segno.make_qr(at, error="m").save(
             made, kind="svg", border=2, xmldecl=False, omitsize=True, light="#fff"
@@ -142,7 +142,7 @@ class TeacherRequests:
         """Let students watch, or have flocks of their own."""
         text = text_in(values, "role")
         if text not in list(Role):
-            raise Refusal(f"role is to be one of {', '.join(Role)}")
+            raise InputError(f"role is to be one of {', '.join(Role)}")
         self.classroom.give_role(Role(text), numbers_in(values, "students"))
         return "done"
 
@@ -156,7 +156,7 @@ class TeacherRequests:
         """Hold flocks, or let them go on."""
         held = values.get("held")
         if not isinstance(held, bool):
-            raise Refusal("held is to be true or false")
+            raise InputError("held is to be true or false")
         await self.classroom.freeze(held, numbers_in(values, "students"))
         return "held" if held else "going on"
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-from app.viewer.gallery.collection import find_scene, scene_names
 from app.viewer.gallery.saved_scene import SavedScene
-from worlds.refusal import unknown
+from app.viewer.gallery.scene_collection import find_scene, scene_names
+from worlds.input_error import unknown
 
 FOLDER = Path(__file__).parent
 FIRST = "order-against-noise"
@@ -21,7 +21,7 @@ def lesson_names() -> tuple[str, ...]:
 
 
 def find_lesson(name: str) -> SavedScene:
-    """The scene of a lesson, or a scene of the gallery. Raises Refusal."""
+    """The scene of a lesson, or a scene of the gallery. Raises InputError."""
     if name in lesson_names():
         return SavedScene.from_toml((FOLDER / f"{name}.toml").read_text("utf-8"), name)
     if ":" not in name and name not in scene_names():

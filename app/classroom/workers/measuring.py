@@ -23,8 +23,8 @@ from app.classroom.collect.question import Question
 from app.classroom.workers.worker import lower_priority
 from app.results import make_folder
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.lab.sweeps.sweeps import Sweeps
-from worlds.refusal import Refusal
+from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps
+from worlds.input_error import InputError
 
 DRAW_NICENESS = 5
 """Of the process that draws and saves: flocks, of 10, come after it."""
@@ -68,7 +68,7 @@ class RunWorker:
     def make_usual(
         self, question: Question, student: str, ran: str, scene: Spec, limit: float
     ) -> MadeRun | None:
-        """The result of a student whose laboratory runs the scene `ran`, TOML. Raises Refusal.
+        """The result of a student whose laboratory runs the scene `ran`, TOML. Raises InputError.
 
         None for a run that is other than usual: of another model, or of much more work.
         """
@@ -111,7 +111,7 @@ class TimeLimit:
 
 
 def spec_of(ran: str, student: str) -> Spec:
-    """The run of a scene, TOML. Raises Refusal."""
+    """The run of a scene, TOML. Raises InputError."""
     return SavedScene.from_toml(ran, f"the run of {student}").spec
 
 
@@ -129,16 +129,16 @@ class DrawWorker:
         lower_priority(DRAW_NICENESS)
 
     def picture(self, collection: Collection, kind: str, curve: Curve | None) -> bytes:
-        """The picture of a question. Raises Refusal."""
+        """The picture of a question. Raises InputError."""
         return picture(collection, kind, curve)
 
     def save(self, state: ClassState, path: Path) -> None:
-        """Write the file of a class. Raises Refusal."""
+        """Write the file of a class. Raises InputError."""
         make_folder(path.parent)
         save(state, path)
 
     def packed(self, state: ClassState) -> bytes:
-        """The file of a class. Raises Refusal."""
+        """The file of a class. Raises InputError."""
         return packed(state)
 
 
@@ -154,7 +154,7 @@ class CurveWorker:
         return find_curve(self.results.absolute(), question, scene)
 
     def begin_curve(self, question: Question, scene: Spec) -> str:
-        """Begin the sweep that makes the curve of a question; its name. Raises Refusal."""
+        """Begin the sweep that makes the curve of a question; its name. Raises InputError."""
         if self.sweeps is None:
             self.sweeps = Sweeps(self.results)
         return self.sweeps.begin(CurveAsked(question, scene))
@@ -162,10 +162,10 @@ class CurveWorker:
     def curve(self, name: str, question: Question, scene: Spec) -> tuple[Curve | None, str]:
         """The curve of a sweep that was begun here, as far as it is, and how far it is in words.
 
-        The words are empty once it has ended. Raises Refusal if it cannot be read.
+        The words are empty once it has ended. Raises InputError if it cannot be read.
         """
         if self.sweeps is None:
-            raise Refusal(f"the sweep {name} ended with its process: make the curve again")
+            raise InputError(f"the sweep {name} ended with its process: make the curve again")
         listed, fault = self.sweeps.seen.of(name), self.sweeps.seen.fault
         making = self.sweeps.making is not None
         if listed is None or not listed.done:

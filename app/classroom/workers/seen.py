@@ -10,7 +10,7 @@ import numpy as np
 from agents.catalogue import MODELS
 from agents.models.model import Model
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.measuring.measured import QUICK, STEADY, words
+from app.viewer.measuring.observable_format import QUICK, STEADY, words
 from app.viewer.scene.shown.frame import Frame
 
 MOST = 400

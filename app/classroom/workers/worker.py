@@ -22,11 +22,11 @@ from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import SCRIPTS
 from app.viewer.run.allowance import Allowance
-from app.viewer.watching.watching import Watching
+from app.viewer.watching.watch_page import WatchPage
 from app.viewer.web.incoming.visitors import BEHIND_A_FRONT
 from app.viewer.web.server import open_server
 from app.viewer.web.serving.front import Front
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 LENGTH = struct.Struct("!I")
 """Stands before every message: its length, bytes."""
@@ -93,7 +93,7 @@ class Laboratories:
 
     def watch(self, whose: int) -> str:
         """Open the page of those who watch one; where it is."""
-        self.watching = Watching(
+        self.watching = WatchPage(
             self.all[whose], "the teacher", HOST, secret=self.secret, limits=BEHIND_A_FRONT
         )
         return self.at(self.watching.port)
@@ -150,7 +150,7 @@ def serve(line: socket.socket, kind: Callable[..., Any], *given: Any) -> None:
             os._exit(0)  # at once, whatever is being compiled
         try:
             answer = number, True, getattr(doing, name)(*asked)
-        except Refusal as refusal:
+        except InputError as refusal:
             answer = number, False, refusal
         except Exception as error:
             answer = number, False, RuntimeError(f"{type(error).__name__}: {error}")

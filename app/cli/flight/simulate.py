@@ -12,7 +12,7 @@ from app.cli.outcome import as_json, tell_written
 from app.cli.progress import Progress
 from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, request, within
 from app.results import demand_folder, picture_files
-from worlds.counting import counted
+from worlds.number_text import counted
 
 LONGEST = 120.0
 """Seconds."""

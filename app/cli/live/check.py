@@ -14,12 +14,12 @@ from app.cli.live.options import LinkName, SourceName
 from app.cli.outcome import as_json
 from app.cli.refusals import refuse
 from app.cli.rule_option import Rules
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
-    from app.live.laboratory.lab import Lab
+    from app.live.laboratory.lab_file import Lab
     from app.live.links.link import CarLink
-    from app.live.sources.source import Source
+    from app.live.sources.pose_source import Source
 
 WATCHED = 1.0
 """Seconds for which frames are counted."""
@@ -55,17 +55,19 @@ def check(
     """
     if recording_check.names_recording(file):
         if source is not None or link is not None or not devices:
-            raise Refusal("--source, --link and --file-only are for a laboratory's file")
+            raise InputError("--source, --link and --file-only are for a laboratory's file")
         found = recording_check.check_recording(file, speed)
         report(found, recording_check.lines, json_asked, quiet)
         return
     if speed is not None:
-        raise Refusal("--speed is for a recording: a laboratory's file has the speed of each car")
-    from app.live.operating.choices import laboratory
+        raise InputError(
+            "--speed is for a recording: a laboratory's file has the speed of each car"
+        )
     from app.live.operating.flock_driver import FlockDriver
+    from app.live.operating.lab_choices import laboratory
 
     if not 0.0 < within <= 600.0:
-        raise Refusal(f"--within {within:g} s is outside (0, 600]")
+        raise InputError(f"--within {within:g} s is outside (0, 600]")
     choices = laboratory(Path(file), source, link)
     lab = choices.lab
     driver = FlockDriver(lab)
@@ -103,7 +105,7 @@ def report(
 
 def look_at_devices(lab: Lab, within: float, found: dict[str, Any]) -> None:
     """Open the source and the link."""
-    from app.live.operating.ends import source_and_link
+    from app.live.operating.loop_components import source_and_link
 
     poses, commands = source_and_link(lab)
     look_at_link(lab, commands, found)
@@ -125,7 +127,7 @@ def look_at_source(lab: Lab, source: Source, within: float, found: dict[str, Any
     """Watch the tracking for a second: its rate, and which bodies it sees."""
     from app.live.control.plausibility import judge_bodies
     from app.live.sources.feed import Feed
-    from app.live.sources.recording import RecordedFrame, tracks_of
+    from app.live.sources.recorded_frames import RecordedFrame, tracks_of
 
     with Feed(source, within) as feed:
         first = feed.first(within)

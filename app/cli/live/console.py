@@ -8,7 +8,7 @@ import typer
 
 from app.cli.live.operate import actions_of, event_line, watch
 from app.cli.stopping import Stopping
-from app.live.control.events import Event
+from app.live.control.loop_events import Event
 from app.viewer.live.session import Session
 
 TERMINAL = "terminal"

@@ -33,9 +33,9 @@ def emulate(
     Loop, safety, frames on the link and the firmware's watchdog are those of real cars.
     """
     from app.cli.live.run import conduct, lasting
-    from app.live.kinds import SIMULATED
-    from app.live.operating.choices import laboratory
-    from app.live.operating.driven import open_driven
+    from app.live.device_kinds import SIMULATED
+    from app.live.operating.lab_choices import laboratory
+    from app.live.operating.lab_opener import open_driven
 
     link = f"{SIMULATED}?port={port}" if port else SIMULATED
     lab = laboratory(file).lab.altered(str(file or "the example"), source=SIMULATED, link=link)

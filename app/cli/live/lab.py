@@ -51,8 +51,8 @@ def lab(
     Space or Esc in any browser is the emergency stop. Keys in the terminal: a arms, space or any
     other key is the emergency stop, r resets it, d disarms, q leaves.
     """
-    from app.live.kinds import EMULATED
-    from app.live.operating.choices import laboratory
+    from app.live.device_kinds import EMULATED
+    from app.live.operating.lab_choices import laboratory
     from app.viewer.web.origin import allowed
 
     if record is not None:
@@ -70,7 +70,7 @@ def lab(
 
 
 def serve(opening: Callable[[], LivePage], open_browser: bool, quiet: bool) -> None:
-    """Serve the page until q, Ctrl-C or SIGTERM; then stop the cars. Raises Refusal."""
+    """Serve the page until q, Ctrl-C or SIGTERM; then stop the cars. Raises InputError."""
     from app.cli.live.console import SessionConsole
     from app.cli.stopping import Stopping
 

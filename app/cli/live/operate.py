@@ -15,12 +15,12 @@ from app.cli.outcome import as_json
 from app.cli.stopping import Stopping
 from app.cli.terminal import rewrite_line
 from app.live.control.arm import Action, OperatorRequest
-from app.live.control.events import Event
-from app.live.control.status import Status
+from app.live.control.loop_events import Event
+from app.live.control.loop_status import Status
 from app.live.links.link import EMERGENCY, RUN
 from app.live.operating.operator import Operator
-from worlds.counting import counted
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
+from worlds.number_text import counted
 
 KEYS: dict[str, Action] = {"a": "arm", "d": "disarm", "r": "reset"}
 """Every other key but q is the emergency stop."""
@@ -98,7 +98,8 @@ class OperatorConsole:
         self.wide = 0
 
     def operate(self) -> None:
-        """Until q, Ctrl-C, SIGTERM or the time is up. Raises Refusal if the loop ends by itself."""
+        """Until q, Ctrl-C, SIGTERM or the time is up. Raises InputError if the loop ends by
+        itself."""
         watch(self.obey, self.see, self.over, self.verbose)
         if self.verbose and self.wide:
             typer.echo("", err=True)
@@ -113,10 +114,10 @@ class OperatorConsole:
             self.operator.ask(OperatorRequest(action, "terminal"))
 
     def see(self) -> None:
-        """Show what is new of the loop. Raises Refusal if it is gone."""
+        """Show what is new of the loop. Raises InputError if it is gone."""
         status = self.operator.status()
         if self.operator.trouble:
-            raise Refusal(self.operator.trouble)
+            raise InputError(self.operator.trouble)
         self.shown, new = self.operator.events.since(self.shown)
         for event in new:
             self.show(event)

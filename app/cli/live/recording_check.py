@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from app.live.control.plausibility import BodyReport, Swap
-    from app.live.sources.recorded import Recorded
-    from app.live.sources.recording import RecordedFrame
+    from app.live.sources.recorded_frames import RecordedFrame
+    from app.live.sources.recorded_source import RecordedSource
 
 KIND = "recorded:"
 SUFFIXES = (".csv", ".parquet", ".c3d")
@@ -30,14 +30,14 @@ def check_recording(text: str, speed: float | None) -> dict[str, Any]:
     """What there is to say of a recording: a table, a trial, or the folder of a live run.
 
     `speed` is the top speed of its cars, m/s; None: what the recorded laboratory says, or 1 m/s.
-    Raises Refusal if it cannot be read.
+    Raises InputError if it cannot be read.
     """
-    from app.live.control.limits import CarLimits
-    from app.live.sources.address import parsed
-    from app.live.sources.recorded import named
+    from app.live.control.safety_limits import CarLimits
+    from app.live.sources.recorded_source import named
+    from app.live.sources.source_address import parsed
 
     if speed is not None and not 0.0 < speed <= 10.0:
-        raise Refusal(f"--speed {speed:g} m/s is outside (0, 10]")
+        raise InputError(f"--speed {speed:g} m/s is outside (0, 10]")
     if Path(text).is_dir():
         return check_live_run(Path(text), speed)
     recorded = named(parsed(text if text.startswith(KIND) else KIND + text))
@@ -48,10 +48,10 @@ def check_recording(text: str, speed: float | None) -> dict[str, Any]:
 
 def check_live_run(folder: Path, speed: float | None) -> dict[str, Any]:
     """What there is to say of the poses that a live run recorded; they hold yaw alone."""
-    from app.live.control.limits import CarLimits
     from app.live.control.plausibility import judge_bodies
-    from app.live.recording.replay import read
-    from app.live.sources.recording import RecordedFrame, tracks_of
+    from app.live.control.safety_limits import CarLimits
+    from app.live.recording.recording_replay import read
+    from app.live.sources.recorded_frames import RecordedFrame, tracks_of
 
     recorded = read(folder)
     frames: list[RecordedFrame] = []
@@ -62,7 +62,7 @@ def check_live_run(folder: Path, speed: float | None) -> dict[str, Any]:
             time = max(frame.received, last.time) if last else frame.received
             frames.append(RecordedFrame(time, number, frame.sightings))
     if not frames:
-        raise Refusal(f"{folder} has no frames of tracking")
+        raise InputError(f"{folder} has no frames of tracking")
     lab = recorded.lab
     tracks = tracks_of(frames)
     fastest = {track.name: speed or CarLimits().speed for track in tracks}
@@ -78,7 +78,7 @@ def summary(
     frames: list[RecordedFrame],
     reports: dict[str, BodyReport],
     swaps: list[Swap],
-    recorded: Recorded | None,
+    recorded: RecordedSource | None,
 ) -> dict[str, Any]:
     """The reports as values for JSON; `recorded` is asked for a cure of what is misread."""
     amiss = [f"{name}: {fault}" for name, report in reports.items() for fault in report.faults]

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from app.cli.outcome import as_json
-from worlds.counting import counted
+from worlds.number_text import counted
 
 
 def recover(

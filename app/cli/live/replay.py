@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from app.cli.outcome import as_json
-from worlds.counting import counted
+from worlds.number_text import counted
 
 DIFFERS = 1
 """Exit code where a command comes out differently."""
@@ -23,7 +23,7 @@ def replay(
     Exit code 1 if a command comes out differently.
     """
     from app.live.operating.flock_driver import FlockDriver
-    from app.live.recording.replay import replay as replayed
+    from app.live.recording.recording_replay import replay as replayed
 
     made = replayed(folder, FlockDriver)
     if json_asked:

@@ -12,11 +12,11 @@ from app.cli.live.options import LinkName, Seconds, SourceName, Ticks
 from app.cli.outcome import as_json
 from app.cli.rule_option import Rules
 from worlds.extra import demand_parquet
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
-    from app.live.laboratory.lab import Lab
-    from app.live.operating.ends import Opener
+    from app.live.laboratory.lab_file import Lab
+    from app.live.operating.loop_components import Opener
 
 
 def run(
@@ -42,11 +42,11 @@ def run(
 
     Keys: a arms, space or any other key is the emergency stop, r resets it, d disarms, q leaves.
     """
-    from app.live.operating.choices import laboratory
-    from app.live.operating.driven import open_driven
+    from app.live.operating.lab_choices import laboratory
+    from app.live.operating.lab_opener import open_driven
 
     if dry and link:
-        raise Refusal(f"--dry and --link {link!r} exclude each other")
+        raise InputError(f"--dry and --link {link!r} exclude each other")
     lab = laboratory(file, source, link).lab
     if dry:
         lab = lab.altered("--dry", link="dry")
@@ -54,7 +54,7 @@ def run(
 
 
 def lasting(lab: Lab, seconds: float | None, ticks: int | None) -> float:
-    """For how long a laboratory is driven, s; 0: until it is left. Raises Refusal."""
+    """For how long a laboratory is driven, s; 0: until it is left. Raises InputError."""
     demand_one_length(ticks, seconds)
     return ticks / lab.rate if ticks else seconds or 0.0
 
@@ -68,7 +68,7 @@ def conduct(
     json_asked: bool,
     quiet: bool,
 ) -> None:
-    """Run a laboratory from the terminal. Raises Refusal."""
+    """Run a laboratory from the terminal. Raises InputError."""
     if record is not None:
         demand_parquet("--record")
 

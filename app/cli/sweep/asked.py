@@ -11,7 +11,7 @@ import typer
 from app.cli.length import demand_one_length, ticks_asked
 from app.results import RESULTS
 from app.settings import assignment, names, numbers, value
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from app.experiments.sweeps.given.places import Places
@@ -58,7 +58,7 @@ def sweep_asked(
     hold: int,
     tell: Any,
 ) -> tuple[Sweep, Path]:
-    """The sweep and its folder, where no other is asked for. Raises Refusal."""
+    """The sweep and its folder, where no other is asked for. Raises InputError."""
     from app.experiments.sweeps.given.places import Places
     from app.experiments.sweeps.sweep import sweep_of
 
@@ -69,10 +69,10 @@ def sweep_asked(
     if says_all(what):
         for name, given in options.items():
             if given:
-                raise Refusal(f"{name} cannot be given with {what}, which says it already")
+                raise InputError(f"{name} cannot be given with {what}, which says it already")
         return read_or_kept(what, tell)
     if not vary:
-        raise Refusal(
+        raise InputError(
             f"{what!r} is no FILE.toml and no folder of a sweep; for a model give --vary "
             "NAME=FROM:TO:COUNT"
         )
@@ -84,14 +84,14 @@ def sweep_asked(
 
 
 def ticks_of(model: str, vary: list[str], fixed: list[str], seconds: float) -> int | None:
-    """The ticks that so many seconds are in every run. Raises Refusal."""
+    """The ticks that so many seconds are in every run. Raises InputError."""
     from agents.catalogue import model as find_model
     from agents.models.declare import checked
 
     varied = {setting.partition("=")[0].strip() for setting in vary}
     for name in ("dt", "model"):
         if name in varied:
-            raise Refusal(
+            raise InputError(
                 f"--seconds {seconds:g} is not the same ticks in every run with --vary {name}: "
                 "give --ticks"
             )
@@ -108,29 +108,29 @@ def says_all(what: str) -> bool:
 
 
 def read_or_kept(what: str, tell: Any) -> tuple[Sweep, Path]:
-    """The sweep of a file or of a folder, and its folder. Raises Refusal."""
+    """The sweep of a file or of a folder, and its folder. Raises InputError."""
     from app.experiments.sweeps.sweep import read_sweep
 
     if not says_all(what):
-        raise Refusal(f"{what!r} is no FILE.toml and no folder of a sweep")
+        raise InputError(f"{what!r} is no FILE.toml and no folder of a sweep")
     if Path(what).suffix.lower() == ".toml":
         return read_sweep(Path(what), tell), RESULTS / Path(what).stem
     return read_again(folder_of(what), tell), folder_of(what)
 
 
 def read_again(folder: Path, tell: Any) -> Sweep:
-    """The sweep of a folder that was run before. Raises Refusal."""
+    """The sweep of a folder that was run before. Raises InputError."""
     from app.experiments.sweeps.sweep import sweep_of
 
     return sweep_of(*begun_in(folder), tell)
 
 
 def begun_in(folder: Path) -> tuple[dict[str, Any], Places, Path]:
-    """What the file in a folder says, where its keys are, where it was begun. Raises Refusal."""
+    """What the file in a folder says, where its keys are, where it was begun. Raises InputError."""
     from app.experiments.runs.reading import Kept
     from app.experiments.sweeps.conduct import SPEC
     from app.experiments.sweeps.given.places import Places
-    from worlds.reading import read_text, toml
+    from worlds.text_file import read_text, toml
 
     path = folder / SPEC
     text = read_text(f"sweep {str(path)!r}", path)
@@ -149,7 +149,7 @@ def from_options(
     until: str,
     hold: int,
 ) -> tuple[dict[str, Any], dict[str, str]]:
-    """What a file would say, and which option each key is from. Raises Refusal."""
+    """What a file would say, and which option each key is from. Raises InputError."""
     from app.experiments.sweeps.given.file import Run
 
     run: dict[str, Any] = {"model": model, "ticks": 1000 if ticks is None else ticks}
@@ -178,19 +178,19 @@ def from_options(
             {"name": name} if over is None else {"name": name, "over": over} for name in observed
         ]
     elif over is not None:
-        raise Refusal("--over needs --observe: of what is the mean to be taken?")
+        raise InputError("--over needs --observe: of what is the mean to be taken?")
     return values, places
 
 
 def axis_of(setting: str) -> tuple[str, Any]:
-    """Name and values of `--vary`. Raises Refusal.
+    """Name and values of `--vary`. Raises InputError.
 
     >>> axis_of("eta=0:6:4"), axis_of("agents=50,100")
     (('eta', {'from': 0.0, 'to': 6.0, 'count': 4}), ('agents', [50, 100]))
     """
     name, equals, text = (part.strip() for part in setting.partition("="))
     if not equals or not name or not text:
-        raise Refusal(f"--vary {setting} is not of the form NAME=FROM:TO:COUNT or NAME=A,B,C")
+        raise InputError(f"--vary {setting} is not of the form NAME=FROM:TO:COUNT or NAME=A,B,C")
     if ":" not in text:
         return name, [value(one) for one in names(text)]
     found = SPAN.fullmatch(text)
@@ -201,7 +201,7 @@ def axis_of(setting: str) -> tuple[str, Any]:
             return name, made | ({"scale": found[4]} if found[4] else {})
     except ValueError:
         pass
-    raise Refusal(f"--vary {setting} is not of the form NAME=FROM:TO:COUNT, with :log if wanted")
+    raise InputError(f"--vary {setting} is not of the form NAME=FROM:TO:COUNT, with :log if wanted")
 
 
 def folder_of(name: str) -> Path:
@@ -217,11 +217,11 @@ def is_sweep(folder: Path) -> bool:
 
 
 def kept_sweep(name: str) -> Path:
-    """The folder of a sweep that was run, by name or path. Raises Refusal."""
+    """The folder of a sweep that was run, by name or path. Raises InputError."""
     path = Path(name)
     if path.suffix.lower() == ".toml" and not path.is_dir():
         name = path.stem
     folder = folder_of(name)
     if not is_sweep(folder):
-        raise Refusal(f"there is no sweep {name!r}: `flockscope sweep list` names what there is")
+        raise InputError(f"there is no sweep {name!r}: `flockscope sweep list` names what there is")
     return folder

@@ -20,7 +20,7 @@ from app.cli.sweep.asked import (
     sweep_asked,
 )
 from app.settings import at_least
-from worlds.counting import counted, duration
+from worlds.number_text import counted, duration
 
 
 def check(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from pydantic import ValidationError
 
-from worlds.counting import counted
-from worlds.refusal import Refusal, needed
+from worlds.input_error import InputError, needed
+from worlds.number_text import counted
 
 if TYPE_CHECKING:
     from app.experiments.cluster.asked import Cluster
@@ -56,7 +56,8 @@ Account = Annotated[str, typer.Option(help="Who pays.", rich_help_panel=PANEL)]
 def cluster_asked(
     sweep: Sweep, kind: str, workers: int | None, dry: bool, **options: Any
 ) -> Cluster | None:
-    """The cluster of the file with what the options change; None: this machine. Raises Refusal."""
+    """The cluster of the file with what the options change; None: this machine. Raises
+    InputError."""
     from app.experiments.cluster.asked import Cluster
 
     given = {name: value for name, value in options.items() if value not in (None, "")}
@@ -72,14 +73,18 @@ def cluster_asked(
         said = first.get("ctx", {}).get("error") or (
             f"{asked.get(name)!r} is not allowed: {needed(first)}"
         )
-        raise Refusal(f"{option}: {said}") from None
+        raise InputError(f"{option}: {said}") from None
     if not cluster.queued:
         for name in given:
-            raise Refusal(f"--{name} is of a queue: give --cluster slurm or --cluster pbs with it")
+            raise InputError(
+                f"--{name} is of a queue: give --cluster slurm or --cluster pbs with it"
+            )
         if dry:
-            raise Refusal("--dry-run prints a job: give --cluster slurm or --cluster pbs with it")
+            raise InputError(
+                "--dry-run prints a job: give --cluster slurm or --cluster pbs with it"
+            )
     if workers is not None and cluster.kind not in ("", "local"):
-        raise Refusal("--workers is of this machine: a queue has --jobs and --cores")
+        raise InputError("--workers is of this machine: a queue has --jobs and --cores")
     return cluster if cluster.kind else None
 
 

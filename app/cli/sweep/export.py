@@ -10,7 +10,7 @@ import typer
 from app.cli.outcome import tell_written
 from app.cli.sweep.asked import kept_sweep
 from app.cli.sweep.status import Name
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def export(
@@ -38,7 +38,9 @@ def export(
     from app.experiments.sweeps.table import wide as in_wide
 
     if long and times:
-        raise Refusal("--times cannot be given with --long: seconds are of a run, not of a value")
+        raise InputError(
+            "--times cannot be given with --long: seconds are of a run, not of a value"
+        )
     kept = Kept(kept_sweep(name))
     columns = in_long(kept) if long else in_wide(kept, times)
     if out is None:

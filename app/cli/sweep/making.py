@@ -43,7 +43,7 @@ Quiet = Annotated[bool, typer.Option("--quiet", help="No messages while it runs.
 
 
 def demand_sound(workers: int | None, nice: int, limit: int | None) -> None:
-    """Refuse numbers that cannot be. Raises Refusal."""
+    """Refuse numbers that cannot be. Raises InputError."""
     at_least("--workers", workers, 1, MOST_WORKERS)
     at_least("--nice", nice, 0, 19)
     at_least("--limit", limit, 1)

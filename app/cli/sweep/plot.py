@@ -10,7 +10,7 @@ import typer
 from app.cli.outcome import tell_written
 from app.cli.sweep.asked import kept_sweep
 from app.cli.sweep.status import Name
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 def plot(
@@ -64,7 +64,7 @@ def plot(
     from app.experiments.sweeps.table import measured
 
     if (beta is None) != (nu is None) or (critical is not None and beta is None):
-        raise Refusal("a collapse takes --beta and --nu, and --critical beside them")
+        raise InputError("a collapse takes --beta and --nu, and --critical beside them")
     scaling = None if beta is None or nu is None else Scaling(beta, nu, critical)
     kept = Kept(kept_sweep(name))
     shown = observable or next(iter(measured(kept)), "picture")

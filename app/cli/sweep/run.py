@@ -47,7 +47,7 @@ from app.cli.sweep.making import (
     warn,
 )
 from app.settings import at_least
-from worlds.counting import counted, duration
+from worlds.number_text import counted, duration
 
 if TYPE_CHECKING:
     from app.experiments.cluster.asked import Cluster
@@ -119,7 +119,7 @@ def run(
 
 
 def print_job(cluster: Cluster, quiet: bool) -> None:
-    """Print what a queue would be asked for. Raises Refusal."""
+    """Print what a queue would be asked for. Raises InputError."""
     from app.experiments.cluster.opening import job_script
 
     typer.echo(job_script(cluster), nl=False)
@@ -128,7 +128,7 @@ def print_job(cluster: Cluster, quiet: bool) -> None:
 
 
 def draw_all(sweep: Sweep, folder: Path) -> list[Path]:
-    """Draw a picture of each thing that is measured. Raises Refusal."""
+    """Draw a picture of each thing that is measured. Raises InputError."""
     from app.experiments.runs.reading import Kept
     from app.experiments.sweeps.pictures.draw import draw
     from app.results import PICTURES

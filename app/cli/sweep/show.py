@@ -10,7 +10,7 @@ from app.cli.outcome import as_json
 from app.cli.sweep.asked import kept_sweep
 from app.cli.sweep.status import Name
 from app.cli.terminal import make_console
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from app.experiments.runs.reading import Kept
@@ -37,13 +37,15 @@ def show(
     kept = Kept(kept_sweep(name))
     if seed is not None:
         if cell is None:
-            raise Refusal("--seed needs --cell: of which cell is the run?")
+            raise InputError("--seed needs --cell: of which cell is the run?")
         typer.echo(spec_at(kept, cell, seed).to_toml(), nl=False)
         return
     rows = summaries(kept)
     if cell is not None:
         if not 1 <= cell <= len(rows):
-            raise Refusal(f"--cell {cell} is not allowed: a number from 1 to {len(rows)} is needed")
+            raise InputError(
+                f"--cell {cell} is not allowed: a number from 1 to {len(rows)} is needed"
+            )
         rows = [rows[cell - 1]]
     if json_asked:
         typer.echo(as_json({"folder": str(kept.folder), "cells": rows, "failed": faults(kept)}))
@@ -70,7 +72,7 @@ def summaries(kept: Kept) -> list[dict[str, Any]]:
     for column in measured(kept):
         try:
             groups = groups_of(kept, column)[1]
-        except Refusal:
+        except InputError:
             break
         for group in groups:
             row = at[group.number]

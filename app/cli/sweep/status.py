@@ -8,7 +8,7 @@ import typer
 
 from app.cli.outcome import as_json
 from app.cli.sweep.asked import kept_sweep
-from worlds.counting import duration
+from worlds.number_text import duration
 
 Name = Annotated[str, typer.Argument(help="A sweep in results/, or its folder.")]
 

@@ -9,7 +9,7 @@ import typer
 
 from app.cli.sweep.asked import kept_sweep
 from app.cli.sweep.status import Name
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 PATIENCE = 30.0
 """Seconds to wait for it."""
@@ -25,12 +25,14 @@ def stop(
 
     folder = kept_sweep(name)
     if not is_taken(folder):
-        raise Refusal(f"no process runs {str(folder)!r}")
+        raise InputError(f"no process runs {str(folder)!r}")
     (folder / STOP).touch()
     end = time.monotonic() + PATIENCE
     while is_taken(folder):
         if time.monotonic() > end:
-            raise Refusal(f"{str(folder)!r} has not stopped within {PATIENCE:g} s: it was asked to")
+            raise InputError(
+                f"{str(folder)!r} has not stopped within {PATIENCE:g} s: it was asked to"
+            )
         time.sleep(0.1)
     if not quiet:
         typer.echo(f"stopped: {folder}", err=True)

@@ -19,9 +19,9 @@ from app.cli.stopping import Stopping
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
 from app.settings import at_least, names
-from worlds.counting import counted
-from worlds.refusal import Refusal
-from worlds.writing import demand_writable
+from worlds.file_writer import demand_writable
+from worlds.input_error import InputError
+from worlds.number_text import counted
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -49,13 +49,13 @@ class Plan:
 def planned(
     ticks: list[int], first: int, last: int, every: int | None, speed: float, fps: float
 ) -> Plan:
-    """The ticks to show of those that there are, rising. Raises Refusal if none is left.
+    """The ticks to show of those that there are, rising. Raises InputError if none is left.
 
     `speed` ticks are shown in a second, in at most `fps` pictures, unless `every` says otherwise.
     """
     there = [tick for tick in ticks if first <= tick <= last]
     if not there:
-        raise Refusal(f"there is no tick from {first} to {last}")
+        raise InputError(f"there is no tick from {first} to {last}")
     apart = max(1, (there[-1] - there[0]) // max(1, len(there) - 1))
     step = max(1, round((every if every else speed / fps) / apart))
     rate = min(MOST_FPS, speed / (step * apart))
@@ -140,7 +140,7 @@ def film(
     at_least("--every", every, 1)
     for option, value, most in (("--speed", speed, 1e6), ("--fps", fps, MOST_FPS)):
         if not 0.1 <= value <= most:
-            raise Refusal(f"{option} {value:g} is outside [0.1, {most:g}]")
+            raise InputError(f"{option} {value:g} is outside [0.1, {most:g}]")
     size = pixels(size_text)
     demand_renderer(renderer)
     demand_writable("--out", out, overwrite, (*CODECS, PAGE))
@@ -195,8 +195,8 @@ def film(
 
         try:
             drawn_by = write_page(asked_of, went_on) if is_page else write_film(asked_of, went_on)
-        except (KeyboardInterrupt, Refusal) as why:
-            if isinstance(why, Refusal) and not stopping.asked:
+        except (KeyboardInterrupt, InputError) as why:
+            if isinstance(why, InputError) and not stopping.asked:
                 raise
             tell("flockscope: stopped; no film was written")
             raise typer.Exit(INTERRUPTED) from None
@@ -229,7 +229,7 @@ class Work:
 
 
 def write_film(work: Work, went_on: Callable[[int], None]) -> str:
-    """Make a film; who has drawn it. Raises Refusal."""
+    """Make a film; who has drawn it. Raises InputError."""
     from app.viewer.pictures.film import Encoder, pictures, seen_pictures
 
     with (
@@ -247,9 +247,9 @@ def write_film(work: Work, went_on: Callable[[int], None]) -> str:
 
 
 def write_page(work: Work, went_on: Callable[[int], None]) -> str:
-    """Make an HTML file that plays; what it is played by. Raises Refusal."""
+    """Make an HTML file that plays; what it is played by. Raises InputError."""
     from app.viewer.pictures.player import page_of
-    from worlds.writing import writing
+    from worlds.file_writer import writing
 
     page = page_of(work.taken, len(work.plan.ticks), work.plan.fps, work.colour, work.aim, went_on)
     with writing("--out", work.out, work.overwrite, (PAGE,)) as file:
@@ -258,16 +258,21 @@ def write_page(work: Work, went_on: Callable[[int], None]) -> str:
 
 
 def demand_no_film(camera: str, follow: int | None, plot: str | None) -> None:
-    """Refuse what an HTML file has not. Raises Refusal."""
+    """Refuse what an HTML file has not. Raises InputError."""
     if follow is not None or camera in ("follow", "round"):
         what = f"--follow {follow}" if follow is not None else f"--camera {camera}"
-        raise Refusal(f"{what} is not allowed with an HTML file: who watches it moves the camera")
+        raise InputError(
+            f"{what} is not allowed with an HTML file: who watches it moves the camera"
+        )
     if plot is not None:
-        raise Refusal(f"--plot {plot} is not allowed with an HTML file: it holds the scene alone")
+        raise InputError(
+            f"--plot {plot} is not allowed with an HTML file: it holds the scene alone"
+        )
 
 
 def thinned(plan: Plan, agents: int, every: int | None, quiet: bool) -> Plan:
-    """The plan of an HTML file, of every k-th picture where it would be large. Raises Refusal."""
+    """The plan of an HTML file, of every k-th picture where it would be large. Raises
+    InputError."""
     from app.viewer.pictures.player import LIGHT, demand_playable
 
     apart = -(-agents * len(plan.ticks) // LIGHT)

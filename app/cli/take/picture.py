@@ -16,8 +16,8 @@ from app.cli.rule_option import Rules
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
 from app.settings import at_least
-from worlds.refusal import Refusal
-from worlds.writing import demand_writable, writing
+from worlds.file_writer import demand_writable, writing
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents.snapshot import Snapshot
@@ -85,9 +85,9 @@ def picture(
     demand_writable("--out", out, overwrite, ENDINGS)
     is_vector = out.suffix.lower() != ".png"
     if is_vector and renderer == BROWSER:
-        raise Refusal(f"--renderer browser is not allowed: a browser draws no {out.suffix}")
+        raise InputError(f"--renderer browser is not allowed: a browser draws no {out.suffix}")
     if camera == "round":
-        raise Refusal("--camera round is not allowed: a picture stands still")
+        raise InputError("--camera round is not allowed: a picture stands still")
     aim = aim_of(camera, follow, None, 1.0, 1)
     now = taken(spec, rule, asked, settings or [], tick, quiet)
     from app.viewer.pictures.shot import look_of, shot
@@ -118,7 +118,7 @@ def picture(
 def taken(
     spec: str | None, rule: Rules, asked: Asked, settings: list[str], tick: int | None, quiet: bool
 ) -> Snapshot:
-    """The flock to draw, of a recording or of a run that is made. Raises Refusal."""
+    """The flock to draw, of a recording or of a run that is made. Raises InputError."""
     if is_recording(spec):
         assert spec is not None
         return recording_of(spec, asked, settings, rule).at(tick)

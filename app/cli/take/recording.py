@@ -9,13 +9,13 @@ import typer
 
 from app.cli.outcome import as_json, tell_written
 from app.cli.refusals import visible
-from worlds.counting import counted
 from worlds.extra import demand_parquet
-from worlds.refusal import Refusal
-from worlds.writing import demand_writable
+from worlds.file_writer import demand_writable
+from worlds.input_error import InputError
+from worlds.number_text import counted
 
 if TYPE_CHECKING:
-    from app.live.recording.replay import StoredRecording
+    from app.live.recording.recording_replay import StoredRecording
 
 
 def recording(
@@ -41,7 +41,7 @@ def recording(
         of_live_run(file, table, csv, overwrite, json_asked)
         return
     if table is not None:
-        raise Refusal(f"--table {table} is not allowed: {str(file)!r} is one table")
+        raise InputError(f"--table {table} is not allowed: {str(file)!r} is one table")
     from agents.recording import Recording
 
     found = Recording(file)
@@ -94,16 +94,16 @@ def show_columns(columns: dict[str, dict[str, str]]) -> None:
 def of_live_run(
     folder: Path, table: str | None, csv: Path | None, overwrite: bool, json_asked: bool
 ) -> None:
-    """The same of a recording of real cars, a folder of tables. Raises Refusal."""
-    from app.live.recording.columns import columns_of
-    from app.live.recording.replay import read
+    """The same of a recording of real cars, a folder of tables. Raises InputError."""
+    from app.live.recording.recording_columns import columns_of
+    from app.live.recording.recording_replay import read
 
     recorded = read(folder)
     if table is not None:
         recorded.demand_table(table)
     if csv is not None:
         if table is None:
-            raise Refusal(f"--csv {csv}: which --table? One of {', '.join(recorded.tables)}")
+            raise InputError(f"--csv {csv}: which --table? One of {', '.join(recorded.tables)}")
         recorded.to_csv(table, csv, overwrite)
     made = about(recorded)
     shown = [table] if table else list(recorded.tables)
@@ -124,7 +124,7 @@ def of_live_run(
 
 def about(recorded: StoredRecording) -> dict[str, Any]:
     """What a recording of real cars holds, as JSON has it."""
-    from app.live.recording.columns import columns_of, described
+    from app.live.recording.recording_columns import columns_of, described
 
     return {
         "recording": str(recorded.folder),

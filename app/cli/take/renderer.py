@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from app.cli.outcome import tell
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
 
 if TYPE_CHECKING:
     from app.viewer.pictures.browser import Browser
@@ -19,14 +19,14 @@ RENDERERS = (AUTO, BROWSER, PLAIN)
 
 
 def demand_renderer(asked: str) -> None:
-    """Refuse what is no renderer. Raises Refusal."""
+    """Refuse what is no renderer. Raises InputError."""
     if asked not in RENDERERS:
         raise unknown("renderer", asked, RENDERERS)
 
 
 @contextmanager
 def browser(asked: str, quiet: bool) -> Iterator[Browser | None]:
-    """A browser that draws; None where it is to be drawn plainly. Raises Refusal."""
+    """A browser that draws; None where it is to be drawn plainly. Raises InputError."""
     if asked == PLAIN:
         yield None
         return
@@ -34,7 +34,7 @@ def browser(asked: str, quiet: bool) -> Iterator[Browser | None]:
 
     program = find_browser()
     if program is None and asked == BROWSER:
-        raise Refusal(
+        raise InputError(
             f"--renderer browser: there is no Chromium, Chrome or Edge; {NAMED} names one"
         )
     words = "no browser is found: drawn by the plain renderer"
@@ -43,7 +43,7 @@ def browser(asked: str, quiet: bool) -> Iterator[Browser | None]:
         try:
             made = Browser(program).__enter__()
             words = f"drawn by {program}; --renderer plain takes less time"
-        except Refusal as refusal:
+        except InputError as refusal:
             if asked == BROWSER:
                 raise
             words = f"{refusal}: drawn by the plain renderer"
@@ -61,18 +61,18 @@ def aim_of(
 ) -> Aim:
     """Where a camera is to look; going round it does so once in `ticks` unless `turn` (deg/s) says.
 
-    Raises Refusal.
+    Raises InputError.
     """
     from app.viewer.pictures.camera import CAMERAS, FIXED, FOLLOW, ROUND, Aim
 
     if camera not in CAMERAS:
         raise unknown("camera", camera, CAMERAS)
     if follow is not None and camera not in (FIXED, FOLLOW):
-        raise Refusal(f"--follow {follow} is not allowed with --camera {camera}")
+        raise InputError(f"--follow {follow} is not allowed with --camera {camera}")
     if turn is not None and camera != ROUND:
-        raise Refusal(f"--turn {turn:g} is not allowed: it is of --camera {ROUND}")
+        raise InputError(f"--turn {turn:g} is not allowed: it is of --camera {ROUND}")
     if turn is not None and not 0.1 <= abs(turn) <= 360.0:
-        raise Refusal(f"--turn {turn:g} is outside [0.1, 360] degrees a second, or [-360, -0.1]")
+        raise InputError(f"--turn {turn:g} is outside [0.1, 360] degrees a second, or [-360, -0.1]")
     kind = FOLLOW if follow is not None else camera
     if kind != ROUND:
         return Aim(kind, follow)

@@ -10,7 +10,7 @@ from app.cli.outcome import tell
 from app.cli.rule_option import by_name, first_of
 from app.cli.run import built
 from app.experiments.workers.kernels import compile_loop
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -26,10 +26,10 @@ def is_recording(what: str | None) -> bool:
 
 
 def recording_of(what: str, asked: Asked, settings: list[str], rule: Any) -> Recording:
-    """The recording that is named; what a run takes beside it is refused. Raises Refusal."""
+    """The recording that is named; what a run takes beside it is refused. Raises InputError."""
     for name, value in {**asked, "set": settings or None, "rule": rule or None}.items():
         if value is not None:
-            raise Refusal(
+            raise InputError(
                 f"{named(name)} {value} is not allowed: {what} is a recording, its run is done"
             )
     from agents.recording import Recording
@@ -38,11 +38,12 @@ def recording_of(what: str, asked: Asked, settings: list[str], rule: Any) -> Rec
 
 
 def flock_of(what: str | None, asked: Asked, settings: list[str], rule: Any, quiet: bool) -> Flock:
-    """The flock of a model's name, of a FILE.py or of a spec (TOML), compiled. Raises Refusal."""
+    """The flock of a model's name, of a FILE.py or of a spec (TOML), compiled. Raises
+    InputError."""
     spec = Path(what) if what is not None and Path(what).suffix.lower() == ".toml" else None
     model = None if spec else first_of(by_name(what), rule)
     if spec is not None and not spec.exists():
-        raise Refusal(f"spec {str(spec)!r} cannot be read: there is no such file")
+        raise InputError(f"spec {str(spec)!r} cannot be read: there is no such file")
     flock = built(spec, model, asked, settings, 1, False, quiet)
     if flock.warning and not quiet:
         tell(f"flockscope: {flock.warning}")
@@ -51,13 +52,13 @@ def flock_of(what: str | None, asked: Asked, settings: list[str], rule: Any, qui
 
 
 def pixels(text: str) -> tuple[int, int]:
-    """Width and height of a text WIDTHxHEIGHT. Raises Refusal."""
+    """Width and height of a text WIDTHxHEIGHT. Raises InputError."""
     wide, times, tall = text.lower().partition("x")
     if not (times and wide.isdigit() and tall.isdigit()):
-        raise Refusal(f"--pixels {text!r} is not a size: WIDTHxHEIGHT, as 1600x1000")
+        raise InputError(f"--pixels {text!r} is not a size: WIDTHxHEIGHT, as 1600x1000")
     for side in (wide, tall):
         if not LEAST <= int(side[:9]) <= MOST:
-            raise Refusal(f"--pixels {text}: {side} is outside [{LEAST}, {MOST}]")
+            raise InputError(f"--pixels {text}: {side} is outside [{LEAST}, {MOST}]")
     return int(wide), int(tall)
 
 

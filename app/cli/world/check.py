@@ -9,7 +9,7 @@ import typer
 from app.cli.outcome import as_json
 from app.cli.refusals import REFUSED
 from app.cli.world.file import given_world, size_text
-from worlds.counting import counted
+from worlds.number_text import counted
 
 
 def check(

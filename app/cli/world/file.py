@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.settings import at_least, names, numbers
-from worlds.writing import demand_writable, write_text
+from worlds.file_writer import demand_writable, write_text
 
 if TYPE_CHECKING:
     from worlds.world import World
@@ -17,7 +17,7 @@ SIDE = 10.0
 
 
 def given_world(name: str, dim: int | None = None, size: str | None = None, seed: int = 0) -> World:
-    """The world of a built-in name or a layout file, sound or not. Raises Refusal.
+    """The world of a built-in name or a layout file, sound or not. Raises InputError.
 
     Without `size` it is the layout's own, else SIDE. Random obstacles are drawn from `seed`.
     """
@@ -30,7 +30,7 @@ def given_world(name: str, dim: int | None = None, size: str | None = None, seed
 
 
 def sides(text: str | None) -> float | tuple[float, ...] | None:
-    """One side for all axes, or one per axis. Raises Refusal."""
+    """One side for all axes, or one per axis. Raises InputError."""
     if text is None:
         return None
     made = numbers("--size", text)
@@ -50,12 +50,12 @@ LAYOUTS = (".toml",)
 def demand_new(
     option: str, path: Path, overwrite: bool, endings: Collection[str] = LAYOUTS
 ) -> None:
-    """Refuse a file that cannot be written, or is there, unless asked. Raises Refusal."""
+    """Refuse a file that cannot be written, or is there, unless asked. Raises InputError."""
     demand_writable(option, path, overwrite, endings)
 
 
 def write_layout(made: World, path: Path) -> None:
-    """Write the layout of a world, which must be sound. Raises Refusal."""
+    """Write the layout of a world, which must be sound. Raises InputError."""
     from worlds.checks import demand_sound
 
     demand_sound(made)

@@ -10,11 +10,11 @@ import typer
 
 from app.cli.outcome import as_json, tell_written
 from app.cli.world.file import demand_new, edges_asked, size_text, write_layout
-from worlds.counting import counted
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
+from worlds.number_text import counted
 
 if TYPE_CHECKING:
-    from worlds.readers.roles import Row
+    from worlds.readers.roles import LayerRole
     from worlds.world import World
 
 Layers = list[str] | None
@@ -123,7 +123,7 @@ def import_drawing(
     rows = cast(drawing, {role: layers for role, layers in asked.items() if layers})
     try:
         geometry = geometry_of(drawing, rows, scale, unit, thickness, join, drop_lines, degrees)
-    except Refusal:
+    except InputError:
         if not quiet:
             report(table(rows))
         raise
@@ -156,7 +156,7 @@ def report(lines: Sequence[str]) -> None:
         typer.echo(f"and {len(lines) - MOST_LINES} more; --json has all of them", err=True)
 
 
-def table(rows: Sequence[Row]) -> list[str]:
+def table(rows: Sequence[LayerRole]) -> list[str]:
     """The layers of a drawing, what is on them, what each is taken for and why; if it has any."""
     if not rows:
         return []

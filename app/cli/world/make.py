@@ -10,7 +10,7 @@ import typer
 from app.cli.outcome import as_json, tell_written
 from app.cli.world.file import demand_new, edges_asked, sides, size_text, write_layout
 from app.settings import assignment, at_least
-from worlds.counting import counted
+from worlds.number_text import counted
 
 
 def make(

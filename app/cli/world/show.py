@@ -9,7 +9,7 @@ import typer
 
 from app.cli.outcome import as_json, tell_written
 from app.cli.world.file import demand_new, given_world
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 PICTURES = (".png", ".svg")
 
@@ -33,7 +33,7 @@ def show(
     demand_new("--out", path, overwrite, PICTURES)
     made = given_world(name, dim, size, seed)
     if points and made.dim == 3:
-        raise Refusal("--points is not allowed in space: boundary points are made in the plane")
+        raise InputError("--points is not allowed in space: boundary points are made in the plane")
     from app.worlds.contents import points as boundary_points
     from app.worlds.picture import draw_world
     from worlds.checks import demand_sound

@@ -20,7 +20,7 @@ from agents.spec import versions
 from app.experiments.runs.outcome import Outcome
 from app.experiments.workers.makers import Task
 from app.experiments.workers.processes import Processes
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 PATIENCE = 30.0
 """Seconds after which a process that is asked for nothing ends."""
@@ -49,7 +49,7 @@ class SweepWorker(Worker):
 def make(beginning: bytes, chunk: bytes, limit: float | None, like: dict[str, str]) -> bytes:
     """Make the runs of a chunk: payloads and seeds in, how each ended out, all pickled.
 
-    Raises Refusal where no run can be made, or versions are not `like` those of the parent.
+    Raises InputError where no run can be made, or versions are not `like` those of the parent.
     """
     demand_like(like)
     worker = get_worker()
@@ -65,8 +65,8 @@ def make(beginning: bytes, chunk: bytes, limit: float | None, like: dict[str, st
     whole = False
     try:
         whole = processes.run(tasks, keep, lambda: is_unwanted(worker, asked))
-    except Refusal as refusal:
-        raise Refusal(f"{refusal} (a worker on {platform.node()})") from None
+    except InputError as refusal:
+        raise InputError(f"{refusal} (a worker on {platform.node()})") from None
     finally:
         if not whole:
             processes.__exit__()
@@ -78,12 +78,12 @@ def make(beginning: bytes, chunk: bytes, limit: float | None, like: dict[str, st
 
 
 def demand_like(like: Mapping[str, str]) -> None:
-    """Refuse to make runs that might give other numbers. Raises Refusal."""
+    """Refuse to make runs that might give other numbers. Raises InputError."""
     own = versions()
     unlike = [f"{name} {own.get(name)}, not {one}" for name, one in like.items()
               if own.get(name) != one]  # fmt: skip
     if unlike:
-        raise Refusal(
+        raise InputError(
             f"a worker on {platform.node()} has {', '.join(unlike)} as here: its runs might differ"
         )
 

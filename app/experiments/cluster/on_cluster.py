@@ -25,8 +25,8 @@ from app.experiments.runs.outcome import Outcome
 from app.experiments.workers.makers import Beat, Keep, Task
 from app.experiments.workers.processes import BEAT, FIRST_GUESS
 from app.experiments.workers.worker import Beginning
-from worlds.counting import counted
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
+from worlds.number_text import counted
 
 if TYPE_CHECKING:
     from distributed import Future
@@ -111,7 +111,7 @@ class OnCluster:
     def run(self, tasks: Iterable[Task], keep: Keep, beat: Beat = lambda: False) -> bool:
         """Make the runs, begun in their order; False if `beat` wanted them stopped.
 
-        Raises Refusal if the scheduler is gone, or a worker cannot make runs.
+        Raises InputError if the scheduler is gone, or a worker cannot make runs.
         """
         ahead = deque(tasks)
         beaten = looked = renewed = 0.0
@@ -133,7 +133,7 @@ class OnCluster:
         return True
 
     def look(self) -> int:
-        """How many runs the workers make at a time now. Raises Refusal without a scheduler."""
+        """How many runs the workers make at a time now. Raises InputError without a scheduler."""
         if self.client.status != "running":
             raise self.lost()
         try:
@@ -153,9 +153,9 @@ class OnCluster:
                 f"machine{logs}"
             )
 
-    def lost(self) -> Refusal:
+    def lost(self) -> InputError:
         """What to say when there is no scheduler."""
-        return Refusal(
+        return InputError(
             f"the scheduler of Dask for --cluster {self.cluster.kind} is gone: finished runs are "
             "kept, and the same call goes on"
         )
@@ -195,7 +195,7 @@ class OnCluster:
     def take(self, found: list[Future], keep: Keep) -> None:
         """Keep the runs of chunks that are over, release what Dask has of them; halve what killed.
 
-        Raises Refusal if a worker cannot make runs, or the scheduler is gone.
+        Raises InputError if a worker cannot make runs, or the scheduler is gone.
         """
         over = [one for one in (*self.late, *found) if one in self.chunks]
         if any(one.status == "cancelled" for one in over):
@@ -218,7 +218,7 @@ class OnCluster:
         """Chunks with their results; of none if one of these is there no more.
 
         One that was lost with its workers is made again, which is not waited for: that may need a
-        job that is yet to be asked for. Raises Refusal if the scheduler is gone.
+        job that is yet to be asked for. Raises InputError if the scheduler is gone.
         """
         if not done:
             return []
@@ -237,12 +237,16 @@ class OnCluster:
         return list(zip(done, results, strict=True)) if len(results) == len(done) else []
 
     def broke(self, chunk: Chunk, error: BaseException | None, keep: Keep) -> None:
-        """Take a chunk that could not be made. Raises Refusal unless workers died of it."""
+        """Take a chunk that could not be made. Raises InputError unless workers died of it."""
         from distributed.scheduler import KilledWorker
 
         if not isinstance(error, KilledWorker):
             words = " ".join(f"{type(error).__name__}: {error}".split())
-            raise error if isinstance(error, Refusal) else Refusal(f"no run can be made: {words}")
+            raise (
+                error
+                if isinstance(error, InputError)
+                else InputError(f"no run can be made: {words}")
+            )
         if chunk.suspect and len(chunk.tasks) == 1:
             died = counted(error.allowed_failures + 1, "worker")
             keep(chunk.tasks[0], Outcome("killed", reason=f"{died} ended while it was made, alone"))

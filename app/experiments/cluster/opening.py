@@ -16,7 +16,7 @@ import platformdirs
 
 from app.experiments.cluster.asked import Cluster
 from worlds.extra import demand
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from distributed import Client, Security
@@ -46,11 +46,11 @@ class Opened:
     jobs: int = 0
 
     def renew(self) -> None:
-        """Ask the queue again for jobs that have ended. Raises Refusal if it takes none."""
+        """Ask the queue again for jobs that have ended. Raises InputError if it takes none."""
         if self.queue is None:
             return
         if self.faults:
-            raise Refusal(f"the queue takes no job: {self.faults[0]}")
+            raise InputError(f"the queue takes no job: {self.faults[0]}")
         self.queue.scale(jobs=self.jobs)
 
 
@@ -65,7 +65,7 @@ def demand_packages(cluster: Cluster) -> None:
 
 @contextmanager
 def opened(cluster: Cluster, workers: int) -> Iterator[Opened]:
-    """A cluster with a client of it; what was begun for it ends with it. Raises Refusal."""
+    """A cluster with a client of it; what was begun for it ends with it. Raises InputError."""
     demand_packages(cluster)
     import dask
     from distributed import Client, Security
@@ -89,7 +89,7 @@ def opened(cluster: Cluster, workers: int) -> Iterator[Opened]:
         try:
             made.client = Client(where, timeout=CONNECT, set_as_default=False, security=security)
         except (OSError, TimeoutError):
-            raise Refusal(f"no scheduler of Dask answers at {cluster.address}") from None
+            raise InputError(f"no scheduler of Dask answers at {cluster.address}") from None
         stack.enter_context(made.client)
         yield made
 
@@ -238,7 +238,7 @@ def secured(folder: Path) -> Security:
 
 @contextmanager
 def keys(folder: Path) -> Iterator[Security]:
-    """Fresh keys, which only their owner can read, until it is left. Raises Refusal."""
+    """Fresh keys, which only their owner can read, until it is left. Raises InputError."""
     from distributed import Security
 
     made = Security.temporary()
@@ -250,7 +250,7 @@ def keys(folder: Path) -> Iterator[Security]:
             path.touch(mode=0o600)
             path.write_text(getattr(made, part))
     except OSError as error:
-        raise Refusal(f"{str(folder)!r} cannot be written: {error.strerror or error}") from None
+        raise InputError(f"{str(folder)!r} cannot be written: {error.strerror or error}") from None
     try:
         yield secured(Path(place.name))
     finally:

@@ -16,7 +16,7 @@ from worlds.obstacles import Box
 
 if TYPE_CHECKING:
     from agents import Flock
-    from agents.snapshot import State
+    from agents.snapshot import FlockState
 
 MARGIN = 1.0
 """Around a block, in which nobody starts, length."""
@@ -83,7 +83,7 @@ def with_block(flock: Flock, side: float) -> Flock:
     return type(flock)(spec, start=start)
 
 
-def block_of(flock: State):
+def block_of(flock: FlockState):
     """The block as a polygon of shapely."""
     return flock.world.obstacles[0].footprint()
 

@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import Field
 
 from app.experiments.kinds.settings import Measure, Number, Settings
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -129,7 +129,7 @@ class Consensus(Settings):
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Times, X and V at the start and at each look, (1 + looks,) each.
 
-        Raises Refusal if the flock became larger than the reach, which stands for no limit.
+        Raises InputError if the flock became larger than the reach, which stands for no limit.
         """
         self.set_off(flock)
         found = [(0.0, *sizes(flock))]
@@ -139,7 +139,7 @@ class Consensus(Settings):
             found.append((flock.tick * flock.dt, *sizes(flock)))
         time, x, v = np.array(found).T
         if math.sqrt(2.0) * x.max() > flock.reach:
-            raise Refusal(
+            raise InputError(
                 f"r = {flock.reach:g} is less than the flock became wide, "
                 f"{math.sqrt(2.0) * x.max():g}"
             )

@@ -15,7 +15,7 @@ from app.experiments.kinds.zoning import angle_between
 
 if TYPE_CHECKING:
     from agents import Flock
-    from agents.snapshot import State
+    from agents.snapshot import FlockState
 
 STEP = 1e-5
 """Of differences of the potential, length."""
@@ -76,7 +76,7 @@ class Dodging(Settings):
             "hits": sum(self.flies_into(before, rng) for _ in range(self.flights)),
         }
 
-    def placed(self, flock: State, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    def placed(self, flock: FlockState, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
         """A random place around the block and a random heading, (2,) each."""
         shape = block_of(flock)
         x0, y0, x1, y1 = shape.bounds
@@ -107,7 +107,7 @@ class Dodging(Settings):
         return self.looks + 200.0 * self.flights
 
 
-def nearest(flock: State, place: np.ndarray) -> tuple[np.ndarray, float]:
+def nearest(flock: FlockState, place: np.ndarray) -> tuple[np.ndarray, float]:
     """The unit vector (2,) to the block's nearest point, and its distance, length."""
     shape, point = block_of(flock), shapely.Point(place)
     at = np.array(shapely.get_coordinates(shapely.shortest_line(point, shape))[1])
@@ -115,7 +115,7 @@ def nearest(flock: State, place: np.ndarray) -> tuple[np.ndarray, float]:
     return (at - place) / away, away
 
 
-def field(flock: State, place: np.ndarray) -> float:
+def field(flock: FlockState, place: np.ndarray) -> float:
     """U of (4.1) at a place (2,): eta / 2 (1 / D - 1 / Q)^2, D from the body's skin."""
     p = flock.parameters
     d = float(block_of(flock).distance(shapely.Point(place))) - 0.5 * p.body  # type: ignore[attr-defined]
@@ -123,7 +123,7 @@ def field(flock: State, place: np.ndarray) -> float:
     return 0.5 * gain * (1.0 / d - 1.0 / Q) ** 2 if d <= Q else 0.0
 
 
-def slope(flock: State, place: np.ndarray) -> np.ndarray:
+def slope(flock: FlockState, place: np.ndarray) -> np.ndarray:
     """-grad U at a place, (2,), by differences."""
     steps = STEP * np.eye(2)
     return np.array(

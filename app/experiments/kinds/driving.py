@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from app.experiments.kinds.settings import SUCCESS, Measure, Number, Settings
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -114,14 +114,15 @@ class Driving(Settings):
     """Mean speed over the last lap below which a car is stuck, m/s."""
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
-        """Drive, and measure it. Raises Refusal in a world without an injected car that goes round.
+        """Drive, and measure it. Raises InputError in a world without an injected car that goes
+        round.
 
         `locked`, `lag`, `stuck` and `apart` are of the last lap, the others of the whole drive.
         What predators do counts in `caught` and `chased` only.
         """
         lap = lap_of(flock)
         if lap > self.ticks(None, flock.dt):
-            raise Refusal(
+            raise InputError(
                 f"limit = {self.limit:g} s is less than a lap of the injected car, "
                 f"{lap * flock.dt:.1f} s in {flock.world.name}"
             )
@@ -186,11 +187,12 @@ class Driving(Settings):
 
 
 def lap_of(flock: Flock) -> int:
-    """Ticks in which the injected car goes round its route once. Raises Refusal if it does not."""
+    """Ticks in which the injected car goes round its route once. Raises InputError if it does
+    not."""
     mission = flock.world.mission
     goal = None if mission is None else mission.goal
     if goal is None or not goal.closed or goal.speed == 0.0:
-        raise Refusal(f"the world {flock.world.name!r} has no injected car that goes round")
+        raise InputError(f"the world {flock.world.name!r} has no injected car that goes round")
     route = np.array([*goal.route, goal.route[0]])
     return round(
         float(np.linalg.norm(np.diff(route, axis=0), axis=1).sum()) / goal.speed / flock.dt

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from app.experiments.kinds.driving import STOPS
 from app.experiments.kinds.settings import COUNT, SUCCESS, Measure, Number, Settings
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -56,7 +56,7 @@ class Holding(Settings):
     """Time from which on cars count as having come, s."""
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
-        """Drive, and measure the distances. Raises Refusal if there is no place to stay near."""
+        """Drive, and measure the distances. Raises InputError if there is no place to stay near."""
         away = self.distances(flock, self.driven(flock, between))
         kept = away[round(self.late / flock.dt) :]
         inside = np.flatnonzero((away <= self.radius).all(axis=1))
@@ -72,7 +72,7 @@ class Holding(Settings):
     def driven(self, flock: Flock, between: Callable[[], None] = lambda: None) -> np.ndarray:
         """Positions at every tick from 0 to the limit, (T + 1, N, 2), m."""
         if flock.world.mission is None or flock.world.mission.goal is None:
-            raise Refusal(
+            raise InputError(
                 f"the world {flock.world.name!r} has no place to stay near: it has no goal"
             )
         ticks = int(self.ticks(None, flock.dt))

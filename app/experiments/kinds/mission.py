@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from pydantic import Field
 
-from agents.mission import fly
+from agents.mission_record import fly
 from agents.observables.following import KERNELS
 from app.experiments.kinds.settings import (
     COUNT,
@@ -22,7 +22,7 @@ from app.experiments.kinds.settings import (
 
 if TYPE_CHECKING:
     from agents import Flock
-    from agents.mission import MissionRecord
+    from agents.mission_record import MissionRecord
 
 
 FAR = math.inf

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from agents.state.start import random_headings
 from app.experiments.kinds.settings import PERCENT, SHARE, Measure, Number, Settings
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -103,7 +103,7 @@ def bring_in_sight(flock: Flock) -> None:
     """Place agents anew, within the box, until each detects at least one other, as the paper has.
 
     An agent detects those in its zone of repulsion and those that are in its field of view and no
-    further than the zone of attraction reaches. Raises Refusal if that does not come about.
+    further than the zone of attraction reaches. Raises InputError if that does not come about.
     """
     low, size = np.array(flock.world.low), np.array(flock.world.size)
     for _ in range(TRIES):
@@ -113,7 +113,7 @@ def bring_in_sight(flock: Flock) -> None:
         n = int(alone.sum())
         flock.position[alone] = low + flock.rng.uniform(0.0, 1.0, (n, len(low))) * size
         flock.heading[alone] = random_headings(flock.rng, n, len(low))
-    raise Refusal(
+    raise InputError(
         f"agents = {len(flock.ids)} cannot be placed in {size.tolist()} so that each detects "
         f"another within {flock.reach:g}"
     )

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from app.experiments.kinds.settings import Measure, Number, Settings
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -75,13 +75,14 @@ class Turns(Settings):
         }
 
     def turned(self, flock: Flock, between: Callable[[], None] = lambda: None) -> Turn:
-        """All are aligned, until the information agent turns. Raises Refusal unless there is one.
+        """All are aligned, until the information agent turns. Raises InputError unless there is
+        one.
 
         Where there is noise the flock flies on twice from the same tick, with the same noise: once
         without the turn. What differs is the turn.
         """
         if flock.informed.sum() != 1:
-            raise Refusal(f"informed = {flock.informed.sum()}: one agent is to turn")
+            raise InputError(f"informed = {flock.informed.sum()}: one agent is to turn")
         first = int(np.argmax(flock.informed))
         flock.heading[:] = np.eye(flock.world.dim)[0]
         still: np.ndarray = flock.heading.copy()

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from agents.inspection import NO_POINTS, as_me, as_near, field_of_view
 from agents.inspection import shells as shells_of
-from agents.models.calling import call
+from agents.models.model_calls import call
 from agents.observables.neighbours import separation
 from app.experiments.kinds.settings import PERCENT, Measure, Number, Settings
 

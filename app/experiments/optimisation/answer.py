@@ -17,7 +17,7 @@ from app.experiments.sweeps.given.designs import Point
 from app.experiments.sweeps.given.file import Span
 from app.experiments.sweeps.pictures.groups import label
 from app.experiments.sweeps.replicates import half_width
-from worlds.counting import counted
+from worlds.number_text import counted
 
 EDGE = 0.005
 """Share of an axis from its end within which a point lies on a bound."""

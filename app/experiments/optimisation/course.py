@@ -12,7 +12,7 @@ from app.experiments.optimisation.evaluations import Evaluations
 from app.experiments.optimisation.study import Study
 from app.experiments.search import PENALTY, Judged
 from app.experiments.sweeps.given.designs import Point
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 At = Callable[[float, str], Any]
 
@@ -81,7 +81,7 @@ class Course:
             if not self.study.is_allowed(point):
                 return f"{self.study.file.search.where} does not hold"
             self.runs.cells_of(point)
-        except Refusal as refusal:
+        except InputError as refusal:
             return str(refusal)
         return ""
 

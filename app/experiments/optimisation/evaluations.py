@@ -17,8 +17,8 @@ from app.experiments.sweeps.conduct import SPEC, STOP, Tell, makers_of, prepare
 from app.experiments.sweeps.given.designs import Point
 from app.experiments.sweeps.making.one_run import Making, Wanted
 from app.experiments.workers.makers import Makers, Task
-from worlds.refusal import Refusal
-from worlds.writing import write_text
+from worlds.file_writer import write_text
+from worlds.input_error import InputError
 
 
 class HaltedError(Exception):
@@ -32,7 +32,7 @@ class Makings:
     parts: tuple[Making, ...]
 
     def prepare(self) -> None:
-        """Find what measures. Raises Refusal."""
+        """Find what measures. Raises InputError."""
         for one in self.parts:
             one.prepare()
 
@@ -118,14 +118,14 @@ class Evaluations:
         self.stack.__exit__(*reason)
 
     def cells_of(self, point: Point) -> list[Cell]:
-        """The cells of a point, one for each variant. Raises Refusal if they cannot be."""
+        """The cells of a point, one for each variant. Raises InputError if they cannot be."""
         key = tuple(point.items())
         if key in self.refused:
-            raise Refusal(self.refused[key])
+            raise InputError(self.refused[key])
         if key not in self.by_point:
             try:
                 self.by_point[key] = [one.cell(point) for one in self.study.variants]
-            except Refusal as refusal:
+            except InputError as refusal:
                 self.refused[key] = str(refusal)
                 raise
         return self.by_point[key]

@@ -17,7 +17,7 @@ from app.experiments.search import Algorithm
 from app.experiments.sweeps.given.places import Places
 from app.experiments.sweeps.in_python import bounds, is_file, kept_in, values_of
 from app.experiments.sweeps.results import Results
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 CALL = "flockscope.optimise"
 
@@ -39,14 +39,15 @@ class Optimum:
 
     @property
     def best(self) -> dict[str, Any]:
-        """The best point; of several objectives the first of the front. Raises Refusal if none."""
+        """The best point; of several objectives the first of the front. Raises InputError if
+        none."""
         if not self.answer.best:
-            raise Refusal(self.words[0])
+            raise InputError(self.words[0])
         return dict(self.answer.best[0].point)
 
     @property
     def spec(self) -> Spec:
-        """The run of the best point: `Flock(found.spec)`. Raises Refusal if there is none."""
+        """The run of the best point: `Flock(found.spec)`. Raises InputError if there is none."""
         return Spec.from_toml(self.answer.best[0].spec if self.best else "", CALL)
 
     @property
@@ -115,11 +116,11 @@ def optimise(
     fresh: runs with seeds that the search has not seen, on which its best is told.
     ticks, observe, until, hold, folder, workers, tell, words: as `sweep` takes them.
 
-    Begun again with the same folder it goes on where it was stopped. Raises Refusal.
+    Begun again with the same folder it goes on where it was stopped. Raises InputError.
     """
     if is_file(what):
         if vary or least or most or keep or words or observe or until or where:
-            raise Refusal(f"{str(what)!r} says itself what is searched: give folder and workers")
+            raise InputError(f"{str(what)!r} says itself what is searched: give folder and workers")
         study = read_study(Path(str(what)))
     else:
         values = values_of(what, runs, ticks, observe, until, hold, words)
@@ -140,5 +141,5 @@ def optimise(
     place = kept_in(folder)
     done = carry_out(study, place, workers=workers, tell=tell)
     if done.answer is None:
-        raise Refusal(f"the search in {str(place)!r} was asked to stop: the same call goes on")
+        raise InputError(f"the search in {str(place)!r} was asked to stop: the same call goes on")
     return Optimum(study, done.course, done.answer, Results(place))

@@ -45,7 +45,7 @@ def optimise(
 
     Begun again it proposes what it has proposed before, and takes those runs from the store: so it
     goes on after any stop. `retry`: whether runs that failed are made again. `limit`: runs to make
-    now. `at` hears of the share that is done, and words. Raises Refusal.
+    now. `at` hears of the share that is done, and words. Raises InputError.
     """
     asked = study.file.search
     runs = Evaluations(

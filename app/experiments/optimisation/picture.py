@@ -15,8 +15,8 @@ from app.experiments.search import TITLES
 from app.experiments.sweeps.pictures.draw import ENDINGS
 from app.experiments.sweeps.pictures.lines import CENSORED, COLOURS
 from app.figure import write_figure
-from worlds.counting import counted
-from worlds.writing import demand_writable
+from worlds.file_writer import demand_writable
+from worlds.number_text import counted
 
 TRIED, BEST, DEFAULT = "#9ecae1", COLOURS[0], COLOURS[1]
 
@@ -24,7 +24,7 @@ TRIED, BEST, DEFAULT = "#9ecae1", COLOURS[0], COLOURS[1]
 def draw(
     study: Study, course: list[Evaluated], answer: Answer, path: Path, overwrite: bool = True
 ) -> None:
-    """Draw the convergence, and of two objectives the front: PNG, SVG or PDF. Raises Refusal."""
+    """Draw the convergence, and of two objectives the front: PNG, SVG or PDF. Raises InputError."""
     demand_writable("picture", path, overwrite, ENDINGS)
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg

@@ -22,8 +22,8 @@ from app.experiments.sweeps.given.places import Places, about
 from app.experiments.sweeps.making.measures import K, measure_of
 from app.experiments.sweeps.sweep import Sweep, base_of, checked_file, first_flock, making_of
 from app.strict import Value
-from worlds.reading import read_text, toml
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
+from worlds.text_file import read_text, toml
 
 CORNERS = 64
 """Corners of the box that are built before anything is run."""
@@ -39,7 +39,7 @@ class Variant:
     basis: Basis
 
     def cell(self, point: Point) -> Cell:
-        """The runs of a point. Raises Refusal if they cannot be."""
+        """The runs of a point. Raises InputError if they cannot be."""
         axes = {**point, **self.at}
         return self.basis.cell(spec_of(self.sweep.base, axes), axes, 0)
 
@@ -110,19 +110,19 @@ class Study:
         )
 
     def is_allowed(self, point: Point) -> bool:
-        """Whether the condition between axes holds. Raises Refusal if it cannot be said."""
+        """Whether the condition between axes holds. Raises InputError if it cannot be said."""
         where = self.file.search.where
         return not where or Condition(where, list(point)).holds(point)
 
 
 def read_study(path: Path) -> Study:
-    """The study of a TOML file. Raises Refusal naming file and line."""
+    """The study of a TOML file. Raises InputError naming file and line."""
     text = read_text(f"optimisation {str(path)!r}", path)
     return study_of(toml(text, str(path)), Places(str(path), text), path.parent)
 
 
 def study_of(values: dict[str, Any], places: Places, folder: Path) -> Study:
-    """The study of values, as TOML has them. Raises Refusal, before anything is run."""
+    """The study of values, as TOML has them. Raises InputError, before anything is run."""
     file = checked_file(OptimisationFile, values, places)
     demand_package(file.search.algorithm)
     observed = columns_of(file, places, folder)
@@ -161,19 +161,19 @@ def alike(one: Measured, other: Measured) -> bool:
 
 
 def column(one: Objective | Constraint, places: Places) -> str:
-    """The column that is asked of. Raises Refusal."""
+    """The column that is asked of. Raises InputError."""
     return one.observable if isinstance(one, Objective) else bounding(one, places).name
 
 
 def bounding(one: Constraint, places: Places) -> Comparison:
-    """The comparison of a constraint. Raises Refusal."""
+    """The comparison of a constraint. Raises InputError."""
     where = places.of("says", "constraint")
     try:
         says = comparison(one.says)
-    except Refusal as refusal:
-        raise Refusal(f"{refusal} ({where})") from None
+    except InputError as refusal:
+        raise InputError(f"{refusal} ({where})") from None
     if says.sign not in (">=", "<="):
-        raise Refusal(f"says = {one.says!r} is not allowed: >= or <= is needed ({where})")
+        raise InputError(f"says = {one.says!r} is not allowed: >= or <= is needed ({where})")
     return says
 
 
@@ -185,14 +185,14 @@ def told(one: Objective, name: str, names: list[str]) -> str:
 
 
 def columns_of(file: OptimisationFile, places: Places, folder: Path) -> dict[str, Observe]:
-    """What is observed by its column. Raises Refusal."""
+    """What is observed by its column. Raises InputError."""
     found: dict[str, Observe] = {}
     for one in file.observe:
         try:
             found[measure_of(one, folder).column] = one
-        except Refusal as refusal:
+        except InputError as refusal:
             key = "measure" if one.measure else "name"
-            raise Refusal(f"{refusal} ({places.of(key, 'observe')})") from None
+            raise InputError(f"{refusal} ({places.of(key, 'observe')})") from None
     return found
 
 
@@ -204,7 +204,7 @@ def variant(
     places: Places,
     folder: Path,
 ) -> Variant:
-    """The runs that some columns are measured of. Raises Refusal."""
+    """The runs that some columns are measured of. Raises InputError."""
     stop = file.stop if asked.stop else None
     observe: list[Observe] = []
     for name in dict.fromkeys(columns):
@@ -219,7 +219,7 @@ def variant(
             raise unknown("column", name, known, places.of("observable", "objective"))
     for one in observe:
         if one.every is not None:
-            raise Refusal(
+            raise InputError(
                 f"when = {one.when!r} gives no single value that could be the best: leave it out "
                 f"({places.of('when', 'observe')})"
             )
@@ -232,35 +232,38 @@ def variant(
     basis = Basis(making, seeds.first)
     try:
         cell = basis.cell(spec_of(base, asked.at), dict(asked.at), 0)
-    except Refusal as refusal:
+    except InputError as refusal:
         where = places.of(about(str(refusal)), "objective.at" if asked.at else "run")
-        raise Refusal(f"{refusal} ({where})") from None
+        raise InputError(f"{refusal} ({where})") from None
     sweep = Sweep(made, places, folder, base, making, [cell], places.text)
     return Variant(dict(asked.at), sweep, basis)
 
 
 def default_of(first: Variant, file: OptimisationFile) -> Point:
-    """The values that the axes have without a search. Raises Refusal for an axis that is none."""
+    """The values that the axes have without a search. Raises InputError for an axis that is
+    none."""
     spec = first.sweep.cells[0].identity["spec"]
     known = {**spec, **spec["parameters"]}
     for name in file.search.axes:
         where = first.sweep.places.of(name, "search.axes")
         if name in ("parameters", "ticks", "seed"):
-            raise Refusal(f"axis {name!r} is not allowed: it is no parameter or option ({where})")
+            raise InputError(
+                f"axis {name!r} is not allowed: it is no parameter or option ({where})"
+            )
         if name not in known:
             raise unknown("axis", name, known, where)
         if name in first.at:
-            raise Refusal(f"axis {name!r} is not allowed: an objective says itself what it is")
+            raise InputError(f"axis {name!r} is not allowed: an objective says itself what it is")
     return {name: known[name] for name in file.search.axes}
 
 
 def check_corners(study: Study) -> None:
-    """Build a run at the corners of the box. Raises Refusal naming the axis and its line."""
+    """Build a run at the corners of the box. Raises InputError naming the axis and its line."""
     axes = study.file.search.axes
     try:
         study.is_allowed(study.default)
-    except Refusal as refusal:
-        raise Refusal(f"{refusal} ({study.places.of('where', 'search')})") from None
+    except InputError as refusal:
+        raise InputError(f"{refusal} ({study.places.of('where', 'search')})") from None
     for corner in itertools.islice(itertools.product((0.0, 1.0), repeat=len(axes)), CORNERS):
         point = study.point(np.array(corner))
         if not study.is_allowed(point):
@@ -268,12 +271,12 @@ def check_corners(study: Study) -> None:
         for one in study.variants:
             try:
                 one.cell(point)
-            except Refusal as refusal:
+            except InputError as refusal:
                 word = about(str(refusal))
                 table = "search.axes" if word in point else "run"
                 said = ", ".join(f"{name} = {value!r}" for name, value in point.items())
                 at = study.places.of(word, table)
-                raise Refusal(f"{refusal} ({at}; a corner of the box: {said})") from None
+                raise InputError(f"{refusal} ({at}; a corner of the box: {said})") from None
 
 
 def spec_at(study: Study, point: Point) -> Spec:

@@ -142,7 +142,7 @@ def draw(
 ) -> dict[str, Path]:
     """Draw the picture into the folder; returns the files by kind.
 
-    `seed` is that of the run which pictures of single runs show. Raises Refusal.
+    `seed` is that of the run which pictures of single runs show. Raises InputError.
     """
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg

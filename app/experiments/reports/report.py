@@ -14,8 +14,8 @@ from app.experiments.verdicts.claim import Claim, beside
 from app.experiments.verdicts.comparison import NOTE, SPREAD_NOTE, WELCH_NOTE
 from app.experiments.verdicts.judge import RunRanges, share_interval
 from app.experiments.verdicts.verdict import Verdict, of
-from worlds.counting import counted
-from worlds.writing import csv_text, write_text
+from worlds.file_writer import csv_text, write_text
+from worlds.number_text import counted
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -55,7 +55,7 @@ def as_row(claim: Claim) -> dict[str, Any]:
 
 
 def write_summary(path: Path, made: list[Verdict]) -> None:
-    """Write the summary as CSV, one line per row and measure. Raises Refusal."""
+    """Write the summary as CSV, one line per row and measure. Raises InputError."""
     rows = [one.as_row() for one in made]
     columns = dict.fromkeys(key for row in rows for key in row)
     cells = ([row.get(key, "") for key in columns] for row in rows)

@@ -1,7 +1,7 @@
 """What the tables of a store may hold: who sends one chooses every value and every kind of value.
 
 SQLite keeps any kind of value in any column, and JSON any kind under any key. What is read is
-checked here once, so that whoever asks a store gets what flockscope writes, or one Refusal.
+checked here once, so that whoever asks a store gets what flockscope writes, or one InputError.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from pydantic import (
 )
 
 from app.experiments.runs.outcome import STATUSES
-from worlds.refusal import demand_line
+from worlds.input_error import demand_line
 
 DEEPEST = 40
 """Lists and tables within each other."""

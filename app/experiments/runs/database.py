@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 FILE = "runs.sqlite"
 APPLICATION = 0x464C4B53
@@ -52,14 +52,15 @@ STEPS = 100_000
 
 @contextmanager
 def guarded(path: Path, kept: str = "kept") -> Iterator[None]:
-    """Whatever SQLite raises within is a Refusal that names the file, which cannot be `kept`."""
+    """Whatever SQLite raises within is an InputError that names the file, which cannot be
+    `kept`."""
     try:
         yield
     except (sqlite3.Error, OverflowError) as error:
         why = "the disk is full" if "is full" in str(error) else str(error)
         if why == "interrupted":
             why = "the answer takes too long"
-        raise Refusal(f"store of runs {str(path)!r} cannot be {kept}: {why}") from None
+        raise InputError(f"store of runs {str(path)!r} cannot be {kept}: {why}") from None
 
 
 class TimeLimit:
@@ -76,12 +77,12 @@ class TimeLimit:
 
 
 def opened(path: Path) -> sqlite3.Connection:
-    """The file to write to, made if it is not there. Raises Refusal, having changed nothing."""
+    """The file to write to, made if it is not there. Raises InputError, having changed nothing."""
     new = not path.exists() or path.stat().st_size == 0
     if not new:
         demand_ours(path)
     if not os.access(path.parent if new else path, os.W_OK):
-        raise Refusal(f"store of runs {str(path)!r} cannot be written: it may only be read")
+        raise InputError(f"store of runs {str(path)!r} cannot be written: it may only be read")
     if not new:  # SQLite changes the file when WAL is set: whose it is must be known before
         with guarded(path), closing(read_only(path)) as judged:
             has_tables(judged, path)
@@ -90,7 +91,7 @@ def opened(path: Path) -> sqlite3.Connection:
         mode = made.execute("PRAGMA journal_mode = WAL").fetchone()[0]
         if mode != "wal":
             made.close()
-            raise Refusal(
+            raise InputError(
                 f"store of runs {str(path)!r} needs a local disk: this one cannot keep what is "
                 f"written apart from what is read (journal mode {mode})"
             )
@@ -105,7 +106,7 @@ def opened(path: Path) -> sqlite3.Connection:
 def has_tables(connection: sqlite3.Connection, path: Path) -> bool:
     """Whether the tables are there: a kill while the file is made leaves one without.
 
-    Raises Refusal for views, triggers and tables of another kind: a view can be endless, and a
+    Raises InputError for views, triggers and tables of another kind: a view can be endless, and a
     trigger acts on whoever writes.
     """
     connection.execute("PRAGMA trusted_schema = OFF")
@@ -124,15 +125,15 @@ def has_tables(connection: sqlite3.Connection, path: Path) -> bool:
     return True
 
 
-def foreign(path: Path, why: str) -> Refusal:
+def foreign(path: Path, why: str) -> InputError:
     """The refusal of a store that flockscope has not made so."""
-    return Refusal(f"{str(path)!r} is not a store of runs ({why}): move it away")
+    return InputError(f"{str(path)!r} is not a store of runs ({why}): move it away")
 
 
 def looked_into(path: Path) -> sqlite3.Connection:
-    """The file to read from, also while another process writes to it. Raises Refusal."""
+    """The file to read from, also while another process writes to it. Raises InputError."""
     if not path.is_file():
-        raise Refusal(f"{str(path)!r}: there is no store of runs")
+        raise InputError(f"{str(path)!r}: there is no store of runs")
     demand_ours(path)
     with guarded(path, "read"):
         made = read_only(path)
@@ -147,7 +148,7 @@ def looked_into(path: Path) -> sqlite3.Connection:
             raise
         if not there:
             made.close()
-            raise Refusal(f"{str(path)!r}: there is no run in it yet")
+            raise InputError(f"{str(path)!r}: there is no run in it yet")
         return made
 
 
@@ -164,14 +165,14 @@ def demand_ours(path: Path) -> None:
         with open(path, "rb") as file:
             head = file.read(100)
     except OSError as error:
-        raise Refusal(f"{str(path)!r} cannot be read: {error.strerror}") from None
+        raise InputError(f"{str(path)!r} cannot be read: {error.strerror}") from None
     if not head.startswith(b"SQLite format 3\0") or len(head) < 100:
-        raise Refusal(f"{str(path)!r} is not a store of runs: move it away")
+        raise InputError(f"{str(path)!r} is not a store of runs: move it away")
     of, version = int.from_bytes(head[68:72], "big"), int.from_bytes(head[60:64], "big")
     if of not in (APPLICATION, 0) or (of == 0 and holds_tables(path)):
-        raise Refusal(f"{str(path)!r} is not a store of runs: move it away")
+        raise InputError(f"{str(path)!r} is not a store of runs: move it away")
     if version > FORMAT:
-        raise Refusal(
+        raise InputError(
             f"{str(path)!r} is of a newer flockscope (format {version}, here {FORMAT}): take that"
         )
 

@@ -31,7 +31,7 @@ from app.experiments.runs.database import (
     quoted,
 )
 from app.experiments.runs.outcome import STATUSES
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 ORDERED = (
     "JOIN (SELECT cell AS c, min(place) AS place FROM plan GROUP BY cell) ON c = run.cell "
@@ -55,12 +55,12 @@ class Kept:
 
     @contextmanager
     def _checked(self) -> Iterator[None]:
-        """What the store holds that it cannot is a Refusal that names the file."""
+        """What the store holds that it cannot is an InputError that names the file."""
         try:
             with guarded(self.path, "read"):
                 yield
         except Contents as error:
-            raise Refusal(f"{str(self.path)!r} cannot be read: {error}") from None
+            raise InputError(f"{str(self.path)!r} cannot be read: {error}") from None
 
     def _rows(self, statement: str) -> list[tuple]:
         with closing(looked_into(self.path)) as connection, self._checked():

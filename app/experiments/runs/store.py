@@ -29,7 +29,7 @@ from app.experiments.runs.database import (
     quoted,
 )
 from app.experiments.runs.outcome import BROKEN, Outcome, Status
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 EVERY = 0.25
 """Seconds between two commits."""
@@ -41,7 +41,7 @@ PATIENCE = 0.2
 class Store:
     """A context manager over `runs.sqlite` in a folder, for the one process that writes to it.
 
-    `columns` are what is measured of a run; a store that lacks some gets them. Raises Refusal if
+    `columns` are what is measured of a run; a store that lacks some gets them. Raises InputError if
     another process has the folder, if the file is of anything else, or if it cannot be written.
     """
 
@@ -59,7 +59,7 @@ class Store:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise Refusal(
+            raise InputError(
                 f"{str(self.folder)!r} cannot be made: {error.strerror or error}"
             ) from None
         self.lock = locked(self.folder)
@@ -79,7 +79,7 @@ class Store:
 
     def __exit__(self, kind: Any, *_: object) -> None:
         try:
-            with nullcontext() if kind is None else suppress(Refusal):
+            with nullcontext() if kind is None else suppress(InputError):
                 self.keep()
         finally:
             with guarded(self.path):
@@ -122,7 +122,7 @@ class Store:
 
     @contextmanager
     def _asked(self) -> Iterator[None]:
-        """What is read of the store within takes LONGEST at most. Raises Refusal."""
+        """What is read of the store within takes LONGEST at most. Raises InputError."""
         with guarded(self.path, "gone on with"):
             TimeLimit(self.connection, LONGEST)
             try:
@@ -179,7 +179,7 @@ class Store:
                 (demand_cell(json_value(text)), runs) for one, text, runs in rows if one not in mine
             ]
         except Contents as error:
-            raise Refusal(f"{str(self.path)!r} cannot be gone on with: {error}") from None
+            raise InputError(f"{str(self.path)!r} cannot be gone on with: {error}") from None
         return [(one.get("identity", {}), one.get("basis", {}), runs) for one, runs in found]
 
     def add(self, cell: int, seed: int, outcome: Outcome) -> None:
@@ -205,7 +205,7 @@ class Store:
             self.keep()
 
     def keep(self) -> None:
-        """Commit. Raises Refusal if the disk takes no more; what was committed before stays."""
+        """Commit. Raises InputError if the disk takes no more; what was committed before stays."""
         self.kept_at = time.monotonic()
         if not (self.rows or self.series or self.told):
             return
@@ -236,17 +236,17 @@ def number(value: Any) -> Any:
 
 
 def locked(folder: Path) -> FileLock:
-    """The folder's lock, which a process that dies lets go. Raises Refusal if another has it."""
+    """The folder's lock, which a process that dies lets go. Raises InputError if another has it."""
     lock = FileLock(folder / LOCK)
     try:
         lock.acquire(timeout=PATIENCE)
     except Timeout:
-        raise Refusal(
+        raise InputError(
             f"{str(folder)!r} is being written by another process: wait for it, or stop it with "
             f"`flockscope sweep stop {folder}`"
         ) from None
     except OSError as error:
-        raise Refusal(f"{str(folder)!r} cannot be written: {error.strerror or error}") from None
+        raise InputError(f"{str(folder)!r} cannot be written: {error.strerror or error}") from None
     return lock
 
 

@@ -21,8 +21,8 @@ from app.experiments.sensitivity.indices import (
 )
 from app.experiments.sweeps.given.file import Morris, Saltelli
 from app.experiments.sweeps.sweep import Sweep
-from worlds.counting import counted
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
+from worlds.number_text import counted
 
 NOISY = 0.2
 """Share of chance from which on it is said that more runs are needed."""
@@ -118,7 +118,7 @@ def apart(one: Index, other: Index) -> bool:
 
 
 def analysed(sweep: Sweep, kept: Kept, observable: str | None = None) -> list[Sensitivity]:
-    """What each thing that is measured, or one of them, depends on. Raises Refusal."""
+    """What each thing that is measured, or one of them, depends on. Raises InputError."""
     design = design_of(sweep)
     columns = sweep.making.columns
     if observable is not None and observable not in columns:
@@ -135,10 +135,10 @@ def analysed(sweep: Sweep, kept: Kept, observable: str | None = None) -> list[Se
                 influences, pairs = sobol(design, y)
             else:
                 influences, pairs = morris(design, y), []
-        except Refusal as refusal:
+        except InputError as refusal:
             others = [one for one in columns if one != name]
             hint = f"; take another with --observable {others[0]}" if others else ""
-            raise Refusal(f"{name} cannot be analysed: {refusal}{hint}") from None
+            raise InputError(f"{name} cannot be analysed: {refusal}{hint}") from None
         influences.sort(key=lambda one: -one.total.value)
         kind = "sobol" if isinstance(design, Saltelli) else "morris"
         seeds = sweep.file.replicates.count
@@ -149,12 +149,12 @@ def analysed(sweep: Sweep, kept: Kept, observable: str | None = None) -> list[Se
 
 
 def design_of(sweep: Sweep) -> Saltelli | Morris:
-    """The design that indices can be found from. Raises Refusal."""
+    """The design that indices can be found from. Raises InputError."""
     designs, asked = sweep.file.design, sweep.file.replicates
     kinds = ", ".join(one.kind for one in designs) or "none"
     if len(designs) != 1 or not isinstance(designs[0], Saltelli | Morris):
         where = sweep.places.of("kind", "design", 0 if designs else None)
-        raise Refusal(
+        raise InputError(
             f"design {kinds} is not allowed: one of kind saltelli, for Sobol's indices, or morris, "
             f"for elementary effects, is needed ({where})"
         )
@@ -162,17 +162,17 @@ def design_of(sweep: Sweep) -> Saltelli | Morris:
         key, table = ("seeds", "replicates")
         if asked.seeds == "common":
             key, table = "observable", "replicates.precision"
-        raise Refusal(
+        raise InputError(
             "every cell needs the same seeds, or their differences would count as influence: "
             f'take seeds = "common" and no precision ({sweep.places.of(key, table)})'
         )
     if not sweep.making.columns:
-        raise Refusal("nothing has one value for each run: [[observe]] something at its end")
+        raise InputError("nothing has one value for each run: [[observe]] something at its end")
     return designs[0]
 
 
 def runs_of(sweep: Sweep, kept: Kept, names: list[str]) -> dict[int, dict[str, list[float]]]:
-    """The values of all runs by cell and name. Raises Refusal if a run has none."""
+    """The values of all runs by cell and name. Raises InputError if a run has none."""
     asked = sweep.file.replicates
     seeds = range(asked.first, asked.first + asked.count)
     cells = set(kept.plan)
@@ -189,15 +189,15 @@ def runs_of(sweep: Sweep, kept: Kept, names: list[str]) -> dict[int, dict[str, l
             found[cell][name].append(math.nan if value is None else float(value))
     of = len(cells) * len(seeds)
     if runs < of:
-        raise Refusal(f"{of - runs} of {of} runs are not made yet: `{again}` makes them")
+        raise InputError(f"{of - runs} of {of} runs are not made yet: `{again}` makes them")
     if broken:
-        raise Refusal(
+        raise InputError(
             f"{broken} of {counted(of, 'run')} failed, and an index needs all of them: "
             f"`flockscope sweep show {kept.folder}` names them, `{again} --retry-failed` makes "
             "them again"
         )
     if censored:
-        raise Refusal(
+        raise InputError(
             f"{censored} of {counted(of, 'run')} gave up before what [stop] waits for came, and an "
             f"index needs all of them: raise ticks = {sweep.file.run.ticks} "
             f"({sweep.places.of('ticks', 'run')}), or narrow the axes"
@@ -205,7 +205,7 @@ def runs_of(sweep: Sweep, kept: Kept, names: list[str]) -> dict[int, dict[str, l
     for name in names:
         missing = sum(value != value for one in found.values() for value in one[name])
         if missing:
-            raise Refusal(
+            raise InputError(
                 f"{name} cannot be analysed: {missing} of {of} runs have no value, and an index "
                 "needs all of them"
             )

@@ -15,7 +15,7 @@ from app.experiments.sweeps.conduct import conduct
 from app.experiments.sweeps.in_python import asked, bounds, is_file, kept_in
 from app.experiments.sweeps.results import Results
 from app.experiments.workers.processes import cores
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Influences:
         return [line for one in self.found for line in one.words()]
 
     def order(self, observable: str) -> list[str]:
-        """The axes, the one that matters most first. Raises Refusal for what is not measured."""
+        """The axes, the one that matters most first. Raises InputError for what is not measured."""
         by_name = {one.observable: one for one in self.found}
         if observable not in by_name:
             raise unknown("observable", observable, by_name)
@@ -102,19 +102,19 @@ def sensitivity(
     runs: runs of each cell, with the seeds 1, 2, ... that all cells have in common.
     ticks, observe, folder, workers, tell, words: as `sweep` takes them.
 
-    Raises Refusal for what cannot be run, and for runs of which no index can be found.
+    Raises InputError for what cannot be run, and for runs of which no index can be found.
     """
     design = None
     if not is_file(what):
         if not vary:
-            raise Refusal("vary is needed: which parameters may matter, each with its bounds?")
+            raise InputError("vary is needed: which parameters may matter, each with its bounds?")
         if kind not in ("saltelli", "morris"):
             raise unknown("kind of design", kind, ("saltelli", "morris"))
         size = {"points": points} if kind == "saltelli" else {"trajectories": trajectories}
         axes = {name: bounds(axis) for name, axis in vary.items()}
         design = {"kind": kind, "axes": axes, "seed": seed, **size}
     elif vary:
-        raise Refusal(f"{str(what)!r} says itself what is varied: leave vary out")
+        raise InputError(f"{str(what)!r} says itself what is varied: leave vary out")
     made = asked(what, design, runs, ticks, observe, "", 1, words, tell)
     design_of(made)
     place = kept_in(folder)

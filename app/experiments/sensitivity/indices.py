@@ -16,7 +16,7 @@ import numpy as np
 from app.experiments.sweeps.given.designs import problem, unit_sample
 from app.experiments.sweeps.given.file import Morris, Saltelli
 from worlds.extra import demand
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 RESAMPLES = 1000
 """Draws with which intervals are found."""
@@ -56,7 +56,7 @@ class Pair:
 
 
 def sobol(design: Saltelli, y: np.ndarray) -> tuple[list[Influence], list[Pair]]:
-    """The indices of values (K,) of the cells of a design, in its order. Raises Refusal."""
+    """The indices of values (K,) of the cells of a design, in its order. Raises InputError."""
     demand("SALib", "an analysis of sensitivity", "experiments")
     from SALib.analyze import sobol as analysis
 
@@ -91,7 +91,8 @@ def sobol(design: Saltelli, y: np.ndarray) -> tuple[list[Influence], list[Pair]]
 
 
 def morris(design: Morris, y: np.ndarray) -> list[Influence]:
-    """The elementary effects of values (K,) of the cells of a design, in its order. Or Refusal."""
+    """The elementary effects of values (K,) of the cells of a design, in its order. Or
+    InputError."""
     demand("SALib", "an analysis of sensitivity", "experiments")
     from SALib.analyze import morris as analysis
 
@@ -118,18 +119,18 @@ def morris(design: Morris, y: np.ndarray) -> list[Influence]:
 
 
 def demand_values(y: np.ndarray, cells: int) -> None:
-    """Refuse what is not a number for each cell of a design. Raises Refusal."""
+    """Refuse what is not a number for each cell of a design. Raises InputError."""
     if y.shape != (cells,):
-        raise Refusal(f"{y.size} values are not allowed: the design has {cells} cells")
+        raise InputError(f"{y.size} values are not allowed: the design has {cells} cells")
     missing = int((~np.isfinite(y)).sum())
     if missing:
-        raise Refusal(f"{missing} of {cells} cells have no value: an index needs all of them")
+        raise InputError(f"{missing} of {cells} cells have no value: an index needs all of them")
 
 
 def demand_variation(y: np.ndarray) -> None:
-    """Refuse values that are all the same: there is nothing to explain. Raises Refusal."""
+    """Refuse values that are all the same: there is nothing to explain. Raises InputError."""
     if float(y.std()) <= SAME * max(1.0, float(np.abs(y).max())):
-        raise Refusal(f"it is {y[0]:.6g} in every cell: there is nothing to explain")
+        raise InputError(f"it is {y[0]:.6g} in every cell: there is nothing to explain")
 
 
 def noise_share(values: Sequence[Sequence[float]]) -> float | None:

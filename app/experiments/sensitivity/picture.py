@@ -12,14 +12,14 @@ from app.experiments.sensitivity.answer import Sensitivity
 from app.experiments.sweeps.pictures.draw import ENDINGS
 from app.experiments.sweeps.pictures.lines import COLOURS
 from app.figure import write_figure
-from worlds.counting import counted
-from worlds.writing import demand_writable
+from worlds.file_writer import demand_writable
+from worlds.number_text import counted
 
 TOTAL, ALONE = COLOURS[0], "#9ecae1"
 
 
 def draw(found: list[Sensitivity], title: str, path: Path, overwrite: bool = True) -> None:
-    """Draw a panel for each thing that is measured: PNG, SVG or PDF. Raises Refusal."""
+    """Draw a panel for each thing that is measured: PNG, SVG or PDF. Raises InputError."""
     demand_writable("picture", path, overwrite, ENDINGS)
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg

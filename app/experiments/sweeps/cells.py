@@ -59,7 +59,7 @@ class Cell:
 
 
 def spec_of(base: Spec, axes: Mapping[str, Value]) -> Spec:
-    """A run with other options and parameters. Raises Refusal."""
+    """A run with other options and parameters. Raises InputError."""
     options = {name: value for name, value in axes.items() if name in OPTIONS or name == "model"}
     others = {name: value for name, value in axes.items() if name not in options}
     return base.but(**options, parameters={**base.parameters, **others})
@@ -76,7 +76,7 @@ class Basis:
         self.worlds: dict[tuple, str] = {}
 
     def cell(self, spec: Spec, axes: dict[str, Value], design: int) -> Cell:
-        """The cell of a run, which is built for it. Raises Refusal."""
+        """The cell of a run, which is built for it. Raises InputError."""
         flock = Flock(spec.but(seed=self.seed))
         run, until = flock.options, self.making.until
         known = run.model_dump(exclude={*OPEN, "world", "size", "dim", "parameters"})

@@ -23,9 +23,9 @@ from app.experiments.sweeps.sweep import Sweep
 from app.experiments.workers.kernels import compile_loop
 from app.experiments.workers.makers import Makers, Task
 from app.experiments.workers.processes import Processes
-from worlds.counting import counted
-from worlds.refusal import Refusal
-from worlds.writing import write_text
+from worlds.file_writer import write_text
+from worlds.input_error import InputError
+from worlds.number_text import counted
 
 SPEC = "spec.toml"
 STOP = ".stop"
@@ -175,7 +175,7 @@ def conduct(
 
     `retry`: whether runs that failed or were killed are made again. `limit`: runs to make now.
     `cluster`: what makes them, by default that of the file, or `workers` processes.
-    `at` hears of the share that is done, the seconds left and the runs. Raises Refusal; after
+    `at` hears of the share that is done, the seconds left and the runs. Raises InputError; after
     KeyboardInterrupt what was finished is in the store.
     """
     demand_no_paper(folder)
@@ -227,7 +227,7 @@ def makers_of(
 def demand_no_paper(folder: Path) -> None:
     """Refuse a folder whose runs are those of a paper, before anything there is changed."""
     if readable(folder) and Kept(folder).state.get("kind") == "paper":
-        raise Refusal(f"{str(folder)!r} has the runs of a paper: give the sweep another folder")
+        raise InputError(f"{str(folder)!r} has the runs of a paper: give the sweep another folder")
 
 
 def tell_changes(sweep: Sweep, store: Store, numbers: list[int], tell: Tell) -> None:

@@ -14,7 +14,7 @@ from app.beside import EXPERIMENTS
 from app.experiments.sweeps.cells import Cell
 from app.experiments.sweeps.sweep import Sweep, chosen
 from app.experiments.workers.kernels import compile_loop
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 TRIED = 5
 """Cells whose first ticks are timed."""
@@ -134,7 +134,7 @@ def papers_of(model: str) -> list[tuple[str, str]]:
     """The tables and figures of papers that run a model, each with its world."""
     found: list[tuple[str, str]] = []
     for path in sorted(EXPERIMENTS.glob("*.toml")):
-        with suppress(OSError, ValueError, Refusal):
+        with suppress(OSError, ValueError, InputError):
             values = tomllib.loads(path.read_text(encoding="utf-8"))
             rows = [*values.get("rows", ()), *values.get("sweeps", ())]
             if any(row.get("model") == model for row in rows):

@@ -16,7 +16,7 @@ from app.experiments.sweeps.given.places import Places
 from app.experiments.sweeps.results import Results
 from app.experiments.sweeps.sweep import Sweep, read_sweep, sweep_of
 from app.experiments.workers.processes import cores
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 TEMPORARY: list[tempfile.TemporaryDirectory[str]] = []
 """Folders that are gone with this process."""
@@ -57,8 +57,8 @@ def sweep(
     tell: hears what is compiled, how many runs there are, and of versions that have changed.
     words: options and parameters of all runs, as `Flock` takes them.
 
-    Raises Refusal for whatever cannot be run, before anything is. A run that raises is a row with
-    the status `failed`.
+    Raises InputError for whatever cannot be run, before anything is. A run that raises is a row
+    with the status `failed`.
     """
     axes = {
         name: axis if isinstance(axis, Mapping) else plain(list(axis))
@@ -95,10 +95,10 @@ def asked(
     words: Mapping[str, Any],
     tell: Callable[[str], Any] | None,
 ) -> Sweep:
-    """The sweep that is asked for. Raises Refusal."""
+    """The sweep that is asked for. Raises InputError."""
     if is_file(what):
         if design or words or observe or until:
-            raise Refusal(f"{str(what)!r} says itself what is run: give folder and workers only")
+            raise InputError(f"{str(what)!r} says itself what is run: give folder and workers only")
         return read_sweep(Path(str(what)), tell)
     values = values_of(what, runs, ticks, observe, until, hold, words)
     if design is not None:
@@ -115,7 +115,7 @@ def values_of(
     hold: int,
     words: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """What a file would say of the runs, but for their design. Raises Refusal."""
+    """What a file would say of the runs, but for their design. Raises InputError."""
     run: dict[str, Any] = shared(what) if isinstance(what, Spec) else {"model": str(what)}
     run["ticks"] = ticks
     for name, value in words.items():
@@ -134,9 +134,9 @@ def values_of(
 
 
 def shared(spec: Spec) -> dict[str, Any]:
-    """A spec as the table [run] of a file. Raises Refusal for what a file cannot say."""
+    """A spec as the table [run] of a file. Raises InputError for what a file cannot say."""
     if spec.start != "random" or spec.layout is not None or not isinstance(spec.world, str | None):
-        raise Refusal(
+        raise InputError(
             "a sweep needs a world with a name or a file, and random starts: write the world to a "
             "file and name that"
         )

@@ -10,7 +10,7 @@ from typing import Any
 from agents.spec import Spec
 from app.experiments.runs.reading import Kept
 from app.experiments.sweeps.table import as_arrow, long, spec_at, wide
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
 @dataclass(frozen=True)
@@ -54,17 +54,18 @@ class Results:
         return pd.DataFrame(self.columns)
 
     def to_polars(self) -> Any:
-        """The table as `polars.DataFrame`, where polars is installed. Raises Refusal elsewhere."""
+        """The table as `polars.DataFrame`, where polars is installed. Raises InputError
+        elsewhere."""
         try:
             import polars
         except ImportError:
-            raise Refusal(
+            raise InputError(
                 "to_polars needs the package polars, which is not installed: `pip install polars`"
             ) from None
         return polars.from_arrow(self.table)
 
     def spec(self, place: int, seed: int) -> Spec:
-        """A run as a value: `Flock(results.spec(3, 7))` begins it again. Raises Refusal."""
+        """A run as a value: `Flock(results.spec(3, 7))` begins it again. Raises InputError."""
         return spec_at(self._kept, place, seed)
 
     def plot(self, path: str | Path, observable: str | None = None, **asked: Any) -> None:

@@ -10,7 +10,7 @@ from app.experiments.runs.store import is_taken
 
 
 def status_of(folder: Path) -> dict[str, Any]:
-    """How far the sweep of a folder is. Raises Refusal."""
+    """How far the sweep of a folder is. Raises InputError."""
     kept = Kept(folder)
     state, counts = kept.state, kept.counts
     running = is_taken(folder)

@@ -28,8 +28,8 @@ from app.experiments.sweeps.making.measures import (
 )
 from app.experiments.sweeps.making.one_run import Making, Until, Wanted
 from app.strict import Strict
-from worlds.reading import read_text, toml
-from worlds.refusal import Refusal, needed, refusal_of, unknown
+from worlds.input_error import InputError, needed, refusal_of, unknown
+from worlds.text_file import read_text, toml
 
 MOST_FAULTS = 20
 """Different refusals after which no further cell is looked at."""
@@ -87,7 +87,7 @@ def chosen(record: Record, cell: Cell) -> bool:
 
 
 def read_sweep(path: Path, tell: Callable[[str], Any] | None = None) -> Sweep:
-    """The sweep of a TOML file. Raises Refusal naming file, line, axis and value."""
+    """The sweep of a TOML file. Raises InputError naming file, line, axis and value."""
     text = read_text(f"sweep {str(path)!r}", path)
     return sweep_of(toml(text, str(path)), Places(str(path), text), path.parent, tell)
 
@@ -98,12 +98,12 @@ def sweep_of(
     folder: Path,
     tell: Callable[[str], Any] | None = None,
 ) -> Sweep:
-    """The sweep of values, as TOML has them. Raises Refusal, before anything is run."""
+    """The sweep of values, as TOML has them. Raises InputError, before anything is run."""
     file = checked_file(SweepFile, values, places)
     base = base_of(file, places, folder)
     points = list(all_points(file, places, folder))
     if len(points) > MOST_CELLS:
-        raise Refusal(f"{len(points)} cells are not allowed: the largest sweep has {MOST_CELLS}")
+        raise InputError(f"{len(points)} cells are not allowed: the largest sweep has {MOST_CELLS}")
     making = making_of(file, places, folder, lambda: first_flock(base, points, places))
     making.prepare()
     demand_own_names(points, making, places)
@@ -115,7 +115,7 @@ def sweep_of(
     for number, (design, point) in enumerate(points, 1):
         try:
             cells.append(basis.cell(spec_of(base, point), point, design))
-        except Refusal as refusal:
+        except InputError as refusal:
             same = design, str(refusal)
             if same not in faults:
                 faults[same] = explained(str(refusal), design, point, number, places)
@@ -144,10 +144,10 @@ def explained(refusal: str, design: int, point: Point, number: int, places: Plac
 
 
 def checked_file[File: Strict](kind: type[File], values: dict[str, Any], places: Places) -> File:
-    """The file with every key as it may be. Raises Refusal naming the line."""
+    """The file with every key as it may be. Raises InputError naming the line."""
     for axis in values.get("run", {}) if isinstance(values.get("run"), dict) else ():
         if axis == "seed":
-            raise Refusal(
+            raise InputError(
                 "seed: the seeds of a sweep are first and seeds of [replicates] "
                 f"({places.of('seed', 'run')})"
             )
@@ -161,8 +161,8 @@ def checked_file[File: Strict](kind: type[File], values: dict[str, Any], places:
         design = numbers[0] if keys[:1] == ["design"] and numbers else None
         where = places.of(keys[-1] if keys else "", ".".join(keys[:-1]), design)
         cause = first.get("ctx", {}).get("error")
-        said = str(cause) if isinstance(cause, Refusal) else needed(first)
-        raise Refusal(": ".join(filter(None, [".".join(keys), f"{said} ({where})"]))) from None
+        said = str(cause) if isinstance(cause, InputError) else needed(first)
+        raise InputError(": ".join(filter(None, [".".join(keys), f"{said} ({where})"]))) from None
 
 
 TAGS = ("grid", "list", "csv", "latin-hypercube", "sobol", "saltelli", "morris", "Span")
@@ -170,7 +170,7 @@ TAGS = ("grid", "list", "csv", "latin-hypercube", "sobol", "saltelli", "morris",
 
 
 def base_of(file: SweepFile, places: Places, folder: Path) -> Spec:
-    """The run that all cells share. Raises Refusal."""
+    """The run that all cells share. Raises InputError."""
     run = file.run
     name = run.model
     if name.endswith(".py"):
@@ -189,9 +189,9 @@ def base_of(file: SweepFile, places: Places, folder: Path) -> Spec:
             parameters=run.parameters,
             **options,
         )
-    except Refusal as refusal:
+    except InputError as refusal:
         where = places.of(about(str(refusal)), "run")
-        raise Refusal(f"{refusal} ({where})") from None
+        raise InputError(f"{refusal} ({where})") from None
 
 
 def all_points(file: SweepFile, places: Places, folder: Path) -> Iterator[tuple[int, Point]]:
@@ -201,64 +201,64 @@ def all_points(file: SweepFile, places: Places, folder: Path) -> Iterator[tuple[
     for number, design in enumerate(file.design):
         try:
             points = points_of(design, folder)
-        except Refusal as refusal:
+        except InputError as refusal:
             key = "where" if design.where and repr(design.where) in str(refusal) else "kind"
             at = places.of(key, "design", number)
-            raise Refusal(f"{refusal} ({at})") from None
+            raise InputError(f"{refusal} ({at})") from None
         for axis in points[0] if points else ():
             if axis in ("seed", "parameters", "ticks"):
                 where = places.of(axis, "design.axes", number)
-                raise Refusal(
+                raise InputError(
                     f"axis {axis!r} is not allowed: it is no parameter or option ({where})"
                 )
         yield from ((number, point) for point in points)
 
 
 def demand_own_names(points: list[tuple[int, Point]], making: Making, places: Places) -> None:
-    """Refuse an axis with the name of another column of the table of runs. Raises Refusal."""
+    """Refuse an axis with the name of another column of the table of runs. Raises InputError."""
     axes = {axis: design for design, point in points for axis in point}
     taken = next((one for one in axes if one in {*HEADS, *making.names}), None)
     if taken is not None:
         where = places.of(taken, "design.axes", axes[taken])
-        raise Refusal(
+        raise InputError(
             f"axis {taken!r} is not allowed: the table of runs has another column of that name: "
             f"rename the parameter, or the column ({where})"
         )
 
 
 def first_flock(base: Spec, points: list[tuple[int, Point]], places: Places) -> Flock:
-    """The flock of the first cell. Raises Refusal."""
+    """The flock of the first cell. Raises InputError."""
     design, point = points[0]
     try:
         return Flock(spec_of(base, point).but(seed=1))
-    except Refusal as refusal:
-        raise Refusal(explained(str(refusal), design, point, 1, places)) from None
+    except InputError as refusal:
+        raise InputError(explained(str(refusal), design, point, 1, places)) from None
 
 
 def making_of(file: SweepFile, places: Places, folder: Path, first: Callable[[], Flock]) -> Making:
-    """How runs are made and measured. Raises Refusal."""
+    """How runs are made and measured. Raises InputError."""
     asked = file.observe or usual(file, first)
     measures: list[Measure] = []
     for one in asked:
         key = "measure" if one.measure else "name"
         try:
             measures.append(measure_of(one, folder))
-        except Refusal as refusal:
+        except InputError as refusal:
             at = places.of("observe" if "observe" in places.options else key, "observe")
-            raise Refusal(f"{refusal} ({at})") from None
+            raise InputError(f"{refusal} ({at})") from None
     twice = [
         one
         for one, other in itertools.combinations(measures, 2)
         if one.column.lower() == other.column.lower()
     ]
     if twice:
-        raise Refusal(
+        raise InputError(
             f"column {twice[0].column!r} is there twice: give one of them another "
             f"({places.of('column', 'observe')})"
         )
     for made in measures:
         if made.over is not None and made.over > file.run.ticks:
-            raise Refusal(
+            raise InputError(
                 f"over = {made.over} is more than ticks = {file.run.ticks}, the ticks that are run "
                 f"({places.of('over', 'observe')})"
             )
@@ -268,8 +268,8 @@ def making_of(file: SweepFile, places: Places, folder: Path, first: Callable[[],
         try:
             says = comparison(file.stop.when)
             demand_number(says.name)
-        except Refusal as refusal:
-            raise Refusal(f"{refusal} ({where})") from None
+        except InputError as refusal:
+            raise InputError(f"{refusal} ({where})") from None
         until = Until(says, file.stop.hold, file.stop.every)
     return Making(file.run.ticks, tuple(measures), until)
 
@@ -282,7 +282,7 @@ def usual(file: SweepFile, first: Callable[[], Flock]) -> list[Observe]:
 
 
 def check_precision(sweep: Sweep) -> None:
-    """Refuse a precision of what is not measured. Raises Refusal."""
+    """Refuse a precision of what is not measured. Raises InputError."""
     precision = sweep.file.replicates.precision
     if precision is not None and precision.observable not in sweep.making.columns:
         where = sweep.places.of("observable", "replicates.precision")

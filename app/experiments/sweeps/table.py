@@ -12,8 +12,8 @@ from app.experiments.runs.reading import Kept
 from app.experiments.sweeps.cells import spec_of
 from app.experiments.sweeps.making.measures import HEADS
 from worlds.extra import demand
-from worlds.refusal import Refusal, shortened
-from worlds.writing import csv_text, writing
+from worlds.file_writer import csv_text, writing
+from worlds.input_error import InputError, shortened
 
 Columns = dict[str, list[Any]]
 ENDINGS = (".csv", ".parquet", ".pq")
@@ -80,11 +80,12 @@ def measured(kept: Kept) -> list[str]:
 
 
 def axes_of(kept: Kept) -> list[str]:
-    """The axes of the plan, in its order. Raises Refusal for one that is named as a column is."""
+    """The axes of the plan, in its order. Raises InputError for one that is named as a column
+    is."""
     axes = list(kept.state.get("axes", []))
     for one in axes:
         if one in HEADS or one in kept.columns:
-            raise Refusal(
+            raise InputError(
                 f"{str(kept.path)!r} makes no table: its axis {shortened(one)} has the name of "
                 "another column"
             )
@@ -102,7 +103,7 @@ def as_csv(columns: Mapping[str, list[Any]]) -> str:
 
 
 def as_arrow(columns: Mapping[str, list[Any]]) -> Any:
-    """A table as pyarrow has it. Raises Refusal where that is not installed."""
+    """A table as pyarrow has it. Raises InputError where that is not installed."""
     demand("pyarrow", "a table of runs", "experiments")
     import pyarrow as pa
 
@@ -122,14 +123,14 @@ def array_of(values: list[Any]) -> Any:
 
 
 def write_table(columns: Mapping[str, list[Any]], path: Path, overwrite: bool) -> None:
-    """Write a table as its ending says. Raises Refusal."""
+    """Write a table as its ending says. Raises InputError."""
     if path.suffix.lower() == ".csv":
         data = as_csv(columns).encode()
         with writing("table", path, overwrite, ENDINGS) as file:
             file.write(data)
         return
     if path.suffix.lower() not in ENDINGS:
-        raise Refusal(
+        raise InputError(
             f"table {str(path)!r} is not allowed: its name has to end in {', '.join(ENDINGS)}"
         )
     table = as_arrow(columns)
@@ -140,13 +141,13 @@ def write_table(columns: Mapping[str, list[Any]], path: Path, overwrite: bool) -
 
 
 def spec_at(kept: Kept, place: int, seed: int) -> Spec:
-    """The run of a cell by its place in the plan. Raises Refusal."""
+    """The run of a cell by its place in the plan. Raises InputError."""
     cells = list(kept.cells.values())
     if not 1 <= place <= len(cells):
-        raise Refusal(f"cell {place} is not allowed: a number from 1 to {len(cells)} is needed")
+        raise InputError(f"cell {place} is not allowed: a number from 1 to {len(cells)} is needed")
     state = kept.state
     if "base" not in state:
-        raise Refusal(
+        raise InputError(
             f"{str(kept.folder)!r} is no sweep but a paper's table: its runs have no spec"
         )
     base = Spec.from_toml(state["base"], f"base of {kept.folder}")

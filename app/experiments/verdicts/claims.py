@@ -40,7 +40,7 @@ from app.experiments.verdicts.claim import Claim
 from app.experiments.verdicts.judge import CONFIDENCE, RunRanges, ranges_of, share_interval
 from app.experiments.verdicts.phase_map import found_claim, lag_claim
 from app.experiments.verdicts.verdict import Verdict, main_ones, name, of, paired, sweeps_of
-from worlds.counting import counted
+from worlds.number_text import counted
 
 DIGITS = ((2.0, 3), (10.0, 2), (math.inf, 1))
 """Means below which so many digits behind the point are told."""

@@ -27,7 +27,7 @@ from app.experiments.verdicts.judge import (
     subtract_published,
     typical_spread,
 )
-from worlds.counting import counted
+from worlds.number_text import counted
 
 TOLERANCE = 1.0
 """Standard deviations of a single run within which means count as the same, once it is sure that

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from worlds.counting import counted
+from worlds.number_text import counted
 
 CONFIDENCE = 0.99
 """Of a word that is said of one claim alone."""

@@ -10,7 +10,7 @@ from app.experiments.verdicts.answer import runs_for_share
 from app.experiments.verdicts.comparison import runs_to_agree
 from app.experiments.verdicts.judge import FEWEST_RUNS
 from app.experiments.verdicts.phase_map import HALF
-from worlds.counting import counted
+from worlds.number_text import counted
 
 
 def prospects(experiment: Experiment, runs: int) -> str:

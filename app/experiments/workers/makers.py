@@ -49,7 +49,8 @@ class Makers(Protocol):
     def run(self, tasks: Iterable[Task], keep: Keep, beat: Beat) -> bool:
         """Make the runs, begun in their order; False if `beat` wanted them stopped.
 
-        `keep` receives each in the calling thread, and so once. Raises Refusal if none can be made.
+        `keep` receives each in the calling thread, and so once. Raises InputError if none can be
+        made.
         """
 
 

@@ -28,8 +28,8 @@ from app.experiments.runs.outcome import Outcome
 from app.experiments.workers import worker
 from app.experiments.workers.makers import LOOK, Awake, Beat, Keep, Task
 from app.experiments.workers.worker import PATIENT, Beginning
-from worlds.counting import signal_name
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
+from worlds.number_text import signal_name
 
 AHEAD = 0.2
 """Seconds of work that a process has waiting."""
@@ -166,7 +166,7 @@ class Processes:
     def run(self, tasks: Iterable[Task], keep: Keep, beat: Beat = lambda: False) -> bool:
         """Make the runs, begun in their order; False if `beat` wanted them stopped.
 
-        `keep` receives each in the calling thread. Raises Refusal if no process can be begun.
+        `keep` receives each in the calling thread. Raises InputError if no process can be begun.
         """
         ahead = deque(tasks)
         beaten = time.monotonic()
@@ -278,7 +278,7 @@ class Processes:
         if at is None:
             self.stillborn += code != PATIENT and not process.overran
             if self.stillborn >= STILLBORN * self.workers:
-                raise Refusal(
+                raise InputError(
                     f"no process that makes runs can be begun: they end with {ended(code)}"
                 )
             return

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
 
 State = Literal["safe", "armed", "emergency"]
 Action = Literal["arm", "disarm", "hold", "emergency", "reset", "tune", "accompany"]
@@ -43,8 +43,8 @@ class Arm:
     def take(self, request: OperatorRequest, faults: Sequence[str] = ()) -> bool:
         """Carry out a request; whether it changed the state.
 
-        `faults` are the reasons, in words, why the cars would not run. Raises Refusal for an arming
-        with faults or with the emergency stop latched.
+        `faults` are the reasons, in words, why the cars would not run. Raises InputError for an
+        arming with faults or with the emergency stop latched.
         """
         before = self.state
         match request.action:
@@ -55,9 +55,9 @@ class Arm:
             case "disarm" | "hold" if self.state == "armed":
                 self.state = "safe"
             case "arm" if self.state == "emergency":
-                raise Refusal("cannot be armed: the emergency stop is latched, reset it first")
+                raise InputError("cannot be armed: the emergency stop is latched, reset it first")
             case "arm" if faults:
-                raise Refusal(f"cannot be armed: {'; '.join(faults)}")
+                raise InputError(f"cannot be armed: {'; '.join(faults)}")
             case "arm":
                 self.state = "armed"
         return self.state != before

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from app.live.control.pose import Pose, Sighting
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 
-class NoFreeSpace(Refusal):
+class NoFreeSpace(InputError):
     """No free space for the simulated cars; raised once for each time that they are asked for."""
 
 
@@ -48,16 +48,16 @@ class Driver(Protocol):
 
 
 @runtime_checkable
-class Tunable(Protocol):
+class TunableDriver(Protocol):
     """A driver with parameters that can be changed while it drives."""
 
     def tune(self, values: Mapping[str, Any]) -> None:
-        """Change parameters by name. Raises Refusal, and then changes nothing."""
+        """Change parameters by name. Raises InputError, and then changes nothing."""
         ...
 
 
 @runtime_checkable
-class Accompanied(Protocol):
+class CompanionDriver(Protocol):
     """A driver with simulated cars beside the real ones, which drive while those run."""
 
     @property
@@ -67,5 +67,5 @@ class Accompanied(Protocol):
 
     def accompany(self, count: int) -> None:
         """Have so many simulated cars from now on: new ones begin where there is room, the last
-        ones leave first. Raises Refusal, and then changes nothing."""
+        ones leave first. Raises InputError, and then changes nothing."""
         ...

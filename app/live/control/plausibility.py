@@ -36,7 +36,7 @@ ALL_ROUND = 45.0
 AXES = ("x", "y", "z")
 
 
-class Track(NamedTuple):
+class BodyTrack(NamedTuple):
     """One body of a recording, frame by frame, where it is tracked; n frames."""
 
     name: str
@@ -142,7 +142,7 @@ def reachable[Seconds: (float, np.ndarray)](
 
 
 def judge_bodies(
-    tracks: Sequence[Track], top: str, fastest: Mapping[str, float], leap: float
+    tracks: Sequence[BodyTrack], top: str, fastest: Mapping[str, float], leap: float
 ) -> tuple[dict[str, BodyReport], list[Swap]]:
     """A report on every body, by name, and the bodies that change places.
 
@@ -198,7 +198,7 @@ def describe_tilt(up: np.ndarray, top: str) -> str:
     )
 
 
-def describe_yaw(track: Track, agreement: YawAgreement | None) -> str:
+def describe_yaw(track: BodyTrack, agreement: YawAgreement | None) -> str:
     """Why the yaw of a body is not that of a car that drives; empty if it may be."""
     if agreement is None:
         return ""
@@ -216,7 +216,7 @@ def describe_yaw(track: Track, agreement: YawAgreement | None) -> str:
     return ""
 
 
-def find_jumps(track: Track, fastest: float, leap: float) -> list[Jump]:
+def find_jumps(track: BodyTrack, fastest: float, leap: float) -> list[Jump]:
     """Where a body is seen further from where it was last seen than a car can have come."""
     far = np.hypot(*np.diff(track.position, axis=0).T)
     reach = reachable(np.diff(track.time), fastest, leap)
@@ -224,7 +224,7 @@ def find_jumps(track: Track, fastest: float, leap: float) -> list[Jump]:
 
 
 def find_swaps(
-    tracks: Sequence[Track],
+    tracks: Sequence[BodyTrack],
     jumps: Mapping[str, Sequence[Jump]],
     fastest: Mapping[str, float],
     leap: float,
@@ -245,7 +245,7 @@ def find_swaps(
     return sorted(found)
 
 
-def compare_yaw(track: Track, breaks: set[int]) -> YawAgreement | None:
+def compare_yaw(track: BodyTrack, breaks: set[int]) -> YawAgreement | None:
     """How yaw goes together with the direction of motion; None if the body moves too little.
 
     A stride leads from a frame to the first that is `STRIDE` away; its yaw is the circular mean

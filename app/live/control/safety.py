@@ -23,11 +23,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from app.live.control.area import Area
 from app.live.control.arm import Arm, OperatorRequest
-from app.live.control.limits import CarLimits, Limits
 from app.live.control.pose import MocapFrame, Sighting
-from app.live.control.seen import Seen
+from app.live.control.pose_tracker import PoseTracker
+from app.live.control.safety_limits import CarLimits, SafetyLimits
+from app.live.control.tracking_area import TrackingArea
 from app.live.control.travel import Standstill, Travel
 from app.live.links.link import EMERGENCY, RUN, STOP
 
@@ -41,7 +41,7 @@ Command = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Reason:
+class StopReason:
     """Why the cars do not run."""
 
     kind: str
@@ -53,14 +53,14 @@ class Reason:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class SafetyDecision:
     """What may be sent to the cars."""
 
     mode: int
     """0 stop, 1 run, 2 emergency stop."""
     commands: dict[str, Command]
     """By car, all cars; no throttle unless the mode is run."""
-    reasons: tuple[Reason, ...]
+    reasons: tuple[StopReason, ...]
     """Why they do not run, or could not be armed."""
     held: bool = False
     """Whether this verdict took the arming away."""
@@ -75,8 +75,8 @@ class Safety:
 
     def __init__(
         self,
-        limits: Limits,
-        area: Area,
+        limits: SafetyLimits,
+        area: TrackingArea,
         cars: Mapping[str, CarLimits],
         bodies: Mapping[str, str] | None = None,
         reached: bool = True,
@@ -85,7 +85,7 @@ class Safety:
         self.area = area
         self.cars = dict(cars)
         self.arm = Arm()
-        self.seen = Seen(bodies or {name: name for name in cars}, self.cars, limits.leap)
+        self.seen = PoseTracker(bodies or {name: name for name in cars}, self.cars, limits.leap)
         self.travels = {name: Travel(car, limits.frozen) for name, car in self.cars.items()}
         self.standstills = {name: Standstill(car) for name, car in self.cars.items() if reached}
         self.sent: dict[str, Command] = dict.fromkeys(self.cars, STILL)
@@ -106,7 +106,7 @@ class Safety:
         return self.seen.sightings(now, self.limits.stale)
 
     def ask(self, now: float, request: OperatorRequest) -> bool:
-        """Carry out a request; whether it changed anything. Raises Refusal if it cannot arm."""
+        """Carry out a request; whether it changed anything. Raises InputError if it cannot arm."""
         faults = self.faults(now) + self.jumping(now) if request.action == "arm" else []
         changed = self.arm.take(request, [fault.words for fault in faults])
         if changed and request.action == "arm":
@@ -115,17 +115,17 @@ class Safety:
             self.before = now
         return changed
 
-    def faults(self, now: float) -> list[Reason]:
+    def faults(self, now: float) -> list[StopReason]:
         """Why the cars cannot run, as far as their poses show."""
         return [*self.moving(), *self.unseen(now), *self.leaping(now), *self.beyond()]
 
-    def judge(self, now: float, wanted: Mapping[str, Command], failed: str = "") -> Verdict:
+    def judge(self, now: float, wanted: Mapping[str, Command], failed: str = "") -> SafetyDecision:
         """What may be sent at `now` (s), given the rule's (steer, throttle) by car.
 
         A car without a command gets no throttle. `failed` says how the rule failed, if it did.
         """
         found = self.faults(now)
-        found += [Reason("rule", f"the rule failed: {failed}")] if failed else nonsense(wanted)
+        found += [StopReason("rule", f"the rule failed: {failed}")] if failed else nonsense(wanted)
         if self.arm.state == "armed":
             found += self.asleep(now) + self.standing(now) + self.turned_round(now)
         held = self.arm.state == "armed" and any(reason.holds for reason in found)
@@ -136,7 +136,7 @@ class Safety:
         else:
             mode = RUN if self.arm.state == "armed" and not found else STOP
         self.command(now, wanted if mode == RUN else {})
-        return Verdict(mode, dict(self.sent), tuple(found), held)
+        return SafetyDecision(mode, dict(self.sent), tuple(found), held)
 
     def command(self, now: float, wanted: Mapping[str, Command]) -> None:
         """The commands to send, within the limits; without one the wheels stay as they are."""
@@ -151,10 +151,10 @@ class Safety:
             if name in self.standstills:
                 self.standstills[name].tell(now, self.sent[name][1])
 
-    def moving(self) -> list[Reason]:
+    def moving(self) -> list[StopReason]:
         """Cars that move though they are told to stand."""
         return [
-            Reason(
+            StopReason(
                 "moves",
                 f"{name} moves though it is told to stand: is it pushed, or does somebody else "
                 "send to it?",
@@ -164,7 +164,7 @@ class Safety:
             if standstill.moves
         ]
 
-    def unseen(self, now: float) -> list[Reason]:
+    def unseen(self, now: float) -> list[StopReason]:
         """Cars that were not seen for too long; short gaps pass by themselves."""
         found = []
         for name in self.cars:
@@ -175,30 +175,32 @@ class Safety:
                 since += f": {why}" if why else ""
                 if name in self.seen.repeated:
                     since += ": old poses of it come again"
-                found.append(Reason("unseen", f"{name} {since}", name, holds=False))
+                found.append(StopReason("unseen", f"{name} {since}", name, holds=False))
         return found
 
-    def asleep(self, now: float) -> list[Reason]:
+    def asleep(self, now: float) -> list[StopReason]:
         """Gaps so long that the cars must be armed again."""
         longest = self.limits.long_gap
         found = [
-            Reason("asleep", f"{name} was unseen for more than {longest:g} s", name)
+            StopReason("asleep", f"{name} was unseen for more than {longest:g} s", name)
             for name in self.cars
             if self.seen.age(name, now) > longest
         ]
         if self.before is not None and now - self.before > longest:
-            found.append(Reason("asleep", f"the loop stood still for {now - self.before:.2f} s"))
+            found.append(
+                StopReason("asleep", f"the loop stood still for {now - self.before:.2f} s")
+            )
         return found
 
-    def leaping(self, now: float) -> list[Reason]:
+    def leaping(self, now: float) -> list[StopReason]:
         """Cars whose body has for too long been seen where, or turned as, they cannot be."""
         found = [
-            Reason(
+            StopReason(
                 "leap", f"{name} is seen {far:.2f} m from where it was: is it another car?", name
             )
             for name, far in self.seen.leaps.items()
         ] + [
-            Reason(
+            StopReason(
                 "leap",
                 f"{name} is seen turned by {math.degrees(turned):.0f} degrees at once: is its "
                 "rigid body the wrong way round?",
@@ -208,10 +210,10 @@ class Safety:
         ]
         return [reason for reason in found if self.seen.age(reason.car, now) > self.limits.stale]
 
-    def turned_round(self, now: float) -> list[Reason]:
+    def turned_round(self, now: float) -> list[StopReason]:
         """Cars that have for too long gone against their nose."""
         return [
-            Reason(
+            StopReason(
                 "yaw",
                 f"{name} goes against its nose: its rigid body is the wrong way round, or its "
                 "motor turns backwards",
@@ -221,35 +223,39 @@ class Safety:
             if travel.against is not None and now - travel.against > self.limits.stale
         ]
 
-    def jumping(self, now: float) -> list[Reason]:
+    def jumping(self, now: float) -> list[StopReason]:
         """Cars that have lately jumped as no car can, also while unarmed: what sees them errs."""
         return [
-            Reason("leap", f"{name} jumped {far:.2f} m {now - at:.1f} s ago, as no car can", name)
+            StopReason(
+                "leap", f"{name} jumped {far:.2f} m {now - at:.1f} s ago, as no car can", name
+            )
             for name, (at, far) in self.seen.jumped.items()
             if now - at <= STEADY
         ]
 
-    def beyond(self) -> list[Reason]:
+    def beyond(self) -> list[StopReason]:
         """Cars at the fence or beyond it."""
         found = []
         for name in self.cars:
             last = self.seen.last.get(name)
             if last is not None and self.area.inside(last.pose.x, last.pose.y) <= 0.0:
                 at = f"({last.pose.x:.2f}, {last.pose.y:.2f}) m"
-                found.append(Reason("fence", f"{name} is at the fence: {at}", name))
+                found.append(StopReason("fence", f"{name} is at the fence: {at}", name))
         return found
 
-    def standing(self, now: float) -> list[Reason]:
+    def standing(self, now: float) -> list[StopReason]:
         """Cars that do not move as commanded."""
         for travel in self.travels.values():
             travel.advance(now)
         still = [name for name, travel in self.travels.items() if travel.stands()]
         if len(still) > 1 and len(still) == len(self.cars):
             return [
-                Reason("frozen", "no car goes where it is told: tracking is frozen or the link cut")
+                StopReason(
+                    "frozen", "no car goes where it is told: tracking is frozen or the link cut"
+                )
             ]
         return [
-            Reason(
+            StopReason(
                 "frozen",
                 f"{name} does not go where it is told: it is stuck, its tracking frozen or its "
                 "link cut",
@@ -259,10 +265,10 @@ class Safety:
         ]
 
 
-def nonsense(wanted: Mapping[str, Command]) -> list[Reason]:
+def nonsense(wanted: Mapping[str, Command]) -> list[StopReason]:
     """Commands that are no finite numbers."""
     return [
-        Reason("rule", f"the rule wants steer = {steer}, throttle = {throttle} of {name}", name)
+        StopReason("rule", f"the rule wants steer = {steer}, throttle = {throttle} of {name}", name)
         for name, (steer, throttle) in wanted.items()
         if not (math.isfinite(steer) and math.isfinite(throttle))
     ]

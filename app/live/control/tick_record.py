@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.live.control.arm import State
-from app.live.control.control import Step
-from app.live.control.events import Event
+from app.live.control.car_control import ControlStep
+from app.live.control.loop_events import Event
 from app.live.control.pose import MocapFrame, Pose
 
 
@@ -20,7 +20,7 @@ class TickRecord:
     frames: tuple[MocapFrame, ...]
     """Those that arrived since the last tick; the last of them is used."""
     injected: Pose | None
-    step: Step
+    step: ControlStep
     arm: State
     events: tuple[Event, ...]
     latency: float | None

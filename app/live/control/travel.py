@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from app.live.control.limits import CarLimits
 from app.live.control.pose import Pose
+from app.live.control.safety_limits import CarLimits
 from app.live.links.firmware import WATCHDOG
 
 DELAY = 0.05

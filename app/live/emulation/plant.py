@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 from itertools import combinations
 
 from app.live.control.pose import Pose
-from app.live.laboratory.lab import Lab
+from app.live.laboratory.lab_file import Lab
 
 LONGEST_STEP = 0.02
 """Seconds that are moved in one go."""
@@ -32,7 +32,7 @@ class Mechanics:
 
 
 @dataclass
-class Rolling:
+class RollingCar:
     """A car as it rolls."""
 
     x: float
@@ -73,13 +73,13 @@ class EmulatedPlant:
         known = [field.name for field in fields(Mechanics) if field.name in lab.parameters]
         mechanics = Mechanics(**{name: float(lab.parameters[name]) for name in known})
         self.lock = threading.Lock()
-        self.cars: dict[int, Rolling] = {}
+        self.cars: dict[int, RollingCar] = {}
         self.names = {car.address: name for name, car in lab.cars.items()}
         self.now: float | None = None
         self.least = math.inf
         """The least distance (m) there has been between the middles of two rear axles."""
         for car, at in zip(lab.cars.values(), starts(lab), strict=True):
-            self.cars[car.address] = Rolling(at.x, at.y, at.yaw, car.speed, car.lag, mechanics)
+            self.cars[car.address] = RollingCar(at.x, at.y, at.yaw, car.speed, car.lag, mechanics)
 
     def __call__(self, now: float, commands: dict[int, tuple[float, float]]) -> None:
         """Move up to `now`, s, with (steer, throttle) by address."""

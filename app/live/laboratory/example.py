@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.live.laboratory.lab import Lab, read_lab
+from app.live.laboratory.lab_file import Lab, read_lab
 
 FILE = Path(__file__).with_name("example.toml")
 """A file to begin from."""

@@ -7,17 +7,17 @@ one lost byte shifts all that follow, and only the car itself can stop when noth
 
 from __future__ import annotations
 
-from app.live.links.frame import PER_CAR, levels
+from app.live.link_address import LinkAddress
+from app.live.links.command_frame import PER_CAR, levels
 from app.live.links.link import CarLink
-from app.live.links.wire import LEAST_BAUD, MOST_BAUD, Wire, open_wire
-from app.live.place import Place
+from app.live.links.wire import LEAST_BAUD, MOST_BAUD, SerialWire, open_wire
 
 BAUD = 9600
 """As in the paper."""
 
 
 def encode_chain(mode: int, commands: dict[int, tuple[float, float]]) -> bytes:
-    """Three bytes per car; throttle 0 unless the mode is RUN. Raises Refusal as `encode` does.
+    """Three bytes per car; throttle 0 unless the mode is RUN. Raises InputError as `encode` does.
 
     >>> encode_chain(1, {1: (0.0, 1.0), 2: (-1.0, 0.5)}).hex(" ")
     '01 00 7f 02 81 40'
@@ -28,7 +28,7 @@ def encode_chain(mode: int, commands: dict[int, tuple[float, float]]) -> bytes:
 class ChainLink(CarLink):
     """Commands passed on from car to car."""
 
-    def __init__(self, wire: Wire):
+    def __init__(self, wire: SerialWire):
         self.name = wire.name
         self.wire = wire
 
@@ -46,7 +46,7 @@ class ChainLink(CarLink):
         self.wire.close()
 
 
-def open_chain(place: Place) -> ChainLink:
-    """Open the port that leads to the first car. Raises Refusal."""
+def open_chain(place: LinkAddress) -> ChainLink:
+    """Open the port that leads to the first car. Raises InputError."""
     baud = place.whole(baud=(BAUD, LEAST_BAUD, MOST_BAUD))["baud"]
     return ChainLink(open_wire(place, baud))

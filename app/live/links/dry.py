@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.live.links.frame import CommandFrame, encode
+from app.live.link_address import LinkAddress
+from app.live.links.command_frame import CommandFrame, encode
 from app.live.links.link import CarLink
-from app.live.place import Place
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 MOST_EVERY = 100_000
 
@@ -35,8 +35,8 @@ class DryLink(CarLink):
         """See CarLink."""
 
 
-def open_dry(place: Place) -> DryLink:
+def open_dry(place: LinkAddress) -> DryLink:
     """`dry`, or `dry?every=100` to print every hundredth frame."""
     if place.where:
-        raise Refusal(f"the link {place.text!r} leads nowhere: write dry, not {place.where!r}")
+        raise InputError(f"the link {place.text!r} leads nowhere: write dry, not {place.where!r}")
     return DryLink(place.text, place.whole(every=(0, 0, MOST_EVERY))["every"])

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Literal
 
-from app.live.links.frame import CommandFrame, Decoder
+from app.live.links.command_frame import CommandFrame, Decoder
 from app.live.links.link import EMERGENCY, RUN, STOP
 
 WATCHDOG = 0.25

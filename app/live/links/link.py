@@ -32,7 +32,7 @@ class CarLink(Protocol):
         has (steer, throttle), both in [-1, 1], by the address of the car; steering to the left
         and driving forwards are positive. Unless the mode is RUN, the throttle goes out as 0.
 
-        Raises Refusal for what no car may be told, LinkLost if the other end is gone.
+        Raises InputError for what no car may be told, LinkLost if the other end is gone.
         """
         ...
 

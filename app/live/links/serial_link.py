@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.live.links.frame import encode, size
+from app.live.link_address import LinkAddress
+from app.live.links.command_frame import encode, size
 from app.live.links.link import CarLink
-from app.live.links.wire import LEAST_BAUD, MOST_BAUD, Wire, open_wire
-from app.live.place import Place
+from app.live.links.wire import LEAST_BAUD, MOST_BAUD, SerialWire, open_wire
 
 BAUD = 57600
 
@@ -13,7 +13,7 @@ BAUD = 57600
 class SerialLink(CarLink):
     """Broadcast frames over a serial port."""
 
-    def __init__(self, wire: Wire):
+    def __init__(self, wire: SerialWire):
         self.name = wire.name
         self.wire = wire
 
@@ -30,7 +30,7 @@ class SerialLink(CarLink):
         self.wire.close()
 
 
-def open_serial(place: Place) -> SerialLink:
-    """Open the port. Raises Refusal."""
+def open_serial(place: LinkAddress) -> SerialLink:
+    """Open the port. Raises InputError."""
     baud = place.whole(baud=(BAUD, LEAST_BAUD, MOST_BAUD))["baud"]
     return SerialLink(open_wire(place, baud))

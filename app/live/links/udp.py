@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import socket
 
-from app.live.links.frame import encode
+from app.live.link_address import LinkAddress
+from app.live.links.command_frame import encode
 from app.live.links.link import CarLink, LinkLost
-from app.live.place import Place
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 EXAMPLE = "udp:192.168.1.20:5005"
 
@@ -37,17 +37,17 @@ class UdpLink(CarLink):
         self.socket.close()
 
 
-def open_udp(place: Place) -> UdpLink:
-    """A socket for the address. Raises Refusal if it is none or cannot be found."""
+def open_udp(place: LinkAddress) -> UdpLink:
+    """A socket for the address. Raises InputError if it is none or cannot be found."""
     place.whole()
     host, colon, port = place.wants("to which address", EXAMPLE).rpartition(":")
     if not colon or not host:
-        raise Refusal(f"the link {place.text!r} has no port: for example {EXAMPLE}")
+        raise InputError(f"the link {place.text!r} has no port: for example {EXAMPLE}")
     number = place.number("port", port, 1, 65535)
     try:
         found = socket.getaddrinfo(host.strip("[]"), number, type=socket.SOCK_DGRAM)
     except OSError as error:
-        raise Refusal(
+        raise InputError(
             f"the link {place.text!r} leads to no address: {host} cannot be found"
             f" ({error.strerror})"
         ) from None

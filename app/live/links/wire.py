@@ -9,11 +9,11 @@ import time
 from contextlib import suppress
 from typing import Any
 
-from app.live.links.jam import Jam
+from app.live.link_address import LinkAddress
 from app.live.links.link import LinkLost
-from app.live.place import Place
+from app.live.links.stall_detector import StallDetector
 from worlds.extra import install
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 LEAST_BAUD, MOST_BAUD = 300, 4_000_000
 BITS = 10
@@ -35,26 +35,26 @@ def why(error: OSError) -> str:
     return WHY.get(error.errno, os.strerror(error.errno).lower())
 
 
-def take_port(place: Place) -> str:
+def take_port(place: LinkAddress) -> str:
     """The port that a text names."""
     return place.wants("which port", f"{place.kind}:/dev/ttyUSB0")
 
 
-def open_wire(place: Place, baud: int) -> Wire:
-    """Open the serial port that a text names. Raises Refusal."""
+def open_wire(place: LinkAddress, baud: int) -> SerialWire:
+    """Open the serial port that a text names. Raises InputError."""
     port = take_port(place)
     try:
         import serial
     except ImportError:
-        raise Refusal(f"the link {place.text!r} needs pyserial: {install('live')}") from None
+        raise InputError(f"the link {place.text!r} needs pyserial: {install('live')}") from None
     try:
-        return Wire(serial.Serial(port, baud, exclusive=True), place.text)
+        return SerialWire(serial.Serial(port, baud, exclusive=True), place.text)
     except (OSError, ValueError) as error:
         reason = why(error) if isinstance(error, OSError) else str(error)
-        raise Refusal(f"the link {place.text!r} cannot open {port}: {reason}") from None
+        raise InputError(f"the link {place.text!r} cannot open {port}: {reason}") from None
 
 
-class Wire:
+class SerialWire:
     """A serial port of pyserial, open, for sending; `name` is the text of its link."""
 
     def __init__(self, port: Any, name: str):
@@ -63,7 +63,7 @@ class Wire:
         port.timeout = port.write_timeout = 0
         self.port = port
         self.name = name
-        self.jam = Jam(name)
+        self.jam = StallDetector(name)
         self.left = b""
         """The rest of a frame that has been begun."""
 

@@ -13,12 +13,12 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 
-from app.live.links.frame import encode, size
+from app.live.link_address import LinkAddress
+from app.live.links.command_frame import encode, size
 from app.live.links.link import CarLink
-from app.live.links.wire import LEAST_BAUD, MOST_BAUD, Wire, open_wire, take_port, why
-from app.live.place import Place
+from app.live.links.wire import LEAST_BAUD, MOST_BAUD, SerialWire, open_wire, take_port, why
 from worlds.extra import install
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 BAUD = 57600
 API = 9
@@ -31,7 +31,7 @@ ANSWER = 2
 class XBeeLink(CarLink):
     """Broadcast frames through an XBee; `wrap` puts the radio's own frame around the data."""
 
-    def __init__(self, wire: Wire, wrap: Callable[[bytes], bytes]):
+    def __init__(self, wire: SerialWire, wrap: Callable[[bytes], bytes]):
         self.name = wire.name
         self.wire = wire
         self.wrap = wrap
@@ -49,10 +49,10 @@ class XBeeLink(CarLink):
         self.wire.close()
 
 
-def open_xbee(place: Place) -> XBeeLink:
+def open_xbee(place: LinkAddress) -> XBeeLink:
     """Open the radio, which takes some seconds if it does not answer.
 
-    Raises Refusal if it is not there, does not answer in API mode, or is of another family than
+    Raises InputError if it is not there, does not answer in API mode, or is of another family than
     IEEE 802.15.4: the others are too slow at sending to all.
     """
     port = take_port(place)
@@ -65,7 +65,7 @@ def open_xbee(place: Place) -> XBeeLink:
         from digi.xbee.models.options import TransmitOptions
         from digi.xbee.packets.raw import TX16Packet
     except ImportError:
-        raise Refusal(f"the link {place.text!r} needs digi-xbee: {install('live')}") from None
+        raise InputError(f"the link {place.text!r} needs digi-xbee: {install('live')}") from None
     # The library writes to the log what is raised as well: without a handler, to the terminal.
     logging.getLogger("digi").addHandler(logging.NullHandler())
     device = Raw802Device(port, baud, _sync_ops_timeout=ANSWER)
@@ -74,10 +74,10 @@ def open_xbee(place: Place) -> XBeeLink:
     except (OSError, ValueError) as error:
         device.close()
         reason = why(error) if isinstance(error, OSError) else str(error)
-        raise Refusal(f"the link {place.text!r} cannot open {port}: {reason}") from None
+        raise InputError(f"the link {place.text!r} cannot open {port}: {reason}") from None
     except XBeeException as error:
         device.close()
-        raise Refusal(
+        raise InputError(
             f"the link {place.text!r}: the radio at {port} is no XBee for IEEE 802.15.4 in API "
             f"mode at {baud} baud ({error})"
         ) from None

@@ -9,12 +9,12 @@ import numpy as np
 
 from agents.engine.arrays import Arrays
 from agents.models.model import Model
-from agents.state.rows import begun
+from agents.state.agent_rows import begun
 from agents.state.start import Start
 from app.live.control.driver import NoFreeSpace
 from app.live.control.pose import Pose
-from app.live.laboratory.lab import Lab
-from worlds.refusal import Refusal
+from app.live.laboratory.lab_file import Lab
+from worlds.input_error import InputError
 
 APART = 0.6
 """Metres between the middles of a car that begins and of any other, the injected one too."""
@@ -28,11 +28,11 @@ def named(number: int) -> str:
 
 
 def demand_allowed(lab: Lab, count: int) -> None:
-    """Raise Refusal unless the laboratory may have so many simulated cars."""
+    """Raise InputError unless the laboratory may have so many simulated cars."""
     most = lab.simulated.most
     if not 0 <= count <= most:
         bound = "at least 0" if count < 0 else f"at most {most} (the laboratory's file)"
-        raise Refusal(f"simulated cars = {count} is not allowed: {bound}")
+        raise InputError(f"simulated cars = {count} is not allowed: {bound}")
 
 
 def begins(lab: Lab, number: int, taken: Iterable[Sequence[float]], size: float) -> Pose:

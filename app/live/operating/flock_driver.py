@@ -18,14 +18,14 @@ import numpy as np
 from agents.catalogue import cars_by
 from agents.models.declare import checked
 from agents.motion import Motion
-from agents.state.rows import begun
+from agents.state.agent_rows import begun
 from agents.state.start import Start
 from app.live.control.driver import Companion
 from app.live.control.pose import Pose, Sighting
-from app.live.laboratory.lab import Lab
+from app.live.laboratory.lab_file import Lab
 from app.live.operating.companions import begin_more, demand_allowed, named, resized
+from worlds.input_error import InputError
 from worlds.mission import Goal, Mission
-from worlds.refusal import Refusal
 from worlds.world import World
 
 NOT_SIMULATED = {
@@ -47,10 +47,12 @@ OVER = 10
 
 
 class FlockDriver(Motion):
-    """A driver by a rule of the catalogue; see `app.live.control.driver`: `Tunable`, `Accompanied`.
+    """A driver by a rule of the catalogue; see `app.live.control.driver`: `TunableDriver`,
+    `CompanionDriver`.
 
-    `tell` is called with a line if the rule must be compiled. Raises Refusal if the rule is unknown
-    or cannot drive cars, for its parameters, or if the simulated cars do not fit an empty room.
+    `tell` is called with a line if the rule must be compiled. Raises InputError if the rule is
+    unknown or cannot drive cars, for its parameters, or if the simulated cars do not fit an empty
+    room.
     """
 
     def __init__(self, lab: Lab, tell: Callable[[str], object] | None = None):
@@ -96,23 +98,23 @@ class FlockDriver(Motion):
         try:
             self.engine.open(self.context, 0)
         except NumbaError:
-            raise Refusal(
+            raise InputError(
                 f"rule {self.model.rule.name} cannot drive cars: it needs the body that it is "
                 "declared with"
             ) from None
 
     def agreed(self, values: Mapping[str, Any]) -> Any:
-        """The parameters of the rule and of the car with these values. Raises Refusal."""
+        """The parameters of the rule and of the car with these values. Raises InputError."""
         for name in values:
             if name in NOT_SIMULATED:
-                raise Refusal(
+                raise InputError(
                     f"{name} = {values[name]} is not allowed: it is of simulated cars, and real "
                     "ones have their own"
                 )
         return checked(self.model.parameters, self.fixed | dict(values), "the laboratory")
 
     def tune(self, values: Mapping[str, Any]) -> None:
-        """Change parameters while it drives. Raises Refusal, and then changes nothing."""
+        """Change parameters while it drives. Raises InputError, and then changes nothing."""
         now = self.parameters.model_dump()
         kept = {name: value for name, value in now.items() if name not in NOT_SIMULATED}
         self.parameters = self.agreed(kept | dict(values))
@@ -206,7 +208,7 @@ class FlockDriver(Motion):
 
     def accompany(self, count: int) -> None:
         """Have so many simulated cars from now on: new ones begin where there is room, the last
-        ones leave first. Raises Refusal, and then changes nothing."""
+        ones leave first. Raises InputError, and then changes nothing."""
         demand_allowed(self.lab, count)
         if self.is_placed:
             self.have(count)

@@ -14,15 +14,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.live.control.arm import UNDOING, OperatorRequest
-from app.live.control.events import Event
-from app.live.control.loop import Loop
-from app.live.control.status import Status
-from app.live.laboratory.lab import lab_from_toml
-from app.live.operating.recorder import Recorder, RecordRequest
-from worlds.refusal import Refusal
+from app.live.control.control_loop import Loop
+from app.live.control.loop_events import Event
+from app.live.control.loop_status import Status
+from app.live.laboratory.lab_file import lab_from_toml
+from app.live.operating.recorder import LoopRecorder, RecordRequest
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
-    from app.live.operating.ends import Opener
+    from app.live.operating.loop_components import Opener
 
 LEAVES = ("SIGTERM", "SIGINT", "SIGHUP")
 """Signals at which it stops the cars and leaves."""
@@ -33,7 +33,7 @@ MOST_EVENTS = 100
 
 
 @dataclass(frozen=True)
-class Answer:
+class LoopReply:
     """What the loop reports to its operator, when asked."""
 
     status: Status | None = None
@@ -76,23 +76,23 @@ def serve(
         try:
             lab = lab_from_toml(laboratory, "the laboratory")
             ends = stack.enter_context(closing(opener(lab)))
-            recorder = stack.enter_context(Recorder(laboratory, lab.recording))
+            recorder = stack.enter_context(LoopRecorder(laboratory, lab.recording))
             journal = None if recording is None else recorder.begin(recording)
-        except Refusal as refusal:
-            line.send(Answer(trouble=str(refusal)))
+        except InputError as refusal:
+            line.send(LoopReply(trouble=str(refusal)))
             return
         recorder.loop = loop = ends.loop(lab, journal)
         if leaving:
             loop.leave(leaving[0])
         arguments = (line, stops, loop, recorder)
         threading.Thread(target=attend, args=arguments, name="operator", daemon=True).start()
-        line.send(Answer())
+        line.send(LoopReply())
         gc.collect()
         gc.freeze()  # so that later collections are short: they look at what a run makes
         loop.run()
 
 
-class InOrder:
+class RequestForwarder:
     """Passes on to a loop the requests of two connections: one that was made before an emergency
     stop does not undo it, though it may arrive after it."""
 
@@ -117,14 +117,14 @@ class InOrder:
                 self.ask(stops.recv())
 
 
-def attend(line: Connection, stops: Connection, loop: Loop, recorder: Recorder) -> None:
+def attend(line: Connection, stops: Connection, loop: Loop, recorder: LoopRecorder) -> None:
     """Pass on the operator's requests, emergency stops first, and answer it; the loop ends when the
     operator is gone."""
     parent = multiprocessing.parent_process()
     watched: list[Connection | int] = [line, stops]
     if parent is not None:
         watched.append(parent.sentinel)
-    asking = InOrder(loop)
+    asking = RequestForwarder(loop)
     why = "the operator is gone"
     try:
         while line in (ready := wait(watched)) or stops in ready:
@@ -142,7 +142,7 @@ def attend(line: Connection, stops: Connection, loop: Loop, recorder: Recorder) 
                         loop.place(*hand)  # the operator has checked that these are numbers
                     count, new = loop.events.since(known)
                     told = new[:MOST_EVENTS]
-                    line.send(Answer(loop.latest, tuple(told), count - len(new) + len(told)))
+                    line.send(LoopReply(loop.latest, tuple(told), count - len(new) + len(told)))
                 case None:
                     why = "the operator says so"
                     break

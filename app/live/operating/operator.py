@@ -16,13 +16,13 @@ from contextlib import suppress
 from pathlib import Path
 
 from app.live.control.arm import UNDOING, OperatorRequest
-from app.live.control.events import Events
-from app.live.control.status import Status
-from app.live.laboratory.lab import Lab
-from app.live.operating.ends import Opener
-from app.live.operating.loop_process import Answer, NumberedRequest, serve
+from app.live.control.loop_events import Events
+from app.live.control.loop_status import Status
+from app.live.laboratory.lab_file import Lab
+from app.live.operating.loop_components import Opener
+from app.live.operating.loop_process import LoopReply, NumberedRequest, serve
 from app.live.operating.recorder import RecordRequest
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 PATIENCE = 180.0
 """Seconds that the process may take to begin: the first time a rule is compiled."""
@@ -36,7 +36,7 @@ class Operator:
     """Starts the control loop of a laboratory and sends it requests; any thread may use it.
 
     `opener` opens source, link and driver in the new process: a function of a module, which can be
-    pickled. With `recording`, a folder, all is recorded there. Raises Refusal if the loop cannot
+    pickled. With `recording`, a folder, all is recorded there. Raises InputError if the loop cannot
     begin.
     """
 
@@ -74,10 +74,10 @@ class Operator:
         self.begin()
 
     def begin(self) -> None:
-        """Wait until the loop runs. Raises Refusal with what it says if it cannot."""
+        """Wait until the loop runs. Raises InputError with what it says if it cannot."""
         try:
             if self.line.poll(PATIENCE):
-                answer: Answer = self.line.recv()
+                answer: LoopReply = self.line.recv()
                 self.trouble = answer.trouble
             else:
                 self.trouble = f"the control loop did not begin within {PATIENCE:g} s"
@@ -85,7 +85,7 @@ class Operator:
             self.trouble = "the control loop ended before it began"
         if self.trouble:
             self.close()
-            raise Refusal(self.trouble)
+            raise InputError(self.trouble)
 
     @property
     def alive(self) -> bool:
@@ -120,9 +120,10 @@ class Operator:
             self.line.send(RecordRequest(folder, cause))
 
     def place(self, x: float, y: float) -> None:
-        """Move the injected car of the hand, m, with the next call of `status`. Raises Refusal."""
+        """Move the injected car of the hand, m, with the next call of `status`. Raises
+        InputError."""
         if not (math.isfinite(x) and math.isfinite(y)):
-            raise Refusal(f"the injected car cannot be at ({x}, {y})")
+            raise InputError(f"the injected car cannot be at ({x}, {y})")
         self.hand = (x, y)
 
     def status(self) -> Status | None:
@@ -133,7 +134,7 @@ class Operator:
         with self.lock:
             try:
                 while self.line.poll():
-                    answer: Answer = self.line.recv()
+                    answer: LoopReply = self.line.recv()
                     self.waits = False
                     self.newest = answer.status or self.newest
                     self.events.add(*answer.events)

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.live.control.events import Event
-from app.live.control.loop import Loop
-from app.live.laboratory.parts import MB, RESERVE, RecordingLimits
-from app.live.recording.record import Recording
-from worlds.refusal import Refusal
+from app.live.control.control_loop import Loop
+from app.live.control.loop_events import Event
+from app.live.laboratory.recording_parts import MB, RESERVE, RecordingLimits
+from app.live.recording.recording_writer import RecordingWriter
+from worlds.input_error import InputError
 
 SETTLES = 0.05
 """Seconds in which a tick that has begun is done with its recording."""
@@ -30,18 +30,18 @@ class RecordRequest:
     cause: str
 
 
-class Recorder:
+class LoopRecorder:
     """The recordings of one loop, one at a time; a context manager that finishes the last."""
 
     def __init__(self, laboratory: str, kept: RecordingLimits):
         self.laboratory = laboratory
         self.kept = kept
         self.loop: Loop | None = None
-        self.journal: Recording | None = None
+        self.journal: RecordingWriter | None = None
         self.asked: queue.SimpleQueue[RecordRequest | None] = queue.SimpleQueue()
         self.thread = threading.Thread(target=self.serve, name="recorder", daemon=True)
 
-    def __enter__(self) -> Recorder:
+    def __enter__(self) -> LoopRecorder:
         self.thread.start()
         return self
 
@@ -51,19 +51,19 @@ class Recorder:
         self.thread.join()
         try:
             self.end()
-        except Refusal as refusal:
+        except InputError as refusal:
             print(f"flockscope: {refusal}", file=sys.stderr)
 
-    def begin(self, folder: Path) -> Recording:
-        """Begin a recording. Raises Refusal, also where there is no room for one."""
+    def begin(self, folder: Path) -> RecordingWriter:
+        """Begin a recording. Raises InputError, also where there is no room for one."""
         if self.journal is not None:
-            raise Refusal(f"it is recorded already, in {self.journal.folder}")
-        journal = Recording(folder, self.laboratory, self.kept).__enter__()
+            raise InputError(f"it is recorded already, in {self.journal.folder}")
+        journal = RecordingWriter(folder, self.laboratory, self.kept).__enter__()
         self.journal = journal
         return journal
 
     def end(self) -> None:
-        """End the recording, if there is one. Raises Refusal if it cannot be finished."""
+        """End the recording, if there is one. Raises InputError if it cannot be finished."""
         journal, self.journal = self.journal, None
         if journal is not None:
             journal.__exit__(None, None, None)
@@ -87,11 +87,11 @@ class Recorder:
                 self.say(loop, "recording", words, request.cause)
 
     def start(self, loop: Loop, folder: Path, cause: str) -> None:
-        """Begin to record a loop that runs. Raises Refusal or OSError."""
+        """Begin to record a loop that runs. Raises InputError or OSError."""
         folder.parent.mkdir(parents=True, exist_ok=True)
         free, needed = shutil.disk_usage(folder.parent).free, MB * RESERVE * self.kept.part
         if free < needed:
-            raise Refusal(
+            raise InputError(
                 f"nothing is recorded: {free / MB:.0f} MB are free in {folder.parent}, and "
                 f"{needed / MB:.0f} MB are needed"
             )
@@ -99,9 +99,9 @@ class Recorder:
         self.say(loop, "record", f"recording in {folder}", cause, str(folder))
 
     def stop(self, loop: Loop, cause: str) -> None:
-        """End the recording of a loop that runs on. Raises Refusal if it cannot be finished."""
+        """End the recording of a loop that runs on. Raises InputError if it cannot be finished."""
         if self.journal is None:
-            raise Refusal("nothing is recorded")
+            raise InputError("nothing is recorded")
         folder, loop.journal = self.journal.folder, None
         self.say(loop, "record", f"the recording in {folder} ends", cause)
         time.sleep(SETTLES)

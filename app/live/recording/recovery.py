@@ -7,20 +7,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.live.laboratory.parts import Part, part_of, parts_of
+from app.live.laboratory.recording_parts import RecordingPart, part_of, parts_of
 from app.live.links.firmware import WATCHDOG
 from app.live.links.link import EMERGENCY, RUN
-from app.live.recording.record import EVERY, TABLES
+from app.live.recording.recording_writer import EVERY, TABLES
 from app.live.recording.stream import finish
 from worlds.extra import demand_parquet
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 END = "end"
 """The kind of the event that the loop writes when it has told the cars to stop and leaves."""
 
 
 @dataclass(frozen=True)
-class Ending:
+class RecordingEnd:
     """How a recording ends."""
 
     tick: int
@@ -62,7 +62,7 @@ class Ending:
 def recover(folder: str | Path) -> dict[str, int]:
     """Make the tables of a recording whose process was killed; rows by table, of all its parts.
 
-    Raises Refusal if there is nothing to recover.
+    Raises InputError if there is nothing to recover.
     """
     folder = Path(folder)
     for part in unbegun(folder):
@@ -72,12 +72,12 @@ def recover(folder: str | Path) -> dict[str, int]:
         for name, rows in recovered(part).items():
             found[name] = found.get(name, 0) + rows
     if not found:
-        raise Refusal(f"{str(folder)!r} holds nothing to recover")
+        raise InputError(f"{str(folder)!r} holds nothing to recover")
     return found
 
 
-def recovered(part: Part) -> dict[str, int]:
-    """The rows by table of what was left of a part, of which tables are made. Raises Refusal."""
+def recovered(part: RecordingPart) -> dict[str, int]:
+    """The rows by table of what was left of a part, of which tables are made. Raises InputError."""
     demand_parquet("a recording of the laboratory")
     found = {}
     for name in TABLES:
@@ -87,11 +87,11 @@ def recovered(part: Part) -> dict[str, int]:
         try:
             found[name] = finish(stream, part.table(name))
         except OSError as error:
-            raise Refusal(f"{str(stream)!r} cannot be recovered: {error}") from None
+            raise InputError(f"{str(stream)!r} cannot be recovered: {error}") from None
     return found
 
 
-def unbegun(folder: Path) -> list[Part]:
+def unbegun(folder: Path) -> list[RecordingPart]:
     """Later parts that a kill has left before there was anything in them."""
     begun = parts_of(folder)
     if not begun:
@@ -100,9 +100,10 @@ def unbegun(folder: Path) -> list[Part]:
     return [after] if after.folder.is_dir() else []
 
 
-def ending(folder: str | Path) -> Ending | None:
-    """How a recording ends, of which there are tables; None if it has no tick. Raises Refusal."""
-    from app.live.recording.replay import meta_of
+def ending(folder: str | Path) -> RecordingEnd | None:
+    """How a recording ends, of which there are tables; None if it has no tick. Raises
+    InputError."""
+    from app.live.recording.recording_replay import meta_of
 
     parts = [part for part in parts_of(Path(folder)) if part.table("ticks").exists()]
     for part in reversed(parts):
@@ -119,15 +120,15 @@ def ending(folder: str | Path) -> Ending | None:
         }
         ends = [row["words"] for row in last_rows(part, "events", None) if row["kind"] == END]
         began = began_on_the_clock(part)
-        return Ending(
+        return RecordingEnd(
             tick["tick"], tick["now"] - began, tick["mode"], commands, ends[-1] if ends else ""
         )
     return None
 
 
-def last_rows(part: Part, name: str, count: int | None) -> list[dict[str, Any]]:
-    """The last rows of a table, at most those of its last group. Raises Refusal."""
-    from app.live.recording.replay import demand_whole, open_table
+def last_rows(part: RecordingPart, name: str, count: int | None) -> list[dict[str, Any]]:
+    """The last rows of a table, at most those of its last group. Raises InputError."""
+    from app.live.recording.recording_replay import demand_whole, open_table
 
     file = open_table(part.table(name))
     for group in reversed(range(len(file.offsets) - 1)):
@@ -140,8 +141,8 @@ def last_rows(part: Part, name: str, count: int | None) -> list[dict[str, Any]]:
     return []
 
 
-def began_on_the_clock(part: Part) -> float:
-    """When the recording of a part began, by the clock of its ticks, s. Raises Refusal."""
-    from app.live.recording.replay import meta_of
+def began_on_the_clock(part: RecordingPart) -> float:
+    """When the recording of a part began, by the clock of its ticks, s. Raises InputError."""
+    from app.live.recording.recording_replay import meta_of
 
     return float(meta_of(part.table("ticks"))["began_on_the_clock"])

@@ -18,10 +18,10 @@ GROUP = 100_000
 """Rows of a row group of the Parquet file; the stream has some hundreds in a batch."""
 
 
-class Stream:
+class RecordingStream:
     """Rows of one table, with metadata, in a `.part` beside where its Parquet file will be.
 
-    `columns` are names and Arrow types. Raises OSError if it cannot be written, or Refusal.
+    `columns` are names and Arrow types. Raises OSError if it cannot be written, or InputError.
     """
 
     def __init__(self, path: Path, columns: Mapping[str, str], meta: Mapping[str, Any]):
@@ -74,7 +74,7 @@ def arrow_type(kind: str) -> Any:
 def finish(part: Path, path: Path) -> int:
     """Make the Parquet file `path` of all whole batches of a `.part`, which is removed; its rows.
 
-    Raises OSError, or Refusal if it is no stream of ours.
+    Raises OSError, or InputError if it is no stream of ours.
     """
     import pyarrow.parquet as pq
 

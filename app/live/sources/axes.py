@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from app.live.control.plausibility import UPRIGHT
 from app.live.control.pose import Pose, Sighting, seen, unseen
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
 
 UPS = ("z", "y")
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
@@ -30,7 +30,7 @@ FLAT = 0.5
 class Axes:
     """How a tracking system is set up.
 
-    Raises Refusal if there is no such axis or unit.
+    Raises InputError if there is no such axis or unit.
     """
 
     up: str = "z"
@@ -52,7 +52,7 @@ class Axes:
         if self.top and self.top not in NOSES:
             raise unknown("top axis", self.top, NOSES)
         if self.top and self.top[-1] == self.nose[-1]:
-            raise Refusal(f"top = {self.top} lies along the nose, {self.nose}")
+            raise InputError(f"top = {self.top} lies along the nose, {self.nose}")
 
     def __str__(self) -> str:
         nose = "" if self.nose == "x" else f", nose {self.nose}"

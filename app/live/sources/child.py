@@ -18,7 +18,7 @@ from multiprocessing.connection import Connection
 from typing import Literal
 
 from app.live.control.pose import MocapFrame
-from app.live.sources.source import Source
+from app.live.sources.pose_source import Source
 
 GRACE = 0.5
 """Seconds that a source has to end by itself once it is told to."""

@@ -18,9 +18,9 @@ from typing import Literal
 
 from app.live.control.pose import MocapFrame, Pose
 from app.live.sources.child import GRACE, Message, serve
-from app.live.sources.source import Source
-from worlds.counting import signal_name
-from worlds.refusal import Refusal
+from app.live.sources.pose_source import Source
+from worlds.input_error import InputError
+from worlds.number_text import signal_name
 
 KEPT = 2048
 """Frames that are kept: 20 s at 100 Hz."""
@@ -62,7 +62,7 @@ class Feed:
 
     def __init__(self, source: Source, patience: float = 10.0) -> None:
         if not 0.0 < patience <= 600.0:
-            raise Refusal(f"patience = {patience:g} s is outside (0, 600]")
+            raise InputError(f"patience = {patience:g} s is outside (0, 600]")
         self.source = source
         self.patience = patience
         self.trouble = ""
@@ -145,13 +145,13 @@ class Feed:
     def first(self, within: float) -> MocapFrame:
         """Wait for a frame, at most `within` seconds.
 
-        Raises Refusal with the trouble, or if none came.
+        Raises InputError with the trouble, or if none came.
         """
         self._arrived.wait(within)
         frame = self.latest()
         if frame is None:
             silent = "it ended" if self._state == "ended" else f"{within:g} s passed"
-            raise Refusal(self.trouble or f"{self.source.describe()}: {silent} without a frame")
+            raise InputError(self.trouble or f"{self.source.describe()}: {silent} without a frame")
         return frame
 
     def close(self) -> None:

@@ -16,10 +16,10 @@ from itertools import count
 from typing import Any
 
 from app.live.control.pose import MocapFrame, Sighting
-from app.live.sources.address import AXES, Address
 from app.live.sources.axes import Axes
+from app.live.sources.source_address import AXES, Address
 from worlds.extra import demand
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ LARGEST = {"port": 65535, "port_command": 65535, "frequency": 1000}
 class MotionCapture:
     """A motion-capture system on the network.
 
-    Raises Refusal for an unknown system, a host or options that it cannot have.
+    Raises InputError for an unknown system, a host or options that it cannot have.
     """
 
     name: str
@@ -72,16 +72,16 @@ class MotionCapture:
             if option not in system.options:
                 raise unknown(f"option of {self.name}", option, system.options)
             if option in LARGEST and not _whole(value, LARGEST[option]):
-                raise Refusal(f"{option} = {value} is no whole number in [1, {LARGEST[option]}]")
+                raise InputError(f"{option} = {value} is no whole number in [1, {LARGEST[option]}]")
         if system.fixed and (self.axes.up, self.axes.unit) != ("z", "m"):
-            raise Refusal(f"{self.name} is given in metres with z up, not with {self.axes}")
+            raise InputError(f"{self.name} is given in metres with z up, not with {self.axes}")
         if not self.host and self.name != "mock":
-            raise Refusal(f"{self.name} has no host: write {self.name}:HOST")
+            raise InputError(f"{self.name} has no host: write {self.name}:HOST")
         if system.numeric:
             try:
                 ipaddress.IPv4Address(self.host)
             except ValueError:
-                raise Refusal(
+                raise InputError(
                     f"host = {self.host} is not a numeric address such as 192.168.1.5, "
                     f"which {self.name} wants"
                 ) from None
@@ -93,7 +93,7 @@ class MotionCapture:
     def frames(self, stop: threading.Event) -> Iterator[MocapFrame]:
         """Connect and give frames as they come; see `Source.frames`.
 
-        Raises Refusal if the package is missing, RuntimeError if the system cannot be used.
+        Raises InputError if the package is missing, RuntimeError if the system cannot be used.
         """
         demand("motioncapture", self.name, "live")
         import motioncapture
@@ -143,5 +143,5 @@ def opened(address: Address) -> MotionCapture:
     options = {name: value for name, value in address.options if name not in AXES}
     try:
         return MotionCapture(address.kind, address.place, address.axes(system.up), options)
-    except Refusal as refused:
-        raise Refusal(f"{refused} ({address.text})") from None
+    except InputError as refused:
+        raise InputError(f"{refused} ({address.text})") from None

@@ -11,8 +11,8 @@ from typing import Any
 
 from app.viewer.editing.forms import demand_fitting
 from worlds.checks import place_problems, shape_problems, start_problems
+from worlds.input_error import InputError
 from worlds.mission import Goal
-from worlds.refusal import Refusal
 from worlds.world import World
 
 MOST_OBSTACLES = 500
@@ -27,26 +27,26 @@ keys = itertools.count(1)
 """Every obstacle that an editor meets gets its own number, which nothing else ever has."""
 
 
-class Gone(Refusal):
+class MissingObstacleError(InputError):
     """The obstacle that was meant is not there any more."""
 
 
 @dataclass(frozen=True)
-class Snapshot:
+class WorldVersion:
     """A world, and the key of each of its obstacles."""
 
     world: World
     keys: tuple[int, ...]
 
     @classmethod
-    def of(cls, world: World) -> Snapshot:
+    def of(cls, world: World) -> WorldVersion:
         """A world whose obstacles are new."""
         return cls(world, tuple(next(keys) for _ in world.obstacles))
 
     def place(self, key: int) -> int:
         """Where in the world's tuple an obstacle is. Raises Gone."""
         if key not in self.keys:
-            raise Gone("that obstacle is not there any more")
+            raise MissingObstacleError("that obstacle is not there any more")
         return self.keys.index(key)
 
     def obstacle(self, key: int) -> Any:
@@ -58,20 +58,20 @@ class Snapshot:
 class Editor:
     """A world with its history; a value: every change returns another editor.
 
-    Changes raise Refusal, with one line, for what is out of bounds, no sound shape, or would make
-    the mission impossible. Changes in a row with the same `gesture`, as those of one drag, are one
-    step of the history, and each of them is a change of the world as it was before the gesture.
+    Changes raise InputError, with one line, for what is out of bounds, no sound shape, or would
+    make the mission impossible. Changes in a row with the same `gesture`, as those of one drag, are
+    one step of the history, and each of them is a change of the world as it was before the gesture.
     """
 
-    now: Snapshot
-    past: tuple[Snapshot, ...] = ()
-    future: tuple[Snapshot, ...] = ()
+    now: WorldVersion
+    past: tuple[WorldVersion, ...] = ()
+    future: tuple[WorldVersion, ...] = ()
     gesture: str = ""
 
     @classmethod
     def of(cls, world: World) -> Editor:
         """An editor of a world, without a history."""
-        return cls(Snapshot.of(world))
+        return cls(WorldVersion.of(world))
 
     @property
     def world(self) -> World:
@@ -86,11 +86,11 @@ class Editor:
     def add(self, obstacle: Any) -> Editor:
         """One more obstacle."""
         if len(self.world.obstacles) >= MOST_OBSTACLES:
-            raise Refusal(f"there are {MOST_OBSTACLES} obstacles, and there may be no more")
+            raise InputError(f"there are {MOST_OBSTACLES} obstacles, and there may be no more")
         demand_fitting(obstacle, self.world)
         world = with_obstacles(self.world, (*self.world.obstacles, obstacle))
         demand_allowed(world, len(world.obstacles) - 1)
-        return self.changed(Snapshot(world, (*self.now.keys, next(keys))))
+        return self.changed(WorldVersion(world, (*self.now.keys, next(keys))))
 
     def move(
         self, key: int, by: Sequence[float], degrees: float = 0.0, gesture: str = ""
@@ -98,7 +98,7 @@ class Editor:
         """An obstacle elsewhere: shifted by (2,) or (3,) length and turned about its centre."""
         shift = [*by, 0.0, 0.0, 0.0][:3]
         if not all(math.isfinite(number) for number in (*shift, degrees)):
-            raise Refusal(f"an obstacle cannot be moved by {list(by)} and turned by {degrees}")
+            raise InputError(f"an obstacle cannot be moved by {list(by)} and turned by {degrees}")
         obstacle = self.before(gesture).obstacle(key).turned(degrees)
         if self.world.dim == 2 or not has_heights(obstacle):
             shift[2] = 0.0
@@ -108,7 +108,7 @@ class Editor:
         """An obstacle with other measures, see `Shape.measures`."""
         for name, value in measures.items():
             if not math.isfinite(value):
-                raise Refusal(f"{name} = {value} is not a number")
+                raise InputError(f"{name} = {value} is not a number")
         obstacle = self.before(gesture).obstacle(key).resized(**measures)
         demand_fitting(obstacle, self.world)
         return self.exchange(key, obstacle, gesture)
@@ -120,26 +120,30 @@ class Editor:
         others = before.world.obstacles
         world = with_obstacles(before.world, (*others[:place], obstacle, *others[place + 1 :]))
         demand_allowed(world, place)
-        return self.changed(Snapshot(world, before.keys), gesture)
+        return self.changed(WorldVersion(world, before.keys), gesture)
 
     def delete(self, key: int) -> Editor:
         """One obstacle less."""
         place, old = self.now.place(key), self.world.obstacles
         world = with_obstacles(self.world, old[:place] + old[place + 1 :])
-        return self.changed(Snapshot(world, self.now.keys[:place] + self.now.keys[place + 1 :]))
+        return self.changed(WorldVersion(world, self.now.keys[:place] + self.now.keys[place + 1 :]))
 
     def clear(self) -> Editor:
         """No obstacles at all."""
-        return self.changed(Snapshot(with_obstacles(self.world, ()), ())) if self.now.keys else self
+        return (
+            self.changed(WorldVersion(with_obstacles(self.world, ()), ()))
+            if self.now.keys
+            else self
+        )
 
     def move_goal(self, by: Sequence[float], gesture: str = "") -> Editor:
-        """The goal's route shifted by (dim,) length. Raises Refusal if there is no goal."""
+        """The goal's route shifted by (dim,) length. Raises InputError if there is no goal."""
         before = self.before(gesture)
         mission, dim = before.world.mission, before.world.dim
         if mission is None or mission.goal is None:
-            raise Refusal("this world has no goal")
+            raise InputError("this world has no goal")
         if len(by) < dim or not all(math.isfinite(number) for number in by):
-            raise Refusal(f"the goal cannot be moved by {list(by)}")
+            raise InputError(f"the goal cannot be moved by {list(by)}")
         goal = mission.goal
         route: list[Any] = [
             tuple(at + d for at, d in zip(point, by, strict=False)) for point in goal.route
@@ -150,7 +154,7 @@ class Editor:
         mission = mission.model_copy(update={"goal": moved})
         world = replace(before.world, mission=mission, **edited(before.world))
         demand_possible(world)
-        return self.changed(Snapshot(world, before.keys), gesture)
+        return self.changed(WorldVersion(world, before.keys), gesture)
 
     def undo(self) -> Editor:
         """The last step taken back; the same editor if there is none."""
@@ -164,11 +168,11 @@ class Editor:
             return self
         return Editor(self.future[0], (*self.past, self.now), self.future[1:])
 
-    def before(self, gesture: str) -> Snapshot:
+    def before(self, gesture: str) -> WorldVersion:
         """The world before a gesture that has begun; now for any other."""
         return self.past[-1] if gesture and gesture == self.gesture else self.now
 
-    def changed(self, now: Snapshot, gesture: str = "") -> Editor:
+    def changed(self, now: WorldVersion, gesture: str = "") -> Editor:
         """The editor after a change."""
         if gesture and gesture == self.gesture:
             return replace(self, now=now, future=())
@@ -198,30 +202,30 @@ def has_heights(obstacle: Any) -> bool:
 
 
 def demand_allowed(world: World, place: int) -> None:
-    """Raise Refusal if an obstacle is too far away, unsound, or in the mission's way."""
+    """Raise InputError if an obstacle is too far away, unsound, or in the mission's way."""
     obstacle = world.obstacles[place]
     bounds = obstacle.footprint().bounds
     demand_near(world, f"obstacle {obstacle.label}", bounds)
     for problem in shape_problems(world, place):
-        raise Refusal(problem.text)
+        raise InputError(problem.text)
     demand_possible(world)
 
 
 def demand_near(world: World, thing: str, bounds: Sequence[float]) -> None:
-    """Raise Refusal if bounds (x, y, x, y) reach more than FAR boxes away, or are not finite."""
+    """Raise InputError if bounds (x, y, x, y) reach more than FAR boxes away, or are not finite."""
     far = FAR * max(world.size)
     low, high = world.low[:2], [a + b for a, b in zip(world.low, world.size, strict=True)][:2]
     near = all(
         bounds[axis] >= low[axis] - far and bounds[axis + 2] <= high[axis] + far for axis in (0, 1)
     )
     if not near:
-        raise Refusal(f"{thing} is too far away: at most {FAR:g} sides of the world's box")
+        raise InputError(f"{thing} is too far away: at most {FAR:g} sides of the world's box")
 
 
 def demand_possible(world: World) -> None:
-    """Raise Refusal if a goal, a waypoint or all of the start region is inside an obstacle."""
+    """Raise InputError if a goal, a waypoint or all of the start region is inside an obstacle."""
     if world.mission is None:
         return
     for problem in (*place_problems(world), *start_problems(world)):
         if problem.severity == "error":
-            raise Refusal(problem.text)
+            raise InputError(problem.text)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from worlds.input_error import InputError
 from worlds.obstacles import Disc, Polygon, obstacle
-from worlds.refusal import Refusal
 from worlds.world import World
 
 LEAST, MOST = 1e-3, 4.0
@@ -25,24 +25,24 @@ def disc(at: Sequence[float], radius: float) -> Disc:
 def polygon(points: Sequence[Sequence[float]]) -> Polygon:
     """A polygon of the corners that were clicked; a corner clicked twice counts once.
 
-    Raises Refusal for fewer than three corners or more than CORNERS.
+    Raises InputError for fewer than three corners or more than CORNERS.
     """
     corners = [(float(point[0]), float(point[1])) for point in points]
     kept = [one for one, before in zip(corners, corners[-1:] + corners[:-1], strict=True)
             if one != before]  # fmt: skip
     if len(kept) < 3:
-        raise Refusal(f"a polygon needs 3 corners or more, {len(kept)} were given")
+        raise InputError(f"a polygon needs 3 corners or more, {len(kept)} were given")
     if len(kept) > CORNERS:
-        raise Refusal(f"a polygon has {CORNERS} corners at most, {len(kept)} were given")
+        raise InputError(f"a polygon has {CORNERS} corners at most, {len(kept)} were given")
     return obstacle({"shape": "polygon", "points": kept})
 
 
 def demand_fitting(shape: Any, world: World) -> None:
-    """Raise Refusal if a drawn obstacle is too small or too large for its world."""
+    """Raise InputError if a drawn obstacle is too small or too large for its world."""
     side = max(world.size)
     for name, value in shape.measures().items():
         if name in MEASURES and not LEAST * side <= value <= MOST * side:
-            raise Refusal(
+            raise InputError(
                 f"{name} = {value:g} is not allowed: from {LEAST * side:g} to {MOST * side:g} in "
                 "this world"
             )

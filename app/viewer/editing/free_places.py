@@ -7,9 +7,9 @@ import math
 import numpy as np
 import shapely
 
+from worlds.input_error import InputError
 from worlds.queries.clearance import clearance
-from worlds.queries.outlines import outlines, shifts
-from worlds.refusal import Refusal
+from worlds.queries.solid_outlines import outlines, shifts
 from worlds.world import World
 
 GAP = 1e-3
@@ -28,7 +28,7 @@ def set_free(world: World, position: np.ndarray) -> np.ndarray:
 
     In the plane this is the nearest free place, GAP from what is solid; in space the nearest along
     one of RAYS directions. No two of them are put on the same spot. The others stay where they
-    are. Raises Refusal if there is no free place.
+    are. Raises InputError if there is no free place.
     """
     if not world.is_solid or not len(position):
         return position
@@ -62,7 +62,7 @@ def is_inside(world: World, position: np.ndarray) -> np.ndarray:
 
 
 def on_the_plan(world: World, position: np.ndarray) -> np.ndarray:
-    """The nearest free places to (M, 2). Raises Refusal."""
+    """The nearest free places to (M, 2). Raises InputError."""
     gap = GAP * max(world.size)
     free, places = free_area(world, gap), shapely.points(position)
     found = nearest(free, places, world)
@@ -96,9 +96,9 @@ def free_area(world: World, gap: float) -> shapely.Geometry:
 
 
 def nearest(free: shapely.Geometry, places: np.ndarray, world: World) -> np.ndarray:
-    """The points of an area nearest to places, (M, 2). Raises Refusal if there is no area."""
+    """The points of an area nearest to places, (M, 2). Raises InputError if there is no area."""
     if free.is_empty:
-        raise Refusal(f"no free place would be left for the agents in {world.name}")
+        raise InputError(f"no free place would be left for the agents in {world.name}")
     lines = shapely.shortest_line(places, free)
     return shapely.get_coordinates(lines)[1::2]
 
@@ -112,7 +112,7 @@ def repeated(position: np.ndarray) -> np.ndarray:
 
 
 def in_space(world: World, position: np.ndarray) -> np.ndarray:
-    """Free places near (M, 3), each the nearest along a ray. Raises Refusal."""
+    """Free places near (M, 3), each the nearest along a ray. Raises InputError."""
     parts = [
         along_rays(world, position[first : first + BATCH], first)
         for first in range(0, len(position), BATCH)
@@ -142,7 +142,7 @@ def along_rays(world: World, position: np.ndarray, number: int) -> np.ndarray:
         if np.isfinite(high).any(axis=1).all():
             break
     else:
-        raise Refusal(f"no free place would be left for the agents in {world.name}")
+        raise InputError(f"no free place would be left for the agents in {world.name}")
     for _ in range(HALVINGS):
         middle = np.where(np.isfinite(high), 0.5 * (low + high), 0.0)
         out = is_free(middle) & np.isfinite(high)

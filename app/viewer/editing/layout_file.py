@@ -14,12 +14,12 @@ from typing import Any
 from app.sandboxed_reader import read_in_sandbox
 from app.viewer.editing.editor import FAR, MOST_OBSTACLES
 from worlds.checks import demand_sound
+from worlds.input_error import InputError, unknown
 from worlds.layout import layout_names, world_from_layout
 from worlds.readers import read_geometry, world_around
 from worlds.readers.plan_question import PlanChoice, PlanQuestion
 from worlds.readers.read import READERS
-from worlds.reading import toml
-from worlds.refusal import Refusal, unknown
+from worlds.text_file import toml
 from worlds.world import World
 
 LARGEST = 5_000_000
@@ -44,8 +44,8 @@ def layout_from_browser(
 ) -> World:
     """The world in a file that a browser sent, read in a process of its own.
 
-    `options` are those of OPTIONS that are given. Raises Refusal as `layout_of`, and where the file
-    takes too much time or memory.
+    `options` are those of OPTIONS that are given. Raises InputError as `layout_of`, and where the
+    file takes too much time or memory.
     """
     if len(content) > LARGEST:
         raise too_large(name, content)
@@ -63,7 +63,7 @@ def layout_from_browser(
 def layout_as_json(name: str, content: bytes) -> bytes:
     """The layout in a file, or the question that it leaves open, as JSON.
 
-    `content` is a line of options, as JSON, and the file. Raises Refusal as `layout_of`.
+    `content` is a line of options, as JSON, and the file. Raises InputError as `layout_of`.
     """
     options, _, file = content.partition(b"\n")
     try:
@@ -77,14 +77,14 @@ def layout_as_json(name: str, content: bytes) -> bytes:
 def layout_of(name: str, content: bytes, options: Mapping[str, Any] | None = None) -> World:
     """The world in a file of this name; `options` are how a drawing is read.
 
-    Raises Refusal with one line for a file that is too large or of another kind, that cannot be
+    Raises InputError with one line for a file that is too large or of another kind, that cannot be
     read, or whose world is unsound or too large for the laboratory; PlanQuestion for a drawing
     that may mean two things.
     """
     name = plain_name(name)
     ending = Path(name).suffix.lower()
     if ending in PAIRS:
-        raise Refusal(f"{name} is one half of a map of ROS: open a ZIP file of it and its image")
+        raise InputError(f"{name} is one half of a map of ROS: open a ZIP file of it and its image")
     if ending not in ENDINGS:
         raise unknown("kind of layout file", ending or name, ENDINGS)
     if len(content) > LARGEST:
@@ -96,16 +96,16 @@ def layout_of(name: str, content: bytes, options: Mapping[str, Any] | None = Non
             world = from_drawing(name, content, options or {})
         demand_small(world, name)
         demand_sound(world)
-    except Refusal:
+    except InputError:
         raise
     except Exception as error:  # A broken file makes the parsers of others raise whatever they do.
-        raise Refusal(f"{name} cannot be read: {type(error).__name__}") from None
+        raise InputError(f"{name} cannot be read: {type(error).__name__}") from None
     return world
 
 
-def too_large(name: str, content: bytes) -> Refusal:
+def too_large(name: str, content: bytes) -> InputError:
     """What a file of too many bytes is told."""
-    return Refusal(f"{name} has {len(content)} bytes: a layout file has {LARGEST} at most")
+    return InputError(f"{name} has {len(content)} bytes: a layout file has {LARGEST} at most")
 
 
 def plain_name(name: str) -> str:
@@ -119,28 +119,28 @@ def plain_name(name: str) -> str:
 
 
 def from_toml(name: str, content: bytes) -> World:
-    """The world of a layout in TOML. Raises Refusal."""
+    """The world of a layout in TOML. Raises InputError."""
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise Refusal(f"{name} is not TOML: {error}") from None
+        raise InputError(f"{name} is not TOML: {error}") from None
     layout = toml(text, name)
     demand_few(layout, name)
     if "size" not in layout:
-        raise Refusal(f"{name} has no size: the laboratory needs the sides of its box")
+        raise InputError(f"{name} has no size: the laboratory needs the sides of its box")
     own = Path(name).stem
     return world_from_layout(layout, f"{own}-file" if own in layout_names() else own)
 
 
 def demand_few(layout: dict[str, Any], name: str) -> None:
-    """Raise Refusal for a layout with too many obstacles, before any of them is made."""
+    """Raise InputError for a layout with too many obstacles, before any of them is made."""
     obstacles = layout.get("obstacle", [])
     if isinstance(obstacles, list) and len(obstacles) > MOST_OBSTACLES:
         raise too_many(name, len(obstacles))
 
 
 def from_drawing(name: str, content: bytes, options: Mapping[str, Any]) -> World:
-    """The world around a drawing, with solid edges. Raises Refusal."""
+    """The world around a drawing, with solid edges. Raises InputError."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / name
         path.write_bytes(content)
@@ -152,20 +152,22 @@ def from_drawing(name: str, content: bytes, options: Mapping[str, Any]) -> World
         except PlanQuestion as question:
             words = str(question).replace(str(path), name)
             raise PlanQuestion(words[:MOST_WORDS], question.choices) from None
-        except Refusal as refusal:
+        except InputError as refusal:
             words = str(refusal).replace(str(path), name)
             # No options can be given here: where the words ask for one, they say where they can.
             hint = f" ({ELSEWHERE})" if "--" in words else ""
-            raise Refusal(words[:MOST_WORDS] + hint) from None
+            raise InputError(words[:MOST_WORDS] + hint) from None
 
 
-def too_many(name: str, count: int) -> Refusal:
+def too_many(name: str, count: int) -> InputError:
     """What a file with too many obstacles is told."""
-    return Refusal(f"{name} has {count} obstacles: the laboratory takes {MOST_OBSTACLES} at most")
+    return InputError(
+        f"{name} has {count} obstacles: the laboratory takes {MOST_OBSTACLES} at most"
+    )
 
 
 def demand_small(world: World, name: str) -> None:
-    """Raise Refusal for a world that would take the laboratory too long."""
+    """Raise InputError for a world that would take the laboratory too long."""
     corners, length = 0, 0.0
     far, side = FAR * max(world.size), max(world.size)
     if len(world.obstacles) > MOST_OBSTACLES:
@@ -175,16 +177,16 @@ def demand_small(world: World, name: str) -> None:
             corners += len(outline.exterior.coords) + sum(len(r.coords) for r in outline.interiors)
             length += outline.length
             if max(map(abs, outline.bounds), default=0.0) > far + side + max(map(abs, world.low)):
-                raise Refusal(
+                raise InputError(
                     f"{name}: obstacle {obstacle.label} is too far away, at most {FAR:g} sides of "
                     "the box"
                 )
     if corners > MOST_CORNERS:
-        raise Refusal(f"{name}: its obstacles have {corners} corners, at most {MOST_CORNERS}")
+        raise InputError(f"{name}: its obstacles have {corners} corners, at most {MOST_CORNERS}")
     length += 2.0 * sum(world.size)
     points = length / world.boundary_spacing if world.boundary_spacing > 0.0 else math.inf
     if points > MOST_POINTS:
-        raise Refusal(
+        raise InputError(
             f"{name}: boundary_spacing = {world.boundary_spacing:g} makes {points:.3g} boundary "
             f"points, at most {MOST_POINTS}"
         )

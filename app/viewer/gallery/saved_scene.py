@@ -15,13 +15,13 @@ from agents.catalogue import model as find_model
 from agents.models.declare import checked
 from agents.spec import OPTIONS, Spec
 from app.viewer.editing.layout_file import demand_few, demand_small
-from app.viewer.run.home import MOST_AGENTS, at_home
+from app.viewer.run.run_preset import MOST_AGENTS, at_home
 from app.viewer.scene.shown.control import Control, controls_of
 from app.viewer.scene.shown.look import CAMERAS, Look
 from worlds.checks import demand_sound
+from worlds.input_error import InputError, shortened, unknown
 from worlds.layout import layout_names, world_from_layout
-from worlds.reading import toml
-from worlds.refusal import Refusal, shortened, unknown
+from worlds.text_file import toml
 from worlds.world import World
 
 TEXTS = {"title": 80, "watch": 400, "try": 400}
@@ -98,7 +98,7 @@ class SavedScene:
 
     @classmethod
     def from_toml(cls, text: str, origin: str) -> SavedScene:
-        """A scene from TOML, whoever wrote it. Raises Refusal naming what is wrong.
+        """A scene from TOML, whoever wrote it. Raises InputError naming what is wrong.
 
         The world is one of the built-in ones or in the text itself, never another file.
         """
@@ -106,12 +106,12 @@ class SavedScene:
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any], origin: str) -> SavedScene:
-        """A scene from the values of a TOML text. Raises Refusal naming what is wrong."""
+        """A scene from the values of a TOML text. Raises InputError naming what is wrong."""
         for key in values:
             if key not in KEYS:
                 raise unknown("key", key, KEYS, origin)
         if "run" not in values:
-            raise Refusal(f"run is missing: which model, in which world ({origin})")
+            raise InputError(f"run is missing: which model, in which world ({origin})")
         try:
             words = {key: text_of(values, key) for key in TEXTS}
             spec = run_of(table(values, "run"), origin)
@@ -126,67 +126,67 @@ class SavedScene:
                 plots=plots_of(values.get("plots", [])),
                 look=look_of(table(values, "look"), spec),
             )
-        except Refusal as refusal:
+        except InputError as refusal:
             told = str(refusal)
-            raise Refusal(told if origin in told else f"{told} ({origin})") from None
+            raise InputError(told if origin in told else f"{told} ({origin})") from None
         return scene
 
 
 def read_scene(name: str, data: bytes) -> SavedScene:
-    """The scene of a file, or of a spec. Raises Refusal."""
+    """The scene of a file, or of a spec. Raises InputError."""
     demand_scene_size(name, data)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise Refusal(f"{name} is not a text file") from None
+        raise InputError(f"{name} is not a text file") from None
     return scene_of(toml(text, name), name)
 
 
 def demand_scene_size(name: str, data: bytes) -> None:
-    """Raise Refusal for a file that is too large for a scene."""
+    """Raise InputError for a file that is too large for a scene."""
     if len(data) > LARGEST:
-        raise Refusal(f"{name} has {len(data)} bytes: a scene has {LARGEST} at most")
+        raise InputError(f"{name} has {len(data)} bytes: a scene has {LARGEST} at most")
 
 
 def scene_of(values: Mapping[str, Any], origin: str) -> SavedScene:
-    """The scene of the values of a file, or of a spec. Raises Refusal."""
+    """The scene of the values of a file, or of a spec. Raises InputError."""
     return SavedScene.from_values(values if "run" in values else {"run": values}, origin)
 
 
 def text_of(values: Mapping[str, Any], key: str) -> str:
-    """One of the words of a scene, on one line. Raises Refusal."""
+    """One of the words of a scene, on one line. Raises InputError."""
     text = values.get(key, "")
     if not isinstance(text, str) or len(text) > TEXTS[key]:
-        raise Refusal(f"{key} = {shortened(text)} is no text of at most {TEXTS[key]} letters")
+        raise InputError(f"{key} = {shortened(text)} is no text of at most {TEXTS[key]} letters")
     return re.sub(r"\s+", " ", "".join(c for c in text if c.isprintable() or c.isspace())).strip()
 
 
 def table(values: Mapping[str, Any], key: str) -> dict[str, Any]:
-    """One of the tables of a scene, empty if it is not there. Raises Refusal."""
+    """One of the tables of a scene, empty if it is not there. Raises InputError."""
     found = values.get(key, {})
     if not isinstance(found, dict):
-        raise Refusal(f"{key} = {shortened(found)} is not a table")
+        raise InputError(f"{key} = {shortened(found)} is not a table")
     return found
 
 
 def run_of(values: dict[str, Any], origin: str) -> Spec:
-    """The run of a scene, which the laboratory can carry. Raises Refusal."""
+    """The run of a scene, which the laboratory can carry. Raises InputError."""
     own = dict(values)
     layout, parameters = own.pop("layout", None), own.pop("parameters", {})
     spec = Spec.from_values({**own, "parameters": {}}, origin)
     if spec.start != "random":
-        raise Refusal("start = 'given' is not allowed: such a run begins from its saved state")
+        raise InputError("start = 'given' is not allowed: such a run begins from its saved state")
     model = find_model(spec.model)
     if isinstance(spec.size, tuple) and len(set(spec.size)) == 1:
         spec = spec.but(size=spec.size[0])
     if isinstance(spec.size, tuple):
-        raise Refusal(f"size = {list(spec.size)} is not allowed: here all sides are alike")
+        raise InputError(f"size = {list(spec.size)} is not allowed: here all sides are alike")
     if layout is not None:
         spec = spec.but(world=world_of(layout, str(own.get("world", "layout"))), size=None)
     elif spec.world is not None and spec.world not in layout_names():
         raise unknown("world", spec.world, layout_names())
     if not isinstance(parameters, dict):
-        raise Refusal(f"parameters = {shortened(parameters)} is not a table")
+        raise InputError(f"parameters = {shortened(parameters)} is not a table")
     checked(model.parameters, parameters, origin)
     found = at_home(**{**dict(spec), "parameters": parameters})
     demand_bounded(found)
@@ -194,21 +194,21 @@ def run_of(values: dict[str, Any], origin: str) -> Spec:
 
 
 def demand_bounded(spec: Spec) -> None:
-    """Raise Refusal for what a panel would not offer either."""
+    """Raise InputError for what a panel would not offer either."""
     if spec.agents is not None and spec.agents > MOST_AGENTS:
-        raise Refusal(f"agents = {spec.agents} is not allowed: at most {MOST_AGENTS}")
+        raise InputError(f"agents = {spec.agents} is not allowed: at most {MOST_AGENTS}")
     if isinstance(spec.size, float) and spec.size > MOST_SIDE:
-        raise Refusal(f"size = {spec.size:g} is not allowed: at most {MOST_SIDE:g}")
+        raise InputError(f"size = {spec.size:g} is not allowed: at most {MOST_SIDE:g}")
     for name, option in OPTIONS.items():
         value = getattr(spec, name)
         if option.most and isinstance(value, int | float) and value > option.most:
-            raise Refusal(f"{name} = {value} is not allowed: at most {option.most:g}")
+            raise InputError(f"{name} = {value} is not allowed: at most {option.most:g}")
 
 
 def world_of(layout: Any, name: str) -> World:
-    """A world that a scene carries with it. Raises Refusal."""
+    """A world that a scene carries with it. Raises InputError."""
     if not isinstance(layout, dict):
-        raise Refusal(f"layout = {shortened(layout)} is not a table")
+        raise InputError(f"layout = {shortened(layout)} is not a table")
     demand_few(layout, "layout")
     world = world_from_layout(layout, f"{name}-scene" if name in layout_names() else name)
     demand_small(world, "layout")
@@ -217,7 +217,7 @@ def world_of(layout: Any, name: str) -> World:
 
 
 def beside_of(values: dict[str, Any], origin: str) -> Spec | None:
-    """The model beside, or None. Raises Refusal."""
+    """The model beside, or None. Raises InputError."""
     if not values:
         return None
     for key in values:
@@ -229,31 +229,33 @@ def beside_of(values: dict[str, Any], origin: str) -> Spec | None:
 
 
 def speed_of(value: Any) -> float | None:
-    """Ticks per second, or None. Raises Refusal."""
+    """Ticks per second, or None. Raises InputError."""
     if value is None:
         return None
     if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0.1:
-        raise Refusal(f"speed = {shortened(value)} is not allowed: a number >= 0.1 ticks/s, or inf")
+        raise InputError(
+            f"speed = {shortened(value)} is not allowed: a number >= 0.1 ticks/s, or inf"
+        )
     return float(value)
 
 
 def camera_of(value: Any) -> str:
-    """A preset point of view, or none. Raises Refusal."""
+    """A preset point of view, or none. Raises InputError."""
     if value and value not in CAMERAS:
         raise unknown("camera", value, CAMERAS)
     return value or ""
 
 
 def plots_of(value: Any) -> tuple[str, ...]:
-    """What is plotted, as the charts call it. Raises Refusal."""
+    """What is plotted, as the charts call it. Raises InputError."""
     right = isinstance(value, list) and all(isinstance(one, str) for one in value)
     if not right or len(value) > MOST_PLOTS or any(len(one) > LONGEST for one in value):
-        raise Refusal(f"plots = {shortened(value)} is no list of at most {MOST_PLOTS} names")
+        raise InputError(f"plots = {shortened(value)} is no list of at most {MOST_PLOTS} names")
     return tuple(value)
 
 
 def look_of(values: dict[str, Any], spec: Spec) -> dict[str, Any]:
-    """What of the look is not as usual. Raises Refusal."""
+    """What of the look is not as usual. Raises InputError."""
     for name, value in values.items():
         if name not in LOOKS:
             raise unknown("look", name, LOOKS)
@@ -264,15 +266,15 @@ def look_of(values: dict[str, Any], spec: Spec) -> dict[str, Any]:
 
 
 def demand_offered(name: str, value: Any, control: Control) -> None:
-    """Raise Refusal for a value that a control of the look does not have."""
+    """Raise InputError for a value that a control of the look does not have."""
     if control.choices:
         if value not in control.choices:
             raise unknown(f"look {name}", value, control.choices)
     elif control.high:
         right = isinstance(value, int | float) and not isinstance(value, bool)
         if not right or not control.low <= value <= control.high or not math.isfinite(value):
-            raise Refusal(
+            raise InputError(
                 f"look {name} = {shortened(value)} is not in [{control.low:g}, {control.high:g}]"
             )
     elif not isinstance(value, bool):
-        raise Refusal(f"look {name} = {shortened(value)} is neither true nor false")
+        raise InputError(f"look {name} = {shortened(value)} is neither true nor false")

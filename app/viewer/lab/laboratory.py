@@ -19,37 +19,37 @@ from app.results import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.agent.inspector import Inspector
 from app.viewer.lab.panels.downloads import Downloads
-from app.viewer.lab.panels.guide.guide import Guide
-from app.viewer.lab.panels.guide.tries import Tries
-from app.viewer.lab.panels.monitors.crashes import CrashLists
-from app.viewer.lab.panels.monitors.monitors import BLOCKS, contents
-from app.viewer.lab.panels.monitors.more import MoreNumbers
-from app.viewer.lab.panels.monitors.numbers import NumbersTable
-from app.viewer.lab.panels.plots.plots import Plots
-from app.viewer.lab.panels.run import RunPanel
+from app.viewer.lab.panels.flock_view import FlockView
+from app.viewer.lab.panels.guide.model_guide import Guide
+from app.viewer.lab.panels.guide.try_runner import TryRunner
+from app.viewer.lab.panels.monitors.crash_lists import CrashLists
+from app.viewer.lab.panels.monitors.flock_monitors import BLOCKS, contents
+from app.viewer.lab.panels.monitors.more_numbers import MoreNumbers
+from app.viewer.lab.panels.monitors.numbers_table import NumbersTable
+from app.viewer.lab.panels.plots.laboratory_plots import LaboratoryPlots
+from app.viewer.lab.panels.run_panel import RunPanel
 from app.viewer.lab.panels.scene_files import SceneFiles
 from app.viewer.lab.panels.setup import SetupPanel
-from app.viewer.lab.panels.sweep import SweepPanel
-from app.viewer.lab.panels.time_line import TimeLinePanel
-from app.viewer.lab.panels.view import FlockView
-from app.viewer.lab.panels.world.world import WorldPanel
+from app.viewer.lab.panels.sweep_panel import SweepPanel
+from app.viewer.lab.panels.time_line_panel import TimeLinePanel
+from app.viewer.lab.panels.world.world_panel import WorldPanel
+from app.viewer.lab.picture_exporter import PictureExporter
 from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
-from app.viewer.lab.sweeps.requests import SweepRequests, refuse_sweeps
-from app.viewer.lab.sweeps.sweeps import Sweeps
-from app.viewer.lab.taking import Taking
-from app.viewer.measuring.readings import Readings
+from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps
+from app.viewer.lab.sweeps.sweep_request_handler import SweepRequestHandler, refuse_sweeps
+from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.making import Making
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.shell import dock, dress
 from app.viewer.run.allowance import Allowance
-from app.viewer.run.home import at_home, lively_speed, usual_of
-from app.viewer.run.past.stored import LARGEST, Beginning
-from app.viewer.run.picture import Elsewhere, Wanted
+from app.viewer.run.dragged_pose import leader, usable_pose
+from app.viewer.run.frame_builder import FrameRequest, WatchPageRequest
+from app.viewer.run.past.stored_flock import LARGEST, Beginning
+from app.viewer.run.run_preset import at_home, lively_speed, usual_of
 from app.viewer.run.simulation import Simulation
-from app.viewer.run.state import State
-from app.viewer.run.steering import leader, usable_pose
+from app.viewer.run.simulation_state import SimulationState
 from app.viewer.scene.drawing import Drawing, Rates
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.between import Between
@@ -94,7 +94,7 @@ class Laboratory:
     open already, on this host. `opened`: a scene, a saved state, a recording or a flock in hand
     that it opens on, instead of a `spec`. `waits`: whether the flock stands until the first browser
     is there. `results`: the folder of its sweeps. `allowance`: what it may take and do; None:
-    everything. Raises Refusal if the port is busy.
+    everything. Raises InputError if the port is busy.
     """
 
     def __init__(
@@ -137,9 +137,9 @@ class Laboratory:
             self.scene = Scene(self.server)
         self.selected: int | None = None
         self.selected_beside = False
-        self.wanted = Wanted()
+        self.wanted = FrameRequest()
         self.watched: frozenset[str] = frozenset()
-        self.elsewhere = Elsewhere()
+        self.elsewhere = WatchPageRequest()
         """What the pages of those who only watch want to know."""
         self.contents: dict[str, str] = {}
         """What the monitors show, by block."""
@@ -154,7 +154,7 @@ class Laboratory:
         self.furnish()
         self.requests = SceneRequests(front_of(self.server), self)
         if self.sweeps is not None and self.sweep is not None:
-            SweepRequests(self.requests, self.sweeps, self.sweep)
+            SweepRequestHandler(self.requests, self.sweeps, self.sweep)
         else:
             refuse_sweeps(self.requests)
         self.take_uploads()
@@ -172,7 +172,7 @@ class Laboratory:
             self.changes,
         )
         when_heard(self.server, self.simulation.news.set)
-        self.taking = Taking(self, self.making)
+        self.taking = PictureExporter(self, self.making)
         self.listen()
         self.drawing.start()
         admit_browsers(self.server)  # last: browsers find all of the above
@@ -228,12 +228,12 @@ class Laboratory:
         left = gui.add_panel()
         with left.add_tab("Monitors", viser.Icon.CHART_LINE):
             self.monitors = Monitors(gui, BLOCKS, "tick")
-            self.plots = Plots(self.server, self.making)
+            self.plots = LaboratoryPlots(self.server, self.making)
             self.crashes = CrashLists(gui, self.show_crash)
             self.more = MoreNumbers(gui)
             self.numbers = NumbersTable(self.server, self.more, self.plots.sender)
         dock(gui, left)
-        self.guide = Guide(self.server, Tries(self.simulation, self.parameters, self.setup))
+        self.guide = Guide(self.server, TryRunner(self.simulation, self.parameters, self.setup))
         self.inspector = Inspector(gui, lambda: self.select(None))
 
     def take_uploads(self) -> None:
@@ -291,7 +291,7 @@ class Laboratory:
     def open(self, opened: SavedScene | Beginning) -> None:
         """Set up a scene, a state or a recording in all browsers, and let it run.
 
-        Raises Refusal for what an allowance does not allow.
+        Raises InputError for what an allowance does not allow.
         """
         if self.allowance is not None:
             stored = None if isinstance(opened, SavedScene) else opened
@@ -436,7 +436,7 @@ class Laboratory:
         self.notices.tell()
         self.world.refresh()
         look = self.view.look()
-        wanted = Wanted(
+        wanted = FrameRequest(
             layers=COLOURINGS[look.colour].labels == "layer",
             groups=COLOURINGS[look.colour].labels == "group",
             measured=look.measured,
@@ -487,7 +487,7 @@ class Laboratory:
         for client in self.server.get_clients().values():
             self.scene.camera(client, camera or usual)
 
-    def measure(self, state: State, frame: Frame, readings: Readings) -> None:
+    def measure(self, state: SimulationState, frame: Frame, readings: FlockReadings) -> None:
         """Show what has been measured, and say what is to be."""
         beside = None if frame.beside is None else self.simulation.readings_beside
         self.plots.refresh(readings, frame, beside)

@@ -13,12 +13,12 @@ from urllib.parse import parse_qs, quote
 
 from websockets.http11 import Request, Response
 
-from app.viewer.gallery.address import packed
-from app.viewer.gallery.collection import Card, cards, find_scene, pictures
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.words import command_line, python
+from app.viewer.gallery.scene_address import packed
+from app.viewer.gallery.scene_code import command_line, python
+from app.viewer.gallery.scene_collection import GalleryCard, cards, find_scene, pictures
 from app.viewer.web.serving.front import Answering, Front, content, words
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SCRIPTS = ("gallery.js", "take.js", "card.js", "sweep.js")
 """What the page needs to ask, to keep its card beside its agent, and for sweeps."""
@@ -27,10 +27,10 @@ MARK, WORD = "X-Flockscope", "scene"
 """A header that no foreign page can send: a browser would ask first whether it may."""
 JSON = "application/json"
 Finding = Callable[[dict[str, list[str]]], SavedScene]
-"""Finds the scene that is asked for, by what stands in the query. Raises Refusal."""
+"""Finds the scene that is asked for, by what stands in the query. Raises InputError."""
 
 
-class Opened(Protocol):
+class SceneOpener(Protocol):
     """What opens scenes."""
 
     def open(self, scene: SavedScene) -> None: ...
@@ -44,7 +44,7 @@ def pictured(picture: bytes) -> Answering:
 
 
 @lru_cache(maxsize=1)
-def listed(shown: tuple[Card, ...]) -> bytes:
+def listed(shown: tuple[GalleryCard, ...]) -> bytes:
     """Cards as JSON."""
     return json.dumps([asdict(card) for card in shown]).encode()
 
@@ -52,7 +52,7 @@ def listed(shown: tuple[Card, ...]) -> bytes:
 class SceneRequests:
     """Answers them; opening replaces the run in all browsers, which the page asks about first."""
 
-    def __init__(self, front: Front, laboratory: Opened):
+    def __init__(self, front: Front, laboratory: SceneOpener):
         self.laboratory = laboratory
         self.opening = threading.Lock()
         shown = listed(cards())
@@ -84,7 +84,7 @@ class SceneRequests:
                 self.laboratory.open(scene)
             asks = others and "sure" not in asked
             return content(json.dumps({"title": scene.title, "asks": asks}).encode(), JSON)
-        except Refusal as refusal:
+        except InputError as refusal:
             return words(HTTPStatus.BAD_REQUEST, str(refusal))
         finally:
             self.opening.release()
@@ -94,7 +94,7 @@ class SceneRequests:
         scene = self.laboratory.now()
         try:
             address = f"?scene={quote(packed(scene))}"
-        except Refusal as refusal:
+        except InputError as refusal:
             address = str(refusal)
         said = {
             "title": scene.title,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from app.live.control.status import Status
+from app.live.control.loop_status import Status
 from app.live.links.link import RUN
 from app.viewer.live.arming_code import TRIES
 from app.viewer.live.session_state import SessionState

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from viser import SceneApi, TransformControlsEvent
 
-from app.live.control.area import Area
+from app.live.control.tracking_area import TrackingArea
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown.frame import Frame
 
@@ -21,7 +21,7 @@ Placed = Callable[[float, float], None]
 class DragHandle:
     """Two arrows and a plate on the injected car; what is dragged out of the fence stays at it."""
 
-    def __init__(self, scene: SceneApi, area: Area, placed: Placed):
+    def __init__(self, scene: SceneApi, area: TrackingArea, placed: Placed):
         self.area = area
         self.placed = placed
         self.stage: Stage | None = None

@@ -9,17 +9,17 @@ from pathlib import Path
 import numpy as np
 import viser
 
-from app.live.operating.choices import Choices
+from app.live.operating.lab_choices import Choices
 from app.viewer.live.drag_handle import DragHandle
-from app.viewer.live.framing import roster
-from app.viewer.live.panels.log import LogPanel
-from app.viewer.live.panels.monitors import BLOCKS, contents
-from app.viewer.live.panels.plots import LivePlots
-from app.viewer.live.panels.recording import RecordingPanel, TimeLinePanel
-from app.viewer.live.panels.room import RoomPanel
-from app.viewer.live.panels.rule import RulePanel
-from app.viewer.live.panels.state import StatePanel
-from app.viewer.live.panels.view import CONTROLS, usual
+from app.viewer.live.panels.live_plots import LivePlots
+from app.viewer.live.panels.log_panel import LogPanel
+from app.viewer.live.panels.recording_panel import RecordingPanel, ReplayPanel
+from app.viewer.live.panels.room_look import CONTROLS, usual
+from app.viewer.live.panels.room_monitors import BLOCKS, contents
+from app.viewer.live.panels.room_panel import RoomPanel
+from app.viewer.live.panels.rule_panel import RulePanel
+from app.viewer.live.panels.state_panel import StatePanel
+from app.viewer.live.room_frame import roster
 from app.viewer.live.session import Session
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.monitors import Monitors
@@ -58,7 +58,7 @@ class LivePage:
 
     Nothing in it can hold up the control loop, which is another process. `recording`: the folder in
     which each opening is recorded; `recordings`: that of what the page records, and lists. Raises
-    Refusal if the port is busy.
+    InputError if the port is busy.
     """
 
     def __init__(
@@ -115,7 +115,7 @@ class LivePage:
         gui, lab = self.server.gui, self.lab
         dress(gui, f"flockscope · {lab.title}" if lab.title else "flockscope live")
         self.state = StatePanel(self.server, self.session)
-        self.time_line = TimeLinePanel(gui, self.session)
+        self.time_line = ReplayPanel(gui, self.session)
         recorded = gui.add_html("", visible=False)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Rule"):

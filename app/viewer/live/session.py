@@ -14,23 +14,23 @@ from typing import Any, Protocol
 from agents.models.declare import Parameters
 from agents.models.model import Model
 from app.live.control.arm import OperatorRequest
-from app.live.control.events import Event, Events
-from app.live.control.status import Status
-from app.live.laboratory.lab import Lab
-from app.live.operating.choices import Choices
-from app.live.operating.driven import open_driven
-from app.live.operating.ends import Opener
+from app.live.control.loop_events import Event, Events
+from app.live.control.loop_status import Status
+from app.live.laboratory.lab_file import Lab
 from app.live.operating.flock_driver import FlockDriver
+from app.live.operating.lab_choices import Choices
+from app.live.operating.lab_opener import open_driven
+from app.live.operating.loop_components import Opener
 from app.live.operating.operator import Operator
 from app.viewer.live.arming_code import ArmingCode, Verdict
-from app.viewer.live.framing import Setting, deserted
-from app.viewer.live.opening import Opening, OperatorProtocol
-from app.viewer.live.readings import RoomReadings
-from app.viewer.live.replaying import Replaying
+from app.viewer.live.loop_connection import LoopConnection, OperatorProtocol
+from app.viewer.live.room_frame import Setting, deserted
+from app.viewer.live.room_readings import RoomReadings
+from app.viewer.live.room_replay import RoomReplay
 from app.viewer.live.session_requests import CLOSED, SessionRequests, new_folder
-from app.viewer.run.words import in_words
+from app.viewer.run.run_errors import in_words
 from app.viewer.scene.shown.frame import Frame
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 POLL_EVERY = 1 / 50
 """Seconds between two polls of the loop."""
@@ -40,7 +40,7 @@ FAREWELL = 2.0
 """Seconds that closing waits for an opening; its loop is closed when it is ready."""
 
 
-class Driving(Protocol):
+class SessionDriver(Protocol):
     """What a session has to know of what drives the cars."""
 
     model: Model
@@ -61,7 +61,7 @@ class Session(SessionRequests):
         recording: Path | None = None,
         opener: Opener = open_driven,
         operator: Callable[[Lab, Opener, Path | None], OperatorProtocol] = Operator,
-        driver: Callable[[Lab, Callable[[str], None]], Driving] = FlockDriver,
+        driver: Callable[[Lab, Callable[[str], None]], SessionDriver] = FlockDriver,
     ):
         super().__init__(choices)
         self.folder = recording
@@ -169,7 +169,7 @@ class Session(SessionRequests):
         self.change(phase="opening", trouble="", run=self.state.run + 1, **empty)
         self.say("room", f"closed, to show the recording {folder.name}", cause)
         try:
-            shown = Replaying(folder, self.state.run)
+            shown = RoomReplay(folder, self.state.run)
         except Exception as error:
             self.trace(error)
             self.fail(in_words(error))
@@ -179,7 +179,7 @@ class Session(SessionRequests):
         self.replaying = shown
         self.change(phase="replay")
 
-    def replay(self, shown: Replaying) -> None:
+    def replay(self, shown: RoomReplay) -> None:
         """Play on the recording that is shown."""
         while not self.moves.empty():
             self.moves.get_nowait()(shown)
@@ -187,7 +187,7 @@ class Session(SessionRequests):
         self.readings = shown.readings
 
     def open(self, lab: Lab, cause: str) -> None:
-        """Open a laboratory, unless another is chosen or the session closed. Raises Refusal."""
+        """Open a laboratory, unless another is chosen or the session closed. Raises InputError."""
         driver = self.make_driver(lab, self.compiles)  # here, so that the loop need not
         self.change(compiling="")
         setting = Setting.of(self.state.run, lab, driver.model)
@@ -200,7 +200,7 @@ class Session(SessionRequests):
         if self.overtaken:
             operator.close()
             return
-        self.take_over(Opening(setting, operator, values, self.notices.put))
+        self.take_over(LoopConnection(setting, operator, values, self.notices.put))
         self.change(phase="open", recording="" if folder is None else str(folder))
         self.say("room", "open", cause)
 
@@ -214,7 +214,7 @@ class Session(SessionRequests):
         """Whether another choice has been made meanwhile, or the session is to close."""
         return self.closing.is_set() or self.next is not None
 
-    def take_over(self, opening: Opening) -> None:
+    def take_over(self, opening: LoopConnection) -> None:
         """Let everybody ask the loop, once it has been sent an emergency stop that is latched."""
         given = self.latch
         if given:
@@ -266,7 +266,7 @@ class Session(SessionRequests):
         elif event.kind == "record":
             self.change(recording=event.note)
 
-    def lose(self, opening: Opening) -> None:
+    def lose(self, opening: LoopConnection) -> None:
         """Close a loop that has ended by itself; `reopen` and `choose` open one again."""
         with self.parting:
             closed = self.opening is not opening
@@ -294,6 +294,6 @@ class Session(SessionRequests):
 
     def trace(self, error: Exception) -> None:
         """Print the traceback of an unexpected error, once while it repeats."""
-        if not isinstance(error, Refusal) and in_words(error) != self.traced:
+        if not isinstance(error, InputError) and in_words(error) != self.traced:
             self.traced = in_words(error)
             traceback.print_exception(error)

@@ -14,14 +14,14 @@ from pathlib import Path
 from typing import Any
 
 from app.live.control.arm import Action, OperatorRequest
-from app.live.operating.choices import Choices
-from app.viewer.live.opening import Opening
+from app.live.operating.lab_choices import Choices
+from app.viewer.live.loop_connection import LoopConnection
 from app.viewer.live.page_input import number, parameter_value, whole_number, word
-from app.viewer.live.replaying import Replaying
+from app.viewer.live.recordings_folder import on_shelf
+from app.viewer.live.room_replay import RoomReplay
 from app.viewer.live.session_state import SessionState
-from app.viewer.live.shelf import on_shelf
-from app.viewer.run.words import in_words
-from worlds.refusal import Refusal
+from app.viewer.run.run_errors import in_words
+from worlds.input_error import InputError
 
 ASKED: dict[str, Action] = {"arm": "arm", "disarm": "disarm", "reset": "reset"}
 """What may be asked with `ask`."""
@@ -43,11 +43,11 @@ class SessionRequests:
         """What is to be opened next, a room or a recording, and who chose it."""
         self.shelf: Path | None = None
         """The folder of recordings that are made by a button, and listed."""
-        self.replaying: Replaying | None = None
+        self.replaying: RoomReplay | None = None
         """The recording that is shown; no loop is open then."""
-        self.moves: queue.SimpleQueue[Callable[[Replaying], None]] = queue.SimpleQueue()
+        self.moves: queue.SimpleQueue[Callable[[RoomReplay], None]] = queue.SimpleQueue()
         """What is to be done with it."""
-        self.opening: Opening | None = None
+        self.opening: LoopConnection | None = None
         self.changing = threading.Lock()
         """Guards the state and the choice; held for moments only."""
         self.latch = ""
@@ -60,7 +60,7 @@ class SessionRequests:
         with self.telling():
             wanted = ASKED[word("request", action, ASKED)]
             if wanted == "arm" and self.next is not None:
-                raise Refusal("cannot be armed: another room is about to be opened")
+                raise InputError("cannot be armed: another room is about to be opened")
             self.open_one().operator.ask(OperatorRequest(wanted, cause))
 
     def emergency(self, cause: str) -> None:
@@ -113,7 +113,7 @@ class SessionRequests:
     ) -> None:
         """Close the loop and open one with other choices; what is not given stays.
 
-        The names are those of `app.live.operating.choices`. Not while the cars are
+        The names are those of `app.live.operating.lab_choices`. Not while the cars are
         armed. Of several choices at once only the last is opened.
         """
         asked = {"source": source, "link": link, "rule": rule}
@@ -143,7 +143,7 @@ class SessionRequests:
             if not on:
                 opening.operator.record(None, cause)
             elif self.shelf is None:
-                raise Refusal("nothing is recorded: there is no folder for recordings")
+                raise InputError("nothing is recorded: there is no folder for recordings")
             else:
                 opening.operator.record(new_folder(self.shelf, datetime.now()), cause)
 
@@ -164,7 +164,7 @@ class SessionRequests:
 
     def toggle_replay(self) -> None:
         """Pause the recording, or play it on."""
-        self.move(Replaying.toggle)
+        self.move(RoomReplay.toggle)
 
     def replay_at(self, speed: float) -> None:
         """Play the recording so many times as fast as it was."""
@@ -172,7 +172,7 @@ class SessionRequests:
             times = number("speed", speed)
             self.move(lambda shown: setattr(shown, "speed", times))
 
-    def move(self, what: Callable[[Replaying], None]) -> None:
+    def move(self, what: Callable[[RoomReplay], None]) -> None:
         """Have something done with the recording that is shown, if one is."""
         if self.replaying is not None:
             self.moves.put(what)
@@ -194,18 +194,18 @@ class SessionRequests:
             self.notices.put(in_words(error))
 
     def demand_unarmed(self, what: str) -> None:
-        """Raise Refusal while cars are armed, and once the session is closed."""
+        """Raise InputError while cars are armed, and once the session is closed."""
         opening = self.opening
         if self.closing.is_set():
-            raise Refusal("the room is closed")
+            raise InputError("the room is closed")
         if opening is not None and opening.armed:
-            raise Refusal(f"{what} while the cars are armed: disarm them first")
+            raise InputError(f"{what} while the cars are armed: disarm them first")
 
-    def open_one(self) -> Opening:
-        """The open loop. Raises Refusal if none is open."""
+    def open_one(self) -> LoopConnection:
+        """The open loop. Raises InputError if none is open."""
         opening = self.opening
         if opening is None:
-            raise Refusal(f"the room is not open ({self.state.phase})")
+            raise InputError(f"the room is not open ({self.state.phase})")
         return opening
 
     def change(self, **changes: Any) -> None:

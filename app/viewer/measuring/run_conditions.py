@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
-from agents.home import at_home
+from agents.flock_world import at_home
 from agents.models.model import Model
 from agents.spec import Spec
-from app.viewer.measuring.measured import few
+from app.viewer.measuring.observable_format import few
 from worlds.world import World
 
 TOLD = 3

@@ -9,7 +9,7 @@ import numpy as np
 import viser
 from viser import uplot
 
-from app.viewer.measuring.curves import thinned
+from app.viewer.measuring.observable_curves import thinned
 from app.viewer.panels.plotted import DOT
 from app.viewer.panels.style import block
 

@@ -15,8 +15,8 @@ from typing import Any
 
 import viser
 
-from agents.models.declare import Declared
-from agents.models.proposed import Range, above, below, is_wide
+from agents.models.declare import DeclaredParameter
+from agents.models.proposed_range import Range, above, below, is_wide
 
 FEWEST, MOST = 20, 200
 """Steps of a linear slider."""
@@ -28,7 +28,7 @@ DECIMALS = 8
 class Dial:
     """The slider of one parameter."""
 
-    one: Declared
+    one: DeclaredParameter
     control: Any
     shown: Range
 
@@ -57,7 +57,7 @@ class Dials:
         self.place = gui.add_html("")
         self.marks = gui.add_html("")
         self.dials: list[Dial] = []
-        self.controls: list[tuple[Declared, Any]] = []
+        self.controls: list[tuple[DeclaredParameter, Any]] = []
         self.told: list[Any] = []
         """Of which sliders the page has been told what they span."""
 
@@ -65,7 +65,7 @@ class Dials:
         """The controls are gone."""
         self.dials, self.controls = [], []
 
-    def add(self, one: Declared, control: Any) -> None:
+    def add(self, one: DeclaredParameter, control: Any) -> None:
         """Another control."""
         self.controls.append((one, control))
         if one.kind == "number":
@@ -98,20 +98,20 @@ def marks(uuids: list[str]) -> str:
     )
 
 
-def proposed(one: Declared) -> Range:
+def proposed(one: DeclaredParameter) -> Range:
     """What the slider of a number spans."""
     assert one.proposed is not None
     return one.proposed
 
 
-def allowed(one: Declared) -> Range:
+def allowed(one: DeclaredParameter) -> Range:
     """What a number may be."""
     assert one.low is not None
     assert one.high is not None
     return one.low, one.high
 
 
-def step_of(one: Declared) -> float:
+def step_of(one: DeclaredParameter) -> float:
     """From one value to the next in a box."""
     low, high = allowed(one)
     return one.step or (high - low) / MOST
@@ -164,7 +164,7 @@ def grain(low: float, high: float, step: float) -> float:
     return step if steps >= FEWEST or step >= 1.0 else below((high - low) / FEWEST)
 
 
-def decimals(one: Declared) -> int:
+def decimals(one: DeclaredParameter) -> int:
     """So many decimals has the box of a number: all of the declared ones, and three figures of the
     least of them."""
     numbers = [one.default, *allowed(one), step_of(one)]

@@ -8,7 +8,7 @@ from contextlib import contextmanager, nullcontext
 
 from app.viewer.run.allowance import Allowance
 from app.viewer.web.incoming.rate_limit import RateLimit
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 AT_ONCE = 2.0
 """Files of one page at once; then they come at the rate that is allowed."""
@@ -24,17 +24,17 @@ class Making:
         self.limit = None if allowance is None else RateLimit(allowance.files, AT_ONCE)
 
     def demand_file(self) -> None:
-        """Raise Refusal if too many pictures and files have been asked for of late."""
+        """Raise InputError if too many pictures and files have been asked for of late."""
         if self.allowance is not None and self.limit is not None and not self.limit.take():
-            raise Refusal(
+            raise InputError(
                 f"a class makes a picture or a file of a plot every {1 / self.allowance.files:g} s "
                 "for each student: try again soon"
             )
 
     def demand_film(self) -> None:
-        """Raise Refusal where there are no films."""
+        """Raise InputError where there are no films."""
         if self.allowance is not None and not self.allowance.films:
-            raise Refusal("a class makes no films: `flockscope lab` on your own machine does")
+            raise InputError("a class makes no films: `flockscope lab` on your own machine does")
 
     @contextmanager
     def turn(self) -> Iterator[None]:

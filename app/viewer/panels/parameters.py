@@ -15,14 +15,14 @@ from typing import Any
 import viser
 
 from agents.catalogue import MODELS
-from agents.models.declare import Declared, declared
+from agents.models.declare import DeclaredParameter, declared
 from agents.models.model import Model
 from app.viewer.panels.dials import Dials, allowed, decimals, step_of
 from app.viewer.panels.notation import plain
 from app.viewer.panels.style import block, table
-from app.viewer.run.beside import shared_by
+from app.viewer.run.paired_run import shared_by
 from app.viewer.run.simulation import Models, Simulation
-from app.viewer.run.state import State
+from app.viewer.run.simulation_state import SimulationState
 
 UNDO, DEFAULTS = "Undo", "All to defaults"
 DRAG = 1.0
@@ -63,7 +63,7 @@ class ParametersPanel:
         self.models: Models | None = None
         self.shown_run = -1
 
-    def refresh(self, state: State) -> None:
+    def refresh(self, state: SimulationState) -> None:
         """Follow a new set-up, and say what is not at its default."""
         if not state.values:
             return
@@ -121,7 +121,7 @@ class ParametersPanel:
         self.simulation.set(name, value, beside, self.models)
         (self.beside_controls if beside else self.controls)[name].value = value
 
-    def agree(self, state: State) -> None:
+    def agree(self, state: SimulationState) -> None:
         """Have controls show what the flock has, but for what somebody has just changed: that may
         not have come to the flock yet."""
         if state.busy or state.models != self.models:
@@ -133,7 +133,7 @@ class ParametersPanel:
                 if not lately and name in values:
                     control.value = values[name]
 
-    def rebuild(self, state: State) -> None:
+    def rebuild(self, state: SimulationState) -> None:
         """Controls for the model's parameters, and for those that only the one beside it has."""
         for child in tuple(self.folder._children.values()):
             child.remove()
@@ -161,12 +161,12 @@ class ParametersPanel:
                     self.beside_controls = self.controls_of(alone, beside_values, beside=True)
 
     def controls_of(
-        self, some: list[Declared], values: dict[str, Any], beside: bool = False
+        self, some: list[DeclaredParameter], values: dict[str, Any], beside: bool = False
     ) -> dict[str, Any]:
         """The controls of some parameters by name, of the model beside alone if so."""
         return {one.name: self.control(one, values[one.name], beside) for one in some}
 
-    def control(self, one: Declared, value: Any, beside: bool = False) -> Any:
+    def control(self, one: DeclaredParameter, value: Any, beside: bool = False) -> Any:
         """The control of one parameter, of the model beside alone if so."""
         made = add_control(self.gui, one, value)
         self.dials.add(one, made)
@@ -190,7 +190,7 @@ class ParametersPanel:
         return made
 
 
-def add_control(gui: viser.GuiApi, one: Declared, value: Any) -> Any:
+def add_control(gui: viser.GuiApi, one: DeclaredParameter, value: Any) -> Any:
     """A switch, a choice, or a slider with a box, which takes all that is allowed."""
     label, hint = worded(one)
     if one.kind == "switch":
@@ -203,13 +203,15 @@ def add_control(gui: viser.GuiApi, one: Declared, value: Any) -> Any:
     return made
 
 
-def sides(model: Model, own: Iterable[Declared]) -> tuple[list[Declared], list[Declared]]:
+def sides(
+    model: Model, own: Iterable[DeclaredParameter]
+) -> tuple[list[DeclaredParameter], list[DeclaredParameter]]:
     """The parameters of a model's rule, and those of its body."""
     wants = model.rule.parameters.model_fields
     return [one for one in own if one.name in wants], [one for one in own if one.name not in wants]
 
 
-def worded(one: Declared) -> tuple[str, str]:
+def worded(one: DeclaredParameter) -> tuple[str, str]:
     """Label and hint of a parameter: of a number words, symbol and unit, of all else words."""
     hint = f"{one.description}. {one.allowed[:1].upper()}{one.allowed[1:]}. {one.source}."
     if one.kind != "number":
@@ -233,7 +235,7 @@ def raised(found: re.Match[str]) -> str:
     return found[1].translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def differing(changed: list[Declared], values: dict[str, Any]) -> str:
+def differing(changed: list[DeclaredParameter], values: dict[str, Any]) -> str:
     """What is not at its default, what that is, and what it is now: a line each."""
     rows = {
         html.escape(f"{one.words} {plain(one.symbol)}"): html.escape(

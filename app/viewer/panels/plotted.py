@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from app.figure import UNDATED
-from worlds.writing import csv_text
+from worlds.file_writer import csv_text
 
 KINDS = ("CSV", "PNG", "SVG")
 LONGEST_NAME = 120

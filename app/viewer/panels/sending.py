@@ -9,7 +9,7 @@ from collections.abc import Callable
 import viser
 
 from app.viewer.panels.making import Making
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 FAILED = "This file could not be made"
 
@@ -29,7 +29,7 @@ class Sender:
             return
         try:
             self.allowed.demand_file()
-        except Refusal as refusal:
+        except InputError as refusal:
             client.add_notification("flockscope", str(refusal), color="red")
             return
         self.asked.add(client.client_id)

@@ -26,7 +26,7 @@ from app.viewer.scene.shown.look import Look
 from app.viewer.web.renders import LEAST, Eye
 from app.viewer.web.server import admit_browsers, close_server, open_server, renders_of
 from app.viewer.web.serving.front import Front
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 NAMED = "FLOCKSCOPE_CHROMIUM"
 """The environment's word for which browser it is."""
@@ -77,12 +77,12 @@ ENDS = 10.0
 
 
 def find_browser() -> str | None:
-    """The program of a browser that can draw; None if there is none. Raises Refusal."""
+    """The program of a browser that can draw; None if there is none. Raises InputError."""
     asked = os.environ.get(NAMED)
     if asked:
         found = shutil.which(asked)
         if found is None:
-            raise Refusal(f"{NAMED} = {asked!r} is no program")
+            raise InputError(f"{NAMED} = {asked!r} is no program")
         return found
     named = (shutil.which(name) for name in NAMES)
     there = (path for path in ELSEWHERE if Path(path).is_file())
@@ -140,7 +140,7 @@ def guard_program(guard: subprocess.Popen, program: int) -> None:
 
 
 class Browser:
-    """Draws frames; a context manager. Raises Refusal where the browser does not start."""
+    """Draws frames; a context manager. Raises InputError where the browser does not start."""
 
     def __init__(self, program: str):
         self.program = program
@@ -164,7 +164,7 @@ class Browser:
         self.close()
 
     def start(self) -> None:
-        """Have it open the page of our server. Raises Refusal."""
+        """Have it open the page of our server. Raises InputError."""
         is_root = hasattr(os, "geteuid") and os.geteuid() == 0  # it runs in no sandbox for root
         self.process = subprocess.Popen(
             [
@@ -183,17 +183,17 @@ class Browser:
         until = time.monotonic() + STARTS
         while not self.server.get_clients():
             if self.process.poll() is not None:
-                raise Refusal(f"the browser {self.program!r} ends at once: it cannot run here")
+                raise InputError(f"the browser {self.program!r} ends at once: it cannot run here")
             if time.monotonic() > until:
-                raise Refusal(f"the browser {self.program!r} opens no page within {STARTS:g} s")
+                raise InputError(f"the browser {self.program!r} opens no page within {STARTS:g} s")
             time.sleep(0.05)
 
     @property
     def client(self) -> viser.ClientHandle:
-        """Its page. Raises Refusal if it is gone."""
+        """Its page. Raises InputError if it is gone."""
         clients = self.server.get_clients()
         if not clients:
-            raise Refusal(f"the browser {self.program!r} has ended")
+            raise InputError(f"the browser {self.program!r} has ended")
         return next(iter(clients.values()))
 
     def show(self, frame: Frame, look: Look) -> None:
@@ -201,7 +201,7 @@ class Browser:
         self.scene.show(frame, look)
 
     def draw(self, size: tuple[int, int], view: View) -> np.ndarray:
-        """The frame as it draws it, (height, width, 3) uint8. Raises Refusal."""
+        """The frame as it draws it, (height, width, 3) uint8. Raises InputError."""
         client, renders = self.client, renders_of(self.server)
         with client.atomic():  # what is written in the scene has its size by the page's own camera
             client.camera.up_direction = UP

@@ -9,7 +9,7 @@ import numpy as np
 from app.viewer.pictures.shot import Shot
 from app.viewer.scene.cameras.camera import View, view
 from app.viewer.scene.cameras.viewpoints import extent
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 FIXED, FOLLOW, ROUND = "fixed", "follow", "round"
 PRESETS = ("top-down", "perspective", "side")
@@ -59,7 +59,7 @@ class Camera:
         return float(np.clip(across / deep, *SHAPES))
 
     def view(self, shot: Shot, aspect: float) -> View:
-        """Where it is at a shot, in a picture of this aspect. Raises Refusal."""
+        """Where it is at a shot, in a picture of this aspect. Raises InputError."""
         dim = shot.made.stage.dim
         if self.follow is not None:
             at = shot.made.at[shot.row_of(self.follow)]
@@ -93,7 +93,7 @@ class Aim:
     """How far a camera that goes round goes in a tick, rad."""
 
     def camera(self, first: Shot) -> Camera:
-        """The camera for a run that begins with a shot. Raises Refusal."""
+        """The camera for a run that begins with a shot. Raises InputError."""
         follow = self.follow
         if self.kind == FOLLOW and follow is None:
             follow = worth_following(first)
@@ -115,9 +115,9 @@ class Aim:
         return self.kind in (FIXED, "top-down", FOLLOW)
 
     def demand_plain(self, dim: int) -> None:
-        """Refuse what only a browser can show. Raises Refusal."""
+        """Refuse what only a browser can show. Raises InputError."""
         if dim == 2 and not self.is_from_above:
-            raise Refusal(
+            raise InputError(
                 f"--camera {self.kind} of a flat world takes --renderer browser: the plain one "
                 "looks straight down"
             )
@@ -127,7 +127,8 @@ USUAL = Aim()
 
 
 def worth_following(first: Shot) -> int:
-    """The identity of the agent that leads, else of the first. Raises Refusal if there is none."""
+    """The identity of the agent that leads, else of the first. Raises InputError if there is
+    none."""
     if not len(first.now.ids):
-        raise Refusal("there is no agent to follow")
+        raise InputError("there is no agent to follow")
     return int(first.now.ids[np.argmax(first.now.informed)])

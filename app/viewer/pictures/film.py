@@ -21,8 +21,8 @@ from app.viewer.pictures.seen import SeenSheet, as_png, eye_of
 from app.viewer.pictures.sheet import Sheet
 from app.viewer.pictures.shot import Shot, look_of, shot
 from worlds.extra import demand
-from worlds.refusal import Refusal
-from worlds.writing import writing
+from worlds.file_writer import writing
+from worlds.input_error import InputError
 
 EVEN = "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white"
 """These codecs take an even number of pixels only."""
@@ -54,7 +54,7 @@ class Encoder:
     """Takes pictures and writes them as a film; a context manager.
 
     The film is made in a folder of its own and takes its place at the end; leaving by an exception
-    leaves nothing. Raises Refusal if it cannot be made or written.
+    leaves nothing. Raises InputError if it cannot be made or written.
     """
 
     def __init__(self, path: Path, size: tuple[int, int], fps: float, overwrite: bool = False):
@@ -82,14 +82,14 @@ class Encoder:
         return self
 
     def add(self, pixels: np.ndarray) -> None:
-        """The next picture, (height, width, 3) uint8. Raises Refusal."""
+        """The next picture, (height, width, 3) uint8. Raises InputError."""
         assert self.process.stdin is not None
         try:
             self.process.stdin.write(np.ascontiguousarray(pixels).tobytes())
         except OSError:
             raise self.failed() from None
 
-    def failed(self) -> Refusal:
+    def failed(self) -> InputError:
         """What ffmpeg says is wrong, in one line."""
         with suppress(subprocess.TimeoutExpired):  # it ends by itself where its own end broke
             self.process.wait(ENDS)
@@ -100,7 +100,7 @@ class Encoder:
         why = said[-1] if said else f"ffmpeg ended with code {code}"
         if code < 0:
             why = SIGNALS.get(-code, f"ffmpeg was ended by signal {-code}")
-        return Refusal(f"the film {str(self.path)!r} cannot be made: {why}")
+        return InputError(f"the film {str(self.path)!r} cannot be made: {why}")
 
     def __exit__(self, kind: object, *_: object) -> None:
         assert self.process.stdin is not None
@@ -134,7 +134,8 @@ def pictures(
     aim: Aim = USUAL,
     plots: Plots | None = None,
 ) -> Iterator[np.ndarray]:
-    """The pictures of a film, (height, width, 3) uint8, one for each snapshot. Raises Refusal."""
+    """The pictures of a film, (height, width, 3) uint8, one for each snapshot. Raises
+    InputError."""
     sheet: Sheet | None = None
     look, fastest, camera = None, 0.0, None
     for now in snapshots:
@@ -161,7 +162,7 @@ def seen_pictures(
     aim: Aim = USUAL,
     plots: Plots | None = None,
 ) -> Iterator[np.ndarray]:
-    """The same as a browser draws them. Raises Refusal."""
+    """The same as a browser draws them. Raises InputError."""
     sheet: SeenSheet | None = None
     look, camera, fastest = None, None, 0.0
     for now in snapshots:
@@ -182,7 +183,7 @@ def seen_pictures(
 
 
 def seen_picture(one: Shot, browser: Browser, size: tuple[int, int], camera: Camera) -> bytes:
-    """A shot as a browser draws it, as PNG. Raises Refusal."""
+    """A shot as a browser draws it, as PNG. Raises InputError."""
     view = camera.view(one, camera.aspect)
     browser.show(one.made.frame, one.made.look)
     sheet = SeenSheet(one, size, camera.aspect, eye_of(view))

@@ -12,8 +12,8 @@ from app.viewer.pictures.shot import Shot
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import COLOURINGS, DIRECTIONS, MEASURED
 from app.worlds.colours import GOAL, INK, PATH
-from worlds.counting import counted
 from worlds.mission import Mission
+from worlds.number_text import counted
 from worlds.world import World
 
 GREY = "#5b6673"

@@ -20,7 +20,7 @@ from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.look import Look, as_birds
 from app.viewer.web.server import close_server, open_server
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 GRIDS = {"batched_positions": 256.0, "position": 256.0, "batched_wxyzs": 128.0,
          "batched_scales": 64.0}  # fmt: skip
@@ -98,7 +98,7 @@ class Player:
         before, found, after = text.partition("<head>")
         body, ends, rest = after.rpartition("</body>")
         if not (found and ends):
-            raise Refusal(f"the page of viser {viser.__version__} is not built as it was")
+            raise InputError(f"the page of viser {viser.__version__} is not built as it was")
         return (before + found + head + body + told + ends + rest).encode()
 
 
@@ -110,7 +110,7 @@ def page_of(
     aim: Aim = USUAL,
     went_on: Callable[[int], None] = lambda _: None,
 ) -> bytes:
-    """A page that plays `count` snapshots, `fps` a second. Raises Refusal.
+    """A page that plays `count` snapshots, `fps` a second. Raises InputError.
 
     `went_on` is told how many are done.
     """
@@ -175,10 +175,10 @@ def coarse(name: str, value: Any) -> Any:
 
 
 def demand_playable(agents: int, pictures: int) -> None:
-    """Refuse what would be too large a file with one line. Raises Refusal."""
+    """Refuse what would be too large a file with one line. Raises InputError."""
     if agents * pictures > MOST:
         apart = -(-agents * pictures // MOST)
-        raise Refusal(
+        raise InputError(
             f"{pictures} pictures of {agents} agents are too many for an HTML file, of which "
             f"agents times pictures may be {MOST}: take one of {apart}, by --every {apart}, or "
             "fewer by --from and --to"

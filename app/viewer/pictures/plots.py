@@ -12,7 +12,7 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
 from agents.snapshot import Snapshot
 from app.worlds.colours import INK, PALE
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
 
 TALL = 1.55
 """Inches that they take."""
@@ -22,14 +22,14 @@ COLOUR = "#2f6fde"
 
 
 class Plots:
-    """Observables from time `first` to time `last`. Raises Refusal for what is no curve."""
+    """Observables from time `first` to time `last`. Raises InputError for what is no curve."""
 
     def __init__(self, names: Sequence[str], first: float, last: float):
         for name in names:
             if name not in OBSERVABLES:
                 raise unknown("observable", name, OBSERVABLES)
             if OBSERVABLES[name].over or OBSERVABLES[name].is_table:
-                raise Refusal(f"--plot {name} is not one number at each tick")
+                raise InputError(f"--plot {name} is not one number at each tick")
         self.names, self.ends = list(names), (first, max(last, first + 1e-9))
         self.times: list[float] = []
         self.values: dict[str, list[float]] = {name: [] for name in self.names}

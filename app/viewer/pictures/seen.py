@@ -119,7 +119,7 @@ class SeenSheet:
         self.sheet = Sheet(first, size, plots=plots, scene=scene)
 
     def picture(self, shot: Shot, render: Render, dark: bool = False) -> np.ndarray:
-        """A shot as the browser shows it now, (height, width, 3) uint8. Raises Refusal."""
+        """A shot as the browser shows it now, (height, width, 3) uint8. Raises InputError."""
         left, top, wide, tall = self.sheet.box
         seen = render((wide, tall))
         self.sheet.show(shot)

@@ -37,7 +37,7 @@ class Sheet:
     """A figure of `size` pixels on which shots of one run are shown, one after the other.
 
     `camera`: from where it is seen, unless from where is usual. `plots` are drawn below. `scene`
-    makes what the axes hold; otherwise it is drawn here. Raises Refusal.
+    makes what the axes hold; otherwise it is drawn here. Raises InputError.
     """
 
     def __init__(
@@ -162,7 +162,7 @@ class Sheet:
         return [*self.scene.moving, self.moment, *(self.plots.lines if self.plots else ())]
 
     def show(self, shot: Shot) -> None:
-        """Show another shot of the run. Raises Refusal if the followed agent is gone."""
+        """Show another shot of the run. Raises InputError if the followed agent is gone."""
         self.scene.show(shot)
         self.moment.set_text(key.moment(shot))
         words = [words for words, _ in shot.entries]
@@ -192,7 +192,7 @@ class Sheet:
         return np.asarray(self.canvas.buffer_rgba())[..., :3]
 
     def write(self, path: Path) -> None:
-        """Write it as its ending says: PNG, SVG or PDF. Raises Refusal."""
+        """Write it as its ending says: PNG, SVG or PDF. Raises InputError."""
         import matplotlib
 
         with matplotlib.rc_context(self.look):  # type: ignore[arg-type]

@@ -21,7 +21,7 @@ from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
 from app.viewer.scene.shown.frame import Frame, Progress
 from app.viewer.scene.shown.look import Look, legend
 from app.viewer.scene.shown.usual import usual
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
 from worlds.world import World
 
 
@@ -93,15 +93,15 @@ class Shot:
         return legend(self.made.look, self.made.frame)
 
     def row_of(self, identity: int) -> int:
-        """The row of the agent with an identity. Raises Refusal if there is none."""
+        """The row of the agent with an identity. Raises InputError if there is none."""
         found = np.flatnonzero(self.now.ids == identity)
         if not len(found):
-            raise Refusal(f"agent {identity} is not there at tick {self.now.tick}")
+            raise InputError(f"agent {identity} is not there at tick {self.now.tick}")
         return int(found[0])
 
 
 def look_of(now: Snapshot, colour: str | None) -> Look:
-    """How it is drawn, coloured by a name of `colourings`; None: as suits it. Raises Refusal."""
+    """How it is drawn, coloured by a name of `colourings`; None: as suits it. Raises InputError."""
     if colour is None:
         if now.informed.any():
             return Look(colour="layer")

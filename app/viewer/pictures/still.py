@@ -9,8 +9,8 @@ from agents.flock import Flock
 from app.viewer.pictures.camera import CAMERAS, FIXED, FOLLOW, ROUND, Aim, Camera
 from app.viewer.pictures.sheet import Sheet
 from app.viewer.pictures.shot import Shot, look_of, shot
-from worlds.refusal import Refusal, unknown
-from worlds.writing import writing
+from worlds.file_writer import writing
+from worlds.input_error import InputError, unknown
 
 ENDINGS = (".png", ".svg", ".pdf")
 PLAIN, BROWSER = "plain", "browser"
@@ -34,11 +34,11 @@ class Still:
     def save(self, path: str | Path) -> None:
         """Write it as the ending says, PNG, SVG or PDF; a file of that name is replaced.
 
-        Raises Refusal.
+        Raises InputError.
         """
         ending = Path(path).suffix.lower()
         if ending in ENDINGS[1:] and self.renderer == BROWSER:
-            raise Refusal(f"picture {str(path)!r} is not allowed: a browser draws no {ending}")
+            raise InputError(f"picture {str(path)!r} is not allowed: a browser draws no {ending}")
         with writing("picture", path, endings=ENDINGS) as file:
             file.write(self.png if ending == ENDINGS[0] else self.drawn(ending))
 
@@ -63,7 +63,7 @@ def picture(
     follow: int | None = None,
     renderer: str = PLAIN,
 ) -> Still:
-    """Draw a flock as it is, see `Flock.picture`. Raises Refusal."""
+    """Draw a flock as it is, see `Flock.picture`. Raises InputError."""
     demand_size(size)
     if renderer not in RENDERERS:
         raise unknown("renderer", renderer, RENDERERS)
@@ -71,10 +71,10 @@ def picture(
     if camera not in stands:
         raise unknown("camera", camera, stands)
     if follow is not None and camera not in (FIXED, FOLLOW):
-        raise Refusal(f"follow = {follow} is not allowed with camera = {camera!r}")
+        raise InputError(f"follow = {follow} is not allowed with camera = {camera!r}")
     aim = Aim(FOLLOW if follow is not None else camera, follow)
     if renderer == PLAIN and flock.world.dim == 2 and not aim.is_from_above:
-        raise Refusal(
+        raise InputError(
             f"camera = {camera!r} of a flat world takes renderer = {BROWSER!r}: the plain one "
             "looks straight down"
         )
@@ -89,13 +89,13 @@ def picture(
 
 
 def by_browser(one: Shot, size: tuple[int, int], camera: Camera) -> bytes:
-    """A shot as the page shows it, as PNG. Raises Refusal where there is no browser for it."""
+    """A shot as the page shows it, as PNG. Raises InputError where there is no browser for it."""
     from app.viewer.pictures.browser import NAMED, Browser, find_browser
     from app.viewer.pictures.film import seen_picture
 
     program = find_browser()
     if program is None:
-        raise Refusal(
+        raise InputError(
             f"renderer = {BROWSER!r}: there is no Chromium, Chrome or Edge; {NAMED} names one"
         )
     with Browser(program) as window:
@@ -103,9 +103,9 @@ def by_browser(one: Shot, size: tuple[int, int], camera: Camera) -> bytes:
 
 
 def demand_size(size: tuple[int, int]) -> None:
-    """Raise Refusal for what is no width and height."""
+    """Raise InputError for what is no width and height."""
     if len(size) != 2 or not all(isinstance(side, int) for side in size):
-        raise Refusal(f"size = {size} is not a width and a height in pixels")
+        raise InputError(f"size = {size} is not a width and a height in pixels")
     for side in size:
         if not LEAST <= side <= MOST:
-            raise Refusal(f"size = {size}: {side} is outside [{LEAST}, {MOST}]")
+            raise InputError(f"size = {size}: {side} is outside [{LEAST}, {MOST}]")

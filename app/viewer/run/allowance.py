@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from agents.catalogue import model as find_model
 from agents.spec import Spec
-from app.viewer.measuring.measured import spaced
-from app.viewer.run.past.stored import Beginning, Stored
-from worlds.refusal import Refusal
+from app.viewer.measuring.observable_format import spaced
+from app.viewer.run.past.stored_flock import Beginning, StoredFlock
+from worlds.input_error import InputError
 from worlds.world import World
 
 
@@ -51,35 +51,35 @@ class Allowance:
     """Bytes of a file at most."""
 
     def demand(self, spec: Spec, beside: Spec | None, stored: Beginning | None) -> None:
-        """Raise Refusal for a run that is too much, before it is built."""
+        """Raise InputError for a run that is too much, before it is built."""
         flocks, model = 1 if beside is None else 2, find_model(spec.model)
         self.demand_agents(flocks * (model.agents if spec.agents is None else spec.agents))
         self.demand_agents(flocks * (spec.informed or 0))
         if stored is None:
             return
-        if isinstance(stored, Stored):
+        if isinstance(stored, StoredFlock):
             self.demand_recordings(stored.name)
         self.demand_agents(stored.most)
 
     def demand_recordings(self, name: str) -> None:
-        """Raise Refusal for a state or a recording where none is opened."""
+        """Raise InputError for a state or a recording where none is opened."""
         if not self.recordings:
-            raise Refusal(
+            raise InputError(
                 f"a class opens no saved states and recordings, as {name}: `flockscope lab` on "
                 "your own machine does"
             )
 
     def demand_agents(self, count: int) -> None:
-        """Raise Refusal for too many agents."""
+        """Raise InputError for too many agents."""
         if count > self.agents:
-            raise Refusal(
+            raise InputError(
                 f"a class allows {spaced(self.agents)} agents a student: {spaced(count)} asked for"
             )
 
     def demand_world(self, world: World) -> None:
-        """Raise Refusal for a world with too many obstacles."""
+        """Raise InputError for a world with too many obstacles."""
         count = len(world.obstacles)
         if count > self.obstacles:
-            raise Refusal(
+            raise InputError(
                 f"a class allows {self.obstacles} obstacles a student: {spaced(count)} asked for"
             )

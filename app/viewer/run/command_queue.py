@@ -9,7 +9,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import Any
 
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 MOST = 64
 """Commands that may wait, and beyond them one of each key: whoever fills the queue cannot keep
@@ -21,7 +21,7 @@ STEP = "step"
 
 
 @dataclass
-class Waiting:
+class QueuedCommand:
     """A command that waits; those that are merged have one answer."""
 
     work: Callable[..., Any]
@@ -41,17 +41,17 @@ class CommandQueue:
     """First come, first served, but for a pause, which comes before all; any thread may use it."""
 
     def __init__(self) -> None:
-        self.waiting: deque[Waiting] = deque()
+        self.waiting: deque[QueuedCommand] = deque()
         self.changed = threading.Condition()
 
     def put(self, work: Callable[[], Any], key: str = "", runs: bool | None = None) -> Future:
-        """Have something done. Raises Refusal if too much waits already, and it has no key."""
+        """Have something done. Raises InputError if too much waits already, and it has no key."""
         with self.changed:
             same = self.same(key)
             if same is not None:
                 same.work, same.runs = work, runs
                 return same.answer
-            return self.add(Waiting(work, key, runs))
+            return self.add(QueuedCommand(work, key, runs))
 
     def step(self, work: Callable[[int], Any], ticks: int) -> Future:
         """Have ticks run: with those that wait already at most `MOST_TICKS`."""
@@ -60,7 +60,7 @@ class CommandQueue:
             if same is not None:
                 same.ticks = max(same.ticks, min(same.ticks + ticks, MOST_TICKS), ticks)
                 return same.answer
-            return self.add(Waiting(work, STEP, False, ticks))
+            return self.add(QueuedCommand(work, STEP, False, ticks))
 
     def pause(self, work: Callable[[], Any]) -> Future:
         """Have the flock stand still before anything else is done; what waits and would move it
@@ -73,12 +73,12 @@ class CommandQueue:
             first = self.waiting[0] if self.waiting else None
             if first is not None and first.key == "pause":
                 return first.answer
-            pausing = Waiting(work, "pause", False)
+            pausing = QueuedCommand(work, "pause", False)
             self.waiting.appendleft(pausing)
             self.changed.notify()
             return pausing.answer
 
-    def same(self, key: str) -> Waiting | None:
+    def same(self, key: str) -> QueuedCommand | None:
         """What waits and is one with a new command of this key: the last of all, or where too much
         waits the last of its key."""
         if not key or not self.waiting:
@@ -86,10 +86,10 @@ class CommandQueue:
         near = self.waiting if len(self.waiting) >= MOST else [self.waiting[-1]]
         return next((one for one in reversed(near) if one.key == key), None)
 
-    def add(self, one: Waiting) -> Future:
-        """Let a command wait, one of each key in any case. Raises Refusal if too many do."""
+    def add(self, one: QueuedCommand) -> Future:
+        """Let a command wait, one of each key in any case. Raises InputError if too many do."""
         if len(self.waiting) >= MOST and not one.key:
-            raise Refusal(f"too much at once: {MOST} commands wait already")
+            raise InputError(f"too much at once: {MOST} commands wait already")
         self.waiting.append(one)
         self.changed.notify()
         return one.answer
@@ -97,10 +97,10 @@ class CommandQueue:
     def wake(self) -> None:
         """Let whoever waits for a command go on without one."""
         with self.changed:
-            self.waiting.appendleft(Waiting(lambda: None))
+            self.waiting.appendleft(QueuedCommand(lambda: None))
             self.changed.notify()
 
-    def get(self, timeout: float | None) -> Waiting | None:
+    def get(self, timeout: float | None) -> QueuedCommand | None:
         """The next command, as soon as there is one; None if there is none in `timeout` s."""
         with self.changed:
             self.changed.wait_for(lambda: self.waiting, timeout)

@@ -13,34 +13,34 @@ import numpy as np
 
 from agents.flock import Flock
 from agents.spec import Spec
-from app.viewer.editing.editor import Editor, Gone
+from app.viewer.editing.editor import Editor, MissingObstacleError
 from app.viewer.editing.free_places import set_free
 from app.viewer.editing.layout_file import layout_from_browser
-from app.viewer.run.beside import companion
-from app.viewer.run.keeping import Keeping
-from app.viewer.run.run import Run
-from app.viewer.run.state import State
+from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.paired_run import companion
+from app.viewer.run.simulation_limits import SimulationLimits
+from app.viewer.run.simulation_state import SimulationState
+from worlds.input_error import InputError
 from worlds.obstacles import Disc
 from worlds.readers.plan_question import PlanQuestion
-from worlds.refusal import Refusal
 from worlds.world import World
 
 Change = Callable[[Editor], Editor]
 
 
-class Host(Protocol):
+class EditsHost(Protocol):
     """What changes of a world need of the simulation whose world it is."""
 
-    run: Run | None
-    state: State
+    run: FlockRun | None
+    state: SimulationState
     stale: bool
-    keeping: Keeping
+    keeping: SimulationLimits
 
     def tell(self, command: Callable[[], Any], key: str = "") -> Future: ...
 
-    def sound_run(self) -> Run: ...
+    def sound_run(self) -> FlockRun: ...
 
-    def change(self, change: Callable[[Run], None]) -> None: ...
+    def change(self, change: Callable[[FlockRun], None]) -> None: ...
 
     def schedule(self, spec: Spec, beside: Spec | None) -> None: ...
 
@@ -48,7 +48,7 @@ class Host(Protocol):
 class Edits:
     """Changes a simulation's world; commands return at once, as the simulation's own do."""
 
-    def __init__(self, host: Host) -> None:
+    def __init__(self, host: EditsHost) -> None:
         self.host = host
         self.editor: Editor | None = None
         """The world with its history, a value that any thread may read; None until the first flock
@@ -139,7 +139,7 @@ class Edits:
     def drag_now(self, gesture: str) -> None:
         with self.drags_lock:
             change = self.drags.pop(gesture, None)
-        with contextlib.suppress(Refusal):
+        with contextlib.suppress(InputError):
             if change is not None:
                 self.edit_now(change)
 
@@ -163,7 +163,7 @@ class Edits:
         spec, beside = self.host.state.again()
         self.host.schedule(spec.but(world=world, size=None, dim=world.dim), beside)
 
-    def take_over(self, run: Run, spec: Spec) -> None:
+    def take_over(self, run: FlockRun, spec: Spec) -> None:
         """Edit the world of a new run; the history goes on where it is the same world."""
         world = run.flock.world
         known = self.editor is not None and self.editor.world == world
@@ -174,8 +174,8 @@ class Edits:
             self.plain = spec
 
 
-def inhabit(run: Run, editor: Editor) -> None:
-    """Let a flock go on in another world. Raises Refusal, and then changes nothing."""
+def inhabit(run: FlockRun, editor: Editor) -> None:
+    """Let a flock go on in another world. Raises InputError, and then changes nothing."""
     world = editor.world
     freed = [set_free(world, one.flock.position) for one in run.both]
     for one, position in zip(run.both, freed, strict=True):
@@ -190,15 +190,15 @@ def try_out(spec: Spec, beside: Spec | None, dim: int) -> None:
     """Run a flock of two, and the one beside it, for a tick in a small world with an obstacle."""
     pillar = Disc(centre=(9.0, 9.0), radius=0.5)
     world = World("aside", (10.0,) * dim, ("open",) * dim, obstacles=(pillar,))
-    with contextlib.suppress(Refusal):
+    with contextlib.suppress(InputError):
         flock = Flock(spec.but(agents=2, size=None, world=world))
         flock.advance(1)
         if beside is not None:
             companion(flock, beside).advance(1)
 
 
-def freed(run: Run, position: np.ndarray) -> np.ndarray:
-    """A place (dim,) for an agent, the nearest one that is not solid. Raises Refusal."""
+def freed(run: FlockRun, position: np.ndarray) -> np.ndarray:
+    """A place (dim,) for an agent, the nearest one that is not solid. Raises InputError."""
     return set_free(run.flock.world, np.asarray(position, float)[None])[0]
 
 
@@ -208,7 +208,7 @@ def ignoring_gone(change: Change) -> Change:
     def tried(editor: Editor) -> Editor:
         try:
             return change(editor)
-        except Gone:
+        except MissingObstacleError:
             return editor
 
     return tried

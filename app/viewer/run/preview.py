@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 
-from app.viewer.run.run import Run
-from worlds.refusal import Refusal
+from app.viewer.run.flock_run import FlockRun
+from worlds.input_error import InputError
 
 MOST_AGENTS = 300
 """A tick of more agents takes too long in plain Python."""
@@ -17,7 +17,7 @@ LOOKS = 100
 """Times that the curves are measured on the way to where the preview is."""
 
 
-def is_quick(run: Run) -> bool:
+def is_quick(run: FlockRun) -> bool:
     """Whether a run may be quick enough in plain Python to be watched."""
     return sum(len(one.flock.ids) for one in run.both) <= MOST_AGENTS
 
@@ -25,10 +25,10 @@ def is_quick(run: Run) -> bool:
 class Preview:
     """What a preview leaves to the compiled run, which repeats it from tick 0 and takes over."""
 
-    def __init__(self, coming: Run):
+    def __init__(self, coming: FlockRun):
         self.coming = coming
         """The compiled run, at tick 0."""
-        self.changes: list[tuple[int, Callable[[Run], None]]] = []
+        self.changes: list[tuple[int, Callable[[FlockRun], None]]] = []
         """What was changed on the way, and at which tick."""
         self.slow = 0
         """Ticks that have taken too long, one after the other."""
@@ -42,12 +42,12 @@ class Preview:
         """Note what a tick has taken, s of CPU."""
         self.slow = self.slow + 1 if seconds > SLOWEST else 0
 
-    def taken_over(self, shown: Run) -> Run:
+    def taken_over(self, shown: FlockRun) -> FlockRun:
         """The compiled run, brought to where the preview is."""
         last = shown.flock.tick
         for tick, change in self.changes:
             self.go_on(tick, last)
-            with suppress(Refusal):  # as far as rounding makes it another run
+            with suppress(InputError):  # as far as rounding makes it another run
                 self.coming.change(change)
         self.go_on(last, last)
         for one, before in zip(self.coming.both, shown.both, strict=True):

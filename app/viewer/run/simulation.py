@@ -16,27 +16,27 @@ import numpy as np
 
 from agents.flock import Flock
 from agents.spec import Spec
-from app.viewer.measuring.crowd import refuse_too_dense
-from app.viewer.measuring.readings import Readings
+from app.viewer.measuring.density_limits import refuse_too_dense
+from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.run.allowance import Allowance
-from app.viewer.run.beside import companion
-from app.viewer.run.building import Building
-from app.viewer.run.command_queue import GO, CommandQueue, Waiting
-from app.viewer.run.compiling import Compiling
+from app.viewer.run.change_notifier import ChangeNotifier
+from app.viewer.run.command_queue import GO, CommandQueue, QueuedCommand
 from app.viewer.run.edits import Edits, freed
-from app.viewer.run.keeping import Keeping
-from app.viewer.run.news import News
+from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.flock_run_builder import FlockRunBuilder
+from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.kernel_compiler import KernelCompiler
+from app.viewer.run.paired_run import companion
 from app.viewer.run.past.playback import Playback
-from app.viewer.run.past.stored import Beginning
+from app.viewer.run.past.stored_flock import Beginning
 from app.viewer.run.past.time_line import TimeLine
-from app.viewer.run.picture import Wanted
 from app.viewer.run.preview import Preview, is_quick
-from app.viewer.run.run import Run
-from app.viewer.run.state import State
-from app.viewer.run.words import Astray, in_words
-from app.viewer.run.zones import stopped
+from app.viewer.run.run_errors import StrayAgentError, in_words
+from app.viewer.run.simulation_limits import SimulationLimits
+from app.viewer.run.simulation_state import SimulationState
+from app.viewer.run.zone_order import stopped
 from app.viewer.scene.shown.frame import Frame
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 LOOK = 0.05
 """Time between two looks whether the run is compiled, s."""
@@ -69,31 +69,31 @@ class Simulation:
         running: bool = True,
         build: Callable[..., Flock] = Flock,
         build_beside: Callable[[Flock, Spec], Flock] = companion,
-        compiling: Callable[[Sequence[Flock]], Compiling] = Compiling,
+        compiling: Callable[[Sequence[Flock]], KernelCompiler] = KernelCompiler,
         stored: Beginning | None = None,
         allowance: Allowance | None = None,
     ):
-        self.keeping = Keeping(allowance)
+        self.keeping = SimulationLimits(allowance)
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.commands = CommandQueue()
         self.edits = Edits(self)
         self.time_line = TimeLine(self)
         self.frame: Frame | None = None
-        self.readings: Readings | None = None
-        self.readings_beside: Readings | None = None
-        self.state = State(spec, beside, running=running, busy=True, speed=speed)
-        self.news = News()
+        self.readings: FlockReadings | None = None
+        self.readings_beside: FlockReadings | None = None
+        self.state = SimulationState(spec, beside, running=running, busy=True, speed=speed)
+        self.news = ChangeNotifier()
         """Set whenever a frame has been left; for who draws it."""
         self.ready = threading.Event()
         """Set when the first flock can be seen and, if it is to run, is compiled."""
-        self.building = Building(build, build_beside)
+        self.building = FlockRunBuilder(build, build_beside)
         self.compile = compiling
-        self.compiling: Compiling | None = None
+        self.compiling: KernelCompiler | None = None
         """What compiles, or has compiled, what the run calls."""
         self.preview: Preview | None = None
-        self.run: Run | None = None
+        self.run: FlockRun | None = None
         """The run on screen; a preview until its own is compiled."""
-        self.wanted = Wanted()
+        self.wanted = FrameRequest()
         self.watched: frozenset[str] = frozenset()
         self.pace = self.keeping.pace(speed)
         self.next: Next | None = spec, beside, stored
@@ -133,7 +133,7 @@ class Simulation:
             refused.set_exception(error)
             return refused
 
-    def carry_out(self, waiting: Waiting) -> None:
+    def carry_out(self, waiting: QueuedCommand) -> None:
         """On the simulation's own thread: do what waits, and answer."""
         try:
             waiting.answer.set_result(waiting())
@@ -188,7 +188,7 @@ class Simulation:
         """Put an agent somewhere and turn it."""
         return self.tell(lambda: self.place_now(row, position, heading), f"place {row}")
 
-    def want(self, wanted: Wanted) -> Future:
+    def want(self, wanted: FrameRequest) -> Future:
         """Say what frames should hold beside positions and headings."""
         return self.tell(lambda: self.want_now(wanted), "want")
 
@@ -279,7 +279,7 @@ class Simulation:
             self.state = replace(self.state, running=False, rate=0.0)
             self.stale = True
 
-    def advance(self, run: Run, ticks: int) -> None:
+    def advance(self, run: FlockRun, ticks: int) -> None:
         """Run ticks; the first ones of a model may have to be loaded."""
         if run.is_compiled:
             run.advance(ticks)
@@ -307,7 +307,7 @@ class Simulation:
         closely = not self.state.running and self.time_line.moved is None
         self.frame = self.run.look(closely, measured=not self.stands)
         for trouble in self.run.troubles[known:]:
-            if not isinstance(trouble, Refusal | Astray):
+            if not isinstance(trouble, InputError | StrayAgentError):
                 traceback.print_exception(trouble)
             self.notices.put(in_words(trouble))
         self.readings = self.run.readings
@@ -331,7 +331,7 @@ class Simulation:
             flock = self.building.flock(spec, stored)
             refuse_too_dense(flock)
             run = self.new_run(flock, beside, stored)
-        except Refusal as refusal:
+        except InputError as refusal:
             self.notices.put(str(refusal))
             self.state = replace(
                 self.state, busy=False, running=self.state.running and self.run is not None
@@ -365,14 +365,14 @@ class Simulation:
             beside_values=self.run.beside_values,
         )
 
-    def new_run(self, flock: Flock, beside: Spec | None, stored: Beginning | None) -> Run:
-        """The run of a flock, and of the one beside it. Raises Refusal."""
+    def new_run(self, flock: Flock, beside: Spec | None, stored: Beginning | None) -> FlockRun:
+        """The run of a flock, and of the one beside it. Raises InputError."""
         number = self.state.run + 1
         run = self.building.run(flock, beside, stored, number, self.wanted, self.watched)
         self.keeping.take(run)
         return run
 
-    def have_compiled(self, *runs: Run) -> None:
+    def have_compiled(self, *runs: FlockRun) -> None:
         """Have compiled what runs call, and nothing else, if it is not at hand."""
         flocks = [one.flock for run in runs for one in run.both]
         if self.preview is None and all(run.is_at_hand for run in runs):
@@ -410,14 +410,14 @@ class Simulation:
         moves = self.preview is not None and not self.preview.stands
         return self.state.compiling is not None and not moves
 
-    def compiled_run(self, wanted: str) -> Run:
-        """The run, if it is no preview. Raises Refusal."""
+    def compiled_run(self, wanted: str) -> FlockRun:
+        """The run, if it is no preview. Raises InputError."""
         if self.preview is not None and self.state.compiling is not None:
             left = self.state.compiling.words(time.monotonic())
-            raise Refusal(f"this is a preview, and {wanted} is the compiled run ({left})")
+            raise InputError(f"this is a preview, and {wanted} is the compiled run ({left})")
         return self.sound_run()
 
-    def change(self, change: Callable[[Run], None]) -> None:
+    def change(self, change: Callable[[FlockRun], None]) -> None:
         """Change the run; of a preview, the run that takes over too, at the same tick."""
         run = self.sound_run()
         self.time_line.demand_now()
@@ -432,7 +432,7 @@ class Simulation:
 
     def fail(self, error: Exception) -> None:
         """A rule went wrong: stop the run, say why and live on."""
-        if not isinstance(error, Refusal | ArithmeticError):
+        if not isinstance(error, InputError | ArithmeticError):
             traceback.print_exception(error)
         self.stale = False
         self.notices.put(in_words(error))
@@ -448,13 +448,13 @@ class Simulation:
         )
         self.ready.set()
 
-    def sound_run(self) -> Run:
-        """The run. Raises Refusal if there is none, or it is broken."""
+    def sound_run(self) -> FlockRun:
+        """The run. Raises InputError if there is none, or it is broken."""
         if self.run is None or self.state.error:
-            raise Refusal("there is no flock to run: press Setup")
+            raise InputError("there is no flock to run: press Setup")
         return self.run
 
-    def warn(self, run: Run) -> None:
+    def warn(self, run: FlockRun) -> None:
         """Tell of flocks whose agents go through what is solid, once for each setting."""
         for one in run.both:
             words = one.flock.warning
@@ -480,7 +480,7 @@ class Simulation:
         run = self.sound_run()
         if self.stands and self.state.compiling is not None:
             left = self.state.compiling.words(time.monotonic())
-            raise Refusal(f"the flock stands until it is compiled ({left})")
+            raise InputError(f"the flock stands until it is compiled ({left})")
         self.state = replace(self.state, running=False)
         try:
             if isinstance(run, Playback):
@@ -495,7 +495,7 @@ class Simulation:
 
     def change_pace(self, speed: float) -> None:
         if math.isnan(speed) or speed <= 0:
-            raise Refusal(f"speed = {speed} ticks/s is not allowed: it must be above 0")
+            raise InputError(f"speed = {speed} ticks/s is not allowed: it must be above 0")
         self.pace = self.keeping.pace(speed)
         self.state = replace(self.state, speed=speed)
 
@@ -533,7 +533,7 @@ class Simulation:
             self.run.watch(names)
             self.stale = not self.state.error
 
-    def want_now(self, wanted: Wanted) -> None:
+    def want_now(self, wanted: FrameRequest) -> None:
         self.wanted = wanted
         if self.run is not None and not self.state.error:
             self.run.want(wanted)

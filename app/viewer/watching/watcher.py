@@ -12,8 +12,8 @@ from app.viewer.lab.panels.agent.inspector import Inspector
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.look import CAMERA, CAMERAS, RIDE
-from app.viewer.watching.marks import Choice
-from app.viewer.watching.plots import OwnPlots
+from app.viewer.watching.own_marks import AgentSelection
+from app.viewer.watching.own_plots import OwnPlots
 
 
 class Watcher:
@@ -31,7 +31,7 @@ class Watcher:
         point: Callable[[viser.ClientHandle, str], None],
     ):
         self.client, self.point = client, point
-        self.choice: Choice | None = None
+        self.choice: AgentSelection | None = None
         self.is_new = True
         """Whether nothing on its page has been brought up to date yet."""
         self.since = time.monotonic()
@@ -59,7 +59,7 @@ class Watcher:
     async def ridden(self, _event: viser.GuiEvent) -> None:
         self.point(self.client, RIDE)
 
-    def choose(self, choice: Choice | None) -> None:
+    def choose(self, choice: AgentSelection | None) -> None:
         """Inspect an agent, or none."""
         self.choice, self.since = choice, time.monotonic()
 

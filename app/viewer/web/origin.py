@@ -14,7 +14,7 @@ import socket
 from dataclasses import dataclass
 from urllib.parse import SplitResult, urlsplit
 
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 LABEL = "[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?"
 NAME = re.compile(rf"(?=.{{1,253}}$){LABEL}(\.{LABEL})*")
@@ -40,12 +40,13 @@ class Allowed:
 
 
 def allowed(text: str) -> Allowed:
-    """A name as `--allow-host` gives it. Raises Refusal for anything else than a name and a port.
+    """A name as `--allow-host` gives it. Raises InputError for anything else than a name and a
+    port.
 
     >>> allowed("hub.example.org:8443")
     Allowed(name='hub.example.org', port=8443)
     """
-    wrong = Refusal(
+    wrong = InputError(
         f"--allow-host {text!r} is not a host name with an optional port, "
         "such as hub.example.org or hub.example.org:8443"
     )

@@ -22,7 +22,7 @@ import viser
 from PIL import Image
 from viser import _messages as messages
 
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 LEAST, MOST = 64, 3840
 """Pixels of a side."""
@@ -107,7 +107,7 @@ class Renders:
         """What a browser draws, (height, width, 3) uint8; from its own camera unless `eye` says.
 
         `exact`: without loss, if it is not too large. It waits: not for viser's own thread. Raises
-        Refusal if the browser goes, does not answer in time or answers something else.
+        InputError if the browser goes, does not answer in time or answers something else.
         """
         wide, tall = size
         exact = exact and wide * tall <= LOSSLESS
@@ -135,7 +135,7 @@ class Renders:
                 del self.awaited[name]
 
     def wait(self, client: viser.ClientHandle, wanted: Awaited, patience: float) -> bytes:
-        """What the browser sends. Raises Refusal."""
+        """What the browser sends. Raises InputError."""
         until = time.monotonic() + patience
         while True:
             try:
@@ -143,9 +143,9 @@ class Renders:
             except Late:
                 pass
             if client.client_id not in client._viser_server._connected_clients:
-                raise Refusal("the browser has gone")
+                raise InputError("the browser has gone")
             if time.monotonic() > until:
-                raise Refusal(
+                raise InputError(
                     f"the browser has drawn nothing in {patience:g} s: is its window in front?"
                 )
 
@@ -158,17 +158,17 @@ def numbers(values: np.ndarray) -> Any:
 def opened(payload: bytes, size: tuple[int, int]) -> np.ndarray:
     """The pixels of a picture, (height, width, 3) uint8, before the page's ground.
 
-    Raises Refusal for what is no picture, or one of another size, which is never unpacked.
+    Raises InputError for what is no picture, or one of another size, which is never unpacked.
     """
     if not payload:
-        raise Refusal(f"the browser cannot draw {size[0]} x {size[1]} pixels")
+        raise InputError(f"the browser cannot draw {size[0]} x {size[1]} pixels")
     try:
         found = Image.open(io.BytesIO(payload), formats=("PNG", "JPEG"))
         if found.size == size:
             return before_ground(found)
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
-        raise Refusal("the browser has sent what is no picture") from None
-    raise Refusal("the browser has drawn another size than it was asked for")
+        raise InputError("the browser has sent what is no picture") from None
+    raise InputError("the browser has drawn another size than it was asked for")
 
 
 def before_ground(picture: Image.Image) -> np.ndarray:

@@ -39,7 +39,7 @@ from app.viewer.web.incoming.waiting import BEGINS, Admission
 from app.viewer.web.property_kinds import find_kinds_once
 from app.viewer.web.renders import Renders, accept_renders
 from app.viewer.web.serving.front import BEGINNING, Front, is_websocket, words
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 UNWANTED = (
     messages.ShareUrlRequest,
@@ -92,7 +92,7 @@ def open_server(
     `front` answers what comes by HTTP; by default one with viser's page alone. `kinds`: of which
     kinds of messages it hears, and how often; all others are dropped before anybody decodes them.
     `limits`: how many connections there may be, of all and of one address, and how soon more.
-    Raises Refusal if the port is busy or the host is not this machine's.
+    Raises InputError if the port is busy or the host is not this machine's.
     """
     hand_over()
     find_kinds_once()
@@ -194,7 +194,7 @@ def listening(host: str, port: int) -> socket.socket:
         number = getattr(error, "errno", None) or 0
         said = str(getattr(error, "strerror", error)).partition(" (while")[0]
         why = os.strerror(number) if number > 0 else said
-        raise Refusal(
+        raise InputError(
             f"port {port} on {host} cannot be used: {why}; choose another with --port"
         ) from None
 

@@ -12,7 +12,7 @@ from app.experiments.pictures.boxes import came, explain
 from app.experiments.pictures.gatherings.box import CRASHED, GROUPS, draw_box
 from app.experiments.trial import flock_of
 from app.experiments.verdicts.verdict import Verdict, of
-from worlds.counting import counted
+from worlds.number_text import counted
 
 if TYPE_CHECKING:
     from agents import Flock

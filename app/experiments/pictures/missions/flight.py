@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from agents import Flock
-from agents.mission import MissionRecord, fly
+from agents.mission_record import MissionRecord, fly
 from app.experiments.experiment import Case, Experiment
 from app.experiments.kinds.mission import Mission
 from app.experiments.trial import flock_of

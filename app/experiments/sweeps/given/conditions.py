@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple
 
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
 
 LONGEST = 500
 """Characters of a condition."""
@@ -30,7 +30,7 @@ WORDS = "axes and numbers with < <= > >= == != + - * / ( ), joined by and, or, n
 
 
 class Condition:
-    """A condition between axes, such as `dr_a > dr_o and eta <= 2`. Raises Refusal.
+    """A condition between axes, such as `dr_a > dr_o and eta <= 2`. Raises InputError.
 
     >>> Condition("dr_a > dr_o + 1", ["dr_a", "dr_o"]).holds({"dr_a": 3, "dr_o": 1})
     True
@@ -39,33 +39,34 @@ class Condition:
     def __init__(self, text: str, axes: Collection[str]):
         self.text = text
         if len(text) > LONGEST:
-            raise Refusal(f"a condition has at most {LONGEST} characters")
+            raise InputError(f"a condition has at most {LONGEST} characters")
         try:
             self.tree = ast.parse(text.strip(), mode="eval").body
             check(self.tree, text, axes)
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            if isinstance(error, Refusal):
+            if isinstance(error, InputError):
                 raise
             raise not_understood(text) from None
         if not isinstance(self.tree, ast.Compare | ast.BoolOp | ast.UnaryOp):
             raise not_understood(text)
 
     def holds(self, values: Mapping[str, Any]) -> bool:
-        """Whether it holds for the axes of a cell. Raises Refusal where they cannot be compared."""
+        """Whether it holds for the axes of a cell. Raises InputError where they cannot be
+        compared."""
         try:
             return bool(value(self.tree, values))
         except (TypeError, ArithmeticError):
             said = ", ".join(f"{name} = {one!r}" for name, one in values.items())
-            raise Refusal(f"{self.text!r} cannot be said of {said}") from None
+            raise InputError(f"{self.text!r} cannot be said of {said}") from None
 
 
-def not_understood(text: str) -> Refusal:
+def not_understood(text: str) -> InputError:
     """The refusal of what is no condition."""
-    return Refusal(f"{text!r} is not a condition: {WORDS}")
+    return InputError(f"{text!r} is not a condition: {WORDS}")
 
 
 def check(node: ast.AST, text: str, axes: Collection[str]) -> None:
-    """Refuse whatever is not a comparison of axes and numbers. Raises Refusal."""
+    """Refuse whatever is not a comparison of axes and numbers. Raises InputError."""
     match node:
         case ast.BoolOp(values=parts):
             pass
@@ -137,7 +138,7 @@ COMPARISON = re.compile(r"\s*([\w.:/-]+)\s*(>=|<=|==|!=|>|<)\s*([-+.\w]+)\s*")
 
 
 def comparison(text: str) -> Comparison:
-    """A comparison of an observable with a number. Raises Refusal.
+    """A comparison of an observable with a number. Raises InputError.
 
     >>> comparison("mean-neighbours >= 3")
     Comparison(name='mean-neighbours', sign='>=', bound=3.0)
@@ -148,7 +149,7 @@ def comparison(text: str) -> Comparison:
             return Comparison(found[1], found[2], float(found[3]))
     except ValueError:
         pass
-    raise Refusal(
+    raise InputError(
         f"{text[:100]!r} is not allowed: one comparison of an observable with a number is needed, "
         "such as 'polarisation >= 0.9'"
     )

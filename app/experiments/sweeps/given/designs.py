@@ -29,8 +29,8 @@ from app.experiments.sweeps.given.file import (
 from app.settings import value as read_value
 from app.strict import Value
 from worlds.extra import demand
-from worlds.reading import read_text
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
+from worlds.text_file import read_text
 
 WHOLE = ("agents", "informed", "dim")
 """Axes of whole numbers."""
@@ -40,17 +40,19 @@ Point = dict[str, Value]
 def points_of(design: AnyDesign, folder: Path) -> list[Point]:
     """The points of a design, those left out for which its condition does not hold.
 
-    `folder` is where files that it names are looked for first. Raises Refusal.
+    `folder` is where files that it names are looked for first. Raises InputError.
     """
     points = [rounded(point) for point in MAKERS[type(design)](design, folder)]
     if not design.where:
         return points
     if isinstance(design, Saltelli | Morris):
-        raise Refusal(f"where cannot be said of a {design.kind} design, which needs all its cells")
+        raise InputError(
+            f"where cannot be said of a {design.kind} design, which needs all its cells"
+        )
     condition = Condition(design.where, list(points[0]) if points else [])
     kept = [point for point in points if condition.holds(point)]
     if not kept:
-        raise Refusal(f"where = {design.where!r} holds for none of {len(points)} cells")
+        raise InputError(f"where = {design.where!r} holds for none of {len(points)} cells")
     return kept
 
 
@@ -69,23 +71,23 @@ def grid(design: Grid, _: Path) -> Iterator[Point]:
     values = {name: grid_values(name, axis) for name, axis in design.axes.items()}
     cells = math.prod(map(len, values.values()))
     if cells > MOST_CELLS:
-        raise Refusal(f"a grid of {cells} cells is not allowed: the largest has {MOST_CELLS}")
+        raise InputError(f"a grid of {cells} cells is not allowed: the largest has {MOST_CELLS}")
     for chosen in itertools.product(*values.values()):
         yield dict(zip(values, chosen, strict=True))
 
 
 def grid_values(name: str, axis: Axis) -> list[Any]:
-    """The values of an axis of a grid. Raises Refusal."""
+    """The values of an axis of a grid. Raises InputError."""
     if not isinstance(axis, Span):
         return list(axis)
     if axis.step is not None:
         count = math.floor(abs(axis.to - axis.from_) / axis.step + 1e-9) + 1
         if count > MOST_CELLS:
-            raise Refusal(f"{name}: step = {axis.step:g} makes {count} values")
+            raise InputError(f"{name}: step = {axis.step:g} makes {count} values")
         step = math.copysign(axis.step, axis.to - axis.from_)
         return [neat(axis.from_ + k * step) for k in range(count)]
     if axis.count is None:
-        raise Refusal(f"{name}: a grid needs count or step")
+        raise InputError(f"{name}: a grid needs count or step")
     return [between(axis, k / (axis.count - 1)) for k in range(axis.count)]
 
 
@@ -110,7 +112,7 @@ def listed(design: Listed, folder: Path) -> Iterator[Point]:
     for number, row in enumerate(rows, 1):
         if set(row) != names:
             odd = ", ".join(sorted(names ^ set(row)))
-            raise Refusal(f"row {number} differs from the first in which axes it has: {odd}")
+            raise InputError(f"row {number} differs from the first in which axes it has: {odd}")
         yield row
 
 
@@ -121,7 +123,7 @@ def found(file: str, folder: Path) -> Path:
 
 
 def read_csv(path: Path) -> list[Point]:
-    """The rows of a CSV whose first line names the axes. Raises Refusal naming file and line."""
+    """The rows of a CSV whose first line names the axes. Raises InputError naming file and line."""
     lines = csv.reader(io.StringIO(read_text(f"CSV {str(path)!r}", path)))
     try:
         names = [name.strip() for name in next(lines)]
@@ -130,18 +132,18 @@ def read_csv(path: Path) -> list[Point]:
             if not line:
                 continue
             if len(line) != len(names):
-                raise Refusal(
+                raise InputError(
                     f"{len(line)} values for {len(names)} axes ({path}, line {lines.line_num})"
                 )
             rows.append(
                 {name: read_value(text.strip()) for name, text in zip(names, line, strict=True)}
             )
     except StopIteration:
-        raise Refusal(f"{path} is empty: its first line names the axes") from None
+        raise InputError(f"{path} is empty: its first line names the axes") from None
     except csv.Error as error:
-        raise Refusal(f"{path} is no CSV: {error}") from None
+        raise InputError(f"{path} is no CSV: {error}") from None
     if not rows or "" in names or len(set(names)) < len(names):
-        raise Refusal(f"{path} needs a line that names each axis once, and a row below it")
+        raise InputError(f"{path} needs a line that names each axis once, and a row below it")
     return rows
 
 

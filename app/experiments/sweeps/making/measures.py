@@ -21,8 +21,8 @@ from agents.observables.observable import SERIES
 from app.experiments.runs.database import FIXED
 from app.experiments.sweeps.given.designs import found
 from app.experiments.sweeps.given.file import Observe
-from worlds.reading import read_text
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
+from worlds.text_file import read_text
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -55,13 +55,13 @@ class Measure:
         return self.every is not None
 
     def getter(self) -> Callable[[Flock], float]:
-        """What measures it of a flock now. Raises Refusal if a file of one's own has it not."""
+        """What measures it of a flock now. Raises InputError if a file of one's own has it not."""
         if not self.path:
             name = SERIES if OBSERVABLES[self.name].over else self.name
             return lambda flock: float(flock.observe(name))
         function = getattr(module_of(Path(self.path)), self.function, None)
         if not callable(function):
-            raise Refusal(f"measure {self.function!r}: there is no such function in {self.path}")
+            raise InputError(f"measure {self.function!r}: there is no such function in {self.path}")
         return lambda flock: float(function(flock.snapshot(copy=False).measurable()))
 
     def summed(self, values: list[float], agents: list[int]) -> float:
@@ -88,39 +88,42 @@ class Measure:
 
 
 def module_of(path: Path) -> ModuleType:
-    """A Python file of one's own, run. Raises Refusal naming the file and the line of a fault."""
+    """A Python file of one's own, run. Raises InputError naming the file and the line of a
+    fault."""
     text = read_text(f"measure {str(path)!r}", path)
     return run_file(path, text, f"measures_{hashlib.sha256(text.encode()).hexdigest()[:16]}")
 
 
 def measure_of(asked: Observe, folder: Path) -> Measure:
-    """What a table [[observe]] asks for. Raises Refusal."""
+    """What a table [[observe]] asks for. Raises InputError."""
     if asked.measure:
         file, colon, function = asked.measure.rpartition(":")
         if not colon or not file.endswith(".py") or not function.isidentifier():
-            raise Refusal(f"measure = {asked.measure!r} is not allowed: FILE.py:FUNCTION is needed")
+            raise InputError(
+                f"measure = {asked.measure!r} is not allowed: FILE.py:FUNCTION is needed"
+            )
         path, name = str(found(file, folder).absolute()), ""
     else:
         path, function, name = "", "", asked.name
         demand_number(name)
         if OBSERVABLES[name].over and asked.over is None:
-            raise Refusal(f"{name} is measured over a run: give over, the ticks at its end")
+            raise InputError(f"{name} is measured over a run: give over, the ticks at its end")
     column = asked.column or (name or function)
     if not asked.column and asked.over is not None and not (name and OBSERVABLES[name].over):
         column += f"-over-{asked.over}"
     if column.lower() in RESERVED or not column.isprintable():
-        raise Refusal(f"column = {column!r} is not allowed: name another")
+        raise InputError(f"column = {column!r} is not allowed: name another")
     made = Measure(column, name, path, function, asked.every, asked.over)
     made.getter()
     return made
 
 
 def demand_number(name: str) -> None:
-    """Refuse what is no observable, or a table. Raises Refusal."""
+    """Refuse what is no observable, or a table. Raises InputError."""
     if name not in OBSERVABLES:
         raise unknown("observable", name, OBSERVABLES)
     if OBSERVABLES[name].is_table:
-        raise Refusal(f"{name} is a table, not a number: a sweep cannot keep it")
+        raise InputError(f"{name} is a table, not a number: a sweep cannot keep it")
 
 
 class Looks:

@@ -49,7 +49,7 @@ class Making:
         return self.__dict__ | {"getters": []}
 
     def prepare(self) -> None:
-        """Find what measures. Raises Refusal."""
+        """Find what measures. Raises InputError."""
         self.getters = [one.getter() for one in self.measures]
 
     @property

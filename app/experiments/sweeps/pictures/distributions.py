@@ -8,16 +8,16 @@ import numpy as np
 
 from app.experiments.sweeps.pictures.groups import Group, label
 from app.experiments.sweeps.pictures.lines import CENSORED, COLOURS, FAILED
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 MOST = 40
 """Cells in one picture."""
 
 
 def draw_distributions(figure: Any, name: str, groups: list[Group]) -> None:
-    """Draw a box for each cell. Raises Refusal if there are too many."""
+    """Draw a box for each cell. Raises InputError if there are too many."""
     if len(groups) > MOST:
-        raise Refusal(f"{len(groups)} boxes are too many: leave cells out with --where")
+        raise InputError(f"{len(groups)} boxes are too many: leave cells out with --where")
     figure.set_size_inches(6.8, 1.6 + 0.42 * len(groups))
     axes = figure.subplots()
     places = np.arange(len(groups))[::-1]

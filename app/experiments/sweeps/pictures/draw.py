@@ -14,9 +14,9 @@ from app.experiments.sweeps.pictures.maps import draw_map
 from app.experiments.sweeps.pictures.points import draw_points
 from app.experiments.sweeps.pictures.scaling import SIZE, Scaling, draw_scaling
 from app.figure import write_figure
-from worlds.counting import counted
-from worlds.refusal import Refusal, unknown
-from worlds.writing import demand_writable
+from worlds.file_writer import demand_writable
+from worlds.input_error import InputError, unknown
+from worlds.number_text import counted
 
 Kind = Literal["lines", "map", "points", "distribution", "scaling"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -36,7 +36,7 @@ def draw(
     scaling: Scaling | None = None,
     overwrite: bool = True,
 ) -> str:
-    """Draw an observable, the first by default; returns the kind of picture. Raises Refusal.
+    """Draw an observable, the first by default; returns the kind of picture. Raises InputError.
 
     `x` and `y` are the axes of the picture; `where` is a condition that leaves cells out.
     `snapshots`: whether a map shows how the flock of each cell looks at its end. `scaling`: the
@@ -52,9 +52,9 @@ def draw(
             raise unknown("axis", axis, axes, str(kept.folder))
     kind = kind or ("map" if snapshots else suited(groups, axes))
     if snapshots and kind != "map":
-        raise Refusal(f"snapshots are of a map, not of {kind}")
+        raise InputError(f"snapshots are of a map, not of {kind}")
     if scaling is not None and kind != "scaling":
-        raise Refusal(f"exponents are of scaling, not of {kind}")
+        raise InputError(f"exponents are of scaling, not of {kind}")
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -96,24 +96,24 @@ def suited(groups: list[Group], axes: list[str]) -> Kind:
 
 
 def one(groups: list[Group], axes: list[str], x: str | None) -> str:
-    """The axis of lines. Raises Refusal."""
+    """The axis of lines. Raises InputError."""
     numeric = [axis for axis in axes if all(map(is_number, values_of(groups, axis)))]
     if x is not None and x not in numeric:
-        raise Refusal(f"axis {x!r} has no numbers: lines need some")
+        raise InputError(f"axis {x!r} has no numbers: lines need some")
     if not numeric:
-        raise Refusal("no axis has numbers: lines need one, a distribution does not")
+        raise InputError("no axis has numbers: lines need one, a distribution does not")
     return x or numeric[0]
 
 
 def two(axes: list[str], x: str | None, y: str | None) -> tuple[str, str]:
-    """The axes of a map. Raises Refusal."""
+    """The axes of a map. Raises InputError."""
     rest = [axis for axis in axes if axis not in (x, y)]
     first = x or (rest.pop(0) if rest else "")
     second = y or (rest.pop(0) if rest else "")
     if not first or not second:
-        raise Refusal("a map needs two axes with several values each")
+        raise InputError("a map needs two axes with several values each")
     if rest:
-        raise Refusal(
+        raise InputError(
             f"{', '.join(rest)} varies too: say at which value, such as --where '{rest[0]} == ...'"
         )
     return first, second

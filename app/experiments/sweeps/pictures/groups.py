@@ -13,7 +13,7 @@ from app.experiments.sweeps.given.conditions import Condition
 from app.experiments.sweeps.replicates import half_width
 from app.experiments.sweeps.table import axes_of, measured
 from app.strict import Value
-from worlds.refusal import Refusal, unknown
+from worlds.input_error import InputError, unknown
 
 
 @dataclass
@@ -42,10 +42,11 @@ class Group:
 
 
 def groups_of(kept: Kept, observable: str | None, where: str = "") -> tuple[str, list[Group]]:
-    """The observable that is shown, the first by default, and the cells with runs. Or Refusal."""
+    """The observable that is shown, the first by default, and the cells with runs. Or
+    InputError."""
     columns, axes = measured(kept), axes_of(kept)
     if not columns:
-        raise Refusal("there is nothing with one value for each run: export the series instead")
+        raise InputError("there is nothing with one value for each run: export the series instead")
     name = columns[0] if observable is None else observable
     if name not in columns:
         raise unknown("observable", name, columns, str(kept.folder))
@@ -70,7 +71,7 @@ def groups_of(kept: Kept, observable: str | None, where: str = "") -> tuple[str,
         and (condition is None or condition.holds(group.axes))
     ]
     if not kept_groups:
-        raise Refusal(f"there is no run to draw yet ({kept.folder})")
+        raise InputError(f"there is no run to draw yet ({kept.folder})")
     return name, kept_groups
 
 

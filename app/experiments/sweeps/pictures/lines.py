@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from app.experiments.sweeps.pictures.groups import Group, label, varied
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 COLOURS = ("#2166ac", "#b2182b", "#1b7837", "#b07d12", "#762a83", "#0b7a75", "#555555", "#d6604d")
 FEW = len(COLOURS)
@@ -14,7 +14,7 @@ CENSORED, FAILED = "#b07d12", "#c0392b"
 
 
 def draw_lines(figure: Any, name: str, groups: list[Group], x: str) -> None:
-    """Draw the lines. Raises Refusal if there are more than can be told apart."""
+    """Draw the lines. Raises InputError if there are more than can be told apart."""
     others = [axis for axis in varied(groups) if axis != x]
     lines: dict[str, list[Group]] = {}
     for group in groups:
@@ -22,7 +22,7 @@ def draw_lines(figure: Any, name: str, groups: list[Group], x: str) -> None:
             apart = {axis: group.axes[axis] for axis in others if axis in group.axes}
             lines.setdefault(label(apart), []).append(group)
     if len(lines) > FEW:
-        raise Refusal(
+        raise InputError(
             f"{len(lines)} lines cannot be told apart: leave cells out with --where, or draw a map"
         )
     figure.set_size_inches(7.2, 4.8)

@@ -18,7 +18,7 @@ def draw_map(
 ) -> None:
     """Draw the map; every cell is as wide as another, whatever its values.
 
-    With `kept`, the store, the flock of each cell is drawn into it. Raises Refusal.
+    With `kept`, the store, the flock of each cell is drawn into it. Raises InputError.
     """
     from matplotlib.lines import Line2D
 

@@ -17,7 +17,7 @@ from app.experiments.runs.reading import Kept
 from app.experiments.sweeps.pictures.groups import Group, groups_of, is_number, varied
 from app.experiments.sweeps.pictures.lines import COLOURS, mark
 from app.experiments.sweeps.table import measured
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 SIZE, CUMULANT = "agents", "binder"
 
@@ -33,9 +33,9 @@ class Scaling:
     def __post_init__(self) -> None:
         for name, value in (("beta", self.beta), ("nu", self.nu)):
             if not (math.isfinite(value) and value > 0.0):
-                raise Refusal(f"{name} = {value:g} is not above 0")
+                raise InputError(f"{name} = {value:g} is not above 0")
         if self.critical is not None and not math.isfinite(self.critical):
-            raise Refusal(f"critical = {self.critical:g} is no finite number")
+            raise InputError(f"critical = {self.critical:g} is no finite number")
 
 
 Lines = dict[int, tuple[float, list[Group]]]
@@ -45,7 +45,7 @@ Lines = dict[int, tuple[float, list[Group]]]
 def draw_scaling(
     figure: Any, kept: Kept, name: str, groups: list[Group], x: str, where: str, by: Scaling | None
 ) -> None:
-    """Draw the panels that the sweep has: `by` for the collapse. Raises Refusal."""
+    """Draw the panels that the sweep has: `by` for the collapse. Raises InputError."""
     lines = by_size(kept, groups, x)
     has_cumulant = CUMULANT in measured(kept) and name != CUMULANT
     cumulants = by_size(kept, groups_of(kept, CUMULANT, where)[1], x) if has_cumulant else {}
@@ -67,7 +67,7 @@ def draw_scaling(
     if by is not None:
         critical = crossing if by.critical is None else by.critical
         if critical is None:
-            raise Refusal(
+            raise InputError(
                 "it is not known where the transition is: give --critical, or measure 'binder' "
                 "over a range in which the lines of the two largest sizes cross once"
             )
@@ -78,13 +78,15 @@ def draw_scaling(
 
 
 def by_size(kept: Kept, groups: list[Group], x: str) -> Lines:
-    """The cells by the number of agents. Raises Refusal if something else varies too."""
+    """The cells by the number of agents. Raises InputError if something else varies too."""
     axes = varied(groups)
     if SIZE not in axes or x == SIZE:
-        raise Refusal(f"scaling needs the axis {SIZE!r} with two sizes or more, and another axis")
+        raise InputError(
+            f"scaling needs the axis {SIZE!r} with two sizes or more, and another axis"
+        )
     rest = [axis for axis in axes if axis not in (x, SIZE)]
     if rest:
-        raise Refusal(
+        raise InputError(
             f"{', '.join(rest)} varies too: say at which value, such as --where '{rest[0]} == ...'"
         )
     cells = kept.cells
@@ -96,7 +98,7 @@ def by_size(kept: Kept, groups: list[Group], x: str) -> Lines:
     for _, line in found.values():
         line.sort(key=lambda group: float(group.axes[x]))
     if len(found) > len(COLOURS):
-        raise Refusal(f"{len(found)} sizes cannot be told apart: leave some out with --where")
+        raise InputError(f"{len(found)} sizes cannot be told apart: leave some out with --where")
     return dict(sorted(found.items()))
 
 

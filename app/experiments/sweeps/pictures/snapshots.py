@@ -8,7 +8,7 @@ from agents.flock import Flock
 from app.experiments.runs.reading import Kept
 from app.experiments.sweeps.pictures.groups import Group
 from app.experiments.sweeps.table import places_of, spec_at
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 MOST = 150
 """Cells whose flocks are drawn."""
@@ -21,7 +21,7 @@ PART = 0.84
 def draw_snapshots(axes: Any, kept: Kept, at: dict[int, tuple[int, int]]) -> None:
     """Draw the flock of each cell's first run at its end; `at` is where a cell stands on the map.
 
-    It is run again for that. Raises Refusal if there are too many, or too long runs.
+    It is run again for that. Raises InputError if there are too many, or too long runs.
     """
     first: dict[int, tuple[int, int]] = {}
     for cell, seed, status, _, _, ticks, _ in kept.runs([]):
@@ -31,7 +31,7 @@ def draw_snapshots(axes: Any, kept: Kept, at: dict[int, tuple[int, int]]) -> Non
         ticks * kept.cells[cell]["identity"]["spec"]["agents"] for cell, (_, ticks) in first.items()
     )
     if len(first) > MOST or steps > MOST_STEPS:
-        raise Refusal(
+        raise InputError(
             f"the flocks of {len(first)} cells, {steps:.2g} steps of agents, are too much to draw: "
             f"leave cells out with --where, {MOST} and {MOST_STEPS:.2g} are allowed"
         )

@@ -7,11 +7,11 @@ from collections.abc import Callable
 
 import viser
 
-from app.viewer.gallery.opened import ENDINGS, opened
+from app.viewer.gallery.file_opener import ENDINGS, opened
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
 from app.viewer.run.allowance import Allowance
-from app.viewer.run.past.stored import LARGEST, PARQUET, Stored
-from worlds.refusal import Refusal
+from app.viewer.run.past.stored_flock import LARGEST, PARQUET, StoredFlock
+from worlds.input_error import InputError
 
 
 class SceneFiles:
@@ -21,7 +21,7 @@ class SceneFiles:
         self,
         gui: viser.GuiApi,
         now: Callable[[str], SavedScene],
-        open: Callable[[SavedScene | Stored], None],
+        open: Callable[[SavedScene | StoredFlock], None],
         tell: Callable[[str], None],
         allowance: Allowance | None = None,
     ):
@@ -51,7 +51,7 @@ class SceneFiles:
                 if self.allowance is not None and file.content.startswith(PARQUET):
                     self.allowance.demand_recordings(file.name)
                 self.open(opened(file.name, file.content))
-            except Refusal as refusal:
+            except InputError as refusal:
                 self.tell(str(refusal))
 
     async def save(self, event: viser.GuiEvent) -> None:

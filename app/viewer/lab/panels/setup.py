@@ -14,8 +14,8 @@ from agents.models.model import Model
 from agents.spec import OPTIONS, Options, Spec
 from app.viewer.panels.form import handle
 from app.viewer.panels.style import block
-from app.viewer.run.home import MOST_AGENTS, at_home, home, titled, world_titles
-from app.viewer.run.state import State
+from app.viewer.run.run_preset import MOST_AGENTS, at_home, home, titled, world_titles
+from app.viewer.run.simulation_state import SimulationState
 from app.viewer.scene.shown.control import Control
 from app.viewer.web.values import show
 from worlds.world import World
@@ -31,7 +31,7 @@ Pairing = tuple[Spec, Spec | None]
 class SetupPanel:
     """The next run, and what is beside it; nothing happens until Setup is pressed."""
 
-    def __init__(self, gui: viser.GuiApi, state: State):
+    def __init__(self, gui: viser.GuiApi, state: SimulationState):
         spec = state.spec
         assert spec.world is not None
         self.running: Pairing = spec, state.beside
@@ -133,7 +133,7 @@ class SetupPanel:
         )
         return spec, None if self.beside.value == NOBODY else Spec(named(self.beside.value))
 
-    def next(self, state: State) -> Pairing:
+    def next(self, state: SimulationState) -> Pairing:
         """The run for Setup, and what is beside it; models that stay keep their parameters."""
         spec, beside = self.chosen()
         if self.new_seed.value and self.seed.value == self.running[0].seed:
@@ -172,7 +172,7 @@ class SetupPanel:
         show(self.world, words)
         self.fit()
 
-    def refresh(self, state: State) -> None:
+    def refresh(self, state: SimulationState) -> None:
         """Say what differs from the running flock; after a set-up nothing does."""
         self.running = state.spec, state.beside
         if state.run != self.shown_run:

@@ -6,13 +6,13 @@ import numpy as np
 
 from agents.flock import Flock
 from agents.snapshot import Snapshot
-from app.viewer.run.past.stored import Stored
-from app.viewer.run.picture import Wanted
-from app.viewer.run.run import Run
-from worlds.refusal import Refusal
+from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.past.stored_flock import StoredFlock
+from worlds.input_error import InputError
 
 
-class Playback(Run):
+class Playback(FlockRun):
     """The run of a recording. Nothing in it can be changed; ticks that are not recorded are left
     out, and the flock stays as it was last recorded meanwhile."""
 
@@ -20,9 +20,9 @@ class Playback(Run):
         self,
         flock: Flock,
         number: int,
-        wanted: Wanted,
+        wanted: FrameRequest,
         watched: frozenset[str],
-        stored: Stored,
+        stored: StoredFlock,
     ):
         super().__init__(flock, number, wanted, watched)
         self.stored = stored
@@ -53,21 +53,21 @@ class Playback(Run):
         return True
 
     def advance(self, ticks: int) -> None:
-        """Play on for so many ticks, at most to the end. Raises Refusal for a damaged file."""
+        """Play on for so many ticks, at most to the end. Raises InputError for a damaged file."""
         self.show(min(self.clock + ticks, self.last))
 
     def step(self, frames: int) -> None:
-        """Go on by so many of the recorded ticks, at most to the end. Raises Refusal."""
+        """Go on by so many of the recorded ticks, at most to the end. Raises InputError."""
         here = int(np.searchsorted(self.frames.ticks, self.flock.tick))
         self.show(int(self.frames.ticks[min(here + frames, len(self.frames.ticks) - 1)]))
 
     def seek(self, tick: int) -> None:
-        """Go to a tick; curves go on from there. Raises Refusal."""
+        """Go to a tick; curves go on from there. Raises InputError."""
         self.show(min(max(tick, self.first), self.last))
         self.readings.cut(self.flock.tick)
 
     def show(self, tick: int) -> None:
-        """Put the flock where it was at a tick, or last before it. Raises Refusal."""
+        """Put the flock where it was at a tick, or last before it. Raises InputError."""
         then = self.frames.before(tick)
         if then != self.flock.tick:
             put(self.flock, self.frames.at(then))
@@ -84,9 +84,9 @@ def put(flock: Flock, then: Snapshot) -> None:
     flock.tick = then.tick
 
 
-def fixed(stored: Stored) -> Refusal:
+def fixed(stored: StoredFlock) -> InputError:
     """What is told to those who would change a recording."""
-    return Refusal(
+    return InputError(
         f"{stored.name} is a recording, in which nothing can be changed: "
         "'Go on from here' makes it a live run, Setup begins a new one"
     )

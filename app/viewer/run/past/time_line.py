@@ -12,15 +12,15 @@ from concurrent.futures import Future
 from dataclasses import replace
 from typing import Any, Protocol
 
-from app.viewer.measuring.rate_limit import RateLimit
-from app.viewer.run.beside import Pair
+from app.viewer.measuring.work_throttle import WorkThrottle
 from app.viewer.run.edits import Edits
-from app.viewer.run.past.history import History, Moment
+from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.paired_run import PairedRun
+from app.viewer.run.past.checkpoint_history import CheckpointHistory, RunCheckpoint
 from app.viewer.run.past.playback import Playback, fixed
-from app.viewer.run.past.stored import Beginning
-from app.viewer.run.run import Run
-from app.viewer.run.state import Line, State
-from worlds.refusal import Refusal
+from app.viewer.run.past.stored_flock import Beginning
+from app.viewer.run.simulation_state import SimulationState, TimeLineState
+from worlds.input_error import InputError
 
 SETTLED = 0.25
 """Time after the last move along the line after which everything is measured, s."""
@@ -28,11 +28,11 @@ OFTEN, SHARE = 0.1, 0.01
 """Shortest time between two moments that are kept, s, and the share of all time that it takes."""
 
 
-class Host(Protocol):
+class TimeLineHost(Protocol):
     """What a time line needs of the simulation whose it is."""
 
-    run: Run | None
-    state: State
+    run: FlockRun | None
+    state: SimulationState
     stale: bool
     edits: Edits
 
@@ -40,7 +40,7 @@ class Host(Protocol):
         self, command: Callable[[], Any], key: str = "", runs: bool | None = None
     ) -> Future: ...
 
-    def sound_run(self) -> Run: ...
+    def sound_run(self) -> FlockRun: ...
 
     def begin(self, stored: Beginning) -> None: ...
 
@@ -48,12 +48,12 @@ class Host(Protocol):
 class TimeLine:
     """Moves a simulation along its time; commands return at once, as the simulation's own do."""
 
-    def __init__(self, host: Host) -> None:
+    def __init__(self, host: TimeLineHost) -> None:
         self.host = host
-        self.history = History()
-        self.present: Moment | None = None
+        self.history = CheckpointHistory()
+        self.present: RunCheckpoint | None = None
         """The run as it was before one looked back; None: nobody does."""
-        self.rate_limit = RateLimit(OFTEN, SHARE)
+        self.rate_limit = WorkThrottle(OFTEN, SHARE)
         self.moved: float | None = None
         """When it was last moved along the line, until all has been measured, s."""
 
@@ -81,7 +81,7 @@ class TimeLine:
             now = self.present or self.moment(run)
             then = now if tick >= now.tick else self.history.before(tick)
             if then is None:
-                raise Refusal("nothing is kept yet of this run to look back at")
+                raise InputError("nothing is kept yet of this run to look back at")
             self.present = None if then is now else now
             restore(run, then)
             values, others = run.values, run.beside_values
@@ -98,7 +98,7 @@ class TimeLine:
         host, run = self.host, self.host.sound_run()
         if isinstance(run, Playback):
             if run.stored.recording.spec.is_late:
-                raise Refusal(
+                raise InputError(
                     f"{run.stored.name} cannot be gone on from: it has not what messages on their "
                     "way tell, which only saved states have"
                 )
@@ -138,12 +138,12 @@ class TimeLine:
             self.go_on_now()
 
     def demand_now(self) -> None:
-        """Raise Refusal where nothing can be changed: in a recording, and while looking back."""
+        """Raise InputError where nothing can be changed: in a recording, and while looking back."""
         run = self.host.run
         if isinstance(run, Playback):
             raise fixed(run.stored)
         if self.present is not None and run is not None:
-            raise Refusal(
+            raise InputError(
                 f"this is tick {run.flock.tick}, looked back at: go on from here, or back to now, "
                 "before anything is changed"
             )
@@ -158,7 +158,7 @@ class TimeLine:
         """What is kept of this tick is no longer what it was."""
         self.rate_limit.renew()
 
-    def note(self, run: Run) -> None:
+    def note(self, run: FlockRun) -> None:
         """Keep the run as it is, if that is due."""
         if isinstance(run, Playback) or self.present is not None:
             return
@@ -166,25 +166,25 @@ class TimeLine:
             with self.rate_limit.measured():
                 self.history.note(self.moment(run))
 
-    def moment(self, run: Run) -> Moment:
+    def moment(self, run: FlockRun) -> RunCheckpoint:
         """The run as it is."""
-        return Moment(
+        return RunCheckpoint(
             tuple(one.flock.snapshot() for one in run.both),
             tuple(one.readings.extremes.least for one in run.both),
-            run.owed if isinstance(run, Pair) else 0.0,
+            run.owed if isinstance(run, PairedRun) else 0.0,
             self.host.state.spec,
             self.host.edits.editor,
         )
 
-    def line(self, run: Run) -> Line | None:
+    def line(self, run: FlockRun) -> TimeLineState | None:
         """What there is to move along; None where there is nothing yet."""
         at = run.flock.tick
         if isinstance(run, Playback):
-            return Line(run.first, run.last, at, recording=run.stored.name)
+            return TimeLineState(run.first, run.last, at, recording=run.stored.name)
         if not self.history.moments:
             return None
         last = at if self.present is None else self.present.tick
-        return Line(self.history.moments[0].tick, last, at, self.present is not None)
+        return TimeLineState(self.history.moments[0].tick, last, at, self.present is not None)
 
     def unsettled(self, now: float) -> float | None:
         """Time until everything is to be measured where one has moved to, s; None: it has been."""
@@ -197,9 +197,9 @@ class TimeLine:
             self.host.stale = True
 
 
-def restore(run: Run, then: Moment) -> None:
+def restore(run: FlockRun, then: RunCheckpoint) -> None:
     """Put the flocks of a run where they were."""
     for one, snapshot in zip(run.both, then.snapshots, strict=True):
         one.flock.return_to(snapshot)
-    if isinstance(run, Pair):
+    if isinstance(run, PairedRun):
         run.owed = then.owed

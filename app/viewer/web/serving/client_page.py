@@ -19,7 +19,7 @@ import viser
 import zstandard
 
 from app.beside import STATIC
-from worlds.refusal import Refusal
+from worlds.input_error import InputError
 
 ALPHABET = (
     "!#$%()*+,-./0123456789:;=?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\\]^_abcdefghijklmnopqrstuvwxyz{|}~"
@@ -59,7 +59,7 @@ def client_page(scripts: tuple[str, ...], styles: tuple[str, ...] = ()) -> Clien
     """viser's page with these files of `static/`: styles, and scripts of its own that run first.
 
     They stand in the page itself: it can neither be had without them nor take them from elsewhere.
-    Raises Refusal if viser's page is not built as it was.
+    Raises InputError if viser's page is not built as it was.
     """
     own = [(STATIC / name).read_text("utf-8") for name in (*SCRIPTS, *scripts)]
     html = viser_page()
@@ -96,7 +96,7 @@ def hashed(script: bytes) -> str:
 
 
 def unpacked(attributes: dict[str, str]) -> bytes:
-    """The client that the loader makes of its attributes. Raises Refusal."""
+    """The client that the loader makes of its attributes. Raises InputError."""
     try:
         styles, code = int(attributes["data-ss"]), int(attributes["data-cs"])
         packed = from_base88(attributes["data-p"])
@@ -126,9 +126,9 @@ def from_base88(text: str) -> bytes:
     return start + last.to_bytes(BYTES, "big")[BYTES + 1 - len(left) :]
 
 
-def unknown(why: str) -> Refusal:
+def unknown(why: str) -> InputError:
     """What is said of a page of viser's that is not built as it was."""
-    return Refusal(f"the page of viser {viser.__version__} is not one that can be served: {why}")
+    return InputError(f"the page of viser {viser.__version__} is not one that can be served: {why}")
 
 
 class Scripts(HTMLParser):

@@ -42,7 +42,7 @@ class Front:
     by which it may be reached beside this machine's own. `secret`: the first part of every path,
     without which there is nothing; whoever knows it may come by any name, as a proxy does.
     `framed_by`: the origins of pages that may show it in a frame; nobody's otherwise. Raises
-    Refusal if the page cannot be made.
+    InputError if the page cannot be made.
     """
 
     def __init__(

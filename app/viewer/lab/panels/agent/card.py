@@ -11,13 +11,13 @@ from agents.inspection import UNSEEN, Inspection
 from agents.models.model import whole
 from agents.observables.of_agents import ON_ITS_WAY
 from agents.state.crashes import CAUSES, Crashes
-from app.viewer.measuring import measured
+from app.viewer.measuring import observable_format
 from app.viewer.panels.style import table
-from app.viewer.run.picture import SAVED
+from app.viewer.run.frame_builder import SAVED
 from app.viewer.scene.marks.inspected.reasons import force_colours
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.frame import Frame
-from worlds.counting import counted
+from worlds.number_text import counted
 
 FIRST = 6
 """Rows that are always there."""
@@ -73,7 +73,7 @@ def facts(frame: Frame, seen: Inspection) -> dict[str, str]:
     if frame.dim == 3:
         listed["climb"] = f"{np.degrees(np.arcsin(np.clip(ux[2], -1, 1))):+.0f}°"
     pace = model.in_units("length/time") if model else frame.pace_unit
-    listed["speed"] = f"{measured.few(frame.speed[seen.row])} {pace}"
+    listed["speed"] = f"{observable_format.few(frame.speed[seen.row])} {pace}"
     listed["neighbours"] = counted(len(seen.neighbours), "agent")
     own = signal_facts(seen)
     if "drag saved" in own:
@@ -177,7 +177,8 @@ def pushed(seen: Inspection) -> str:
         f"{html.escape(name)}</td>"
         f'<td style="width:25%"><div class="fs-weight" '
         f'style="width:{100 * value / most:.1f}%;background:{colour}"></div></td>'
-        f'<td style="white-space:nowrap">{measured.few(value)} {force_unit(seen, name)}</td></tr>'
+        f'<td style="white-space:nowrap">{observable_format.few(value)} '
+        f"{force_unit(seen, name)}</td></tr>"
         for (name, value), colour in zip(length.items(), colours, strict=True)
     )
     return f'<table class="fs-table">{rows}</table>'

@@ -12,8 +12,9 @@ from viser import uplot
 
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
-from app.viewer.measuring.course import Course
-from app.viewer.measuring.curves import (
+from app.viewer.measuring.earlier_runs import EarlierRuns
+from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.observable_curves import (
     Points,
     over_earlier,
     points,
@@ -21,15 +22,14 @@ from app.viewer.measuring.curves import (
     together,
     worded,
 )
-from app.viewer.measuring.earlier import EarlierRuns
-from app.viewer.measuring.measured import scale, told, words
-from app.viewer.measuring.readings import Readings
+from app.viewer.measuring.observable_format import scale, told, words
+from app.viewer.measuring.observable_history import ObservableHistory
+from app.viewer.measuring.observable_table import TICKS, table, titled, unit
 from app.viewer.measuring.run_conditions import TOLD, ConditionHistory, RunConditions
-from app.viewer.measuring.table import TICKS, table, titled, unit
 from app.viewer.panels.chart import DASH, Curve, Shown
 from app.viewer.panels.plotted import Line, Plotted, plot_csv
 from app.viewer.panels.style import BLUE, GREEN, key
-from app.viewer.run.beside import ratio
+from app.viewer.run.paired_run import ratio
 
 COLOURS = (BLUE, GREEN)
 """Of the first and of the second observable in a chart."""
@@ -46,10 +46,10 @@ CAPTION = 105
 
 
 @dataclass(frozen=True)
-class Before:
+class OverlaidRun:
     """A run before those of now, as it is shown."""
 
-    course: Course
+    course: ObservableHistory
     label: str
     age: int
     """0 for the last one of its model."""
@@ -71,18 +71,18 @@ class Overlay:
     All are drawn over the time of the first, of which the `last` ticks are shown.
     """
 
-    def __init__(self, runs: Sequence[Readings], earlier: EarlierRuns, most: int, last: float):
+    def __init__(self, runs: Sequence[FlockReadings], earlier: EarlierRuns, most: int, last: float):
         self.runs, self.last = runs, last
         self.histories = [run.conditions for run in runs]
         self.of = [history.last for history in self.histories]
         self.each = [self.ratio(one) for one in self.of]
-        self.before: list[Before] = []
+        self.before: list[OverlaidRun] = []
         for now, history in zip(self.of, self.histories, strict=True):
             for age, course in enumerate(earlier.of(now.model)[:most]):
                 label = self.named(course.history.differences(history), now)
                 each = self.ratio(course.conditions)
                 whose = now.model.name if len(runs) > 1 else ""
-                self.before.append(Before(course, label, age, each, whose))
+                self.before.append(OverlaidRun(course, label, age, each, whose))
 
     def ratio(self, of: RunConditions) -> float:
         """Ticks of the first flock that last as long as one of another."""
@@ -145,7 +145,7 @@ class Overlay:
         runs += [(one.course.history, one.each) for one in self.before]
         return np.concatenate([marks(history, each) for history, each in runs])
 
-    def scaled(self, one: Before, name: str) -> Points:
+    def scaled(self, one: OverlaidRun, name: str) -> Points:
         """How an observable of an earlier run went over the time of the first flock."""
         at, values = one.course.points(name)
         return at * one.each, values
@@ -216,7 +216,7 @@ class Overlay:
     def plotted(self, names: tuple[str, ...]) -> Plotted:
         """What a chart of observables shows, to take home."""
         lasts, title = self.clock
-        courses = [Course.of(run, names) for run in self.runs]
+        courses = [ObservableHistory.of(run, names) for run in self.runs]
         now = courses[0].tick * 1.0
         lines = []
         for k, course in enumerate(courses):

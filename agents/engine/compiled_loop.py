@@ -1,0 +1,125 @@
+"""One compiled loop per rule and body, kept on disk.
+
+numba finds a kernel in its cache only if the kernel reaches the rule as a global of its module. So
+each rule gets a module of its own, made from the template `synchronous_tick.py` (or
+`sequential_tick.py`).
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+import threading
+import types
+from collections import namedtuple
+from collections.abc import Callable
+from pathlib import Path
+
+from numba.core.dispatcher import Dispatcher
+
+from agents.engine import template
+from agents.engine.cache import fingerprint, is_kept, keep, new_digest
+
+HERE = Path(__file__).parent
+LOADING = threading.Lock()
+TEMPLATES = {
+    "sweep": HERE / "synchronous_tick.py",
+    "pairs": HERE / "pairs" / "tick.py",
+    "turns": HERE / "sequential_tick.py",
+    "delayed": HERE / "delayed_tick.py",
+}
+
+
+def loop_module(kind: str, parts: dict[str, Callable | int | None], fields):
+    """The module whose `advance` runs whole ticks of a rule: of a kind, `sweep` or `pairs`.
+
+    `parts` gives the names of `agents.engine.template` their values; None takes the template's,
+    which does nothing. `fields` are the names of the parameters; the module's `P` holds them.
+    """
+    filled = {
+        part: getattr(template, part) if made is None else made for part, made in parts.items()
+    }
+    return load(kind, filled, fields)
+
+
+def turns_module(sweep: types.ModuleType):
+    """The module whose `advance` lets the agents of a rule act in turn; `sweep` is its sweep."""
+    shared = (
+        "ASKS_SPEED",
+        "CRASHES",
+        "DEAFENS",
+        "DIM",
+        "MEASURES",
+        "NEAREST",
+        "PRIVATE",
+        "SEES_POINTS",
+        "SIGNALS",
+        "act",
+        "holds",
+        "judge",
+        "lay",
+        "myself",
+        "nearby",
+        "pick_nearest",
+        "ready",
+        "see_points",
+        "show",
+    )
+    return load("turns", {part: vars(sweep)[part] for part in shared}, sweep.P._fields)
+
+
+def delayed_module(sweep: types.ModuleType):
+    """The module whose `advance` lets the agents of a rule know of each other by messages."""
+    shared = "ASKS_SPEED", "CRASHES", "DIM", "MEASURES", "NEAREST", "PRIVATE", "SEES_POINTS"
+    called = "act", "holds", "lay", "nearby", "pick_nearest", "ready", "see_points", "show"
+    turns = turns_module(sweep)
+    parts = {part: vars(sweep)[part] for part in (*shared, "SIGNALS", *called)}
+    parts |= {part: vars(turns)[part] for part in ("judge_all", "link", "row_of")}
+    return load("delayed", parts, sweep.P._fields)
+
+
+def load(kind: str, globals_: dict, fields) -> types.ModuleType:
+    """A template as a module of its own, with the given globals, compiled under its own cache."""
+    digest = new_digest()
+    digest.update(repr(tuple(fields)).encode())
+    seen: set[int] = set()
+    for part, value in sorted(globals_.items()):
+        digest.update(part.encode())
+        if isinstance(value, Dispatcher):
+            fingerprint(value, digest, seen)
+        else:
+            digest.update(repr(value).encode())
+    module_name = f"{__package__}.{kind}_{digest.hexdigest()[:16]}"
+    with LOADING:
+        if module_name not in sys.modules:
+            module = made(kind, module_name, globals_, fields)
+            sys.modules[module_name] = module  # a kept kernel finds its parameters' class there
+            fingerprint(module.advance, digest, seen)
+            module.__dict__["cache_folder"] = keep(module.advance, digest)
+    return sys.modules[module_name]
+
+
+def made(kind: str, module_name: str, globals_: dict, fields) -> types.ModuleType:
+    """The template `kind` executed as a module of that name."""
+    spec = importlib.util.spec_from_file_location(module_name, TEMPLATES[kind])
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    parameters = parameter_tuple(module_name, fields)
+    module.__dict__.update(globals_, P=parameters, **{parameters.__name__: parameters})
+    spec.loader.exec_module(module)
+    return module
+
+
+def parameter_tuple(module_name: str, fields) -> type:
+    """A NamedTuple class of floats that pickles by its module, as numba's cache needs.
+
+    It bears the module's name, the kind of loop with it: numba's calls tell tuples apart by the
+    names of their class and fields alone, and take a slow way each time where two are alike.
+    """
+    return namedtuple(f"P_{module_name.rpartition('.')[2]}", fields, module=module_name)
+
+
+def is_compiled(module: types.ModuleType) -> bool:
+    """Whether the kernel is in the cache already, so that the first tick will not wait for it."""
+    return bool(module.advance.signatures) or is_kept(module.advance)

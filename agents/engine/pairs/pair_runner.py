@@ -1,0 +1,122 @@
+"""Runs the compiled ticks of a rule that is a sum over pairs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from agents.engine.arrays import (
+    NEVER,
+    Arrays,
+    Context,
+    EngineStopCondition,
+    WorldContext,
+    empty_grid,
+)
+from agents.engine.cells import Slots
+from agents.engine.pairs import tick as pairs
+from agents.engine.pairs.thread_barrier import BAD, STOP
+from agents.engine.runner import UNTRACED, Called, at_once, refuse
+from agents.engine.team import Team
+from agents.engine.vector_lanes import WIDTH
+
+
+def padded_slots(n: int, dim: int, speeds: bool) -> Slots:
+    """Empty arrays for a sorted copy of n agents that is read eight at a time."""
+    padded = n + WIDTH
+    x, y, z, ux, uy, uz = (np.zeros(padded if axis % 3 < dim else 0) for axis in range(6))
+    cell, queue = np.zeros(n, np.int32), np.zeros(n, np.int32)
+    speed = np.zeros(padded if speeds else 0)
+    row, signal = np.zeros(padded, np.int32)[:n], np.empty((0, n))
+    return Slots(cell, row, x, y, z, ux, uy, uz, speed, signal, queue)
+
+
+class PairEngine:
+    """Synchronous activation: all agents decide on the same state, eight at a time."""
+
+    def __init__(
+        self,
+        module,
+        arrays: Arrays,
+        place: WorldContext,
+        seed: int,
+        threads: int = 1,
+        called: Called = at_once,
+    ):
+        self.module = module
+        self.called = called
+        self.arrays = arrays
+        self.space, self.surroundings = place
+        self.seed = seed
+        n, dim = arrays.position.shape
+        self.parts = max(1, threads)
+        self.slots = padded_slots(n, dim, module.ASKS_SPEED)
+        self.grid = empty_grid(n, self.parts)
+        self.notes = [pairs.empty_notes(module.SUMS) for _ in range(self.parts)]
+        self.meeting = np.zeros(BAD + self.parts, np.int64)
+        self.team = Team(self.parts)
+        self.slot_of = np.empty(0, np.int64)
+
+    def call(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED):
+        """One call of the compiled loop."""
+        part = work[1]
+        done, last_off, bad = self.called(
+            self.module.advance,
+            self.arrays,
+            self.space,
+            self.surroundings,
+            self.grid,
+            self.slots,
+            self.notes[part],
+            context,
+            self.seed,
+            tick,
+            ticks,
+            work,
+            self.meeting,
+            until,
+            trace,
+        )
+        if bad >= 0:
+            refuse(self.arrays, bad, tick + done)
+        return done, last_off
+
+    def run(
+        self,
+        context: Context,
+        tick: int,
+        ticks: int,
+        until: EngineStopCondition = NEVER,
+        trace=UNTRACED,
+    ):
+        """Run ticks; returns (ticks done, last tick at which `until` did not hold or -1).
+
+        `trace` (ticks, N, dim), if given, receives the positions after each tick.
+        """
+        if self.parts == 1 or len(until.numbers):
+            return self.call(context, tick, ticks, (pairs.RUN, 0, 1, 0), until, trace)
+
+        def share(part: int) -> None:
+            try:
+                work = pairs.RUN, part, self.parts, 0
+                self.call(context, tick, ticks, work, until, trace)
+            except BaseException:
+                self.meeting[STOP] = 1
+                raise
+
+        try:
+            self.team.together(share)
+        except BaseException:  # those that wait for one that will not come leave, nothing done
+            self.meeting[STOP] = 1
+            self.meeting = np.zeros_like(self.meeting)
+            self.team = Team(self.parts)
+            raise
+        return ticks, -1
+
+    def open(self, context: Context, tick: int) -> None:
+        """Freeze the flock for agents that decide one by one."""
+        self.call(context, tick, 1, (pairs.OPEN, 0, 1, 0))
+        self.slot_of = np.argsort(self.slots.row)
+
+    def one(self, context: Context, tick: int, row: int) -> None:
+        """Let the agent of one row of an opened tick decide and move."""
+        self.call(context, tick, 1, (pairs.ONE, 0, 1, int(self.slot_of[row])))

@@ -1,0 +1,103 @@
+"""Solid surfaces stop agents: no step crosses one, however long the step or thin the wall.
+
+A step is followed from where it begins. Where it enters something solid the agent is put before the
+surface and does what its body does there: it bounces off as light does off a mirror, slides along,
+or stops. What is left of the step then goes on from there, to the next surface. A step that enters
+nothing is left as it is, to the bit.
+"""
+
+from __future__ import annotations
+
+import math
+
+from agents.engine.block import BodyMove
+from worlds.compilation import compiled, shared
+from worlds.queries.crossing import first_crossing, is_far, skin
+from worlds.queries.surroundings import signed_distance
+
+PASSES, BOUNCES, SLIDES, STOPS = range(4)
+"""What an agent does where its step enters something solid."""
+MEETINGS = 32
+"""Surfaces that an agent meets, and seams that it goes across, within one tick at most."""
+
+
+@compiled
+def held(surroundings, space, me, moved, meets):
+    """The move, with what leads through solids taken out of it."""
+    dx, dy, dz = moved.x - me.x, moved.y - me.y, moved.z - me.z
+    if is_far(surroundings, me.x, me.y, me.z, math.sqrt(dx * dx + dy * dy + dz * dz)):
+        return moved
+    return followed(surroundings, space, me.x, me.y, me.z, moved, meets)
+
+
+@compiled
+def to_seam(space, axis, x, d):
+    """The share of a step d along an axis from x at which it goes across the seam, or 1."""
+    if space.wraps[axis] == 0:
+        return 1.0
+    if d > 0.0 and x + d > space.size[axis]:
+        return max((space.size[axis] - x) / d, 0.0)
+    return max(-x / d, 0.0) if d < 0.0 and x + d < 0.0 else 1.0
+
+
+@compiled
+def across(space, axis, x, d, crosses):
+    """The place along an axis, on the other side of the box if it `crosses` the seam there."""
+    if not crosses:
+        return x
+    return 0.0 if d > 0.0 else space.size[axis]
+
+
+@shared
+def followed(surroundings, space, ax, ay, az, moved, meets):
+    """The move from a, followed from surface to surface and from seam to seam.
+
+    In what an agent cannot get out of in one tick it stays, and where even that would be inside,
+    it is back where it was and has turned round.
+    """
+    x, y, z = ax, ay, az
+    dx, dy, dz = moved.x - ax, moved.y - ay, moved.z - az
+    ux, uy, uz, speed = moved.ux, moved.uy, moved.uz, moved.speed
+    hits, whole = 0, False
+    for _ in range(MEETINGS):
+        px, py, pz = to_seam(space, 0, x, dx), to_seam(space, 1, y, dy), to_seam(space, 2, z, dz)
+        part = min(px, min(py, pz))
+        at = first_crossing(surroundings, x, y, z, part * dx, part * dy, part * dz)
+        if at.share <= 1.0:
+            hits += 1
+            way = part * at.share
+            x, y, z = x + way * dx, y + way * dy, z + way * dz
+            off = skin(x, y, z)
+            x, y, z = x + off * at.nx, y + off * at.ny, z + off * at.nz
+            if meets == STOPS:
+                speed = 0.0
+                break
+            gain = 2.0 if meets == BOUNCES else 1.0
+            left = 1.0 - way
+            dx, dy, dz = left * dx, left * dy, left * dz
+            inward = gain * (dx * at.nx + dy * at.ny + dz * at.nz)
+            dx, dy, dz = dx - inward * at.nx, dy - inward * at.ny, dz - inward * at.nz
+            ahead = min(off, max(0.0, dx * at.nx + dy * at.ny + dz * at.nz))
+            dx, dy, dz = dx - ahead * at.nx, dy - ahead * at.ny, dz - ahead * at.nz
+            inward = gain * min(0.0, ux * at.nx + uy * at.ny + uz * at.nz)
+            ux, uy, uz = ux - inward * at.nx, uy - inward * at.ny, uz - inward * at.nz
+            continue
+        x, y, z = x + part * dx, y + part * dy, z + part * dz
+        if not (part < 1.0):
+            whole = True
+            break
+        x = across(space, 0, x, dx, px == part)
+        y = across(space, 1, y, dy, py == part)
+        z = across(space, 2, z, dz, pz == part)
+        left = 1.0 - part
+        dx, dy, dz = left * dx, left * dy, left * dz
+    if hits == 0 and whole:
+        return moved
+    if not (signed_distance(surroundings, x, y, z) >= 0.0):
+        return BodyMove(ax, ay, az, -moved.ux, -moved.uy, -moved.uz, 0.0)
+    length = math.sqrt(ux * ux + uy * uy + uz * uz)
+    if length < 1e-9:
+        return BodyMove(x, y, z, moved.ux, moved.uy, moved.uz, 0.0)
+    if meets == SLIDES:
+        speed *= length
+    return BodyMove(x, y, z, ux / length, uy / length, uz / length, speed)

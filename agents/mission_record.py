@@ -1,0 +1,182 @@
+"""A flock on a mission, from its start to the end, and how it went."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from agents.flock import Flock
+from agents.observables.following import (
+    keep_following,
+    least_clearances,
+    nearest_pairs,
+    settling_tick,
+    spread_bound,
+)
+from worlds.input_error import InputError
+
+CHUNK = 500
+"""Ticks that are run and measured at a time."""
+SINCE = 50
+"""Tick from which an agent has to follow: Liu et al. 2021, section 3.2, as read."""
+
+
+@dataclass(frozen=True)
+class MissionRecord:
+    """How a mission went."""
+
+    position: np.ndarray
+    """Positions at every kept tick from 0 on, (K, N, dim)."""
+    every: int
+    """Ticks between two kept ones."""
+    ticks: int
+    """Ticks that it lasted."""
+    arrived: bool
+    """Whether the information agents came to the end of their path."""
+    informed: np.ndarray
+    """(N,) bool."""
+    follows: np.ndarray
+    """Ordinary and information agents that have kept up all the time, (N,) bool."""
+    pairs: np.ndarray
+    """Least distance of each pair, (N, N), above the diagonal; length."""
+    clearance: np.ndarray
+    """Least signed distance of each agent to a surface, (N,), length; inf far from all."""
+    centre: np.ndarray
+    """Distance of the flock's centre to the goal at every tick from 0 on, (T + 1,); or empty."""
+    away: np.ndarray
+    """Distance of each agent to the goal at the end, (N,); empty without a goal."""
+    dt: float
+    """Time that a tick stands for."""
+
+    @property
+    def success(self) -> float:
+        """P_s (32): share of the agents that have kept up, in [0, 1]; information agents count."""
+        return float(self.follows.mean())
+
+    @property
+    def least_obstacle(self) -> float:
+        """D_obs: least distance of any agent to a surface, length."""
+        return float(self.clearance.min())
+
+    @property
+    def least_pair(self) -> float:
+        """Least distance between any two agents, length."""
+        return float(self.pairs.min())
+
+    @property
+    def least_pair_of_followers(self) -> float:
+        """D_ind: least distance between two agents that have kept up; inf if fewer have."""
+        return float(self.pairs[np.ix_(self.follows, self.follows)].min(initial=np.inf))
+
+    def settled(self, within: float = 2.0) -> float | None:
+        """Time from which the flock's centre stays within a distance of the goal; None: never."""
+        tick = settling_tick(self.centre, within)
+        return None if tick is None else tick * self.dt
+
+    def through(self, d: float) -> float:
+        """Share of agents that end no further from the goal than a flock of spacing d needs."""
+        return float((self.away <= spread_bound(len(self.away), d)).mean())
+
+
+class MissionLog:
+    """What is measured of a mission while it goes on."""
+
+    def __init__(self, flock: Flock, every: int):
+        n = len(flock.ids)
+        self.flock = flock
+        self.every = every
+        self.kept: list[np.ndarray] = []
+        self.centre: list[np.ndarray] = []
+        self.follows = np.ones(n, bool)
+        self.pairs2 = np.full((n, n), np.inf)
+        self.clearance = np.full(n, np.inf)
+        self.working = np.zeros(n, bool), np.zeros(n, np.int64)
+        self.ticks = -1
+
+    @cached_property
+    def has_goal(self) -> bool:
+        """Whether there is a gamma agent to come to."""
+        mission = self.flock.world.mission
+        return mission is not None and mission.goal is not None
+
+    def take(self, trace: np.ndarray) -> None:
+        """Measure the positions (T, N, dim) of the next T ticks."""
+        flock = self.flock
+        first = self.ticks + 1
+        by_axis = np.ascontiguousarray(trace.transpose(0, 2, 1))
+        nearest_pairs(by_axis, self.pairs2)
+        least_clearances(by_axis, flock.engine.surroundings, self.clearance)
+        late = by_axis[max(0, SINCE - first) :]
+        if flock.informed.any() and len(late):
+            keep_following(late, flock.informed, flock.reach, self.follows, *self.working)
+        self.kept.append(trace[-first % self.every :: self.every].copy())
+        if self.has_goal:
+            ticks = np.arange(first, first + len(trace))
+            goal = flock.goal_at(ticks)
+            self.centre.append(np.linalg.norm(trace.mean(axis=1) - goal, axis=1))
+        self.ticks += len(trace)
+
+    def record(self, arrived: bool) -> MissionRecord:
+        """What has been measured."""
+        flock = self.flock
+        away = np.empty(0)
+        if self.has_goal:
+            away = np.linalg.norm(flock.position - flock.goal_at([self.ticks])[0], axis=1)
+        return MissionRecord(
+            np.concatenate(self.kept),
+            self.every,
+            self.ticks,
+            arrived,
+            flock.informed.copy(),
+            self.follows,
+            np.sqrt(self.pairs2),
+            self.clearance,
+            np.concatenate(self.centre) if self.centre else np.empty(0),
+            away,
+            flock.dt,
+        )
+
+
+def fly(
+    flock: Flock, limit: int, every: int = 1, between: Callable[[], None] = lambda: None
+) -> MissionRecord:
+    """Run a flock that has not begun until its information agents are at the end of their path.
+
+    At most `limit` ticks; without a path just these. Keeps the positions of every `every`-th tick.
+    `between` is called now and then and may end the run by raising. Raises InputError if the flock
+    has already run.
+    """
+    if flock.tick:
+        raise InputError(f"the flock is at tick {flock.tick}: a mission begins at tick 0")
+    log = MissionLog(flock, every)
+    log.take(flock.position[None].copy())
+    while flock.tick < limit:
+        between()
+        trace = flock.trace(min(CHUNK, limit - flock.tick))
+        end = end_of_path(flock, trace)
+        if end is not None:
+            log.take(trace[: end + 1])
+            return log.record(True)
+        log.take(trace)
+    return log.record(False)
+
+
+def end_of_path(flock: Flock, trace: np.ndarray) -> int | None:
+    """Index in a trace at which the last information agent came to its last waypoint, or None."""
+    path = flock.engine.surroundings.path
+    legs = flock.arrays.leg[flock.informed]
+    if (
+        not len(path)
+        or not len(legs)
+        or flock.engine.surroundings.closed
+        or (legs < len(path)).any()
+    ):
+        return None
+    goal = path[-1, : flock.world.dim]
+    near = (
+        np.linalg.norm(trace[:, flock.informed] - goal, axis=2) <= flock.engine.surroundings.switch
+    )
+    return int(near.argmax(axis=0).max())

@@ -1,0 +1,186 @@
+"""A recording as a source: a C3D trial or a table of poses, played as it came or at any factor."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from itertools import count
+from pathlib import Path
+
+from app.live.control.plausibility import BodyReport, Swap, judge_bodies
+from app.live.control.pose import MocapFrame
+from app.live.control.safety_limits import CarLimits, SafetyLimits
+from app.live.sources.axes import NOSES, UPS, Axes
+from app.live.sources.c3d_trial import MarkedBody, read_trial
+from app.live.sources.pose_table import ORDERS, read_table
+from app.live.sources.recorded_frames import RecordedFrame, tracks_of
+from app.live.sources.source_address import AXES, Address
+from worlds.input_error import InputError, unknown
+
+SUFFIXES = (".c3d", ".csv", ".parquet")
+
+
+@dataclass(frozen=True)
+class RecordedSource:
+    """A recording that is played.
+
+    Raises InputError for a file of another kind or a factor that is none.
+    """
+
+    path: Path
+    axes: Axes = field(default_factory=Axes)
+    """How the recording system was set up; the unit of a C3D file is its own."""
+    bodies: tuple[MarkedBody, ...] = ()
+    """Of a C3D file: which markers make a body; empty: its rotations are the bodies."""
+    factor: float = 1.0
+    """How many times faster than it was recorded."""
+    again: bool = False
+    """Whether it begins anew after its end."""
+    unit: str = ""
+    """Of a C3D file that says none: its unit of length, as declared; empty if it is not."""
+    quaternion: str = ""
+    """Of a table: the order of its quaternions, one of `ORDERS`; empty if it is not declared, and
+    then they are read with w last."""
+    name: str = "recorded"
+    longest_gap: float = math.inf
+
+    def __post_init__(self) -> None:
+        suffix = self.path.suffix.lower()
+        if suffix not in SUFFIXES:
+            raise unknown("kind of recording", suffix, SUFFIXES, str(self.path))
+        if self.bodies and suffix != ".c3d":
+            raise InputError(f"{self.path} holds poses, not markers: it has no use for body=")
+        if self.quaternion and suffix == ".c3d":
+            raise InputError(f"{self.path} holds no quaternions: it has no use for quaternion=")
+        if self.quaternion not in ("", *ORDERS):
+            raise unknown("order of quaternions", self.quaternion, ORDERS)
+        if not 0.0 < self.factor < math.inf:
+            raise InputError(f"factor = {self.factor:g} is not a positive number")
+
+    def describe(self) -> str:
+        """What it is in a few words."""
+        speed = "" if self.factor == 1.0 else f", {self.factor:g} times as fast"
+        return f"{self.path.name}{speed}{', over and over' if self.again else ''}"
+
+    def recording(self) -> list[RecordedFrame]:
+        """All that it holds.
+
+        Raises InputError naming what is wrong with the file, and where.
+        """
+        if self.path.suffix.lower() == ".c3d":
+            return read_trial(self.path, self.axes, self.bodies, self.unit)
+        return read_table(self.path, self.axes, self.quaternion or ORDERS[0])
+
+    def judge(
+        self, frames: list[RecordedFrame], speed: float = CarLimits().speed
+    ) -> tuple[dict[str, BodyReport], list[Swap]]:
+        """What can be said of its bodies, were they cars of this top speed (m/s)."""
+        tracks = tracks_of(frames)
+        fastest = {track.name: speed for track in tracks}
+        return judge_bodies(tracks, self.axes.body_top, fastest, SafetyLimits().leap)
+
+    def find_cure(self, misread: set[str]) -> str:
+        """The option that makes sense of the orientation of these bodies, empty if none does.
+
+        Each is tried on the whole file, the order of the quaternion first.
+        """
+        axes = self.axes
+        tried: list[tuple[str, RecordedSource]] = []
+        if self.path.suffix.lower() != ".c3d":
+            order = ORDERS[self.quaternion in ("", ORDERS[0])]
+            tried.append((f"quaternion={order}", replace(self, quaternion=order)))
+        if not self.bodies:
+            for change in (
+                *({"up": up} for up in UPS if up != axes.up),
+                *({"top": top} for top in NOSES if top[-1] != axes.nose[-1]),
+                *({"nose": nose} for nose in NOSES if nose[-1] != axes.body_top[-1:]),
+            ):
+                option, value = next(iter(change.items()))
+                tried.append((f"{option}={value}", replace(self, axes=replace(axes, **change))))
+        for option, changed in tried:
+            reports, _ = changed.judge(changed.recording())
+            if all(name in reports and not reports[name].misread for name in misread):
+                return option
+        return ""
+
+    def frames(self, stop: threading.Event) -> Iterator[MocapFrame]:
+        """Read the file, then give its frames at their times; see `Source.frames`."""
+        return self._played(self.recording(), stop)
+
+    def _played(
+        self, recording: list[RecordedFrame], stop: threading.Event
+    ) -> Iterator[MocapFrame]:
+        first, last = recording[0], recording[-1]
+        step = (last.time - first.time) / max(1, len(recording) - 1)
+        lasts = last.time - first.time + step
+        holds = last.number - first.number + 1
+        began = time.monotonic()
+        for round_ in count() if self.again else range(1):
+            for frame in recording:
+                elapsed = round_ * lasts + frame.time - first.time
+                if stop.wait(max(0.0, began + elapsed / self.factor - time.monotonic())):
+                    return
+                yield MocapFrame(
+                    frame.number + round_ * holds,
+                    time.monotonic(),
+                    frame.sightings,
+                    first.time + elapsed,
+                )
+
+
+def opened(address: Address) -> RecordedSource:
+    """The recording that an address names, once the whole of it is found readable.
+
+    Raises InputError also where the bodies make sense only with quaternions read w first, unless
+    their order is declared.
+    """
+    recorded = named(address)
+    frames = recorded.recording()
+    if recorded.path.suffix.lower() != ".c3d" and not recorded.quaternion:
+        demand_order(recorded, frames)
+    return recorded
+
+
+def named(address: Address) -> RecordedSource:
+    """The recording that an address names, not yet read."""
+    address.known((*AXES, "factor", "again", "quaternion"), several=("body",))
+    path = Path(address.place).expanduser()
+    try:
+        return RecordedSource(
+            path,
+            address.axes(),
+            tuple(_marked(word) for word in address.words("body")),
+            address.number("factor", 1.0, 0.001, 1000.0),
+            address.truth("again", False),
+            address.word("unit", "") if path.suffix.lower() == ".c3d" else "",
+            address.word("quaternion", ""),
+        )
+    except InputError as refused:
+        said = str(refused)
+        raise InputError(said if address.text in said else f"{said} ({address.text})") from None
+
+
+def demand_order(recorded: RecordedSource, frames: list[RecordedFrame]) -> None:
+    """Refuse a table whose quaternions make sense with w first and none with w last."""
+    reports, _ = recorded.judge(frames)
+    misread = {name: report.misread for name, report in reports.items() if report.misread}
+    if not misread:
+        return
+    other = replace(recorded, quaternion="wxyz")
+    read_so, _ = other.judge(other.recording())
+    for name, fault in misread.items():
+        if name in read_so and not read_so[name].misread:
+            raise InputError(
+                f"{recorded.path}, {name!r}: {fault}; its quaternions are sound if w comes first: "
+                "add ?quaternion=wxyz (or declare ?quaternion=xyzw)"
+            )
+
+
+def _marked(word: str) -> MarkedBody:
+    parts = [part.strip() for part in word.split(",")]
+    if len(parts) != 3 or not all(parts):
+        raise InputError(f"body = {word} is not of the form NAME,REAR,FRONT")
+    return MarkedBody(*parts)

@@ -1,0 +1,150 @@
+"""The collection: built-in scenes, every model where it is at home, every world with a flock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from pathlib import Path
+
+from agents.catalogue import MODELS
+from agents.catalogue import model as find_model
+from agents.models.model import Model
+from agents.spec import DEFAULT
+from app.beside import STATIC
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.scene_address import PACKED, unpacked
+from app.viewer.run.run_preset import at_home, home, titled
+from worlds.input_error import InputError, unknown
+from worlds.layout import layout_names, shared_layout
+
+FOLDER = Path(__file__).parent / "scenes"
+"""A scene a file; its name is that by which it is opened."""
+FIRST, NEXT = "spread", "order"
+"""The scene that the page opens on, and the one that comes next."""
+PICTURES = STATIC / "gallery"
+MODEL, WORLD = "model:", "world:"
+"""Stand before the name of a model, or of a world, that is opened as a scene."""
+GROUPS = ("Scenes", "Alignment", "Zones", "Navigators", "Drones and birds", "Cars", "Others")
+WORLDS = "Worlds"
+
+
+@dataclass(frozen=True)
+class GalleryCard:
+    """Something that can be opened, as the gallery shows it."""
+
+    name: str
+    """By which it is opened."""
+    group: str
+    title: str
+    line: str
+    """What it is, in a sentence or two."""
+    picture: str = ""
+    """Name of its picture, if it has one."""
+
+
+@cache
+def scene_names() -> tuple[str, ...]:
+    """Names of the built-in scenes; the first is what the page opens on."""
+    names = sorted(path.stem for path in FOLDER.glob("*.toml"))
+    return tuple(dict.fromkeys((FIRST, NEXT, *names)))
+
+
+def find_scene(name: str) -> SavedScene:
+    """What is called `name`: a scene, `model:NAME`, `world:NAME`, or one packed in an address.
+
+    Names come from browsers too: none is that of a file. Raises InputError.
+    """
+    if name.startswith(PACKED):
+        return unpacked(name)
+    if name.startswith(MODEL):
+        model = find_model(name.removeprefix(MODEL))
+        tries = "".join(f"{one.words} {one.see}" for one in model.to_try[:1])
+        return SavedScene(model.title, at_home(model.name), watch=model.summary, tries=tries)
+    if name.startswith(WORLD):
+        return in_world(name.removeprefix(WORLD))
+    if name not in scene_names():
+        raise unknown("scene", name, scene_names())
+    return built_in(name)
+
+
+@cache
+def built_in(name: str) -> SavedScene:
+    """One of the built-in scenes."""
+    return SavedScene.from_toml((FOLDER / f"{name}.toml").read_text("utf-8"), f"scene {name}")
+
+
+def in_world(world: str) -> SavedScene:
+    """A world with a model that is at home in it, or can be. Raises InputError."""
+    if world not in layout_names():
+        raise unknown("world", world, layout_names())
+    own = next((model for model in MODELS.values() if model.world == world), None)
+    if own is None:
+        in_space = next(model for model in MODELS.values() if model.dim == 3)
+        own = in_space if home(world).dim == 3 else find_model(DEFAULT)
+    return SavedScene(titled(world), at_home(own.name, world=world))
+
+
+def cards() -> tuple[GalleryCard, ...]:
+    """All that can be opened, in the order in which it is shown."""
+    return cards_with(tuple(MODELS.values()))
+
+
+@lru_cache(maxsize=1)
+def cards_with(known: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
+    """The same with these models, all that there are."""
+    scenes = [
+        GalleryCard(name, GROUPS[0], built_in(name).title, built_in(name).watch, pictured(name))
+        for name in scene_names()
+    ]
+    models = [
+        GalleryCard(
+            MODEL + one.name, group(one), one.title, one.summary, pictured(f"model-{one.name}")
+        )
+        for one in known
+    ]
+    worlds = [
+        GalleryCard(WORLD + name, WORLDS, titled(name), about(name), pictured(f"world-{name}"))
+        for name in layout_names()
+    ]
+    order = {title: place for place, title in enumerate((*GROUPS, WORLDS))}
+    return tuple(sorted([*scenes, *models, *worlds], key=lambda card: order[card.group]))
+
+
+def group(model: Model) -> str:
+    """The part of the gallery that a model is in."""
+    body = model.body
+    if body.vehicle is not None:
+        return "Cars"
+    if body.family in FAMILIES:
+        return FAMILIES[body.family]
+    if model.rule.zones:
+        return "Zones"
+    return "Navigators" if "gamma" in model.rule.forces else "Others"
+
+
+FAMILIES = {"vicsek": "Alignment", "mission": "Navigators", "aircraft": "Drones and birds"}
+"""Parts of the gallery, by the family of the body."""
+
+
+def about(world: str) -> str:
+    """What a world is, from its own words."""
+    try:
+        layout = shared_layout(world)
+    except InputError:
+        return ""
+    own = home(world)
+    dim = "2-D or 3-D" if own.dim is None else f"{own.dim}-D"
+    count = len(layout.get("obstacle", []))
+    solid = "" if count == 0 else f", {count} obstacle{'s' if count > 1 else ''}"
+    return f"{dim}{solid}"
+
+
+def pictured(name: str) -> str:
+    """The name of the picture of something, empty if it has none."""
+    return f"{name}.webp" if f"{name}.webp" in pictures() else ""
+
+
+@cache
+def pictures() -> dict[str, bytes]:
+    """The pictures of the gallery by their names, read once."""
+    return {path.name: path.read_bytes() for path in sorted(PICTURES.glob("*.webp"))}

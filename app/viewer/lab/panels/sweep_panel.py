@@ -1,0 +1,375 @@
+"""The tab Sweep: many runs over a parameter of the running flock, while it goes on."""
+
+from __future__ import annotations
+
+import asyncio
+import html
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import viser
+
+from agents.catalogue import MODELS
+from agents.models.declare import DeclaredParameter
+from agents.models.proposed_range import is_wide
+from agents.observables.catalogue import OBSERVABLES, usual_charts
+from app.viewer.lab.sweeps import sweep_limits
+from app.viewer.lab.sweeps.laboratory_sweeps import SweepPanelState, Sweeps
+from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, ListedSweep
+from app.viewer.lab.sweeps.sweep_downloads import FILE, PICTURES, TABLES, content
+from app.viewer.lab.sweeps.sweep_request import (
+    AGENTS,
+    Axis,
+    SweepRequest,
+    allowed,
+    is_whole,
+    numbers,
+)
+from app.viewer.lab.sweeps.sweep_svg import picture
+from app.viewer.measuring.observable_format import words
+from app.viewer.panels.dials import decimals, step_of
+from app.viewer.panels.form import sight
+from app.viewer.panels.parameters import worded
+from app.viewer.panels.style import GREEN, GREY, ORANGE, block
+from app.viewer.run.simulation import Simulation
+from app.viewer.run.simulation_state import SimulationState
+from app.viewer.web.values import show
+from worlds.input_error import InputError
+from worlds.number_text import counted, duration
+
+NOBODY, NOTHING = "no sweep yet", "nothing else"
+ALONG, BESIDE = 9, 7
+"""Values of an axis, of a curve and of a map, as they are proposed."""
+RUNS, TICKS = 4, 500
+MOST_FAULTS = 3
+"""Sweeps of which it is said why they are not shown."""
+
+
+class AxisForm:
+    """The controls of an axis."""
+
+    def __init__(self, gui: viser.GuiApi, label: str, count: int, none: bool, hint: str):
+        self.names: dict[str, str] = {}
+        self.model = ""
+        self.ranges: dict[str, tuple[float, float]] = {}
+        self.steps: dict[str, tuple[float, int]] = {}
+        self.none = none
+        self.over = gui.add_dropdown(label, (NOTHING,), hint=hint)
+        self.low = gui.add_number("From", 0.0, min=0.0, max=1.0, step=0.1)
+        self.high = gui.add_number("To", 1.0, min=0.0, max=1.0, step=0.1)
+        self.count = gui.add_number("Values", count, min=2, max=sweep_limits.MOST_VALUES, step=1)
+        self.log = gui.add_checkbox(
+            "By logarithms", False, hint="Each value is so many times the one before it"
+        )
+        self.over.on_update(self.fit)
+
+    def offer(self, model: str) -> None:
+        """Let the parameters of a model be chosen, and the number of agents."""
+        self.model = model
+        found = numbers(model)
+        self.names = {worded(one)[0]: one.name for one in found} | {"Agents": AGENTS}
+        self.ranges = {one.name: spanned(one) for one in found} | {
+            AGENTS: (max(1.0, MODELS[model].agents / 4), float(MODELS[model].agents * 2))
+        }
+        self.steps = {one.name: (step_of(one), decimals(one)) for one in found} | {AGENTS: (1, 0)}
+        options = ((NOTHING,) if self.none else ()) + tuple(self.names)
+        chosen = self.over.value if self.over.value in options else options[0]
+        if not self.none and self.over.value == NOTHING:
+            first = next((one for one in found if one.noise), found[0] if found else None)
+            chosen = worded(first)[0] if first else options[0]
+        self.over.options = options
+        show(self.over, chosen)
+        self.propose()
+
+    def choose(self, name: str) -> bool:
+        """Choose an axis; whether it is offered."""
+        label = next((label for label, one in self.names.items() if one == name), None)
+        if label is not None:
+            show(self.over, label)
+            self.propose()
+        return label is not None
+
+    async def fit(self, event: viser.GuiEvent) -> None:
+        """Another axis brings its own range."""
+        if event.client is not None:
+            self.propose()
+
+    def propose(self) -> None:
+        """The part of an axis that a slider spans."""
+        name = self.names.get(self.over.value)
+        for one in (self.low, self.high, self.count, self.log):
+            sight(one, name is not None)
+        if name is None:
+            return
+        low, high = allowed(self.model, name)
+        first, last = self.ranges[name]
+        step, precision = self.steps[name]
+        for control, value in ((self.low, first), (self.high, last)):
+            control.min, control.max = float(low), float(high)
+            control.step, control.precision = step, precision
+            show(control, float(value))
+        show(self.log, is_wide(first, last))
+        if is_whole(self.model, name):
+            show(self.count, min(self.count.value, max(2, int(last - first) + 1)))
+
+    def axis(self) -> Axis | None:
+        """What is chosen; None for nothing."""
+        name = self.names.get(self.over.value)
+        if name is None:
+            return None
+        return Axis(name, self.low.value, self.high.value, int(self.count.value), self.log.value)
+
+
+def spanned(one: DeclaredParameter) -> tuple[float, float]:
+    """What a slider of a number spans, and what is allowed where that is nothing."""
+    assert one.low is not None
+    assert one.high is not None
+    low, high = one.proposed or (one.low, one.high)
+    return (low, high) if low < high else (one.low, one.high)
+
+
+@dataclass
+class SweepPanel:
+    """Shows the sweeps there are, and begins one around the run as it is now."""
+
+    gui: viser.GuiApi
+    place: viser.GuiHtmlHandle
+    """Where the page is told which sliders can be swept over: it is there with them."""
+    sweeps: Sweeps
+    simulation: Simulation
+    tell: Callable[[str], None]
+    model: str = ""
+    observed: dict[str, str] = field(default_factory=dict)
+    """What can be measured, words -> name."""
+    drawn: DrawnSweep | None = None
+    busy: bool = False
+    """Whether a file is being made, or a sweep begun."""
+
+    def __post_init__(self) -> None:
+        gui = self.gui
+        gui.add_html('<div class="fs-sweeps"></div>')
+        self.which = gui.add_dropdown("Sweep", (NOBODY,), hint="Those in results/, newest first")
+        self.column = gui.add_dropdown("Shows", ("",), visible=False, hint="What was measured")
+        self.status = gui.add_html("")
+        self.picture = gui.add_html("")
+        self.go = gui.add_button("Stop", icon=viser.Icon.PLAYER_STOP, color="gray", visible=False)
+        self.table = gui.add_button_group(
+            "Table as", TABLES, visible=False, hint="A row for each run, as it stands now"
+        )
+        self.take = gui.add_button_group(
+            "Picture, file",
+            (*PICTURES, FILE),
+            visible=False,
+            hint="Spec: the file that makes the same sweep again, flockscope sweep run FILE.toml",
+        )
+        with gui.add_folder("New sweep"):
+            gui.add_html('<div class="fs-new-sweep"></div>')
+            self.first = AxisForm(
+                gui, "Over", ALONG, False, "A parameter of the running model, or its agents"
+            )
+            self.second = AxisForm(gui, "And over", BESIDE, True, "A second one makes a map")
+            self.observable = gui.add_dropdown("Measure", ("",), hint="What each run comes to")
+            self.last = gui.add_number(
+                "Averaged over", 0, min=0, max=sweep_limits.MOST_TICKS, step=10,
+                hint="The last so many ticks of each run; 0: the value at its end",
+            )  # fmt: skip
+            self.runs = gui.add_number(
+                "Runs of each", RUNS, min=1, max=sweep_limits.MOST_RUNS_OF_CELL, step=1,
+                hint="With the seeds 1, 2, ...; the interval comes from them",
+            )  # fmt: skip
+            self.ticks = gui.add_number(
+                "Ticks of a run", TICKS, min=1, max=sweep_limits.MOST_TICKS, step=100
+            )
+            self.said = gui.add_html("")
+            self.start = gui.add_button("Start the sweep", icon=viser.Icon.CHART_DOTS)
+            gui.add_html(block(f'<div class="fs-quiet">{sweep_limits.words()}.</div>'))
+        self.which.on_update(self.chosen)
+        self.column.on_update(self.chosen)
+        self.start.on_click(self.begin)
+        self.go.on_click(self.stop_or_go)
+        self.table.on_click(self.taken)
+        self.take.on_click(self.taken)
+
+    # What browsers ask for.
+
+    async def chosen(self, event: viser.GuiEvent) -> None:
+        """Draw another sweep, or another column of it."""
+        if event.client is not None:
+            same = event.target is self.column
+            self.sweeps.choose(self.which.value, self.column.value if same else None)
+
+    async def begin(self, event: viser.GuiEvent) -> None:
+        """Begin what the form says."""
+        if event.client is not None:
+            await self.do(lambda: self.sweeps.begin(self.asked(self.simulation.state)))
+
+    async def stop_or_go(self, event: viser.GuiEvent) -> None:
+        """Stop the sweep that is shown, or go on with it."""
+        one = self.sweeps.seen.of(self.which.value)
+        if event.client is None or one is None:
+            return
+        await self.do(lambda: (self.sweeps.stop if one.runs else self.sweeps.go_on)(one.name))
+
+    async def taken(self, event: viser.GuiEvent) -> None:
+        """Send a file of the sweep that is shown to the browser that asked."""
+        client, kind, name = event.client, event.target.value, self.which.value
+        if client is None:
+            return
+        made = await self.do(lambda: content(self.sweeps.folder(name), kind, self.sweeps.column))
+        if made is not None:
+            client.send_file_download(*made, save_immediately=True)
+
+    async def do[T](self, work: Callable[[], T]) -> T | None:
+        """Do something aside, one thing at a time; what is refused is told, and gives None."""
+        if self.busy:
+            return None
+        self.busy = True
+        try:
+            return await asyncio.to_thread(work)
+        except (InputError, OSError) as refusal:
+            self.tell(str(refusal))
+            return None
+        finally:
+            self.busy = False
+
+    def sweep_over(self, name: str) -> None:
+        """Have the form begin with a parameter, as the mark at its slider asks. Raises
+        InputError."""
+        if not self.first.choose(name):
+            raise InputError(f"{name[:80]!r} cannot be swept over")
+
+    def asked(self, state: SimulationState) -> SweepRequest:
+        """What the form says, around a run."""
+        axes = [one for one in (self.first.axis(), self.second.axis()) if one is not None]
+        return SweepRequest(
+            state.again()[0],
+            axes,
+            self.observed.get(self.observable.value, ""),
+            int(self.runs.value),
+            int(self.ticks.value),
+            int(self.last.value),
+        )
+
+    # What the page shows.
+
+    def refresh(
+        self, state: SimulationState, offered: tuple[str, ...], controls: dict[str, Any]
+    ) -> None:
+        """Follow the run: its parameters by their `controls`, and what can be measured of it."""
+        if not state.values:
+            return
+        self.offer(state.spec.model, offered)
+        marks = {
+            control._impl.uuid: name
+            for name, control in controls.items()
+            if name in self.first.names.values()
+        }
+        text = html.escape(json.dumps(marks, separators=(",", ":")))
+        put(self.place, f'<div data-sweeps="{text}" hidden></div>')
+        self.follow(self.sweeps.seen)
+        try:
+            asked = self.asked(state)
+            grid = asked.grid()
+        except InputError as refusal:
+            put(self.said, block(f'<div class="fs-error">{html.escape(str(refusal))}</div>'))
+            sight_of(self.start, True)
+            return
+        sizes = " × ".join(str(len(values)) for values in grid.values())
+        cells = 1
+        for values in grid.values():
+            cells *= len(values)
+        agents = "" if AGENTS in grid else f" of {counted(state.agents, 'agent')}"
+        said = f"{sizes} × {asked.runs} = <b>{counted(cells * asked.runs, 'run')}</b>{agents}; "
+        put(self.said, block(f"{said}all else as it is now."))
+        sight_of(self.start, self.busy or any(one.runs for one in self.sweeps.seen.sweeps))
+
+    def offer(self, model: str, offered: tuple[str, ...]) -> None:
+        """Let be chosen what a model has."""
+        if model != self.model:
+            self.model = model
+            for form in (self.first, self.second):
+                form.offer(model)
+            self.observed = {}
+        observed = {words(name): name for name in offered if not OBSERVABLES[name].is_table}
+        if observed == self.observed or not observed:
+            return
+        usual = next((one[0] for one in usual_charts(MODELS[model], offered) if one), "")
+        before = self.observable.value if self.observed else words(usual)
+        self.observed = observed
+        self.observable.options = tuple(observed)
+        show(self.observable, before if before in observed else next(iter(observed)))
+
+    def follow(self, seen: SweepPanelState) -> None:
+        """Show the sweeps there are, and one of them."""
+        names = tuple(one.name for one in seen.sweeps) or (NOBODY,)
+        if tuple(self.which.options) != names:
+            self.which.options = names
+        chosen = self.sweeps.chosen if self.sweeps.chosen in names else names[0]
+        if self.which.value != chosen:
+            show(self.which, chosen)
+        one, made = seen.of(chosen), seen.shown
+        put(self.status, block(status(one, seen)))
+        if made is not self.drawn:
+            self.drawn = made
+            put(self.picture, block(picture(made)) if made is not None else "")
+        if made is not None:
+            if tuple(self.column.options) != made.columns:
+                self.column.options = made.columns
+            if self.column.value != made.column:
+                show(self.column, made.column)
+        sight(self.column, made is not None and len(made.columns) > 1)
+        sight(self.table, made is not None)
+        sight(self.take, made is not None)
+        sight(self.go, one is not None and one.state != "done")
+        if one is not None:
+            self.go.label = "Stop" if one.runs else "Go on"
+            self.go.icon = viser.Icon.PLAYER_STOP if one.runs else viser.Icon.PLAYER_SKIP_FORWARD
+
+
+def put(place: Any, content: str) -> None:
+    """Show HTML; browsers are told only what is new."""
+    if place.content != content:
+        place.content = content
+
+
+def sight_of(button: Any, disabled: bool) -> None:
+    """Let a button be pressed, or not."""
+    if button.disabled != disabled:
+        button.disabled = disabled
+
+
+def status(one: ListedSweep | None, seen: SweepPanelState) -> str:
+    """How far a sweep is, with a bar; and what has gone wrong."""
+    faults = [seen.fault, *seen.unread[:MOST_FAULTS]]
+    if len(seen.unread) > MOST_FAULTS:
+        faults.append(f"and {len(seen.unread) - MOST_FAULTS} more are not shown")
+    fault = "".join(f'<div class="fs-error">{html.escape(one)}</div>' for one in faults if one)
+    if one is None:
+        empty = "Runs over values of a parameter, kept in results/. The flock here goes on."
+        return fault or f'<div class="fs-quiet">{empty}</div>'
+    colour, state = {
+        "running": (GREEN, "running"),
+        "begins": (ORANGE, "begins"),
+        "stopped": (GREY, "stopped"),
+    }.get(one.state, (GREY, "done"))
+    said = f"{one.done:,} of {one.of:,} runs" if one.of else ""
+    if one.runs and seen.said and one.done == 0:
+        said = html.escape(seen.said[:200])
+    pace = ""
+    if one.runs:
+        pace = "&nbsp;"  # the line is there before anything is known: nothing moves then
+        if one.left is not None and one.rate:
+            pace = f"{one.rate:.3g} runs a second, {duration(one.left)} left"
+        pace = f'<div class="fs-quiet">{pace}</div>'
+    broken = one.counts.get("failed", 0) + one.counts.get("killed", 0)
+    said += f", {broken} failed" if broken else ""
+    said += f", {one.counts['gave-up']} gave up" if one.counts.get("gave-up") else ""
+    share = 100.0 * one.done / one.of if one.of else 0.0
+    bar = f'<div class="fs-progress"><i style="width:{share:.1f}%"></i></div>'
+    dot = f'<span class="fs-dot" style="background:{colour}"></span>'
+    return (
+        f'{fault}<div class="fs-status">{dot}<span><b>{state}</b> · {said}</span></div>'
+        f"{pace}{bar if one.runs or one.state == 'stopped' else ''}"
+    )

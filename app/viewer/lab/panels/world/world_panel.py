@@ -1,0 +1,285 @@
+"""Building the world while the flock runs: obstacles, the goal, and layout files."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser
+
+from app.viewer.editing import forms
+from app.viewer.editing.click_target import floor_place, obstacle_hit
+from app.viewer.editing.editor import Editor
+from app.viewer.lab.panels.world.plan_questions import PlanQuestions
+from app.viewer.lab.panels.world.world_controls import (
+    DISC,
+    NONE,
+    POLYGON,
+    SELECT,
+    WorldControls,
+    note,
+    put,
+)
+from app.viewer.panels.style import block
+from app.viewer.run.edits import ignoring_gone
+from app.viewer.run.simulation import Simulation
+from app.viewer.scene.marks.hands.handles import Drag, Marks
+from app.viewer.scene.marks.world.obstacles import drawn_height
+from app.viewer.web.values import show
+from worlds.obstacles import rectangle
+from worlds.world import World
+
+CLOSE = 0.02
+"""A click so near to a polygon's first or last corner closes it, as a share of the longest side."""
+PAUSE = 1.0
+"""A slider that rests so long begins another step of the history, s."""
+
+
+class WorldPanel(WorldControls):
+    """One tool, one selection and one open polygon, shared by all browsers like the flock."""
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        simulation: Simulation,
+        show_marks: Callable[[Marks], None],
+    ):
+        super().__init__(server.gui)
+        self.simulation = simulation
+        self.questions = PlanQuestions(server, simulation)
+        self.show_marks = show_marks
+        self.selected = 0
+        """Key of the selected obstacle; 0 for none."""
+        self.corners: list[tuple[float, float]] = []
+        self.shown: tuple[Any, ...] = ()
+        """What the marks and the list show."""
+        self.touched = 0.0
+        self.slide = 0
+        self.saving = False
+        self.tool.on_update(self.tool_chosen)
+        self.which.on_update(self.listed)
+        self.acts.on_click(self.acted)
+        self.close.on_click(self.closed)
+        self.goal.on_update(self.goal_switched)
+        self.clear.on_click(self.cleared)
+        self.save.on_click(self.saved)
+        self.open.on_upload(self.opened)
+        for name, slider in self.sliders.items():
+            slider.on_update(self.slid(name))
+
+    @property
+    def editor(self) -> Editor | None:
+        """The world with its history."""
+        return self.simulation.edits.editor
+
+    @property
+    def obstacle(self) -> Any:
+        """The selected obstacle; None if there is none."""
+        editor = self.editor
+        if editor is None or self.selected not in editor.now.keys:
+            return None
+        return editor.now.obstacle(self.selected)
+
+    # What browsers ask for; all of it on viser's event loop.
+
+    def clicked(self, origin: np.ndarray, direction: np.ndarray) -> bool:
+        """A click into the picture, a ray (3,) and (3,) in the world; whether it was for a tool."""
+        editor = self.editor
+        if editor is None or self.tool.value == SELECT:
+            return False
+        floor = floor_place(editor.world, origin, direction)
+        if floor is None:
+            return True
+        place = float(floor[0]), float(floor[1])
+        if self.tool.value == POLYGON:
+            self.add_corner(place, editor.world)
+        elif self.tool.value == DISC:
+            radius = float(self.sliders["radius"].value)
+            self.add(lambda: forms.disc(place, radius))
+        else:
+            width, depth, turn = (
+                float(self.sliders[name].value) for name in ("width", "depth", "turn")
+            )
+            self.add(lambda: rectangle(place, width, depth, turn))
+        return True
+
+    def select_at(self, origin: np.ndarray, direction: np.ndarray) -> None:
+        """Select the obstacle that a ray meets first, or none."""
+        editor = self.editor
+        if editor is None:
+            return
+        world = editor.world
+        hit = obstacle_hit(world, origin, direction, drawn_height(world))
+        self.select(0 if hit is None else editor.now.keys[hit])
+
+    def select(self, key: int) -> None:
+        """Select an obstacle; 0 for none."""
+        self.selected = key
+        self.touched = 0.0
+        self.refresh()
+
+    def dragged(self, drag: Drag) -> None:
+        """Move what a gizmo is on; the drag's last change says what was refused."""
+
+        def change(editor: Editor) -> Editor:
+            if drag.thing:
+                return editor.move(drag.thing, drag.by, drag.degrees, drag.gesture)
+            return editor.move_goal(drag.by, drag.gesture)
+
+        if drag.done:
+            self.simulation.edits.change(ignoring_gone(change))
+        else:
+            self.simulation.edits.drag(drag.gesture, change)
+
+    async def tool_chosen(self, _event: viser.GuiEvent) -> None:
+        self.corners.clear()
+        if self.tool.value != SELECT:
+            self.selected = 0
+            self.simulation.edits.prepare()
+        self.refresh()
+
+    async def listed(self, event: viser.GuiEvent) -> None:
+        editor = self.editor
+        if event.client is None or editor is None:
+            return
+        number = self.which.options.index(self.which.value)
+        if self.which.value != NONE and number <= len(editor.now.keys):
+            show(self.tool, SELECT)
+            self.select(editor.now.keys[number - 1])
+        else:
+            self.select(0)
+
+    async def acted(self, event: viser.GuiEvent) -> None:
+        match event.target.value:
+            case "Undo":
+                self.undo()
+            case "Redo":
+                self.redo()
+            case "Delete":
+                self.delete()
+
+    def undo(self) -> None:
+        """Take the last corner of an open polygon back, or the last change."""
+        if self.corners:
+            self.corners.pop()
+        else:
+            self.simulation.edits.change(Editor.undo)
+
+    def redo(self) -> None:
+        """Do again what was taken back."""
+        self.simulation.edits.change(Editor.redo)
+
+    def delete(self) -> None:
+        """Take the selected obstacle away."""
+        key = self.selected
+        if key:
+            self.simulation.edits.change(ignoring_gone(lambda editor: editor.delete(key)))
+
+    def drop_tool(self) -> None:
+        """Let a click select again."""
+        show(self.tool, SELECT)
+        self.corners.clear()
+
+    async def cleared(self, _event: viser.GuiEvent) -> None:
+        self.simulation.edits.change(Editor.clear)
+
+    async def closed(self, event: viser.GuiEvent) -> None:
+        if event.target.value == "Close":
+            self.add_polygon()
+        self.corners.clear()
+        self.refresh()
+
+    async def goal_switched(self, _event: viser.GuiEvent) -> None:
+        self.refresh()
+
+    def slid(self, name: str) -> Callable:
+        """What a slider does: to the selected obstacle, or to the next one."""
+
+        async def on_update(event: viser.GuiEvent) -> None:
+            obstacle, key = self.obstacle, self.selected
+            if event.client is None or obstacle is None or name not in obstacle.measures():
+                return
+            now = time.monotonic()
+            self.slide += now - self.touched > PAUSE
+            self.touched = now
+            gesture, value = f"{name} {key} {self.slide}", float(event.target.value)
+            self.simulation.edits.drag(
+                gesture, lambda editor: editor.resize(key, gesture, **{name: value})
+            )
+
+        return on_update
+
+    async def saved(self, event: viser.GuiEvent) -> None:
+        """Send the layout to the browser that asked; one at a time."""
+        if event.client is None or self.saving:
+            return
+        self.saving = True
+        try:
+            answer = asyncio.wrap_future(self.simulation.edits.layout())
+            content = await asyncio.wait_for(answer, timeout=60)
+        except Exception:
+            return  # What was refused has become a notice.
+        finally:
+            self.saving = False
+        name = self.editor.world.name if self.editor is not None else "world"
+        event.client.send_file_download(f"{name}.toml", content, save_immediately=True)
+
+    async def opened(self, event: viser.GuiEvent) -> None:
+        file = event.target.value
+        self.questions.open_layout(event.client, file.name, file.content)
+
+    # Drawing.
+
+    def add(self, make: Callable[[], Any]) -> None:
+        """Add an obstacle."""
+        self.simulation.edits.change(lambda editor: editor.add(make()))
+
+    def add_corner(self, corner: tuple[float, float], world: World) -> None:
+        """One more corner of the polygon; near its first or its last one it is closed."""
+        ends = [self.corners[0], self.corners[-1]] if len(self.corners) > 2 else []
+        near = CLOSE * max(world.size)
+        if any(np.hypot(corner[0] - x, corner[1] - y) < near for x, y in ends):
+            self.add_polygon()
+            self.corners.clear()
+        elif len(self.corners) >= forms.CORNERS:
+            self.simulation.notices.put(f"a polygon has {forms.CORNERS} corners at most")
+        else:
+            self.corners.append(corner)
+        self.refresh()
+
+    def add_polygon(self) -> None:
+        """Make an obstacle of the corners."""
+        corners = tuple(self.corners)
+        self.add(lambda: forms.polygon(corners))
+
+    # What the panel shows.
+
+    def refresh(self) -> None:
+        """Show the world as it is now; costs next to nothing while nothing changes."""
+        editor = self.editor
+        if editor is None:
+            return
+        resting = time.monotonic() - self.touched > PAUSE
+        corners = tuple(self.corners)
+        now = (editor, self.selected, self.tool.value, self.goal.value, corners, resting)
+        if len(now) == len(self.shown) and all(
+            a is b or (k and a == b) for k, (a, b) in enumerate(zip(now, self.shown, strict=True))
+        ):
+            return
+        self.shown = now
+        obstacle = self.obstacle
+        if obstacle is None:
+            self.selected = 0
+        mission = editor.world.mission
+        goal = mission is not None and mission.goal is not None
+        self.fit(editor.world)
+        self.measure(obstacle, resting)
+        self.list(editor, self.selected)
+        put(self.goal, "visible", goal)
+        put(self.close, "visible", self.tool.value == POLYGON)
+        put(self.clear, "disabled", not editor.now.keys)
+        self.note.content = block(note(editor, self.tool.value, obstacle, len(corners)))
+        self.show_marks(Marks(self.selected, obstacle, goal and self.goal.value, corners))

@@ -1,0 +1,314 @@
+"""What a page gives to take along: what a browser sees, as a picture or a film, with what it means.
+
+A browser asks by HTTP, with a name that only its own connection was told; what is made for it comes
+through that connection.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import secrets
+import threading
+from dataclasses import dataclass, field
+from http import HTTPStatus
+from typing import Any, Protocol
+from urllib.parse import parse_qs
+
+import numpy as np
+import viser
+from PIL import Image
+from websockets.http11 import Request, Response
+
+from agents.catalogue import MODELS
+from app.viewer.lab.film_recorder import PAGE, FilmRecorder
+from app.viewer.panels.making import Making
+from app.viewer.pictures.film import CODECS, demand_film
+from app.viewer.pictures.seen import SeenSheet, as_png
+from app.viewer.pictures.sheet import Sheet
+from app.viewer.pictures.shot import Shot, Watched
+from app.viewer.run.simulation import Simulation
+from app.viewer.scene.draw.picture import picture
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.drawing import Drawing
+from app.viewer.web.incoming.rate_limit import RateLimit
+from app.viewer.web.renders import MOST, Eye
+from app.viewer.web.server import front_of, renders_of
+from app.viewer.web.serving.front import content, words
+from worlds.input_error import InputError
+
+PATH = "/take.json"
+MARK, WORD = "X-Flockscope", "scene"
+"""A header that no foreign page can send."""
+DOTS = ".png"
+VECTORS = (".svg", ".pdf")
+LEAST, MOST_DOTS, MOST_OF_FILM = 320, 3840 * 2160, 1920 * 1200
+"""Pixels of a side of a picture at least, of a whole picture, and of a film."""
+ASKS = (0.5, 4.0)
+"""Pictures and films that one browser may ask for, a second and at once."""
+AT_ONCE = 3
+"""Pictures and films that are in the making at the same time, of all browsers."""
+COARSEST = 0.5
+"""How coarsely a browser draws at least, dots of its canvas to a dot of its page."""
+
+
+class ExportedLaboratory(Protocol):
+    """The laboratory that is seen."""
+
+    server: viser.ViserServer
+    simulation: Simulation
+    drawing: Drawing
+
+
+@dataclass
+class ExportClient:
+    """One browser's, as long as it is there."""
+
+    client: viser.ClientHandle
+    asks: RateLimit = field(default_factory=lambda: RateLimit(*ASKS))
+    is_busy: bool = False
+    """Whether a picture is being made for it."""
+    filming: FilmRecorder | None = None
+    dark: bool = False
+    dots: float = 1.0
+    said: str = ""
+    """What has gone wrong last, until it is told."""
+
+
+class PictureExporter:
+    """Answers what pages ask for."""
+
+    def __init__(self, laboratory: ExportedLaboratory, allowed: Making | None = None):
+        self.laboratory = laboratory
+        self.allowed = allowed or Making()
+        self.visits: dict[str, ExportClient] = {}
+        server = laboratory.server
+        front_of(server).route(PATH, self.answer)
+        server.on_client_connect(self.welcome)
+        server.on_client_disconnect(self.farewell)
+
+    async def welcome(self, client: viser.ClientHandle) -> None:
+        """Tell a browser the name by which it may ask."""
+        name = secrets.token_urlsafe(16)
+        self.visits[name] = ExportClient(client)
+        client.gui.add_html(f'<i data-fs-me="{name}"></i>', visible=False)
+
+    async def farewell(self, client: viser.ClientHandle) -> None:
+        """Make nothing more for a browser that is gone."""
+        for name, visit in list(self.visits.items()):
+            if visit.client.client_id == client.client_id:
+                del self.visits[name]
+                if visit.filming is not None:
+                    visit.filming.stop(is_wanted=False)
+
+    def answer(self, request: Request) -> Response:
+        """Do what is asked, and say how it stands."""
+        if request.headers.get_all(MARK) != [WORD]:
+            return words(HTTPStatus.FORBIDDEN, f"pictures are asked for with {MARK}: {WORD}")
+        asked = {name: one[0] for name, one in parse_qs(request.path.partition("?")[2]).items()}
+        visit = self.visits.get(asked.get("me", ""))
+        if visit is None:
+            return words(HTTPStatus.FORBIDDEN, "this page is not connected")
+        try:
+            self.do(visit, asked)
+        except InputError as refusal:
+            return words(HTTPStatus.BAD_REQUEST, str(refusal))
+        return content(json.dumps(self.told(visit)).encode(), "application/json")
+
+    def do(self, visit: ExportClient, asked: dict[str, str]) -> None:
+        """What a page asks for. Raises InputError."""
+        visit.dark = asked.get("theme") == "dark"
+        visit.dots = coarseness(asked.get("dots", "1"))
+        what = asked.get("do", "")
+        if what in ("stop", "discard"):
+            if visit.filming is not None:
+                visit.filming.stop(is_wanted=what == "stop")
+        elif what in ("picture", "film"):
+            self.begin(visit, what, asked)
+        elif what:
+            raise InputError(f"do = {what!r} is not one of picture, film, stop, discard")
+
+    def begin(self, visit: ExportClient, what: str, asked: dict[str, str]) -> None:
+        """Begin to make a picture or a film. Raises InputError."""
+        kinds = (DOTS, *VECTORS) if what == "picture" else (*CODECS, PAGE)
+        kind = f".{asked.get('kind', '')}"
+        if kind not in kinds:
+            raise InputError(
+                f"kind = {kind[1:20]!r} is not one of {', '.join(k[1:] for k in kinds)}"
+            )
+        if what == "film":
+            self.allowed.demand_film()
+        size = pixels(asked.get("size", ""), MOST_DOTS if what == "picture" else MOST_OF_FILM)
+        if visit.is_busy or visit.filming is not None:
+            raise InputError("one thing at a time: it is being made")
+        busy = sum(one.is_busy or one.filming is not None for one in list(self.visits.values()))
+        if busy >= AT_ONCE or not visit.asks.take():
+            raise InputError("others are being made: try again in a few seconds")
+        self.allowed.demand_file()
+        eyes = BrowserCapture(self.laboratory, visit)
+        shot = eyes.shot()
+        if kind in VECTORS:
+            demand_plan(shot, kind)
+        visit.said = ""
+        if what == "film":
+            if kind in CODECS:
+                demand_film("a film")
+            self.film(visit, eyes, kind, size)
+        else:
+            visit.is_busy = True
+            threading.Thread(
+                target=self.take, args=(visit, eyes, shot, kind, size), name="picture", daemon=True
+            ).start()
+
+    def film(
+        self, visit: ExportClient, eyes: BrowserCapture, kind: str, size: tuple[int, int]
+    ) -> None:
+        """Film what a browser sees from now on."""
+
+        def done(made: bytes) -> None:
+            visit.client.send_file_download(self.name(kind), made, save_immediately=True)
+            visit.filming = None
+
+        def failed(why: str) -> None:
+            visit.said, visit.filming = (
+                why if visit.filming and visit.filming.is_wanted else "",
+                None,
+            )
+
+        visit.filming = FilmRecorder(eyes, kind, size, done, failed)
+        visit.filming.start()
+
+    def take(
+        self,
+        visit: ExportClient,
+        eyes: BrowserCapture,
+        shot: Shot,
+        kind: str,
+        size: tuple[int, int],
+    ) -> None:
+        """Make a picture and send it."""
+        try:
+            with self.allowed.turn():
+                if kind in VECTORS:
+                    made = Sheet(shot, size).as_bytes(kind)
+                else:
+                    eye = Eye.of(visit.client.camera)
+                    sheet = SeenSheet(shot, size, eyes.aspect(), eye)
+                    made = as_png(eyes.picture(sheet, shot))
+            visit.client.send_file_download(self.name(kind, shot), made, save_immediately=True)
+        except InputError as refusal:
+            visit.said = str(refusal)
+        except Exception as error:
+            visit.said = f"the picture cannot be made: {type(error).__name__}"
+        finally:
+            visit.is_busy = False
+
+    def told(self, visit: ExportClient) -> dict[str, Any]:
+        """How it stands with a browser."""
+        filming, said = visit.filming, visit.said
+        visit.said = ""
+        drawn = self.laboratory.drawing.drawn
+        return {
+            "busy": visit.is_busy,
+            "filming": filming is not None,
+            "ending": filming is not None and filming.ending.is_set(),
+            "seconds": 0.0 if filming is None else filming.seconds,
+            "bytes": 0 if filming is None else filming.bytes,
+            "said": said,
+            "flat": drawn is not None and drawn[0].dim == 2 and drawn[0].beside is None,
+            "missing": missing(),
+        }
+
+    def name(self, kind: str, shot: Shot | None = None) -> str:
+        """File name that says what is in it."""
+        state, drawn = self.laboratory.simulation.state, self.laboratory.drawing.drawn
+        tick = shot.now.tick if shot else drawn[0].tick if drawn else 0
+        return (
+            f"{'-beside-'.join(filter(None, state.models))}-seed{state.spec.seed}-tick{tick}{kind}"
+        )
+
+
+@dataclass
+class BrowserCapture:
+    """What one browser sees."""
+
+    laboratory: ExportedLaboratory
+    visit: ExportClient
+
+    def shot(self) -> Shot:
+        """The flock as it was drawn last. Raises InputError if nothing was."""
+        drawn = self.laboratory.drawing.drawn
+        if drawn is None:
+            raise InputError("nothing has been drawn yet")
+        frame, look = drawn
+        state = self.laboratory.simulation.state
+        model = MODELS[state.spec.model]
+        known = {
+            name: one for name, one in state.values.items() if name in model.parameters.model_fields
+        }
+        now = Watched(model, model.parameters.model_construct(**known), state.spec.seed, frame)
+        return Shot(now, picture(frame, look, Stage.of(frame)))
+
+    def aspect(self) -> float:
+        """Width over height of its canvas."""
+        camera = self.visit.client.camera
+        return float(np.clip(camera.image_width / max(camera.image_height, 1), 0.4, 3.0))
+
+    def where(self) -> tuple[Any, ...]:
+        """Where its camera is, and how it looks."""
+        camera = self.visit.client.camera
+        return tuple(camera.position), tuple(camera.wxyz), camera.fov, self.visit.dark
+
+    def picture(self, sheet: SeenSheet, shot: Shot) -> np.ndarray:
+        """What it draws, on a sheet. Raises InputError."""
+        return sheet.picture(shot, self.render, self.visit.dark)
+
+    def render(self, size: tuple[int, int]) -> np.ndarray:
+        """What it draws; where it draws coarsely, a larger picture made smaller. Raises
+        InputError."""
+        finer = min(1.0 / self.visit.dots, MOST / max(size))
+        asked = tuple(round(side * max(finer, 1.0)) for side in size)
+        seen = renders_of(self.laboratory.server).ask(
+            self.visit.client, (asked[0], asked[1]), exact=self.visit.filming is None
+        )
+        if asked == size:
+            return seen
+        return np.asarray(Image.fromarray(seen).resize(size, Image.Resampling.LANCZOS))
+
+
+def coarseness(text: str) -> float:
+    """Dots of a canvas to a dot of the page, of what a page says; 1 for what is none."""
+    try:
+        value = float(text)
+    except ValueError:
+        return 1.0
+    return min(max(value, COARSEST), 1.0) if value == value else 1.0
+
+
+def pixels(text: str, most: int) -> tuple[int, int]:
+    """Width and height of WIDTHxHEIGHT. Raises InputError."""
+    found = re.fullmatch(r"(\d{2,5})x(\d{2,5})", text)
+    size = (int(found[1]), int(found[2])) if found else (0, 0)
+    if min(size) < LEAST or max(size) > MOST or size[0] * size[1] > most:
+        raise InputError(
+            f"size = {text[:20]!r} is not allowed: WIDTHxHEIGHT of {LEAST} to {MOST} pixels, "
+            f"{most:,} in all"
+        )
+    return size
+
+
+def demand_plan(shot: Shot, kind: str) -> None:
+    """Refuse a vector picture of what is no plan. Raises InputError."""
+    frame = shot.made.frame
+    if frame.dim == 3 or frame.beside is not None:
+        what = "a world in space" if frame.dim == 3 else "two flocks beside each other"
+        raise InputError(f"{kind[1:].upper()} of {what} is not drawn: take PNG")
+
+
+def missing() -> str:
+    """What is to be installed before there can be films; empty: nothing."""
+    try:
+        demand_film("a film")
+    except InputError as refusal:
+        return str(refusal)
+    return ""

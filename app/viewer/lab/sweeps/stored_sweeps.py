@@ -1,0 +1,196 @@
+"""What the page shows of the sweeps in a folder, read from their stores."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from agents.catalogue import FILES
+from agents.catalogue import model as find_model
+from agents.flock_world import find_world
+from agents.observables.catalogue import OBSERVABLES
+from app.experiments.runs.database import FILE
+from app.experiments.runs.reading import Kept
+from app.experiments.sweeps.pictures.groups import Group, groups_of, is_number
+from app.experiments.sweeps.status import status_of
+from app.experiments.sweeps.table import axes_of, measured, places_of, spec_at
+from app.strict import Value
+from app.viewer.gallery.saved_scene import TEXTS, SavedScene
+from app.viewer.measuring.observable_curves import worded
+from app.viewer.measuring.observable_format import few
+from app.viewer.run.run_preset import at_home
+from worlds.input_error import InputError
+
+MOST_SWEEPS = 50
+"""Sweeps that are named, the newest ones."""
+MOST_SHOWN = 20_000
+"""Runs of a sweep that the page draws."""
+
+
+@dataclass(frozen=True)
+class ListedSweep:
+    """How far a sweep is."""
+
+    name: str
+    state: str
+    """running, stopped, done; begins, until there is a store."""
+    done: int = 0
+    of: int = 0
+    counts: dict[str, int] = field(default_factory=dict)
+    rate: float | None = None
+    """Runs a second."""
+    left: float | None = None
+    """Seconds."""
+
+    @property
+    def runs(self) -> bool:
+        """Whether a process makes runs of it."""
+        return self.state in ("running", "begins")
+
+
+@dataclass(frozen=True)
+class DrawnSweep:
+    """What is drawn of a sweep: its cells with their runs, by their places in the plan."""
+
+    name: str
+    model: str
+    axes: dict[str, list[Value]]
+    """What it is swept over, each with its values in order."""
+    columns: tuple[str, ...]
+    column: str
+    cells: dict[int, Group]
+    """With and without runs."""
+    ticks: int
+    """Of a run, at most."""
+
+
+def named_in(results: Path) -> list[str]:
+    """The folders of stores in a folder, the newest first."""
+    if not results.is_dir():
+        return []
+    found = [one for one in results.iterdir() if (one / FILE).is_file()]
+    found.sort(key=lambda one: (one / FILE).stat().st_mtime, reverse=True)
+    return [one.name for one in found[:MOST_SWEEPS]]
+
+
+def listed(folder: Path) -> ListedSweep | None:
+    """How far a sweep is; None for a store of anything else. Raises InputError."""
+    if Kept(folder).state.get("kind") != "sweep":
+        return None
+    made = status_of(folder)
+    return ListedSweep(
+        folder.name,
+        made["state"],
+        made["done"],
+        made["of"] or 0,
+        made["runs"],
+        made["rate"],
+        made["seconds_left"],
+    )
+
+
+def shown(folder: Path, column: str | None = None) -> DrawnSweep:
+    """The cells of a sweep, by its first column or another. Raises InputError."""
+    kept = Kept(folder)
+    state = kept.state
+    if state.get("runs", 0) > MOST_SHOWN:
+        raise InputError(
+            f"{state['runs']:,} runs are not drawn in the page: flockscope sweep plot {folder.name}"
+        )
+    columns, places, cells = measured(kept), places_of(kept), kept.cells
+    if not columns:
+        raise InputError("nothing with one value for each run is measured: take the table")
+    name = column if column in columns else columns[0]
+    axes = {
+        axis: in_order([cell["axes"].get(axis) for cell in cells.values()])
+        for axis in axes_of(kept)
+    }
+    found = {places[number]: Group(cell["axes"], number) for number, cell in cells.items()}
+    if any(kept.counts.values()):
+        found |= {places[group.number]: group for group in groups_of(kept, name)[1]}
+    return DrawnSweep(
+        folder.name,
+        str(tomllib.loads(state["base"])["model"]),
+        {axis: values for axis, values in axes.items() if len(values) > 1},
+        tuple(columns),
+        name,
+        found,
+        int(state.get("limit", 0)),
+    )
+
+
+def in_order(values: list[Value | None]) -> list[Value]:
+    """Each value once: numbers rising, words as they come."""
+    once = [one for one in dict.fromkeys(values) if one is not None]
+    return sorted(once) if all(map(is_number, once)) else once
+
+
+def typical(group: Group) -> int | None:
+    """The seed of the run that is nearest to the mean of its cell; None without any."""
+    if not group.values:
+        return None
+    nearest = min(range(len(group.values)), key=lambda k: abs(group.values[k] - group.mean))
+    return group.seeds[nearest]
+
+
+def scene_of(folder: Path, place: int, seed: int | None, column: str | None) -> SavedScene:
+    """A run of a cell as a scene, by default the one nearest to the cell's mean. Raises
+    InputError."""
+    made = shown(folder, column)
+    if place not in made.cells:
+        raise InputError(f"cell {place} is not in {folder.name}: it has {len(made.cells)}")
+    group = made.cells[place]
+    if seed is None:
+        seed = typical(group)
+    if seed is None:
+        row = next((row for row in Kept(folder).runs([]) if row[0] == group.number), None)
+        if row is None:
+            raise InputError(f"cell {place} of {folder.name} has no run yet")
+        seed = int(row[1])
+    spec = spec_at(Kept(folder), place, seed)
+    if spec.model in FILES:
+        raise InputError(f"{spec.model} is a model of a file: the page does not open it")
+    if isinstance(spec.world, str) and spec.world.endswith(".toml"):
+        whole = at_home(**dict(spec))
+        spec = spec.but(world=find_world(whole, find_model(spec.model)), size=None)
+    where = ", ".join(f"{axis} = {few_of(value)}" for axis, value in group.axes.items())
+    values = {
+        "title": f"{folder.name}: {where}, seed {seed}"[: TEXTS["title"]],
+        "watch": told(made, group, seed)[: TEXTS["watch"]],
+        "plots": plots_of(made.column),
+        "run": tomllib.loads(spec.to_toml()),
+    }
+    return SavedScene.from_values(values, folder.name)
+
+
+def told(made: DrawnSweep, group: Group, seed: int) -> str:
+    """What the sweep has of a run, in a sentence."""
+    where = ", ".join(f"{axis} = {few_of(value)}" for axis, value in group.axes.items())
+    said = f"Run of {made.name}: {where}, seed {seed}."
+    value = dict(zip(group.seeds, group.values, strict=True)).get(seed)
+    if value is None:
+        return f"{said} It has no value there."
+    return f"{said} There {made.column} came to {few(value)} within {made.ticks} ticks."
+
+
+def plots_of(column: str) -> list[str]:
+    """The plot of a column that is an observable."""
+    name = observable_of(column)
+    return [worded((name,))] if name else []
+
+
+def observable_of(column: str) -> str:
+    """The observable that a column is of; nothing for a measure of somebody's own.
+
+    >>> observable_of("polarisation-over-50"), observable_of("k")
+    ('polarisation', '')
+    """
+    name = column.partition("-over-")[0]
+    return name if name in OBSERVABLES else ""
+
+
+def few_of(value: Any) -> str:
+    """A value of an axis for people."""
+    return f"{value:.3g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,182 @@
+"""A sweep as the page asks for it: over one parameter or two of the running flock, as a file."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import tomlkit
+
+from agents.catalogue import FILES, MODELS
+from agents.models.declare import DeclaredParameter, declared
+from agents.observables.catalogue import OBSERVABLES
+from agents.spec import Spec
+from app.viewer.lab.sweeps.sweep_limits import MOST_AGENTS, MOST_VALUES, demand
+from worlds.input_error import InputError, unknown
+from worlds.world import World
+
+AGENTS = "agents"
+"""The axis that is no parameter."""
+WORLD = "world.toml"
+"""The file of a world that is none of the built-in ones, beside the sweep's."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """So many values of a parameter, or numbers of agents, from one to another."""
+
+    name: str
+    low: float
+    high: float
+    count: int
+    log: bool = False
+
+    def values(self, model: str) -> list[Any]:
+        """Each once, rising or falling. Raises InputError."""
+        low, high = allowed(model, self.name)
+        if not 2 <= self.count <= MOST_VALUES:
+            raise InputError(
+                f"{self.count} values of {self.name} are not allowed: 2 to {MOST_VALUES} are"
+            )
+        for end in (self.low, self.high):
+            if not low <= end <= high:
+                raise InputError(f"{self.name} = {end:g} is not in [{low:g}, {high:g}]")
+        if self.low == self.high:
+            raise InputError(f"{self.name} is swept from {self.low:g} to itself: a range is needed")
+        if self.log and min(self.low, self.high) <= 0.0:
+            raise InputError(f"{self.name} is swept by logarithms from 0: begin above it")
+        between = np.geomspace if self.log else np.linspace
+        made = between(self.low, self.high, self.count)
+        if is_whole(model, self.name):
+            return list(dict.fromkeys(round(one) for one in made.tolist()))
+        return [float(f"{one:.12g}") for one in made.tolist()]
+
+
+class SweepSource(Protocol):
+    """What a sweep is begun from: its file, a world beside it, and what its folder is called."""
+
+    @property
+    def name(self) -> str: ...
+    def to_toml(self) -> str: ...
+    def world(self) -> str: ...
+
+
+@dataclass(frozen=True)
+class SweepRequest:
+    """A sweep around a run: `spec` with its parameters, as they are now."""
+
+    spec: Spec
+    axes: Sequence[Axis]
+    observable: str
+    runs: int
+    ticks: int
+    over: int = 0
+    """The mean of so many last ticks; 0: the value at the end."""
+
+    def values(self) -> dict[str, Any]:
+        """What a file says of it, world.toml beside it. Raises InputError."""
+        demand_catalogued(self.spec)
+        grid = self.grid()
+        run = run_table(self.spec, self.ticks, grid)
+        observe = {"name": self.observable} | ({"over": self.over} if self.over else {})
+        return {
+            "title": f"{MODELS[self.spec.model].title}: {', '.join(grid)}",
+            "run": run,
+            "design": [{"kind": "grid", "axes": grid}],
+            "replicates": {"count": self.runs},
+            "observe": [observe],
+        }
+
+    def to_toml(self) -> str:
+        """The file. Raises InputError."""
+        return tomlkit.dumps(self.values())
+
+    def world(self) -> str:
+        """What stands in world.toml; nothing where the world is a built-in one."""
+        world = self.spec.world
+        return world.to_toml() if isinstance(world, World) else ""
+
+    def grid(self) -> dict[str, list[Any]]:
+        """The axes with their values, all that is asked for within bounds. Raises InputError."""
+        grid: dict[str, list[Any]] = {}
+        for axis in self.axes:
+            if axis.name in grid:
+                raise InputError(f"{axis.name} cannot be both axes of a map")
+            grid[axis.name] = axis.values(self.spec.model)
+        one = OBSERVABLES.get(self.observable)
+        if one is None or one.is_table:
+            raise unknown("observable", self.observable, OBSERVABLES)
+        if one.over is not None and self.over < 2:
+            raise InputError(
+                f"{self.observable} is measured over a run: take it over 2 or more of its last "
+                "ticks"
+            )
+        if not 0 <= self.over <= self.ticks:
+            raise InputError(f"the last {self.over} ticks are more than the {self.ticks} of a run")
+        for name, value in (("runs", self.runs), ("ticks", self.ticks)):
+            if value < 1:
+                raise InputError(f"{value} {name} are not allowed: 1 at least")
+        agents = max(grid.get(AGENTS, [self.spec.agents or MODELS[self.spec.model].agents]))
+        cells = int(np.prod([len(values) for values in grid.values()]))
+        demand(cells, self.runs, agents + (self.spec.informed or 0), self.ticks)
+        return grid
+
+    @property
+    def name(self) -> str:
+        """What its folder is called, if there is none of that name yet."""
+        return "-".join([self.spec.model, *(axis.name for axis in self.axes)])
+
+
+def demand_catalogued(spec: Spec) -> None:
+    """Refuse a run of a model that only this process knows. Raises InputError."""
+    if spec.model in FILES:
+        raise InputError(
+            f"{spec.model} is a model of a file: its sweeps are begun on the command line,"
+            " flockscope sweep run FILE.toml"
+        )
+
+
+def run_table(spec: Spec, ticks: int, axes: Collection[str]) -> dict[str, Any]:
+    """A run as the table [run] of a file, without what `axes` set. Raises InputError.
+
+    A world that is none of the built-in ones is in WORLD.
+    """
+    demand_catalogued(spec)
+    if spec.start != "random":
+        raise InputError("this run began from given places: a sweep begins from random ones")
+    run: dict[str, Any] = {"model": spec.model, "ticks": ticks} | spec.chosen
+    for name in ("agents", "size", "dim"):
+        if (value := getattr(spec, name)) is not None and name not in axes:
+            run[name] = list(value) if isinstance(value, tuple) else value
+    world = spec.world
+    run["world"] = WORLD if isinstance(world, World) else world
+    if isinstance(world, World):
+        run.pop("size", None)
+        run.pop("dim", None)
+    run["parameters"] = {k: v for k, v in spec.parameters.items() if k not in axes}
+    return run
+
+
+def numbers(model: str) -> list[DeclaredParameter]:
+    """The parameters of a model that can be an axis."""
+    return [one for one in declared(MODELS[model].parameters) if one.kind == "number"]
+
+
+def allowed(model: str, name: str) -> tuple[float, float]:
+    """The range of an axis. Raises InputError for what is none."""
+    if name == AGENTS:
+        return 1, MOST_AGENTS
+    found = {one.name: one for one in numbers(model)}
+    if name not in found:
+        raise unknown("axis", name, [*found, AGENTS])
+    low, high = found[name].low, found[name].high
+    assert low is not None
+    assert high is not None
+    return low, high
+
+
+def is_whole(model: str, name: str) -> bool:
+    """Whether an axis has whole numbers only."""
+    return name == AGENTS or MODELS[model].parameters.model_fields[name].annotation is int

@@ -1,0 +1,184 @@
+"""One opening of a laboratory's control loop by its page: what is known of it since."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol
+
+from app.live.control.arm import OperatorRequest
+from app.live.control.loop_events import Event
+from app.live.control.loop_status import Status
+from app.viewer.live.parameter_changes import ParameterChanges
+from app.viewer.live.room_frame import Setting, frame_of
+from app.viewer.live.room_readings import RoomReadings
+from app.viewer.scene.shown.frame import Frame
+
+SILENCE = 1.0
+"""Seconds without a new status after which the loop is said not to answer."""
+KEPT = 10
+"""Statuses that are kept to measure speeds by."""
+BROWSER = "browser"
+"""The causes of requests from a browser begin so."""
+GONE = "the last browser is gone"
+TROUBLES = ("source", "link", "recording")
+"""Kinds of event that say what is wrong with these, or that it is over."""
+
+
+class EventSequence(Protocol):
+    """Events as `app.live.control.loop_events.Events` has them, by their number since the first."""
+
+    def __len__(self) -> int: ...
+    def __getitem__(self, which: slice, /) -> list[Event]: ...
+
+
+class OperatorProtocol(Protocol):
+    """What a session uses of an `app.live.operating.operator.Operator`."""
+
+    @property
+    def events(self) -> EventSequence:
+        """What has happened."""
+        ...
+
+    trouble: str
+
+    @property
+    def alive(self) -> bool:
+        """Whether the loop runs."""
+        ...
+
+    def ask(self, request: OperatorRequest) -> None:
+        """Ask for something."""
+        ...
+
+    def place(self, x: float, y: float) -> None:
+        """Move the injected car of the hand, m."""
+        ...
+
+    def record(self, folder: Path | None, cause: str) -> None:
+        """Record in a new folder from now on, or no more."""
+        ...
+
+    def status(self) -> Status | None:
+        """The newest status."""
+        ...
+
+    def close(self) -> None:
+        """Stop the cars and end the loop."""
+        ...
+
+
+class LoopConnection:
+    """One opening of a control loop; `poll` is called by one thread, again and again."""
+
+    def __init__(
+        self,
+        setting: Setting,
+        operator: OperatorProtocol,
+        values: dict[str, Any],
+        notify: Callable[[str], None],
+    ):
+        self.setting = setting
+        self.operator = operator
+        self.values = values
+        """The parameters as the loop has them; replaced, never changed."""
+        self.notify = notify
+        self.tuning = ParameterChanges(notify)
+        self.newest: Status | None = None
+        self.status: Status | None = None
+        """The status that the frame is drawn from."""
+        self.frame: Frame | None = None
+        self.readings = RoomReadings(setting.lab.injected)
+        self.past: deque[Status] = deque(maxlen=KEPT)
+        self.heard = time.monotonic()
+        self.known = 0
+        """Number of events that have been passed on."""
+        self.armed_by = ""
+        """Who armed the cars; empty while they are not armed."""
+        self.asked_to_hold = False
+        """Whether this arming was asked to end because no browser is left."""
+
+    @property
+    def armed(self) -> bool:
+        """Whether the cars are armed, as far as is known."""
+        return self.armed_by != "" or (self.status is not None and self.status.arm == "armed")
+
+    def poll(self) -> list[Event]:
+        """Ask for the newest status; the events that are new."""
+        self.newest = self.operator.status()
+        known = len(self.operator.events)
+        events = self.operator.events[self.known : known]
+        self.known = known
+        for event in events:
+            self.hear(event)
+        self.tuning.give_up()
+        return events
+
+    def hear(self, event: Event) -> None:
+        """Note what an event changes, and put up its notice if it has one."""
+        words = notice_of(event, self.armed_by)
+        if words:
+            self.notify(words)
+        taken = self.tuning.hear(event)
+        if taken:
+            self.values = self.values | taken
+        if event.kind == "arm" and not self.armed_by:
+            self.armed_by, self.asked_to_hold = event.cause, False
+        elif event.kind in ("disarm", "hold", "emergency", "reset"):
+            self.armed_by = ""
+
+    def update(self) -> None:
+        """Make the frame and the curves of the newest status."""
+        status = self.newest
+        if status is None or status is self.status:
+            return
+        self.status = status
+        self.heard = time.monotonic()
+        self.frame = frame_of(self.setting, status, self.values, tuple(self.past))
+        self.readings.note(status)
+        self.past.append(status)
+
+    def deserted(self) -> None:
+        """No browser is left: hold the cars if it was a browser that armed them."""
+        if self.armed_by.startswith(BROWSER) and not self.asked_to_hold:
+            self.asked_to_hold = True
+            self.operator.ask(OperatorRequest("hold", GONE))
+
+    @property
+    def ended(self) -> str:
+        """Why the loop has ended, if it has."""
+        if self.operator.trouble:
+            return self.operator.trouble
+        return "" if self.operator.alive else "the control loop has ended: the cars stop themselves"
+
+    @property
+    def silence(self) -> str:
+        """The trouble in words if no new status has come for too long; else empty."""
+        if time.monotonic() - self.heard < SILENCE:
+            return ""
+        return "the control loop does not answer: what is shown is old"
+
+
+def notice_of(event: Event, armed_by: str = "") -> str:
+    """The notice in every browser of an event, one line; empty: none, the log has it.
+
+    `armed_by` says who has armed the cars; that a car is not seen is a notice only while armed.
+
+    >>> notice_of(Event(7, 0.07, "emergency", "EMERGENCY STOP", cause="browser 2"))
+    'EMERGENCY STOP (browser 2)'
+    >>> notice_of(Event(7, 0.07, "run", "the cars run"))
+    ''
+    """
+    if event.kind in ("emergency", "hold"):
+        by = "" if event.cause in ("", "safety") else f" ({event.cause})"
+        return event.words + by
+    if event.kind == "unseen":
+        # without how long: a notice that is repeated within seconds is left out
+        return f"{event.car} is not seen: the cars stop" if armed_by else ""
+    if event.kind in TROUBLES:
+        return "" if event.words.endswith("works again") else f"{event.kind}: {event.words}"
+    if event.kind == "moves":
+        return event.words
+    return event.words if event.kind == "refused" and event.asked != "tune" else ""

@@ -1,0 +1,113 @@
+"""The rule that drives the cars, and a control for every parameter that may be changed."""
+
+from __future__ import annotations
+
+import html
+from concurrent.futures import Future
+from functools import partial
+from typing import Any
+
+import viser
+
+from agents.models.declare import DeclaredParameter, declared
+from app.live.operating.flock_driver import NOT_SIMULATED
+from app.viewer.live.panels.state_panel import whose
+from app.viewer.live.session import Session
+from app.viewer.live.session_state import SessionState
+from app.viewer.panels.dials import Dials
+from app.viewer.panels.parameters import add_control, sides
+from app.viewer.panels.style import block
+from app.viewer.web.values import show
+
+CHOOSING = (
+    "What drives the cars: another one can be chosen while they are not armed, and the room is "
+    "then opened again."
+)
+
+
+class RulePanel:
+    """Sliders, switches and choices that act on the running loop; the rule only while not armed."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session, rules: tuple[str, ...]):
+        self.gui = gui
+        self.session = session
+        self.rule = gui.add_dropdown(
+            "Rule",
+            rules,
+            initial_value=session.state.rule,
+            hint=CHOOSING,
+        )
+        self.rule.on_update(self.chosen)
+        self.about = gui.add_html("", visible=False)
+        self.dials = Dials(gui)
+        self.folder = gui.add_folder(None)
+        self.controls: dict[str, Any] = {}
+        self.shown: tuple[int, str] = (-1, "")
+        """The opening and the model whose controls there are."""
+        self.shown_values: dict[str, Any] = {}
+        """The values as they were shown last."""
+
+    async def chosen(self, event: viser.GuiEvent) -> None:
+        if event.client is not None and self.rule.value != self.session.state.rule:
+            self.session.choose(rule=self.rule.value, cause=whose(event))
+
+    def refresh(self, state: SessionState, armed: bool) -> None:
+        """Follow the session: other controls for another rule, values as the loop has them."""
+        self.rule.disabled = armed
+        if state.phase != "opening" and not armed and self.rule.value != state.rule:
+            show(self.rule, state.rule)
+        if state.model is None:
+            return
+        if self.shown != (state.run, state.model.name):
+            self.shown = state.run, state.model.name
+            self.rebuild(state)
+        for name, control in self.controls.items():
+            if name in state.values and self.shown_values.get(name) != state.values[name]:
+                show(control, state.values[name])
+        self.shown_values = dict(state.values)
+        self.dials.refresh()
+
+    def rebuild(self, state: SessionState) -> None:
+        """Controls for what of the model's parameters may be changed in a real room."""
+        assert state.model is not None
+        for child in tuple(self.folder._children.values()):
+            child.remove()
+        self.dials.clear()
+        own = [
+            one
+            for one in declared(state.model.parameters)
+            if one.name not in NOT_SIMULATED and one.name in state.values
+        ]
+        summary = state.model.rule.summary
+        self.rule.hint = f"{summary} {CHOOSING}"
+        self.about.visible = True
+        first = html.escape(f"{summary.partition('. ')[0].rstrip('.')}.")
+        self.about.content = block(f'<div class="fs-quiet">{first}</div>')
+        titles = "Rule", f"Body: {state.model.body.title}"
+        self.controls = {}
+        with self.folder:
+            for title, part in zip(titles, sides(state.model, own), strict=True):
+                if part:
+                    self.gui.add_html(block(f'<div class="fs-head">{html.escape(title)}</div>'))
+                for one in part:
+                    self.controls[one.name] = self.control(one, state.values[one.name])
+        self.shown_values = dict(state.values)
+
+    def control(self, one: DeclaredParameter, value: Any) -> Any:
+        """The control of one parameter; it goes back to what the loop has if that refuses."""
+        made = add_control(self.gui, one, value)
+        self.dials.add(one, made)
+
+        async def changed(event: viser.GuiEvent) -> None:
+            if event.client is not None:
+                value = made.value
+                answer = self.session.tune(one.name, value, whose(event))
+                answer.add_done_callback(partial(restore, value))
+
+        def restore(value: Any, answer: Future) -> None:
+            refused = answer.cancelled() or answer.exception() is not None
+            if made.value == value and (refused or answer.result() != value):
+                made.value = self.session.state.values.get(one.name, value)
+
+        made.on_update(changed)
+        return made

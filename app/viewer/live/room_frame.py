@@ -1,0 +1,177 @@
+"""A control loop's status as a frame for the drawing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from agents.models.declare import Vehicle
+from agents.models.model import Model
+from app.live.control.loop_status import Status
+from app.live.laboratory.lab_file import Lab
+from app.live.operating.flock_driver import world_of
+from app.viewer.scene.shown.cars import Cars
+from app.viewer.scene.shown.frame import Frame, Progress
+from app.viewer.scene.shown.live import LOST, SIMULATED, Live
+from worlds.world import World
+
+OVER = 0.1
+"""Seconds over which speeds are measured: noise of 0.5 mm then makes 7 mm/s."""
+TOO_SHORT = 0.02
+"""Seconds between two poses of which no speed is made."""
+FIRST_SIMULATED = 1000
+"""The identity of the first simulated car; that of a real one is its row in the laboratory."""
+WHEEL = 45.0
+"""Full lock of cars that go by a rule without one, deg."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What is the same in all frames of one opening of a loop."""
+
+    run: int
+    lab: Lab
+    world: World
+    model: Model
+
+    @staticmethod
+    def of(run: int, lab: Lab, model: Model) -> Setting:
+        """The setting of an opening."""
+        return Setting(run, lab, world_of(lab), model)
+
+
+@dataclass(frozen=True)
+class DrawnCar:
+    """One car of a frame."""
+
+    identity: int
+    name: str
+    state: str
+    age: float
+    x: float
+    y: float
+    yaw: float
+    speed: float
+    steer: float
+
+
+def frame_of(
+    setting: Setting, status: Status, values: Mapping[str, Any], past: Sequence[Status] = ()
+) -> Frame:
+    """The frame of a status; those before it, oldest first, tell how fast the cars are.
+
+    A lost car stays where it was last seen; one that was never seen is left out.
+    """
+    cars = drawn(status, past)
+    yaw = np.array([car.yaw for car in cars])
+    lab, count = setting.lab, len(cars)
+    lock = math.radians(float(values.get("wheel_max", WHEEL)))
+    fastest = max(car.fastest for car in lab.cars.values())
+    vehicle = setting.model.body.vehicle or Vehicle()
+    injected = status.injected
+    goal = None if injected is None else np.array([injected.x, injected.y])
+    return Frame(
+        run=setting.run,
+        tick=status.tick,
+        world=setting.world,
+        reach=float(values.get(setting.model.rule.reach, math.inf)),
+        speed_scale=float(values.get("v_max", fastest)),
+        position=np.array([(car.x, car.y) for car in cars]).reshape(count, 2),
+        heading=np.stack([np.cos(yaw), np.sin(yaw)], axis=1),
+        speed=np.array([car.speed for car in cars]),
+        informed=np.zeros(count, bool),
+        ids=np.array([car.identity for car in cars], int),
+        dt=1.0 / lab.rate,
+        unit="s",
+        progress=Progress(goal),
+        cars=Cars(
+            length=float(values.get("length", vehicle.length)),
+            width=float(values.get("width", vehicle.width)),
+            steering=lock * np.array([car.steer for car in cars]),
+            stuck=np.zeros(count, bool),
+            predator=np.zeros(count, bool),
+        ),
+        live=Live(
+            names=tuple(car.name for car in cars),
+            roster=roster(status),
+            states=tuple(car.state for car in cars),
+            ages=np.array([car.age for car in cars]),
+            fence=lab.area.fence,
+            arm=status.arm,
+        ),
+    )
+
+
+def roster(status: Status) -> tuple[str, ...]:
+    """The names of all cars of a room, the real ones first."""
+    return (*(car.name for car in status.cars), *(one.name for one in status.companions))
+
+
+def drawn(status: Status, past: Sequence[Status]) -> list[DrawnCar]:
+    """The cars of a status that have a place: the real ones, then the simulated ones."""
+    statuses = [one for one in past if status.time - OVER - TOO_SHORT <= one.time < status.time]
+    real = [
+        DrawnCar(
+            row, car.name, car.state, car.age, car.pose.x, car.pose.y, car.pose.yaw,
+            pace([place(one, car.name) for one in (*statuses, status)]), car.sent[0],
+        )
+        for row, car in enumerate(status.cars)
+        if car.pose is not None
+    ]  # fmt: skip
+    simulated = [
+        DrawnCar(
+            FIRST_SIMULATED + k, one.name, SIMULATED, 0.0, one.pose.x, one.pose.y, one.pose.yaw,
+            pace([simulated_place(other, one.name) for other in (*statuses, status)]), one.steer,
+        )
+        for k, one in enumerate(status.companions)
+    ]  # fmt: skip
+    return real + simulated
+
+
+Place = tuple[float, float, float]
+"""When (s) and where (m)."""
+
+
+def place(status: Status, name: str) -> Place | None:
+    """When and where a car was last seen, by a status; None if it never was."""
+    for car in status.cars:
+        if car.name == name and car.pose is not None:
+            return status.time - car.age, car.pose.x, car.pose.y
+    return None
+
+
+def simulated_place(status: Status, name: str) -> Place | None:
+    """When and where a simulated car is, by a status; None if there is none of this name."""
+    for one in status.companions:
+        if one.name == name:
+            return status.time, one.pose.x, one.pose.y
+    return None
+
+
+def pace(places: Sequence[Place | None]) -> float:
+    """The speed (m/s) from the first of these places to the last; 0 where none can be told.
+
+    >>> pace([None, (10.0, 1.0, 1.0), (10.5, 1.0, 1.25)])
+    0.5
+    """
+    known = [one for one in places if one is not None]
+    if not known:
+        return 0.0
+    (then, x, y), (now, at_x, at_y) = known[0], known[-1]
+    return math.hypot(at_x - x, at_y - y) / (now - then) if now - then >= TOO_SHORT else 0.0
+
+
+def deserted(frame: Frame) -> Frame:
+    """The last frame of a loop that is gone: nobody knows where its cars are."""
+    live = frame.live
+    assert live is not None
+    states = tuple(state if state == SIMULATED else LOST for state in live.states)
+    return replace(
+        frame,
+        speed=np.zeros(len(frame.ids)),
+        live=replace(live, states=states, arm="safe"),
+    )

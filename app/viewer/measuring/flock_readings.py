@@ -1,0 +1,223 @@
+"""What the monitors show of a flock, and how that goes over the run."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from agents.flock import Flock
+from agents.observables.catalogue import OBSERVABLES
+from agents.observables.following import spread_bound
+from agents.observables.groups import group_sizes
+from agents.observables.observable import SERIES
+from agents.snapshot import Snapshot
+from agents.state.crashes import Crashes
+from app.viewer.measuring.background_worker import BackgroundWorker
+from app.viewer.measuring.density_limits import refuse_too_many_links
+from app.viewer.measuring.minimum_distances import MinimumDistances
+from app.viewer.measuring.observable_format import COUNTED, QUICK, STEADY, offered
+from app.viewer.measuring.run_conditions import ConditionHistory, RunConditions
+from app.viewer.measuring.time_series import TimeSeries
+from app.viewer.measuring.work_throttle import WorkThrottle
+from worlds.input_error import InputError
+
+NOBODY = np.zeros(0, int)
+
+
+@dataclass(frozen=True)
+class BackgroundReading:
+    """What has been measured aside."""
+
+    tick: int
+    values: dict[str, float]
+    sizes: np.ndarray = field(default_factory=lambda: NOBODY)
+    """Agents of each group, largest first."""
+    layers: np.ndarray = field(default_factory=lambda: NOBODY)
+    """Number of agents in layers 1, 2, ..."""
+    unknown: int = 0
+    """Agents that no information reaches."""
+    refusal: InputError | None = None
+    """Why something could not be measured."""
+
+
+def measure(flock: Snapshot, names: Iterable[str]) -> BackgroundReading:
+    """Measure observables, and what else follows from the graph of a flock."""
+    values, refusal = {}, None
+    for name in names:
+        one = OBSERVABLES[name]
+        try:
+            if one.needs_links:
+                refuse_too_many_links(flock)
+            values[name] = float(one.measure(flock))
+        except InputError as error:
+            refusal = error
+    try:
+        sizes, known = group_sizes(flock.group_labels()), NOBODY
+        if flock.informed.any():
+            refuse_too_many_links(flock)
+            layer = flock.layers()
+            known = layer[layer <= len(layer)]
+    except InputError as error:
+        return BackgroundReading(flock.tick, values, refusal=refusal or error)
+    unknown = len(flock.ids) - len(known) if len(known) else 0
+    return BackgroundReading(flock.tick, values, sizes, np.bincount(known)[1:], unknown, refusal)
+
+
+@dataclass
+class FlockReadings:
+    """Reads one flock's observables, no more often than is fair to the flock."""
+
+    flock: Flock
+    watched: frozenset[str] = frozenset()
+    """Observables to measure beside those that always are."""
+    values: dict[str, float] = field(default_factory=dict)
+    sizes: np.ndarray = field(default_factory=lambda: NOBODY)
+    """Agents of each group, largest first."""
+    layers: np.ndarray = field(default_factory=lambda: NOBODY)
+    """Number of agents in layers 1, 2, ...; agents of unknown layer left out."""
+    unknown: int = 0
+    """Agents that no information reaches."""
+    crashes: Crashes | None = None
+    """Who has crashed so far; None where nobody can."""
+    events: dict[str, np.ndarray] = field(default_factory=dict)
+    """The ticks of what is counted, by its observable."""
+    tick: int = 0
+    """When that was."""
+    notes: bool = True
+    """Whether it goes into the curves; not what is only looked back at."""
+    all_series: dict[str, TimeSeries] = field(default_factory=dict)
+    extremes: MinimumDistances = field(init=False)
+    offered: tuple[str, ...] = field(init=False)
+    """What can be measured of this flock."""
+    conditions: ConditionHistory = field(init=False)
+    """Under what the run was made so far; a value that any thread may read."""
+    quick: WorkThrottle = field(default_factory=lambda: WorkThrottle(period=1 / 15, share=0.05))
+    slow: WorkThrottle = field(default_factory=lambda: WorkThrottle(period=1 / 4, share=0.1))
+    aside: BackgroundWorker = field(default_factory=BackgroundWorker)
+
+    def __post_init__(self) -> None:
+        self.extremes = MinimumDistances(self.flock)
+        self.offered = offered(self.flock)
+        self.conditions = ConditionHistory.begun(self.flock)
+
+    def note_conditions(self, by_hand: bool = False) -> None:
+        """Note the conditions of the flock as they are from its tick on.
+
+        `by_hand`: somebody has put agents elsewhere, which holds for the rest of the run.
+        """
+        by_hand = by_hand or self.conditions.last.by_hand
+        now = RunConditions.of(self.flock, by_hand)
+        self.conditions = self.conditions.noted(self.flock.tick, now)
+
+    def watch(self, names: frozenset[str]) -> None:
+        """Change what is measured beside what always is."""
+        self.watched = names
+        self.slow.renew()
+
+    def read(self, at_once: bool = False) -> None:
+        """Read what is due; everything, and now, if `at_once`.
+
+        Raises InputError if the flock has too many neighbours to find its graph.
+        """
+        now = time.perf_counter()
+        if at_once or self.quick.due(now):
+            with self.quick.measured():
+                self.look()
+        if at_once:
+            self.aside.forget()
+            self.take(self.study())
+        elif done := self.aside.finished():
+            self.take(done.result)
+        elif self.aside.idle and self.slow.due(now):
+            self.aside.begin(self.study())
+
+    def look(self) -> None:
+        """Read what is cheap."""
+        flock = self.flock
+        self.offered = offered(flock)
+        seen = {name: float(flock.observe(name)) for name in QUICK if name in self.offered}
+        self.note(flock.tick, seen)
+        mission = flock.world.mission
+        if mission is not None and mission.goal is not None:
+            seen["through"] = arrived(flock)
+        if flock.can_crash:
+            self.crashes = flock.crashes
+        for name in COUNTED:
+            count = OBSERVABLES[name].events
+            if count is not None and name in self.offered:
+                self.events[name] = count(flock)
+                seen[name] = float(len(self.events[name]))
+        self.values = self.values | seen | self.extremes.values()
+        self.tick = flock.tick
+
+    def series(self, name: str) -> TimeSeries:
+        """How an observable went; without points if it has not been measured."""
+        return self.all_series.setdefault(name, TimeSeries())
+
+    def note(self, tick: int, values: dict[str, float]) -> None:
+        """Take values into their time series."""
+        if not self.notes:
+            return
+        for name, value in values.items():
+            self.series(name).add(tick, value)
+
+    def cut(self, tick: int) -> None:
+        """The flock is back at a tick: forget what was measured after it."""
+        self.aside.forget()
+        self.quick.renew()
+        self.slow.renew()
+        for series in self.all_series.values():
+            series.cut(tick)
+        self.conditions = self.conditions.cut(tick)
+        self.note_conditions()
+
+    def study(self) -> Callable[[], BackgroundReading]:
+        """A function that makes the costly measurements of the flock now, within a rate limit.
+
+        It is done on a snapshot, so that the flock can go on meanwhile.
+        """
+        now = self.flock.snapshot().measurable()
+        wanted = (*STEADY, *sorted(self.watched.difference(STEADY, QUICK, COUNTED)))
+        names = [name for name in wanted if name in self.offered]
+
+        def work() -> BackgroundReading:
+            with self.slow.measured():
+                return measure(now, names)
+
+        return work
+
+    def take(self, found: Callable[[], BackgroundReading]) -> None:
+        """Take what was found; without it nothing old is shown."""
+        lasting = (*QUICK, *COUNTED)
+        self.values = {
+            name: value
+            for name, value in self.values.items()
+            if name in lasting or name not in self.offered
+        }
+        self.sizes, self.layers, self.unknown = NOBODY, NOBODY, 0
+        seen = found()
+        self.values = self.values | seen.values
+        self.sizes, self.layers, self.unknown = seen.sizes, seen.layers, seen.unknown
+        self.note(seen.tick, seen.values)
+        if seen.refusal is not None:
+            raise seen.refusal
+
+    def over(self, name: str, last: float = math.inf) -> float:
+        """An observable that is measured over a run, over its `last` ticks or all of it."""
+        series = self.series(SERIES).arrays(last)[1]
+        take = OBSERVABLES[name].over
+        assert take is not None
+        crashed = 0 if self.crashes is None else len(self.crashes)
+        return take(series, float(len(self.flock.ids) - crashed)) if len(series) > 1 else math.nan
+
+
+def arrived(flock: Flock) -> float:
+    """Share of the agents that are no further from the goal than a flock around it needs."""
+    goal = flock.goal_at([flock.tick])[0]
+    spacing = float(getattr(flock.parameters, "d", flock.reach))
+    away = np.linalg.norm(flock.position - goal, axis=1)
+    return float((away <= spread_bound(len(away), spacing)).mean())

@@ -1,0 +1,107 @@
+"""Which observables are plotted: what may be chosen, what a model brings, and the points."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from agents.observables.catalogue import OBSERVABLES
+from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.observable_format import words
+
+NOTHING = "nothing"
+JUST = 1e-3
+"""Just before a tick, ticks: where a step begins."""
+Points = tuple[np.ndarray, np.ndarray]
+"""Ticks and values, (K,) each."""
+
+
+def worded(names: tuple[str, ...]) -> str:
+    """What a chart of some observables is called.
+
+    >>> worded(("polarisation", "angular-momentum"))
+    'polarisation, angular momentum'
+    """
+    return ", ".join(map(words, names)) or NOTHING
+
+
+def choices(offered: Collection[str]) -> dict[str, tuple[str, ...]]:
+    """What can be plotted of a flock that has these observables: words -> names."""
+    pairs = [(one.beside, name) for name, one in OBSERVABLES.items() if one.beside]
+    both = [names for names in pairs if all(name in offered for name in names)]
+    return {worded(names): names for names in (*both, *((one,) for one in offered), ())}
+
+
+def points(readings: FlockReadings, name: str, last: float = math.inf) -> Points:
+    """How an observable went over the whole run, or over its `last` ticks."""
+    if OBSERVABLES[name].events is None:
+        return readings.series(name).arrays(last)
+    if name not in readings.events:
+        return np.empty(0), np.empty(0)
+    return steps(readings.events[name], readings.tick, last)
+
+
+def steps(ticks: np.ndarray, now: int, last: float = math.inf) -> Points:
+    """How many of some events, at `ticks` (M,) in order, there had been at each tick up to `now`.
+
+    >>> steps(np.array([0, 4, 4]), 6)
+    (array([0.   , 3.999, 4.   , 6.   ]), array([1., 1., 3., 3.]))
+    """
+    at, count = np.unique(np.asarray(ticks, float), return_counts=True)
+    after = np.cumsum(count)
+    since = max(0.0, now - last)
+    corners = np.unique(np.concatenate([[since], at - JUST, at, [float(now)]]))
+    corners = corners[corners >= since]
+    return corners, np.append(0, after)[np.searchsorted(at, corners, side="right")].astype(float)
+
+
+def together(curves: list[Points], each: list[float]) -> tuple[np.ndarray, ...]:
+    """Curves at the ticks of all of them, straight in between: the ticks, then the values of each.
+
+    `each` is how many ticks of the first flock last as long as one of a curve's own. A curve
+    without points is nan.
+    """
+    scaled = [(x * ratio, y) for (x, y), ratio in zip(curves, each, strict=True)]
+    some = [x for x, _ in scaled if len(x)]
+    if not some:
+        return (np.zeros(1), *(np.full(1, np.nan) for _ in curves))
+    at = np.unique(np.concatenate(some))
+    return at, *(np.interp(at, x, y) if len(x) else np.full(len(at), np.nan) for x, y in scaled)
+
+
+def over_earlier(
+    at: np.ndarray, now: Sequence[np.ndarray], earlier: Sequence[Points], whole: bool
+) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
+    """Curves of now, at ticks `at` (K,), over earlier ones: the ticks of all, and both.
+
+    If `whole`, earlier ones go on to their ends, where those of now are nan; if not, all that is
+    earlier ends with them.
+    """
+    seen = [x if whole else x[x <= at[-1]] for x, _ in earlier]
+    ticks = np.unique(np.concatenate([at, *seen]))
+
+    def on_all(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        if not len(x):
+            return np.full(len(ticks), np.nan)
+        return np.interp(ticks, x, y, left=np.nan, right=np.nan)
+
+    return ticks, [on_all(at, y) for y in now], [on_all(x, y) for x, y in earlier]
+
+
+def thinned(at: np.ndarray, most: int) -> np.ndarray:
+    """Which of the ticks `at` (K,) are drawn if there may be so many, about: their places.
+
+    They are the first in intervals that stay where they are while the curves grow or move on, so
+    that nothing trembles; and the last, which is now.
+
+    >>> thinned(np.arange(10.0), 5)
+    array([0, 2, 4, 6, 8, 9])
+    """
+    if len(at) <= most:
+        return np.arange(len(at))
+    span = (at[-1] - at[0]) / most
+    width = 2.0 ** math.ceil(math.log2(span)) if span > 0 else 1.0
+    first = np.unique(np.floor(at / width), return_index=True)[1]
+    return np.union1d(first, [len(at) - 1])

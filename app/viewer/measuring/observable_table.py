@@ -1,0 +1,118 @@
+"""What was measured of runs as one table, a row for each of their ticks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from agents.models.model import Model
+from agents.observables.catalogue import OBSERVABLES
+from agents.spec import Options
+from app.viewer.measuring.observable_format import words
+from app.viewer.measuring.observable_history import ObservableHistory
+from app.viewer.measuring.run_conditions import BY_HAND
+from worlds.world import World
+
+TICKS = "ticks"
+"""The unit of time of a model that only counts ticks."""
+
+
+def unit(name: str, models: Iterable[Model]) -> str:
+    """The unit of an observable where these models have one and the same, else in general; "1"."""
+    found = OBSERVABLES[name].unit
+    own = {model.in_units(found) for model in models}
+    return own.pop() if len(own) == 1 else found
+
+
+def titled(name: str, models: Iterable[Model]) -> str:
+    """An observable in words, with its unit if it is no pure number and not named for it.
+
+    >>> titled("polarisation", ()), titled("mean-neighbours", ()), titled("groups", ())
+    ('polarisation', 'mean neighbours (agents)', 'groups')
+    """
+    found = unit(name, models)
+    return words(name) if found in ("1", words(name)) else f"{words(name)} ({found})"
+
+
+def table(
+    runs: Sequence[tuple[str, ObservableHistory]], names: Sequence[str]
+) -> tuple[list[str], list[list[object]]]:
+    """Header and rows: a run after the other, each by its label, at the ticks of its own.
+
+    A value stands only where it was measured, what is counted in every row; nan elsewhere. Time is
+    in the unit of the run's model, and there is none where that counts ticks. The last columns are
+    the conditions under which each tick was made.
+    """
+    models = [run.conditions.model for _, run in runs]
+    units = list(dict.fromkeys(run.conditions.unit for _, run in runs))
+    clocks = [unit for unit in units if unit != TICKS]
+    header = ["run", "model", "seed", "tick", *(f"time ({unit})" for unit in clocks)]
+    header += [titled(name, models) for name in names]
+    found = conditions_of([run for _, run in runs])
+    taken = set(header)
+    header += [f"parameter {name}" if name in taken else name for name in found]
+    rows: list[list[object]] = []
+    for label, run in runs:
+        of, ticks = run.conditions, ticks_of(run, names)
+        none = np.full(len(ticks), np.nan)
+        times = [ticks * of.dt if unit == of.unit else none for unit in clocks]
+        columns = np.transpose([ticks, *times, *(values_at(run, name, ticks) for name in names)])
+        made_so = conditions_at(run, ticks, found)
+        rows += [
+            [label, of.model.name, of.seed, *row, *more]
+            for row, more in zip(columns.tolist(), made_so, strict=True)
+        ]
+    return header, rows
+
+
+def conditions_of(runs: Iterable[ObservableHistory]) -> list[str]:
+    """The names of all conditions of some runs, but for the seed; nobody moved by hand is none."""
+    steps = [(name, one) for run in runs for name, one in run.history.steps.items()]
+    names = dict.fromkeys(name for name, _ in steps if name not in ("seed", BY_HAND))
+    by_hand = any(value for name, one in steps if name == BY_HAND for _, value in one)
+    return [*names, BY_HAND] if by_hand else list(names)
+
+
+def conditions_at(
+    run: ObservableHistory, ticks: np.ndarray, names: Sequence[str]
+) -> list[list[object]]:
+    """The conditions of these names under which each of some ticks (K,) of a run was made.
+
+    Worlds of one name that differ are numbered. What a run does not have is None.
+    """
+    worlds: list[World] = []
+    made = []
+    for stretch in run.history.stretches:
+        values = stretch.conditions.values
+        if stretch.conditions.world not in worlds:
+            worlds.append(stretch.conditions.world)
+        number = 1 + worlds.index(stretch.conditions.world)
+        world = stretch.conditions.world.name + (f" #{number}" if number > 1 else "")
+        made.append([*(world if name == "world" else value_of(values, name) for name in names)])
+    return [made[place] for place in run.history.places(ticks)]
+
+
+def value_of(values: Mapping[str, object], name: str) -> object:
+    """The value of a condition, which of an option that was not chosen is its default."""
+    if name in values or name not in Options.model_fields:
+        return values.get(name)
+    return Options.model_fields[name].default
+
+
+def ticks_of(run: ObservableHistory, names: Iterable[str]) -> np.ndarray:
+    """The ticks (K,) at which anything of it was measured or counted."""
+    found = [np.empty(0), *(run.points(name)[0] for name in names)]
+    ticks = np.unique(np.concatenate(found))
+    return ticks[ticks == np.round(ticks)]  # Without those just before a step.
+
+
+def values_at(run: ObservableHistory, name: str, ticks: np.ndarray) -> np.ndarray:
+    """An observable at some ticks (K,), nan where it was not measured."""
+    at, values = run.points(name)
+    if not len(at):
+        return np.full(len(ticks), np.nan)
+    if OBSERVABLES[name].events is not None:
+        return np.interp(ticks, at, values)
+    place = np.minimum(np.searchsorted(at, ticks), len(at) - 1)
+    return np.where(at[place] == ticks, values[place], np.nan)

@@ -1,0 +1,199 @@
+"""The laboratory in a cell of a notebook, or in a window: of a copy of a flock, as it is.
+
+The copy goes on from the flock's tick in a thread of this process; the flock itself stays as it is,
+so that whoever has it need not ask what runs it meanwhile. What the laboratory has come to is taken
+back as a flock of its own.
+"""
+
+from __future__ import annotations
+
+import atexit
+import html
+import secrets
+import sys
+import weakref
+import webbrowser
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any
+
+from agents.flock import Flock
+from agents.spec import whole
+from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.scene_requests import SCRIPTS
+from app.viewer.measuring.density_limits import refuse_too_dense
+from app.viewer.notebook.notebook_access import NotebookAccess, find_place
+from app.viewer.run.past.stored_flock import InMemoryFlock
+from app.viewer.web.server import close_server, open_server
+from app.viewer.web.serving.front import Front
+from worlds.input_error import InputError
+
+LEAST, MOST = 240, 4000
+"""Height of a frame, pixels."""
+PATIENCE = 30.0
+"""Time that the laboratory has to say how its flock is, s."""
+
+open_views: list[NotebookView] = []
+"""Those that are open, the oldest first."""
+
+
+class NotebookView:
+    """A laboratory that shows a copy of a flock. Raises InputError.
+
+    It serves this machine alone, at an address with a secret in it, until it is closed, shown
+    again from the same flock or the same cell, or Python ends.
+    """
+
+    def __init__(self, flock: Flock, place: NotebookAccess, height: int, running: bool):
+        self.place, self.height = place, height
+        self.title = flock.model.name
+        self.secret = secrets.token_urlsafe(24)
+        self.of = weakref.ref(flock)
+        self.make: Callable[..., Flock] = type(flock).from_snapshot
+        self.threads = flock.threads
+        self.cell, self.shown = cell(), -1
+        self.left: InMemoryFlock | None = None
+        """How the flock was when it was closed."""
+        now = InMemoryFlock(flock.spec, flock.snapshot())
+        refuse_too_dense(now.flock(Flock))  # what it refuses is told here, not in the page
+        front = Front(SCRIPTS, place.allow, self.secret, place.framed_by)
+        server = open_server(port=0, front=front)
+        try:
+            self.laboratory = Laboratory(
+                server=server, opened=now, running=running, threads=flock.threads
+            )
+        except BaseException:
+            close_server(server)
+            raise
+        self.port = self.laboratory.port
+        self.is_open = True
+        open_views.append(self)
+        atexit.register(self.end)  # before viser ends its server, which has registered by now
+
+    @property
+    def address(self) -> str:
+        """Where it is: an address, or a path of the notebook's server that passes it on."""
+        return self.place.address(self.port, self.secret)
+
+    @property
+    def flock(self) -> Flock:
+        """A new flock, as that of the laboratory is now, or was when that was closed.
+
+        It goes on as that one does, to the bit; from a preview that moves while the model is
+        compiled, up to rounding. Raises InputError where there is none.
+        """
+        now = self.in_hand() if self.is_open else self.left
+        if now is None:
+            raise InputError("the laboratory is closed, and had no flock")
+        return self.make(now.run, now.now, threads=self.threads)
+
+    def in_hand(self) -> InMemoryFlock:
+        """The flock of the laboratory as it is, between two ticks. Raises InputError."""
+        simulation = self.laboratory.simulation
+
+        def taken() -> InMemoryFlock:
+            flock = simulation.sound_run().flock
+            return InMemoryFlock(flock.spec, flock.snapshot())
+
+        answer: Future[InMemoryFlock] = simulation.tell(taken)
+        try:
+            return answer.result(PATIENCE)
+        except TimeoutError:
+            raise InputError(f"the laboratory does not answer within {PATIENCE:g} s") from None
+
+    def close(self) -> None:
+        """Stop it; its flock can still be taken from `flock`."""
+        if not self.is_open:
+            return
+        try:
+            self.left = self.in_hand()
+        except InputError:
+            self.left = None
+        self.end()
+
+    def end(self) -> None:
+        """Stop it, whatever its flock has come to."""
+        if self.is_open:
+            self.is_open = False
+            open_views.remove(self)
+            atexit.unregister(self.end)
+            self.laboratory.close()
+
+    def __repr__(self) -> str:
+        state = f"at {self.address}" if self.is_open else "closed"
+        return f"<Laboratory of {self.title}, {state}>"
+
+    def _ipython_display_(self) -> None:
+        """As the value of a cell it is there once, also if that cell has just shown it."""
+        kernel_shell = shell()
+        if kernel_shell is None or kernel_shell.execution_count != self.shown:
+            self.display()
+
+    def display(self) -> None:
+        """Put it into the cell that runs, or into a window of the browser where there is none."""
+        kernel_shell = shell()
+        if kernel_shell is None:
+            print(f"flockscope is at {self.address}", file=sys.stderr)
+            webbrowser.open(self.address)
+            return
+        from IPython.display import display
+
+        self.shown = kernel_shell.execution_count
+        display({"text/html": self.in_html(), "text/plain": repr(self)}, raw=True)
+
+    def in_html(self) -> str:
+        """The frame, with a link to the same in a window; without a known page the link alone."""
+        if not self.is_open:
+            return f"<p>{html.escape(repr(self))}</p>"
+        address = html.escape(self.address)
+        link = (
+            f'<a href="{address}" target="_blank" rel="noopener noreferrer">flockscope in a window '
+            "of its own</a>"
+        )
+        if not self.place.framed_by:
+            return (
+                f"<p>{link}: which page this notebook is on is not known; "
+                "<code>show(origin=...)</code> says it.</p>"
+            )
+        return (
+            f'<iframe src="{address}" title="flockscope: {html.escape(self.title)}" '
+            f'style="display: block; width: 100%; height: {self.height}px; border: 0" '
+            f'allow="fullscreen; clipboard-write" referrerpolicy="no-referrer"></iframe>'
+            f'<p style="margin: 4px 0; font-size: 12px">{link}</p>'
+        )
+
+
+def show(
+    flock: Flock,
+    height: int = 640,
+    *,
+    running: bool = False,
+    through: str = "auto",
+    origin: str | None = None,
+) -> NotebookView:
+    """Show a copy of a flock, see `Flock.show`. Raises InputError."""
+    whole("height", height, LEAST, MOST)
+    place = find_place(through, origin)
+    here = cell()
+    before = [one for one in open_views if one.of() is flock or (here and one.cell == here)]
+    view = NotebookView(flock, place, height, running)
+    for one in before:
+        one.close()
+    view.display()
+    return view
+
+
+def shell() -> Any:
+    """The shell of the notebook's kernel that runs here; None outside of notebooks."""
+    module = sys.modules.get("IPython")
+    found = None if module is None else module.get_ipython()
+    return found if hasattr(found, "kernel") else None
+
+
+def cell() -> str:
+    """The cell that runs, as its notebook's page calls it; empty where it does not say."""
+    kernel_shell = shell()
+    if kernel_shell is None:
+        return ""
+    said = kernel_shell.kernel.get_parent().get("metadata", {})
+    return str(said.get("cellId", ""))

@@ -1,0 +1,169 @@
+"""One run: a flock from its set-up to the next, and what is seen of it."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from agents.engine.cache import is_at_hand
+from agents.flock import Flock
+from agents.state.stray_agents import StrayAgents
+from app.viewer.measuring.density_limits import refuse_too_dense
+from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.run.frame_builder import FrameBuilder, FrameRequest
+from app.viewer.run.run_errors import StrayAgentError
+from app.viewer.run.zone_order import allowed
+from app.viewer.scene.shown.frame import Frame
+from worlds.input_error import InputError
+
+
+class FlockRun:
+    """A flock, its readings and the frames taken of it."""
+
+    second: FlockRun | None = None
+    """The run of the flock beside it, if there is one: see `beside.Pair`."""
+    measures: bool = True
+    """Whether it is measured; a preview is only looked at."""
+
+    def __init__(
+        self,
+        flock: Flock,
+        number: int,
+        wanted: FrameRequest,
+        watched: frozenset[str] = frozenset(),
+    ):
+        self.flock = flock
+        self.number = number
+        self.readings = FlockReadings(flock, watched)
+        self.camera = FrameBuilder(flock, number, wanted)
+        self.compiled = False
+        """Whether the flock has run, so that its next tick need not be compiled."""
+        self.warned = ""
+        """What was told of agents that go through what is solid."""
+        self.astray: StrayAgents | None = None
+        """The first agent that was seen where it cannot be."""
+        self.troubles: list[Exception] = []
+        """What went wrong in looking, each kind once; the flock runs on all the same."""
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The flock's parameters, name -> value."""
+        return self.flock.parameters.model_dump()
+
+    @property
+    def beside_values(self) -> dict[str, Any]:
+        """The parameters that only the flock beside it has; it has none."""
+        return {}
+
+    @property
+    def both(self) -> tuple[FlockRun, ...]:
+        """This run, and the one beside it."""
+        return (self,) if self.second is None else (self, self.second)
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the next tick need not be compiled, neither here nor beside."""
+        return all(one.compiled for one in self.both)
+
+    @property
+    def is_at_hand(self) -> bool:
+        """Whether all that it calls has been compiled, or is on disk."""
+        return all(
+            one.flock.is_compiled and all(map(is_at_hand, one.readings.extremes.kernels))
+            for one in self.both
+        )
+
+    def want(self, wanted: FrameRequest) -> None:
+        """Change what frames hold beside positions and headings."""
+        self.camera.want(wanted)
+
+    def watch(self, names: frozenset[str]) -> None:
+        """Change which observables are measured beside those that always are."""
+        for one in self.both:
+            one.readings.watch(names)
+
+    def allowed(self, name: str, value: Any, beside: bool = False) -> Any:  # noqa: ARG002 - Pair's
+        """The value nearest to the wanted one that keeps zones in order. Raises InputError."""
+        return allowed(self.flock, name, value)
+
+    def set(self, name: str, value: Any, beside: bool = False) -> None:  # noqa: ARG002 - Pair's
+        """Give a parameter a value. Raises InputError, and then changes nothing."""
+        before = self.values
+        self.flock.set(**{name: value})
+        try:
+            refuse_too_dense(self.flock)
+        except InputError:
+            self.flock.set(**before)
+            raise
+
+    def change(self, change: Callable[[FlockRun], None]) -> None:
+        """Carry out a change of this run, and note its conditions as they are from now on."""
+        try:
+            change(self)
+        finally:
+            for one in self.both:
+                one.readings.note_conditions()
+
+    def advance(self, ticks: int) -> None:
+        """Run ticks. Raises whatever the rule raises."""
+        if self.measures:
+            self.readings.extremes.run(ticks)
+        else:
+            self.flock.advance(ticks)
+        self.compiled = True
+
+    def look(self, closely: bool, measured: bool = True) -> Frame:
+        """Read what is due (everything, if `closely`; nothing, if not `measured`) and take a frame.
+
+        Raises ArithmeticError, naming the agent, if a position is no finite number.
+        """
+        flock = self.flock
+        lost = ~np.isfinite(flock.position).all(axis=1)
+        if lost.any():
+            row = int(np.argmax(lost))
+            raise ArithmeticError(
+                f"agent {flock.ids[row]} has position {flock.position[row].tolist()} at tick "
+                f"{flock.tick}: every position must be a finite number"
+            )
+        if not (measured and self.measures):
+            return self.camera.take()
+        if self.astray is None:
+            self.astray = flock.stray()
+            self.troubles += [] if self.astray is None else [StrayAgentError(str(self.astray))]
+        self.attempt(lambda: self.readings.read(at_once=closely))
+        self.attempt(lambda: self.camera.examine(at_once=closely))
+        self.attempt(self.camera.inspect)
+        self.attempt(lambda: self.camera.inspect_others(at_once=closely))
+        return self.camera.take()
+
+    def attempt(self, look: Callable[[], None]) -> None:
+        """Look; note what goes wrong."""
+        try:
+            look()
+        except Exception as error:
+            if repr(error) not in map(repr, self.troubles):
+                self.troubles.append(error)
+
+    def place(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
+        """Put an agent somewhere and turn it."""
+        self.flock.position[row] = position
+        self.flock.heading[row] = heading
+        self.readings.note_conditions(by_hand=True)
+
+    def spec(self) -> bytes:
+        """The run as TOML, with its parameters as they are now and a line on what was changed."""
+        changed = self.readings.conditions.changes()
+        told = " ".join(f"# Changed while it ran: {', '.join(changed)}".split())
+        told += ". Here are the last values.\n"
+        return f"{told if changed else ''}{self.flock.spec.to_toml()}".encode()
+
+    def saved(self) -> bytes:
+        """The flock's state as a file."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "flock.parquet"
+            self.flock.save(path)
+            return path.read_bytes()

@@ -1,0 +1,62 @@
+"""Builds the flocks and the runs that a simulation is to run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from agents.flock import Flock
+from agents.spec import Spec
+from app.viewer.editing.free_places import set_free
+from app.viewer.measuring.density_limits import refuse_too_dense
+from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.paired_run import PairedRun
+from app.viewer.run.past.playback import Playback
+from app.viewer.run.past.stored_flock import Beginning, StoredFlock
+from worlds.world import World
+
+
+class FlockRunBuilder:
+    """Builds by `build`, and what is beside it by `build_beside`."""
+
+    def __init__(self, build: Callable[..., Flock], build_beside: Callable[[Flock, Spec], Flock]):
+        self.build = build
+        self.build_beside = build_beside
+
+    def flock(self, spec: Spec, stored: Beginning | None, **more: Any) -> Flock:
+        """The flock of a run, where it begins: with the spec's parameters and world, also if it is
+        gone on from a state. Raises InputError.
+        """
+        if stored is None:
+            return self.build(spec, **more)
+        flock = stored.flock(self.build, **more)
+        if stored.is_played:
+            return flock
+        if isinstance(spec.world, World) and spec.world != flock.world:
+            flock.change_world(spec.world)
+            flock.position[:] = set_free(spec.world, flock.position)
+        if flock.parameters.model_dump() != spec.parameters:
+            flock.set(**spec.parameters)
+        return flock
+
+    def run(
+        self,
+        flock: Flock,
+        beside: Spec | None,
+        stored: Beginning | None,
+        number: int,
+        wanted: FrameRequest,
+        watched: frozenset[str],
+    ) -> FlockRun:
+        """The run of a flock, and of the one beside it; of a recording that it is played.
+
+        Raises InputError.
+        """
+        if isinstance(stored, StoredFlock) and stored.is_played:
+            return Playback(flock, number, wanted, watched, stored)
+        if beside is None:
+            return FlockRun(flock, number, wanted, watched)
+        second = self.build_beside(flock, beside)
+        refuse_too_dense(second)
+        return PairedRun(flock, second, number, wanted, watched)

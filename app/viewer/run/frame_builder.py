@@ -1,0 +1,204 @@
+"""Takes frames of a flock; what is costly is taken as asked for, and not for every frame."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from agents.flock import Flock
+from agents.inspection import Inspection, shells
+from agents.observables.of_agents import OF_AGENTS, measured
+from agents.state.start import start_box
+from app.viewer.measuring.background_worker import BackgroundWorker
+from app.viewer.measuring.density_limits import refuse_too_many_links
+from app.viewer.measuring.work_throttle import WorkThrottle
+from app.viewer.scene.shown.cars import cars
+from app.viewer.scene.shown.frame import Frame, Progress
+
+SAVED = "saved"
+"""The measure of a body that is the share of its induced drag that each agent saves."""
+
+
+@dataclass(frozen=True)
+class FrameRequest:
+    """What the viewer wants to know beside positions and headings."""
+
+    layers: bool = False
+    groups: bool = False
+    measured: str = ""
+    """A number of each agent by its name, see `agents.observables.of_agents`."""
+    links: bool = False
+    points: bool = False
+    """Boundary points of obstacles."""
+    row: int | None = None
+    """Row of the agent to inspect."""
+    beside: bool = False
+    """Whether that is an agent of the flock beside."""
+    others: frozenset[int] = frozenset()
+    """Rows of agents that other pages inspect: a few times a second."""
+    others_beside: frozenset[int] = frozenset()
+    """The same of the flock beside."""
+
+    @property
+    def first(self) -> FrameRequest:
+        """The same without what other pages inspect."""
+        return replace(self, others=frozenset(), others_beside=frozenset())
+
+
+@dataclass(frozen=True)
+class WatchPageRequest:
+    """What other pages want to know of a laboratory's run, beside what its own wants."""
+
+    browsers: int = 0
+    """How many look at it there."""
+    names: frozenset[str] = frozenset()
+    """Observables to measure."""
+    rows: frozenset[int] = frozenset()
+    """Rows of the agents to inspect."""
+    rows_beside: frozenset[int] = frozenset()
+    """The same of the flock beside."""
+
+
+@dataclass
+class FrameBuilder:
+    """Takes frames of one flock."""
+
+    flock: Flock
+    run: int
+    wanted: FrameRequest = FrameRequest()
+    layer: np.ndarray | None = None
+    group: np.ndarray | None = None
+    measured: np.ndarray | None = None
+    links: np.ndarray | None = None
+    points: np.ndarray | None = None
+    inspected: Inspection | None = None
+    others: Mapping[int, Inspection] = field(default_factory=dict)
+    fastest: float = 1e-12
+    surveyed: object | None = None
+    """The world whose boundary points are at hand."""
+    warm: bool = False
+    aside: BackgroundWorker = field(default_factory=BackgroundWorker)
+    rate_limit: WorkThrottle = field(
+        default_factory=lambda: WorkThrottle(period=1 / 15, share=0.15)
+    )
+    others_limit: WorkThrottle = field(
+        default_factory=lambda: WorkThrottle(period=1 / 4, share=0.1)
+    )
+
+    def want(self, wanted: FrameRequest) -> None:
+        """Change what is wanted; it is in the next frame."""
+        if wanted.first != self.wanted.first:
+            self.rate_limit.renew()
+        self.wanted = wanted
+
+    def take(self) -> Frame:
+        """A frame of the flock now; layers, groups and links are as last examined."""
+        flock, now = self.flock, self.flock.snapshot()
+        active = now.active
+        self.fastest = max(self.fastest, float(np.max(now.speed, initial=0.0, where=active)))
+        return Frame(
+            run=self.run,
+            tick=now.tick,
+            world=now.world,
+            reach=now.reach,
+            speed_scale=self.fastest,
+            position=now.position,
+            heading=now.heading,
+            speed=now.speed,
+            informed=now.informed,
+            ids=now.ids,
+            kept=distance_kept(flock),
+            dt=now.dt,
+            unit=flock.model.body.unit,
+            room=room(flock),
+            progress=progress(flock),
+            sees_points=flock.model.rule.sees_points,
+            points=self.points,
+            layer=self.layer,
+            group=self.group,
+            measured=self.measured,
+            links=self.links,
+            inspected=self.inspected,
+            others=self.others,
+            active=active if now.can_crash else None,
+            crashes=now.crashes if flock.can_crash else None,
+            saved=now.signal(SAVED) if SAVED in flock.model.columns else None,
+            cars=cars(flock),
+        )
+
+    def examine(self, at_once: bool = False) -> None:
+        """Find what takes a look at the whole flock, if it is wanted and due, or `at_once`."""
+        self.survey()
+        if not (at_once or self.rate_limit.due(time.perf_counter())):
+            return
+        wanted, flock = self.wanted, self.flock
+        with self.rate_limit.measured():
+            self.layer = self.group = self.links = self.measured = None
+            if wanted.layers or wanted.groups or wanted.links or wanted.measured in OF_AGENTS:
+                refuse_too_many_links(flock)
+            now = flock.snapshot(copy=False)
+            self.layer = now.layers() if wanted.layers else None
+            self.group = now.group_labels() if wanted.groups else None
+            self.links = now.links() if wanted.links else None
+            self.measured = measured(flock, wanted.measured) if wanted.measured else None
+
+    def survey(self) -> None:
+        """Take the boundary points of a world that is new."""
+        if not self.wanted.points:
+            self.points = self.surveyed = None
+        elif self.surveyed is not self.flock.world:
+            self.surveyed = self.flock.world
+            surroundings = self.flock.engine.surroundings
+            self.points = np.column_stack([surroundings.point_x, surroundings.point_y])
+
+    def inspect(self) -> None:
+        """Look at the wanted agent and at whom it listens to."""
+        row, self.inspected = self.wanted.row, None
+        if row is None or not 0 <= row < len(self.flock.ids) or not self.is_warm():
+            return
+        self.inspected = self.flock.inspect(row)
+
+    def inspect_others(self, at_once: bool = False) -> None:
+        """Look at the agents that other pages inspect, if it is due, or `at_once`."""
+        rows = [row for row in self.wanted.others if 0 <= row < len(self.flock.ids)]
+        if not rows:
+            self.others = {}
+        elif (at_once or self.others_limit.due(time.perf_counter())) and self.is_warm():
+            with self.others_limit.measured():
+                self.others = {row: self.flock.inspect(row) for row in rows}
+
+    def is_warm(self) -> bool:
+        """Whether an agent can be inspected at once; what that takes is compiled aside."""
+        if not self.warm:
+            if self.aside.idle:
+                self.aside.begin(self.flock.warm)
+            self.warm = self.aside.finished() is not None
+        return self.warm
+
+
+def distance_kept(flock: Flock) -> float:
+    """Radius of the innermost zone of a flock's rule, length; infinite where it has none."""
+    inner = shells(flock)[:1]
+    return inner[0].radius if inner else float("inf")
+
+
+def progress(flock: Flock) -> Progress:
+    """How the flock's mission stands."""
+    mission = flock.world.mission
+    if mission is None:
+        return Progress()
+    goal = None if mission.goal is None else np.array(flock.goal_at([flock.tick])[0], float)
+    legs = flock.arrays.leg[flock.informed] if mission.path is not None else np.empty(0)
+    return Progress(goal, int(legs.min()) if len(legs) else 0)
+
+
+def room(flock: Flock) -> tuple[np.ndarray, np.ndarray] | None:
+    """The corners of the region in which the flock's mission starts."""
+    mission = flock.world.mission
+    if mission is None or mission.start is None:
+        return None
+    low, size = start_box(mission.start, flock.options.count)
+    return low, low + size

@@ -1,0 +1,202 @@
+"""Compiles what a run calls, in a process of its own that fills the cache on disk.
+
+So the page stays smooth meanwhile. The process ends when its work is done, when it is closed, and
+when the process that began it is gone; what it was about to compile is then as if never begun.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from concurrent.futures import Future
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+from agents.catalogue import FILES, from_file
+from agents.engine.cache import cache_base
+from agents.flock import Flock
+from app.experiments.workers.kernels import alone, compile_measures
+from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.frame_builder import FrameRequest
+from worlds.input_error import InputError
+from worlds.owned_files import read_owned, write_owned
+
+USUAL = 15.0
+"""What one model takes where nothing is known of it on this machine, s."""
+READY = "ready"
+
+
+@dataclass(frozen=True)
+class CompileEstimate:
+    """How long a compile may take."""
+
+    began: float
+    """When, by `time.monotonic`, s."""
+    expected: float
+    """What it took last on this machine, s; or what is usual."""
+    known: bool
+    """Whether it was ever measured here."""
+
+    def share(self, now: float) -> float:
+        """How much of it is done, in [0, 1]."""
+        return min(1.0, (now - self.began) / self.expected)
+
+    def words(self, now: float) -> str:
+        """How much longer it may take, for people.
+
+        >>> Estimate(0.0, 8.0, True).words(3.2), CompileEstimate(0.0, 8.0, True).words(9.0)
+        ('about 5 s more', 'any moment now')
+        >>> Estimate(0.0, 15.0, False).words(1.0), CompileEstimate(0.0, 15.0, False).words(16.0)
+        ('usually some 15 s', 'longer than usual')
+        """
+        left = self.expected - (now - self.began)
+        if self.known:
+            return f"about {left:.0f} s more" if left > 0.5 else "any moment now"
+        return f"usually some {self.expected:.0f} s" if left > 0.0 else "longer than usual"
+
+
+class KernelCompiler:
+    """Compiles what runs of some flocks call; `ready` is done once it is at hand in this process.
+
+    Where the process cannot do it, as without a cache on disk, a thread of this one does. Refusals
+    of a model's author become the exception of `ready`.
+    """
+
+    def __init__(self, flocks: Sequence[Flock]):
+        self.kernels = frozenset(kernel(flock) for flock in flocks)
+        self.kept = all(flock.engine.module.advance.lock is not None for flock in flocks)
+        """Whether there is a cache on disk that the process could fill."""
+        self.specs = [alone(flock) for flock in flocks]
+        self.kinds = [kind(flock) for flock in flocks]
+        self.estimate = estimated(self.kinds)
+        self.ready: Future[None] = Future()
+        self.closed = False
+        self.process: subprocess.Popen | None = None
+        threading.Thread(target=self.attend, name="compiling", daemon=True).start()
+
+    def covers(self, flocks: Sequence[Flock]) -> bool:
+        """Whether what these flocks need is under way, or done."""
+        failed = self.ready.done() and self.ready.exception() is not None
+        return not (self.closed or failed) and self.kernels.issuperset(map(kernel, flocks))
+
+    def close(self) -> None:
+        """End the process."""
+        self.closed = True
+        if self.process is not None:
+            self.process.kill()
+
+    def attend(self) -> None:
+        """On a thread of its own: wait for the process, and take over what it has compiled."""
+        try:
+            if self.kept:
+                self.demand()
+            if self.closed:
+                return
+            for spec in self.specs:
+                try_out(Flock(spec))
+            remember(self.kinds, time.monotonic() - self.estimate.began)
+            self.ready.set_result(None)
+        except Exception as error:
+            self.ready.set_exception(error)
+        if self.process is not None:
+            self.process.wait()
+
+    def demand(self) -> None:
+        """Have the process compile. Raises what the author of a model is to be told."""
+        begin = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import serve; serve()"
+        with suppress(OSError, EOFError, pickle.PickleError):
+            self.process = subprocess.Popen(
+                [sys.executable, "-c", begin],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+            )
+            if self.closed:
+                self.process.kill()
+            assert self.process.stdin is not None
+            assert self.process.stdout is not None
+            pickle.dump((list(map(str, FILES.values())), self.specs), self.process.stdin)
+            self.process.stdin.flush()
+            answer = pickle.load(self.process.stdout)
+            if isinstance(answer, InputError):
+                raise answer
+
+
+def serve() -> None:
+    """The process: read files of rules and specs, compile, answer, and compile the rest."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is meant for the one that began it
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # whatever a rule prints is no answer
+    files, specs = pickle.load(sys.stdin.buffer)
+    threading.Thread(target=watch, daemon=True).start()
+    for path in files:
+        from_file(path)
+    flocks = [Flock(spec) for spec in specs]
+    answer: Any = READY
+    try:
+        for flock in flocks:
+            try_out(flock)
+    except InputError as refusal:
+        answer = refusal
+    pickle.dump(answer, answers)
+    answers.flush()
+    if answer == READY:
+        for flock in flocks:
+            flock.warm()
+            compile_measures(flock)
+
+
+def watch() -> None:
+    """End this process when the one that began it is gone."""
+    while os.read(0, 1):
+        pass
+    os._exit(1)
+
+
+def try_out(flock: Flock) -> None:
+    """Call all that a run in the laboratory calls: it is compiled, or taken from the cache."""
+    run = FlockRun(flock, 0, FrameRequest())
+    run.advance(1)
+    run.look(closely=True)
+
+
+def kernel(flock: Flock) -> str:
+    """The name of a flock's compiled loop: another one for other functions or values in it."""
+    return flock.engine.module.__name__
+
+
+def kind(flock: Flock) -> str:
+    """What the time to compile is kept under: it goes by the model, its space and its turns."""
+    solid = "-solid" if flock.world.is_solid else ""
+    acts = "delayed" if flock.options.is_late else flock.options.activation
+    return f"{flock.model.name}-{flock.world.dim}d{solid}-{acts}"
+
+
+def estimated(kinds: Sequence[str]) -> CompileEstimate:
+    """How long it may take to compile all of these, from now on."""
+    taken = [last_time(one) for one in kinds]
+    expected = sum(USUAL if one is None else one for one in taken)
+    return CompileEstimate(time.monotonic(), expected, None not in taken)
+
+
+def last_time(kind: str) -> float | None:
+    """What it took last to compile this on this machine, s; None if that is not known."""
+    try:
+        return float(read_owned(cache_base(), "seconds", kind))
+    except (OSError, ValueError):
+        return None
+
+
+def remember(kinds: Sequence[str], seconds: float) -> None:
+    """Keep what it took to compile these, shared out evenly, beside the cache, if that can be."""
+    each = f"{max(seconds, 0.1) / len(kinds):.1f}"
+    with suppress(OSError):
+        for one in kinds:
+            write_owned(each.encode(), cache_base(), "seconds", one)

@@ -1,0 +1,256 @@
+"""Two models side by side: the same world, the same start, one set of controls."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import math
+import zipfile
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from agents.catalogue import MODELS
+from agents.catalogue import model as find_model
+from agents.flock import Flock
+from agents.models.declare import DeclaredParameter, declared
+from agents.spec import Spec
+from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.run_errors import ComparedFlockError, StrayAgentError, in_words
+from app.viewer.scene.shown.frame import Frame
+from worlds.input_error import InputError
+
+ROUNDING = 1e-9
+"""Share of a tick by which sums of ticks may be off and yet make a whole one."""
+
+
+@contextlib.contextmanager
+def named(flock: Flock) -> Iterator[None]:
+    """Whatever is raised within says which of two flocks it comes from."""
+    title = flock.model.title
+    try:
+        yield
+    except (InputError, ArithmeticError, StrayAgentError) as error:
+        kind = next(
+            one for one in (InputError, ArithmeticError, StrayAgentError) if isinstance(error, one)
+        )
+        raise kind(f"{title}: {error}") from error
+    except Exception as error:
+        raise ComparedFlockError(f"{title}: {in_words(error)}") from error
+
+
+def shared(
+    first: Mapping[str, DeclaredParameter], second: Mapping[str, DeclaredParameter]
+) -> frozenset[str]:
+    """Names of the parameters that two models declare alike: symbol, unit, kind and default.
+
+    One slider moves them in both models. Of parameters that only have a name in common, or that
+    each of the models was published with at a value of its own, each model has its own.
+    """
+    return frozenset(
+        name for name, one in first.items() if name in second and alike(one, second[name])
+    )
+
+
+def alike(one: DeclaredParameter, other: DeclaredParameter) -> bool:
+    """Whether two parameters are one and the same."""
+    return all(
+        getattr(one, part) == getattr(other, part)
+        for part in ("name", "symbol", "unit", "kind", "choices", "default")
+    )
+
+
+def by_name(flock_or_model: Any) -> dict[str, DeclaredParameter]:
+    """The declared parameters of a parameter model, by name."""
+    return {one.name: one for one in declared(flock_or_model)}
+
+
+def shared_by(first: str, second: str) -> frozenset[str]:
+    """The same for models by name.
+
+    >>> sorted(shared_by("vem", "ivem-a"))
+    ['eta', 'k', 'neighbours', 'r', 'v0']
+    """
+    return shared(by_name(MODELS[first].parameters), by_name(MODELS[second].parameters))
+
+
+def companion(first: Flock, beside: Spec) -> Flock:
+    """The flock of a second model, at the start of the first flock, to the bit.
+
+    It has the world, seed, turns, noise and information agents of the first, and its values of
+    what the models share. A model that knows no information agents takes them for ordinary ones.
+    Positions and headings are the same, and speeds where both bodies have free ones: agents of a
+    body of one speed go at that, and beside them others begin as they do alone.
+    Raises InputError, with the model's title, if it cannot be in this world or at these values.
+    """
+    model = find_model(beside.model)
+    if model is first.model:
+        raise InputError(f"beside = {model.name!r} is the model itself: another one is needed")
+    values = first.parameters.model_dump()
+    given = {name: values[name] for name in shared_by(first.model.name, model.name)}
+    spec = first.options.but(
+        model=model.name, world=first.world, parameters=given | beside.parameters
+    )
+    arrays = None
+    if spec.informed and not model.rule.led:
+        arrays = {name: getattr(first, name) for name in ("position", "heading")}
+        if first.model.body.speed is None:
+            arrays["speed"] = first.speed
+        spec = spec.but(informed=0)
+    try:
+        flock = Flock(spec, threads=first.threads, start=arrays, interpret=first.interpret)
+    except InputError as refusal:
+        raise InputError(f"{model.title}: {refusal}") from None
+    if arrays is not None:
+        flock.heading[:] = first.heading  # To the bit: given headings are normalised again.
+        flock.ids[:] = first.ids
+    return flock
+
+
+class PairedRun(FlockRun):
+    """The run of a flock with that of a second one, which keeps up with its time."""
+
+    second: FlockRun
+
+    def __init__(
+        self,
+        flock: Flock,
+        second: Flock,
+        number: int,
+        wanted: FrameRequest,
+        watched: frozenset[str] = frozenset(),
+    ):
+        self.second = FlockRun(second, number, FrameRequest(), watched)
+        super().__init__(flock, number, wanted, watched)
+        self.shared = shared(by_name(type(flock.parameters)), by_name(type(second.parameters)))
+        self.owed = 0.0
+        """Part of a tick of the second flock by which it is behind the first."""
+        self.want(wanted)
+
+    @property
+    def beside_values(self) -> dict[str, Any]:
+        """The parameters that only the second flock has, name -> value."""
+        values = self.second.values
+        return {name: value for name, value in values.items() if name not in self.shared}
+
+    def want(self, wanted: FrameRequest) -> None:
+        """Change what frames hold; only the flock that is meant is looked at from close."""
+        nobody = replace(wanted, row=None)
+        self.camera.want(nobody if wanted.beside else wanted)
+        second = wanted if wanted.beside else nobody
+        self.second.camera.want(replace(second, others=wanted.others_beside))
+
+    def advance(self, ticks: int) -> None:
+        """Run ticks of the first flock, and as many of the second as take the same time."""
+        with named(self.flock):
+            super().advance(ticks)
+        due = self.owed + ticks * ticks_per_tick(self.flock, self.second.flock)
+        whole = math.floor(due + ROUNDING)
+        self.owed = max(0.0, due - whole)
+        with named(self.second.flock):
+            self.second.advance(whole)
+
+    def look(self, closely: bool, measured: bool = True) -> Frame:
+        """A frame of the first flock that holds one of the second; raises as `FlockRun.look`."""
+        with named(self.flock):
+            frame = super().look(closely, measured)
+        known = len(self.second.troubles)
+        with named(self.second.flock):
+            beside = self.second.look(closely, measured)
+        for trouble in self.second.troubles[known:]:
+            self.attempt(partial(self.tell, trouble))
+        scale, other = frame.speed_scale, beside.speed_scale
+        if frame.unit == beside.unit:
+            scale = other = max(scale, other)
+        beside = replace(beside, speed_scale=other, title=self.second.flock.model.title)
+        return replace(frame, speed_scale=scale, title=self.flock.model.title, beside=beside)
+
+    def tell(self, trouble: Exception) -> None:
+        """Raise what the second flock had trouble with, named."""
+        with named(self.second.flock):
+            raise trouble
+
+    def allowed(self, name: str, value: Any, beside: bool = False) -> Any:
+        """The value nearest to the wanted one that keeps the zones in order, of both if shared."""
+        if beside:
+            return self.second.allowed(name, value)
+        value = super().allowed(name, value)
+        return self.second.allowed(name, value) if name in self.shared else value
+
+    def set(self, name: str, value: Any, beside: bool = False) -> None:
+        """Give a parameter a value, in both flocks if they share it. Refused by one, by both."""
+        if beside:
+            with named(self.second.flock):
+                self.second.set(name, value)
+            return
+        before = self.values
+        super().set(name, value)
+        if name not in self.shared:
+            return
+        try:
+            with named(self.second.flock):
+                self.second.set(name, value)
+        except InputError:
+            self.flock.set(**before)
+            raise
+
+    def place(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
+        """Put an information agent somewhere, in both flocks if it is one in both."""
+        super().place(row, position, heading)
+        if self.second.flock.informed[row]:
+            self.second.place(row, position, heading)
+
+    def spec(self) -> bytes:
+        """The specs of both flocks, a ZIP."""
+        return self.packed("toml", super().spec(), self.second.spec())
+
+    def saved(self) -> bytes:
+        """The states of both flocks, a ZIP."""
+        return self.packed("parquet", super().saved(), self.second.saved())
+
+    def packed(self, suffix: str, *contents: bytes) -> bytes:
+        """A file of each flock in a ZIP, numbered and named by their models."""
+        names = (one.flock.model.name for one in self.both)
+        made = io.BytesIO()
+        with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as pack:
+            for number, (name, content) in enumerate(zip(names, contents, strict=True), 1):
+                pack.writestr(zipfile.ZipInfo(f"{number}-{name}.{suffix}"), content)
+        return made.getvalue()
+
+
+def ticks_per_tick(first: Flock, second: Flock) -> float:
+    """Ticks of the second flock that last as long as one of the first; 1 without a common unit."""
+    return ratio(first.dt, first.model.body.unit, second.dt, second.model.body.unit)
+
+
+def ratio(dt: float, unit: str, other_dt: float, other_unit: str) -> float:
+    """How many of the others' ticks last as long as one; 1 where time is not counted alike.
+
+    >>> ratio(0.1, "s", 0.02, "s"), ratio(1.0, "ticks", 0.02, "s")
+    (5.0, 1.0)
+    """
+    return dt / other_dt if unit == other_unit else 1.0
+
+
+def pace_note(first: Frame, second: Frame) -> str:
+    """How the ticks of two flocks go together, in a line; nothing if they last equally long.
+
+    >>> from types import SimpleNamespace as Some
+    >>> pace_note(Some(dt=0.1, unit="s"), Some(dt=0.02, unit="s"))
+    'Ticks of 0.1 s and of 0.02 s: 5 ticks of the second to one of the first.'
+    """
+    if first.unit != second.unit:
+        clocks = (one.unit if one.unit == "ticks" else f"{one.dt:g} {one.unit}"
+                  for one in (first, second))  # fmt: skip
+        return f"Time is not counted alike ({', '.join(clocks)}): both go tick by tick."
+    if first.dt == second.dt:
+        return ""
+    each = ratio(first.dt, first.unit, second.dt, second.unit)
+    return (
+        f"Ticks of {first.dt:g} {first.unit} and of {second.dt:g} {second.unit}: {each:.4g} "
+        f"tick{'s' * (each != 1)} of the second to one of the first."
+    )

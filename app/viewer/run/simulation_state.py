@@ -1,0 +1,72 @@
+"""How the simulation stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from agents.spec import Spec
+from app.viewer.run.kernel_compiler import CompileEstimate
+from app.viewer.run.past.stored_flock import Beginning
+
+
+@dataclass(frozen=True)
+class TimeLineState:
+    """The ticks along which a run can be moved, and which of them is shown."""
+
+    first: int
+    last: int
+    at: int
+    looks_back: bool = False
+    """Whether it is a tick of a live run that has gone on from there."""
+    recording: str = ""
+    """The name of the recording that is played; empty: it is a live run."""
+
+
+@dataclass(frozen=True)
+class SimulationState:
+    """How the simulation stands; replaced as a whole, never changed."""
+
+    spec: Spec
+    """The run that was set up."""
+    beside: Spec | None = None
+    """A second model, whose flock flies in the same world from the same start: what it has of its
+    own."""
+    stored: Beginning | None = None
+    """The saved state, recording or flock that it began from."""
+    line: TimeLineState | None = None
+    """Along which ticks it can be moved."""
+    run: int = 0
+    """Counts the set-ups."""
+    running: bool = False
+    busy: bool = False
+    """Whether a flock is being set up."""
+    compiling: CompileEstimate | None = None
+    """How long it may take until what the run calls is compiled; None: it is."""
+    preview: bool = False
+    """Whether the flock on screen is a preview meanwhile, the same run as plain Python."""
+    error: str = ""
+    """What stopped the run; Setup or Reset mends it."""
+    speed: float = 15.0
+    """Wanted ticks per second; infinity for as fast as it goes."""
+    rate: float = 0.0
+    """Ticks per second as they happen."""
+    agents: int = 0
+    """Rows of the flock, information agents among them."""
+    values: dict[str, Any] = field(default_factory=dict)
+    """The flock's parameters, name -> value."""
+    beside_values: dict[str, Any] = field(default_factory=dict)
+    """Those that only the flock beside it has."""
+
+    @property
+    def models(self) -> tuple[str, str | None]:
+        """Names of the model and of the one beside it."""
+        return self.spec.model, None if self.beside is None else self.beside.model
+
+    def again(self) -> tuple[Spec, Spec | None]:
+        """This run, and what is beside it, with the parameters as they are now."""
+        beside = self.beside
+        spec = self.spec.but(parameters=dict(self.values)) if self.values else self.spec
+        if beside is not None and self.beside_values:
+            beside = beside.but(parameters=dict(self.beside_values))
+        return spec, beside

@@ -1,0 +1,288 @@
+"""A page on which many watch a laboratory's run, and nobody can change it."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections.abc import Callable, Container
+from dataclasses import replace
+from functools import partial
+
+import viser
+
+from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.panels.monitors.flock_monitors import BLOCKS
+from app.viewer.lab.panels.plots.laboratory_plots import EARLIER
+from app.viewer.lab.panels.run_panel import story
+from app.viewer.panels.hotkeys import KEYS, add_hotkeys
+from app.viewer.panels.monitors import Monitors
+from app.viewer.panels.shell import dock, dress
+from app.viewer.run.frame_builder import WatchPageRequest
+from app.viewer.scene.drawing import PANELS, Drawing, Rates
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.look import RIDE, STEP_OFF, Look
+from app.viewer.watching.own_marks import AgentSelection, OwnScene
+from app.viewer.watching.own_plots import ALWAYS, CurveCache, wanted
+from app.viewer.watching.run_description import standing, values
+from app.viewer.watching.watcher import Watcher
+from app.viewer.web.addresses import here
+from app.viewer.web.incoming.kinds import CAMERA, Kind
+from app.viewer.web.incoming.visitors import USUAL, Limits
+from app.viewer.web.server import admit_browsers, close_server, open_server, when_heard
+from app.viewer.web.serving.front import Front
+
+SCRIPTS = ("card.js",)
+"""What its page needs beside what every page has: to keep a card beside its agent."""
+HEARD = {
+    CAMERA: Kind(80.0, 160.0),
+    "GuiUpdateMessage": Kind(10.0, 40.0),
+    "CommandTriggerMessage": Kind(10.0, 20.0),
+    "ScenePointerMessage": Kind(4.0, 8.0),
+}
+"""The kinds of messages that it hears, and how often: where a browser's own camera is, its own
+controls, the keys of its camera, and clicks on agents."""
+BANDWIDTH = 18e6
+"""What all who watch may be sent of the picture, bytes/s: 15 pictures a second of 1 000 agents for
+forty browsers and a little more, before the front packs them."""
+CARDS = 0.5
+"""Time between two refreshments of what is told in words, s."""
+PLOTS, BROWSERS = 1.0, 20
+"""Time between two refreshments of a browser's plots, s, for so many browsers; longer for more."""
+LOOKED_AT = 40
+"""Agents that are inspected for those who watch; for more browsers than that the latest choices."""
+ACTIONS = {"1": "top-down", "2": "perspective", "3": "side", "F": "follow", "B": RIDE}
+"""The keys, which turn the camera of the browser where they are pressed."""
+
+
+class WatchPage:
+    """Serves the run of a laboratory, in its process, to those who only watch.
+
+    They see what the laboratory's own page shows, as it shows it; each browser has its own camera,
+    its own plots and its own inspected agent. `whose`: who leads the run, as text; empty: not told.
+    `secret`: the first part of every path, if any. `limits`: how many connections there may be. A
+    laboratory has one such page. Nothing is drawn while nobody watches. Raises InputError if the
+    port is busy.
+    """
+
+    def __init__(
+        self,
+        laboratory: Laboratory,
+        whose: str = "",
+        host: str = "127.0.0.1",
+        port: int = 0,
+        secret: str = "",
+        limits: Limits = USUAL,
+    ):
+        self.laboratory, self.whose, self.host = laboratory, whose, host
+        self.server = open_server(host, port, Front(SCRIPTS, secret=secret), HEARD, limits)
+        self.scene = OwnScene(self.server)
+        self.watchers: dict[int, Watcher] = {}
+        """By browser."""
+        self.drawing: Drawing | None = None
+        """There while somebody watches."""
+        self.switching = asyncio.Lock()
+        """Held on viser's loop while drawing begins or ends."""
+        self.closed = False
+        self.told_due = 0.0
+        self.turn = 0
+        """Counts the refreshments: in each it is the turn of some browsers."""
+        self.furnish()
+        self.scene.on_chosen(self.chosen)
+        self.news = threading.Event()
+        """Set when there may be something new to draw."""
+        laboratory.simulation.news.tell(self.news)
+        when_heard(self.server, self.news.set)
+        self.server.on_client_connect(self.welcome)
+        self.server.on_client_disconnect(self.farewell)
+        admit_browsers(self.server)  # last: browsers find all of the above
+
+    @property
+    def port(self) -> int:
+        """The port that it serves on."""
+        return self.server.get_port()
+
+    @property
+    def address(self) -> str:
+        """Where a browser on this machine finds it."""
+        return here(self.host, self.port)
+
+    def browsers(self) -> int:
+        """Number of browsers that watch."""
+        return len(self.server.get_clients())
+
+    def close(self) -> None:
+        """Stop drawing and serving; the laboratory goes on."""
+        self.closed = True
+        self.laboratory.elsewhere = WatchPageRequest()
+        self.laboratory.simulation.news.forget(self.news)
+        if self.drawing is not None:
+            self.drawing.close()
+        close_server(self.server)
+
+    def furnish(self) -> None:
+        """Build what all browsers see alike: it holds no control but the keys of the camera."""
+        gui = self.server.gui
+        dress(gui, "flockscope")
+        self.status = gui.add_html("")
+        self.story = gui.add_html("")
+        self.right = gui.add_folder(None)
+        self.values = gui.add_html("")
+        left = gui.add_panel()
+        with left.add_tab("Monitors", viser.Icon.CHART_LINE) as self.left:
+            self.monitors = Monitors(gui, BLOCKS, "tick")
+        dock(gui, left)
+        add_hotkeys(
+            gui,
+            {key: lambda client, to=to: self.point(client, to) for key, to in ACTIONS.items()}
+            | {"escape": lambda client: self.point(client, STEP_OFF)},
+            KEYS | {"escape": "Camera: the ride ends"},
+        )
+
+    # What browsers ask for, on viser's loop.
+
+    async def welcome(self, client: viser.ClientHandle) -> None:
+        """A browser has come: it gets what it has alone, and the first begins the drawing, and the
+        flock if that waited for somebody."""
+        self.laboratory.begin()
+        self.watchers[client.client_id] = Watcher(client, self.left, self.right, self.point)
+        async with self.switching:
+            if self.drawing is None and self.watchers and not self.closed:
+                self.drawing = Drawing(
+                    self.scene,
+                    self.laboratory.latest,
+                    self.browsers,
+                    self.choose,
+                    self.refresh,
+                    self.news,
+                    lambda: self.laboratory.between.moves,
+                    Rates(bandwidth=BANDWIDTH),
+                )
+                self.tell_laboratory(WatchPageRequest(browsers=1))
+                self.drawing.start()
+            elif self.drawing is not None:
+                self.drawing.welcome()
+
+    async def farewell(self, client: viser.ClientHandle) -> None:
+        """A browser has gone; the last ends the drawing."""
+        self.watchers.pop(client.client_id, None)
+        async with self.switching:
+            if self.watchers or self.closed or self.drawing is None:
+                return
+            drawing, self.drawing = self.drawing, None
+            await asyncio.to_thread(drawing.close)
+            self.laboratory.elsewhere = WatchPageRequest()
+
+    def tell_laboratory(self, asked: WatchPageRequest) -> None:
+        """Say what those who watch want to know; where nobody is on the laboratory's own page it
+        is to do at once what it would do for somebody."""
+        self.laboratory.elsewhere = asked
+        if not self.laboratory.browsers():
+            self.laboratory.drawing.welcome()
+
+    def chosen(self, client: viser.ClientHandle, row: int | None, beside: bool) -> None:
+        """A click into one browser's picture, on an agent or on none."""
+        watcher, drawing = self.watchers.get(client.client_id), self.drawing
+        if watcher is None or drawing is None or drawing.drawn is None:
+            return
+        run = drawing.drawn[0].run
+        watcher.choose(None if row is None else AgentSelection(row, beside, run))
+
+    def point(self, client: viser.ClientHandle, camera: str) -> None:
+        """Point one browser's camera."""
+        watcher = self.watchers.get(client.client_id)
+        self.scene.camera(client, camera, None if watcher is None else watcher.whom)
+
+    # What the drawing thread does.
+
+    @property
+    def now(self) -> list[Watcher]:
+        """Those who are there, by when they chose an agent last, the latest first."""
+        there = list(self.watchers.values())  # a copy: browsers come and go meanwhile
+        return sorted(there, key=lambda one: -one.since)
+
+    def choose(self) -> None:
+        """Draw what each browser has chosen."""
+        self.scene.choose([(one.client, one.choice) for one in self.now if one.choice is not None])
+
+    def refresh(self) -> None:
+        """Bring the panels up to date, and say what is to be measured and looked at."""
+        if self.drawing is None or self.drawing.drawn is None:
+            return
+        frame, look = self.drawing.drawn
+        self.scene.show_own()
+        if (now := time.monotonic()) >= self.told_due:
+            self.told_due = now + CARDS
+            self.tell(frame, look)
+        watchers = self.now
+        for one in self.those(watchers, CARDS):
+            self.attempt(one, partial(one.tell, frame, self.scene))
+        self.plot(self.those(watchers, PLOTS * max(1.0, len(watchers) / BROWSERS)))
+        self.turn += 1
+        for one in watchers:
+            one.is_new = False
+
+    def those(self, watchers: list[Watcher], every: float) -> list[Watcher]:
+        """Whose turn it is now of what each has `every` so many seconds, and who is new: all at
+        once would hold up the picture."""
+        turns = max(1, round(every / PANELS))
+        number = self.turn % turns
+        return [one for one in watchers if one.is_new or one.client.client_id % turns == number]
+
+    def tell(self, frame: Frame, look: Look) -> None:
+        """What all see alike, and what the laboratory is to do for them."""
+        lab = self.laboratory
+        state, scene = lab.simulation.state, lab.shown_scene
+        self.scene.open_on("" if scene is None else scene.camera)
+        self.status.content = standing(state, self.whose)
+        self.story.content = "" if scene is None else story(replace(scene, tries=""))
+        self.values.content = values(state)
+        self.monitors.show(lab.contents)
+        self.monitors.colours(look, frame)
+        asked = self.asked(self.now)
+        self.tell_laboratory(asked)
+        if missing(frame.others, asked.rows) or (
+            frame.beside is not None and missing(frame.beside.others, asked.rows_beside)
+        ):
+            lab.simulation.look_again()
+
+    def asked(self, watchers: list[Watcher]) -> WatchPageRequest:
+        """What these want to know of the run: so many observables, so many agents, and no more."""
+        chosen = (one.choice for one in watchers)
+        rows = list(dict.fromkeys((one.row, one.beside) for one in chosen if one is not None))
+        rows = rows[:LOOKED_AT]
+        return WatchPageRequest(
+            len(watchers),
+            wanted(one.plots.names for one in watchers),
+            frozenset(row for row, beside in rows if not beside),
+            frozenset(row for row, beside in rows if beside),
+        )
+
+    def plot(self, watchers: list[Watcher]) -> None:
+        """Draw the plots of some browsers."""
+        lab = self.laboratory
+        runs = tuple(
+            one
+            for one in (lab.simulation.readings, lab.simulation.readings_beside)
+            if one is not None
+        )
+        if not watchers or not runs or not lab.plots.offered:
+            return
+        most = EARLIER[lab.plots.earlier.value]
+        measured = lab.watched | lab.elsewhere.names | ALWAYS
+        curves = CurveCache(runs, lab.plots.runs, most, lab.plots.offered, measured)
+        for one in watchers:
+            self.attempt(one, partial(one.plots.refresh, curves))
+
+    def attempt(self, watcher: Watcher, change: Callable[[], None]) -> None:
+        """Change something on a page that may go meanwhile: viser raises RuntimeError then."""
+        try:
+            change()
+        except RuntimeError:
+            if watcher.client.client_id in self.server.get_clients():
+                raise
+
+
+def missing(found: Container[int], rows: frozenset[int]) -> bool:
+    """Whether some agents have not been looked at yet."""
+    return any(row not in found for row in rows)

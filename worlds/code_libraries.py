@@ -1,0 +1,127 @@
+"""How a loop takes in the functions that it calls: each once, when it is made machine code.
+
+numba optimises every function by itself, copies into it all that it calls, optimises it again and
+makes machine code of it. The hundred functions of a loop are all inlined into it, so here they stay
+as they were written down, and only the loop is optimised and made machine code: half to three
+quarters of the time until a model's first tick (`benchmarks/first_start.py`).
+
+This builds on inner classes of numba, as they are in the versions of `TRIED`. Another version
+compiles in its own way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numba
+from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary
+from numba.core.compiler import Compiler
+
+TRIED = ("0.68.",)
+"""Versions of numba that this was tried with, by how they begin."""
+
+
+def take_in(library: CPUCodeLibrary, module: Any) -> None:
+    """Add a module to a library as it is."""
+    module.data_layout = library._codegen._data_layout
+    library._final_module.link_in(module)
+
+
+class PartLibrary(JITCodeLibrary):
+    """What was written down of a function that others call: neither optimised nor machine code."""
+
+    add_llvm_module = take_in
+
+    def finalize(self) -> None:
+        """Let whoever takes it in inline it, and drop it where nobody calls it."""
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage.name == "external":
+                function.linkage = "linkonce_odr"
+        self._finalized = True
+
+    @property
+    def alone(self) -> Any:
+        """Its module, without what it calls."""
+        self._ensure_finalized()
+        return self._final_module
+
+    def _get_module_for_linking(self) -> Any:
+        """Its module with all that it calls, for functions that numba compiles in its own way."""
+        whole = self.alone.clone()
+        for called in reached(self):
+            whole.link_in(module_of(called), preserve=True)
+        return whole
+
+    def get_pointer_to_function(self, _name: str) -> int:
+        """None: there is no machine code."""
+        return 0
+
+    @property
+    def codegen(self) -> Any:
+        """In place of the code generator, which would look for `set_env` in machine code."""
+        return self
+
+    def set_env(self, name: str, env: Any) -> None:
+        """Remember what the function makes Python objects with, as for `print`."""
+        self.env = name, env
+
+
+class LoopLibrary(JITCodeLibrary):
+    """What is made of a function that Python calls: machine code, all that it calls inlined."""
+
+    add_llvm_module = take_in
+
+    def finalize(self) -> None:
+        """Take in all that it calls, optimise once and make machine code."""
+        self._raise_if_finalized()
+        called = reached(self)
+        for one in called:
+            self._final_module.link_in(module_of(one), preserve=True)
+        passes, builder = self._codegen._module_pass_manager()
+        passes.run(self._final_module, builder)
+        self._final_module.verify()
+        self._finalize_final_module()
+        kept = {variable.name for variable in self._final_module.global_variables}
+        for one in called:
+            if isinstance(one, PartLibrary) and one.env[0] in kept:
+                self._codegen.set_env(*one.env)  # type: ignore[attr-defined]
+
+
+def reached(library: CPUCodeLibrary) -> list[CPUCodeLibrary]:
+    """All that a library calls, callers first: what nobody calls is not taken in."""
+    found: dict[CPUCodeLibrary, None] = {}
+
+    def look(at: CPUCodeLibrary) -> None:
+        for called in at._linking_libraries:
+            if called not in found:
+                if isinstance(called, PartLibrary):
+                    look(called)
+                found[called] = None
+
+    look(library)
+    return list(reversed(found))
+
+
+def module_of(library: CPUCodeLibrary) -> Any:
+    """What is taken in of a library; of one that numba made in its own way, all that it calls."""
+    return library.alone if isinstance(library, PartLibrary) else library._get_module_for_linking()
+
+
+def compiling_into(made: type[CPUCodeLibrary]) -> type[Compiler]:
+    """A compiler of numba whose functions become such libraries."""
+
+    class LibraryCompiler(Compiler):
+        def compile_extra(self, func: Callable) -> Any:
+            state = self.state
+            state.library = made(state.targetctx.codegen(), func.__qualname__)
+            state.library.enable_object_caching()
+            return super().compile_extra(func)
+
+    return LibraryCompiler
+
+
+if numba.__version__.startswith(TRIED):
+    PARTS, LOOPS = compiling_into(PartLibrary), compiling_into(LoopLibrary)
+else:
+    PARTS = LOOPS = Compiler

@@ -1,0 +1,140 @@
+"""Compiles the functions of rules, bodies and engine with numba, or runs them as plain Python.
+
+Sums may be reordered, so that a loop over a neighbourhood block becomes vector instructions; NaN
+and infinity keep their meaning, so that a bad number can be found and named. Compiled code counts
+no references and so allocates nothing: what it needs it is given.
+
+Within `plain_python()`, and everywhere under NUMBA_DISABLE_JIT=1, the same functions run as the
+Python that they are written in.
+"""
+
+from __future__ import annotations
+
+import functools
+import gc
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from contextvars import ContextVar
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+from filelock import FileLock
+from numba.core import types
+from numba.core.registry import CPUDispatcher
+
+from worlds.code_libraries import LOOPS, PARTS
+
+OPTIONS: dict[str, Any] = {
+    "nopython": True,
+    "nogil": True,
+    "fastmath": {"reassoc", "nsz", "contract", "arcp"},
+    "error_model": "numpy",
+    "_nrt": False,
+    "no_cfunc_wrapper": True,
+}
+INLINED = OPTIONS | {"forceinline": True, "no_cpython_wrapper": True}
+DISABLED = bool(vars(numba.config)["DISABLE_JIT"])
+"""Whether all code runs as plain Python: NUMBA_DISABLE_JIT=1."""
+PLAIN: ContextVar[bool] = ContextVar("plain", default=DISABLED)
+
+
+@contextmanager
+def plain_python(asked: bool = True) -> Iterator[None]:
+    """Within it, if asked for, compiled functions that this thread calls run as plain Python.
+
+    As compiled, they divide by zero and wrap whole numbers around without a warning.
+    """
+    if not (asked or PLAIN.get()):
+        yield
+        return
+    before = PLAIN.set(True)
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    finally:
+        PLAIN.reset(before)
+
+
+@contextmanager
+def without_collection() -> Iterator[None]:
+    """Within it no garbage is collected: numba makes little, and looking for it takes a tenth."""
+    if not gc.isenabled():
+        yield
+        return
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+
+
+class LoopDispatcher(CPUDispatcher):
+    """A compiled function that Python calls."""
+
+    lock: Path | None = None
+    """Where it is kept on disk: the file that one process at a time holds while it compiles it."""
+
+    def __call__(self, *args: Any) -> Any:
+        """Run it, as plain Python where that is asked for."""
+        return self.py_func(*args) if PLAIN.get() else super().__call__(*args)
+
+    def compile(self, sig: Any) -> Any:
+        """Compile it, or take what another process has compiled and kept meanwhile."""
+        with without_collection(), nullcontext() if self.lock is None else FileLock(self.lock):
+            return super().compile(sig)
+
+
+class PartDispatcher(LoopDispatcher):
+    """A function that compiled functions call, and Python only now and then.
+
+    Most of the time that numba takes for a small function goes into what lets Python call it. A
+    loop is made of a hundred such functions, so they are compiled without; one that Python does
+    call is compiled once more for it.
+    """
+
+    def add_overload(self, cres: Any) -> None:
+        """Keep what was compiled out of the table that Python's calls go by."""
+        self.overloads[tuple(cres.signature.args)] = cres
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Compile it for a call; an exception says in `uncompiled` what it is of."""
+        plain = [types.unliteral(one) for one in args]  # one version for all numbers
+        try:
+            return super().get_call_template(plain, kws)
+        except Exception as error:
+            if not hasattr(error, "uncompiled"):
+                error.uncompiled = self.py_func  # type: ignore[attr-defined]
+            raise
+
+    def _compile_for_args(self, *_args: Any, **_options: Any) -> Callable:
+        return self.for_python
+
+    @functools.cached_property
+    def for_python(self) -> Callable:
+        """The same function, as Python can call it."""
+        return entry(self.py_func)
+
+
+def compiled(function: Callable) -> Any:
+    """Compile a rule, a body or a part of the engine; it becomes part of the loop that calls it.
+
+    Such a function is never cached by itself: the loop is, under a name made from everything it
+    reaches (see `agents.engine.cache`).
+    """
+    return PartDispatcher(function, targetoptions=INLINED, pipeline_class=PARTS)
+
+
+def entry(function: Callable) -> Any:
+    """Compile a loop, which Python calls."""
+    return LoopDispatcher(function, targetoptions=OPTIONS, pipeline_class=LOOPS)
+
+
+def shared(function: Callable) -> Any:
+    """Compile a long part of the engine that is seldom called: it stays a function of its own."""
+    return PartDispatcher(
+        function,
+        targetoptions=OPTIONS | {"no_cpython_wrapper": True},
+        pipeline_class=PARTS,
+    )

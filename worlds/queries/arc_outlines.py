@@ -1,0 +1,342 @@
+"""Outlines of straight edges and exact arcs.
+
+Obstacles are united as polygons, in which a circle has `SEGMENTS` corners. Here the edges that come
+from a circle become arcs of it again, and where an arc meets something else is the place at which
+the circle itself does so: an outline is the same whichever way its polygons are turned.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from worlds.obstacles import SEGMENTS
+
+CORNER = np.cos(np.radians(19.5))
+"""Cosine of the least turn at a corner; where an outline turns less it is part of a curve. No
+regular polygon turns by just that, so that rounding decides nowhere."""
+ON = 1e-9
+"""How far from a circle's polygon a place on it may be, for each unit of length."""
+MOVED = 4.0 * 2.0 * math.sin(math.pi / SEGMENTS)
+"""How far a corner may be from that of the polygons, for each unit of a circle's radius."""
+SAGITTA = 1.0 - math.cos(math.pi / SEGMENTS)
+"""How deep a chord of `SEGMENTS` in a full turn lies under its arc, for each unit of radius."""
+TURN = 2.0 * math.pi
+MOST_SWEEP = 0.25 * math.pi
+"""The most that an arc turns by where distances to it are asked, rad: less than half a turn, and
+near what is listed with it."""
+CHORDS = SEGMENTS // 8
+"""Of such an arc where it is a line."""
+
+
+class OutlineRing(NamedTuple):
+    """A closed ring of n edges, each to where the next begins, the solid on the left of all."""
+
+    start: np.ndarray
+    """Where each begins, (n, 2)."""
+    centre: np.ndarray
+    """Of the circle that it is an arc of, (n, 2); zeros where it is straight."""
+    radius: np.ndarray
+    """Of the circle, (n,): negative where the solid is outside of it, 0 where it is straight."""
+    sweep: np.ndarray
+    """The angle that an arc turns by about its centre, > 0, rad, (n,); 0 where it is straight."""
+
+    @property
+    def end(self) -> np.ndarray:
+        """Where each ends, (n, 2)."""
+        return np.roll(self.start, -1, axis=0)
+
+    @property
+    def length(self) -> np.ndarray:
+        """Of each edge, (n,)."""
+        way = self.end - self.start
+        return np.where(
+            self.radius != 0.0, np.abs(self.radius) * self.sweep, np.hypot(way[:, 0], way[:, 1])
+        )
+
+    @property
+    def normals(self) -> tuple[np.ndarray, np.ndarray]:
+        """Unit normals to the free side where each edge begins and where it ends, (n, 2) each."""
+        way = self.end - self.start
+        straight = self.radius == 0.0
+        length = np.where(straight, np.hypot(way[:, 0], way[:, 1]), 1.0)[:, None]
+        across = np.column_stack([way[:, 1], -way[:, 0]]) / length
+        r = np.where(straight, 1.0, self.radius)[:, None]
+        first, last = (self.start - self.centre) / r, (self.end - self.centre) / r
+        straight = straight[:, None]
+        return np.where(straight, across, first), np.where(straight, across, last)
+
+    @property
+    def corners(self) -> np.ndarray:
+        """The edges that begin at a corner, ascending."""
+        first, last = self.normals
+        return np.flatnonzero((first * np.roll(last, 1, axis=0)).sum(axis=1) < CORNER)
+
+    def at(self, along: np.ndarray) -> np.ndarray:
+        """The places so far along the ring from its first place, (m,) lengths -> (m, 2)."""
+        length = self.length
+        before = np.concatenate([[0.0], np.cumsum(length)])
+        along = along % before[-1]
+        k = np.clip(np.searchsorted(before, along, side="right") - 1, 0, len(length) - 1)
+        share = (along - before[k]) / length[k]
+        straight = self.start[k] + share[:, None] * (self.end - self.start)[k]
+        angle = np.copysign(share * self.sweep[k], self.radius[k])
+        c, s = np.cos(angle), np.sin(angle)
+        x, y = (self.start - self.centre)[k].T
+        turned = self.centre[k] + np.column_stack([c * x - s * y, s * x + c * y])
+        return np.where((self.radius[k] == 0.0)[:, None], straight, turned)
+
+    def divided(self, most: float) -> OutlineRing:
+        """The same ring with no arc that turns by more than `most`, rad."""
+        parts = np.maximum(1, np.ceil(self.sweep / most * (1.0 - 1e-9))).astype(int)
+        if (parts == 1).all():
+            return self
+        k = np.repeat(np.arange(len(parts)), parts)
+        part = np.arange(len(k)) - np.repeat(np.cumsum(parts) - parts, parts)
+        before = np.concatenate([[0.0], np.cumsum(self.length)])
+        start = self.at(before[k] + self.length[k] * part / parts[k])
+        start[part == 0] = self.start
+        return OutlineRing(start, self.centre[k], self.radius[k], (self.sweep / parts)[k])
+
+
+class Solid(NamedTuple):
+    """One connected outline: its outer ring first, then its holes."""
+
+    rings: list[OutlineRing]
+    polygon: shapely.Polygon
+    """The same with chords in the place of arcs, `SEGMENTS` or more in a full turn."""
+
+    @property
+    def slack(self) -> float:
+        """How far its polygon may be from its outline, length."""
+        return SAGITTA * max(float(np.abs(ring.radius).max()) for ring in self.rings)
+
+
+def solids_in(outline: shapely.Geometry, circles: np.ndarray) -> list[Solid]:
+    """The connected parts of a united outline, with arcs of those circles (C, 3) that it is of."""
+    parts = shapely.get_parts(shapely.orient_polygons(outline))
+    x, y, r = circles.T
+    tree = shapely.STRtree(shapely.box(x - r, y - r, x + r, y + r))
+    part, near = tree.query(parts)
+    which = np.split(near, np.searchsorted(part, np.arange(1, len(parts))))
+    return [solid(one, circles[np.sort(k)]) for one, k in zip(parts, which, strict=True)]
+
+
+def solid(polygon: shapely.Polygon, circles: np.ndarray) -> Solid:
+    """A polygon, its outer ring counterclockwise, with arcs where its edges are of circles (C, 3).
+
+    Where arcs would cross what they meet, as a corner may that is nearer to a circle than its
+    polygon is, the polygon is kept as it is.
+    """
+    straight = [of_straight(shapely.get_coordinates(ring)[:-1]) for ring in rings_of(polygon)]
+    rings = [with_arcs(ring.start, circles) for ring in straight] if len(circles) else straight
+    if all(len(ring.start) == 1 or not ring.radius.any() for ring in rings):
+        return Solid(rings, polygon)
+    chords = [ring.divided(TURN / SEGMENTS).start for ring in rings]
+    made = shapely.Polygon(chords[0], chords[1:])
+    return Solid(rings, made) if made.is_valid else Solid(straight, polygon)
+
+
+def rings_of(polygon: shapely.Polygon) -> list[shapely.LinearRing]:
+    """The outer ring and the holes."""
+    return [polygon.exterior, *polygon.interiors]
+
+
+def of_straight(place: np.ndarray) -> OutlineRing:
+    """The ring of straight edges through places (n, 2)."""
+    n = len(place)
+    return OutlineRing(place, np.zeros((n, 2)), np.zeros(n), np.zeros(n))
+
+
+def with_arcs(place: np.ndarray, circles: np.ndarray) -> OutlineRing:
+    """The ring through places (n, 2) with arcs where it goes along polygons of circles (C, 3)."""
+    of = sources(place, circles)
+    if (of < 0).all():
+        return of_straight(place)
+    new = (of < 0) | (of != np.roll(of, 1))
+    if not new.any():  # one circle all round
+        cx, cy, r = circles[of[0]]
+        sign = np.sign(cross(place[0] - (cx, cy), place[1] - (cx, cy)))
+        return OutlineRing(place[:1], np.array([[cx, cy]]), np.array([sign * r]), np.array([TURN]))
+    first = np.flatnonzero(new)
+    of = of[first]
+    arcs = of >= 0
+    centre = np.where(arcs[:, None], circles[of, :2], 0.0)
+    follows = place[(first + 1) % len(place)]
+    sign = np.sign(cross(place[first] - centre, follows - centre))
+    radius = np.where(arcs, sign * circles[of, 2], 0.0)
+    was = place[first]
+    start = was.copy()
+    for k in np.flatnonzero(arcs | np.roll(arcs, 1)).tolist():
+        met = meeting(was, centre, radius, k)
+        if met is None:
+            return of_straight(place)
+        start[k] = met
+    then = np.roll(start, -1, axis=0)
+    sweep = np.where(arcs, swept(centre, radius, start, then), 0.0)
+    before = np.where(arcs, swept(centre, radius, was, np.roll(was, -1, axis=0)), 0.0)
+    back = ((then - start) * (np.roll(was, -1, axis=0) - was)).sum(axis=1) <= 0.0
+    if (np.abs(sweep - before) > 2.0 * MOVED).any() or (~arcs & back).any():
+        return of_straight(place)
+    return OutlineRing(start, centre, radius, sweep)
+
+
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The z component of the product of vectors (..., 2), > 0 if b is to the left of a."""
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def swept(centre: np.ndarray, radius: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The angles in [0, 2 pi) from a to b about centres, clockwise where the radius is < 0."""
+    a, b = a - centre, b - centre
+    angle = np.arctan2(cross(a, b), (a * b).sum(axis=1))
+    return np.where(radius < 0.0, -angle, angle) % TURN
+
+
+def sources(place: np.ndarray, circles: np.ndarray) -> np.ndarray:
+    """For each edge of a ring (n, 2) the circle (C, 3) along whose polygon it goes, or -1, (n,)."""
+    ends = np.roll(place, -1, axis=0)
+    middle = 0.5 * (place + ends)
+    found = np.full(len(place), -1)
+    for k, (x, y, r) in enumerate(circles):
+        near = ON * (1.0 + abs(x) + abs(y) + r)
+        beside = np.flatnonzero(on_polygon(middle, x, y, r, near))
+        both = on_polygon(place[beside], x, y, r, near) & on_polygon(ends[beside], x, y, r, near)
+        found[beside[both]] = k
+    return found
+
+
+def on_polygon(place: np.ndarray, x: float, y: float, r: float, near: float) -> np.ndarray:
+    """Whether places (n, 2) lie on the polygon that stands for a circle, as `circle` makes it."""
+    w = place - (x, y)
+    away = np.hypot(w[:, 0], w[:, 1])
+    step = TURN / SEGMENTS
+    found = np.abs(away - r) <= SAGITTA * r + near
+    angle = np.arctan2(w[found, 1], w[found, 0]) % step - 0.5 * step
+    found[found] = np.abs(away[found] * np.cos(angle) - r * math.cos(0.5 * step)) <= near
+    return found
+
+
+def meeting(place: np.ndarray, centre: np.ndarray, radius: np.ndarray, k: int) -> np.ndarray | None:
+    """Where edge k - 1 of a ring and edge k meet, nearest to its place k; None if they do not."""
+    at = place[k]
+    if radius[k] == 0.0:
+        way, round_ = place[(k + 1) % len(place)] - at, k - 1
+    else:
+        way, round_ = at - place[k - 1], k
+    if radius[k] != 0.0 and radius[k - 1] != 0.0:
+        found = circles_meet(at, centre[k - 1], abs(radius[k - 1]), centre[k], abs(radius[k]))
+    else:
+        found = line_meets(at, way, centre[round_], abs(radius[round_]))
+    if found is None or math.dist(found, at) > MOVED * abs(radius[round_]):
+        return None
+    return found
+
+
+def line_meets(at: np.ndarray, way: np.ndarray, centre: np.ndarray, r: float) -> np.ndarray | None:
+    """Where the line through a place meets a circle, nearest to the place."""
+    u = way / math.hypot(*way)
+    w = at - centre
+    b = float(u @ w)
+    out = math.hypot(*w)
+    c = (out - r) * (out + r)
+    root = b * b - c
+    if root < 0.0:
+        return None
+    divisor = b + math.copysign(math.sqrt(root), b)
+    return at - c / divisor * u if divisor != 0.0 else at
+
+
+def circles_meet(
+    at: np.ndarray, one: np.ndarray, r: float, other: np.ndarray, s: float
+) -> np.ndarray | None:
+    """Where two circles meet, nearest to a place."""
+    d = math.dist(one, other)
+    if d == 0.0:
+        return None
+    u = (other - one) / d
+    a = 0.5 * (d + (r - s) * (r + s) / d)
+    h2 = (r - a) * (r + a)
+    if h2 < 0.0:
+        return None
+    h = math.copysign(math.sqrt(h2), float(cross(u, at - one)))
+    return one + a * u + h * np.array([-u[1], u[0]])
+
+
+def edge_rows(ring: OutlineRing) -> np.ndarray:
+    """The edges of a ring as the surroundings have them, (n, 11): see `Surroundings.edge`."""
+    start, end = ring.start, ring.end
+    way = end - start
+    length = np.hypot(*way.T)[:, None]
+    along = way / length
+    normal = np.column_stack([along[:, 1], -along[:, 0]])
+    return np.hstack([start, end, way / length**2, normal, ring.centre, ring.radius[:, None]])
+
+
+def corner_rows(ring: OutlineRing) -> np.ndarray:
+    """Where the edges of a ring begin: unit normal, and 1 if it is smooth there, (n, 3)."""
+    first, last = ring.normals
+    before = np.roll(last, 1, axis=0)
+    smooth = (first * before).sum(axis=1) >= CORNER
+    # Where the outline turns right back there is no sum of normals: the way out is straight on.
+    total = first + before
+    size = np.hypot(*total.T)[:, None]
+    along = np.column_stack([-first[:, 1], first[:, 0]])
+    total = np.where(size > 1e-9, total / np.maximum(size, 1e-9), -along)
+    return np.column_stack([total, smooth])
+
+
+def apart(edge: np.ndarray, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """From each place (M, 2) to the edge in the same row (M, 11), of which no arc turns by pi.
+
+    Returns the distance, where the nearest place of the edge is (its share of the edge, in [0, 1])
+    and the side of the place: 1 if it is free, -1 if it is solid, 0 if an end is nearest; (M,).
+    """
+    a, b = edge[:, :2], edge[:, 2:4]
+    w = place - a
+    t = (w * edge[:, 4:6]).sum(axis=1)
+    d = (w * edge[:, 6:8]).sum(axis=1)
+    r = edge[:, 10]
+    arc = r != 0.0
+    out = place[arc] - edge[arc, 8:10]
+    sign = np.sign(r[arc])
+    begin, end = a[arc] - edge[arc, 8:10], b[arc] - edge[arc, 8:10]
+    after, left = sign * cross(begin, out), sign * cross(out, end)
+    angle = np.abs(np.arctan2(after, (begin * out).sum(axis=1)))
+    whole = np.abs(np.arctan2(cross(begin, end), (begin * end).sum(axis=1)))
+    between = (after > 0.0) & (left > 0.0)
+    nearer = ((place[arc] - a[arc]) ** 2).sum(axis=1) <= ((place[arc] - b[arc]) ** 2).sum(axis=1)
+    t[arc] = np.where(between, angle / whole, np.where(nearer, 0.0, 1.0))
+    d[arc] = sign * (np.hypot(out[:, 0], out[:, 1]) - np.abs(r[arc]))
+    inner = (t > 0.0) & (t < 1.0)
+    to_end = np.where((t <= 0.0)[:, None], w, place - b)
+    away = np.where(inner, np.abs(d), np.hypot(to_end[:, 0], to_end[:, 1]))
+    return away, np.clip(t, 0.0, 1.0), np.where(inner, np.sign(d), 0.0)
+
+
+def places_of(edge: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """The places at shares (M,) of edges (M, 11), (M, 2)."""
+    a, b, centre = edge[:, :2], edge[:, 2:4], edge[:, 8:10]
+    s = share[:, None]
+    straight = (1.0 - s) * a + s * b
+    w, v = a - centre, b - centre
+    angle = share * np.arctan2(cross(w, v), (w * v).sum(axis=1))
+    c, d = np.cos(angle), np.sin(angle)
+    arc = centre + np.column_stack([c * w[:, 0] - d * w[:, 1], d * w[:, 0] + c * w[:, 1]])
+    return np.where(edge[:, 10:] != 0.0, arc, straight)
+
+
+def chorded(edge: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Runs low to high of consecutive edges as shapely lines, with chords for arcs, (C,)."""
+    chords = np.where(edge[:, 10] != 0.0, CHORDS, 1)
+    edges = high - low
+    owner = np.repeat(np.arange(len(low)), edges)
+    k = low[owner] + np.arange(len(owner)) - np.repeat(np.cumsum(edges) - edges, edges)
+    steps = chords[k] + (k == high[owner] - 1)  # the last edge brings its end
+    of = np.repeat(np.arange(len(k)), steps)
+    step = np.arange(len(of)) - np.repeat(np.cumsum(steps) - steps, steps)
+    place = places_of(edge[k[of]], step / chords[k[of]])
+    return shapely.linestrings(place, indices=owner[of])
