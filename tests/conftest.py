@@ -1,7 +1,8 @@
 """Which tests there are, how thoroughly values are drawn, and in which order files are tested.
 
-A test bears its folder's name as a mark (`-m "not browser"`), and `quick` if it needs neither a
-browser nor another process: `-m quick` leaves whole folders out before they are read.
+A test bears its folder's name as a mark (`-m "not browser"`), `quick` if it needs neither a
+browser nor another process, and `exhaustive` if only `.ci/run` asks for it: `-m quick` leaves whole
+folders out before they are read.
 Two processes test whole files, the dear ones first, so that none is left alone at the end. All
 that looks into a browser is one file to them: two browsers at once, without a GPU, would keep each
 other waiting. A page of the documentation is one by itself.
@@ -24,20 +25,55 @@ BROWSER = "tests/browser"
 QUICK = ("flight", "oracles", "worlds")
 """Folders of tests that are quick, beside the files of this one."""
 NOT_QUICK = (
-    "test_benchmarks.py",
     "test_commands.py",
-    "test_conformance.py",
     "test_docs.py",
     "test_interpret.py",
-    "test_kernel_cache.py",
     "test_mesa.py",
-    "test_observables_of_few.py",
     "test_page.py",
-    "test_solid_walls.py",
     "test_trim.py",
-    "test_tutorials.py",
 )
 """Files that are not quick all the same: commands, processes, what takes all models or pages."""
+EXHAUSTIVE = (
+    "tests/attacks",
+    "tests/browser",
+    "tests/papers",
+    "tests/classroom/test_benchmark.py",
+    "tests/classroom/test_class.py",
+    "tests/classroom/test_class_tls.py",
+    "tests/classroom/test_hand_in.py",
+    "tests/classroom/test_run_queue.py",
+    "tests/cli/test_film.py",
+    "tests/cli/test_live.py",
+    "tests/cli/test_missions.py",
+    "tests/cli/test_strange_recordings.py",
+    "tests/cli/test_sweep_faults.py",
+    "tests/cli/test_terminal.py",
+    "tests/cli/test_wrong_values.py",
+    "tests/experiments/test_cluster.py",
+    "tests/experiments/test_missions.py",
+    "tests/experiments/test_processes.py",
+    "tests/experiments/test_schemes.py",
+    "tests/live/test_forged_streams.py",
+    "tests/live/test_killed.py",
+    "tests/live/test_slow_browser.py",
+    "tests/live/test_strange_datagrams.py",
+    "tests/live/test_while_driving.py",
+    "tests/pages/test_pages.py",
+    "tests/test_benchmarks.py",
+    "tests/test_conformance.py",
+    "tests/test_delay.py",
+    "tests/test_engine_neighbours.py",
+    "tests/test_kernel_cache.py",
+    "tests/test_new_rule.py",
+    "tests/test_observables_of_few.py",
+    "tests/test_solid_walls.py",
+    "tests/test_tutorials.py",
+    "tests/test_wind.py",
+    "tests/viewer/test_preview.py",
+    "tests/viewer/test_reconnects.py",
+)
+"""What takes all models in turn, a real browser, every printed command, an attack, a whole class, or
+minutes: three quarters of the time of all tests. `.ci/run` runs it after the rest."""
 FEW = 8
 """Examples that hypothesis draws at most for a test, if what is quick is run."""
 DEAR = (
@@ -106,11 +142,18 @@ def pytest_xdist_make_scheduler(config, log):
 
 
 @functools.cache
+def is_exhaustive(path: Path) -> bool:
+    """Whether only `.ci/run` asks for a file of tests."""
+    inside = path.relative_to(HERE.parent).as_posix() if path.is_relative_to(HERE) else ""
+    return inside.startswith(EXHAUSTIVE)
+
+
+@functools.cache
 def is_quick(path: Path) -> bool:
     """Whether a file or folder of tests is, or may hold, what `-m quick` runs."""
     if not path.is_relative_to(HERE):
         return not path.is_relative_to(HERE.parent / "app")
-    if path.name in NOT_QUICK:
+    if path.name in NOT_QUICK or is_exhaustive(path):
         return False
     inside = path.relative_to(HERE).parts
     return not inside or inside[0] in QUICK or (len(inside) == 1 and not path.is_dir())
@@ -155,7 +198,7 @@ def marks(path: Path) -> list[str]:
     """The marks that all tests of a file bear."""
     inside = path.is_relative_to(HERE) and path.parent != HERE
     folder = [path.relative_to(HERE).parts[0]] if inside else []
-    return [*folder, "quick"] if is_quick(path) else folder
+    return [*folder, *["quick"] * is_quick(path), *["exhaustive"] * is_exhaustive(path)]
 
 
 @functools.cache

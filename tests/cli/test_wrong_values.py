@@ -75,7 +75,8 @@ def place(tmp_path, monkeypatch):
         "app.cli.live.lab.serve", "app.cli.live.run.conduct", "app.cli.live.check.look_at_devices",
         "app.live.operating.flock_driver.FlockDriver",
         "app.cli.formation.trimmed", "app.flight.flown.flown",
-        "app.flight.curve.swept", "agents.flight.trim.trim", "app.worlds.picture.draw_world",
+        "app.flight.curve.swept", "app.flight.load.carried", "agents.flight.trim.trim",
+        "app.worlds.picture.draw_world",
         "app.formation.files.table", "agents.observables.formation.vee_saved",
         "app.cli.live.emulate.emulate", "webbrowser.open", "app.cli.take.source.compile_loop",
     ):  # fmt: skip
