@@ -1,13 +1,14 @@
-"""Writes docs/papers.md, and what README.md counts of it, from stored results of full runs.
+"""Writes docs/papers.md from stored results of full runs.
 
     uv run flockscope paper --all --json > results/all.json
     uv run python docs/make_papers.py [results/all.json ...]
 
 With files, of all papers or of one, their results are stored beside the text first, as
 `docs/papers/NAME.json`, and the pictures that they name with them. A line `{NAME}` of the text
-becomes the table and the claims of that experiment, `{changed}` the words that are others than in
-`docs/papers/before.json`, `{judge}` what `benchmarks/judge.py --json` has printed into
-`docs/papers/judge.json`. A test holds the pages against all of them.
+becomes the table and the claims of that experiment, `{counted}` how many rows of Liu et al. 2021
+agree, `{changed}` the words that are others than in `docs/papers/before.json`, `{judge}` what
+`benchmarks/judge.py --json` has printed into `docs/papers/judge.json`. A test holds the page
+against all of them.
 """
 
 from __future__ import annotations
@@ -22,10 +23,8 @@ from typing import Any
 
 HERE = Path(__file__).parent / "papers"
 TEXT, PAGE = HERE / "papers.md.in", HERE.parent / "papers.md"
-README, BEFORE = HERE.parents[1] / "README.md", HERE / "before.json"
-"""BEFORE: the words by Student's t alone, by experiment and by what they were said of."""
-COUNTED = re.compile(r"(?<=<!-- counted by docs/make_papers.py -->\n).*?(?=\n<!-- -->)", re.S)
-"""Where README.md says how many rows agree."""
+BEFORE = HERE / "before.json"
+"""The words by Student's t alone, by experiment and by what they were said of."""
 KEPT = ("name", "title", "source", "claims")
 ROW = (
     *("label", "agents", "parameter", "value", "against", "at", "way", "tick"),
@@ -44,13 +43,12 @@ SIGNS = {"holds": "holds", "does not hold": "**does not hold**", "differs": "**d
 
 
 def main() -> None:
-    """Store results if there are any, and write the pages."""
+    """Store results if there are any, and write the page."""
     for path in sys.argv[1:]:
         read = json.loads(Path(path).read_text(encoding="utf-8"))
         for one in read.get("papers", [read]):
             store(one)
     PAGE.write_text(page(), encoding="utf-8")
-    README.write_text(counted(README.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 def store(outcome: dict[str, Any]) -> None:
@@ -78,7 +76,7 @@ def words_of(outcome: dict[str, Any]) -> dict[str, str]:
 def page() -> str:
     """The page: the text with tables and claims in the places of their names."""
     text = TEXT.read_text(encoding="utf-8")
-    made = {"judge": judge_table, "changed": changed_list}
+    made = {"counted": count_agreeing_rows, "judge": judge_table, "changed": changed_list}
     return re.sub(
         r"^\{([\w.-]+)\}$",
         lambda found: made[found[1]]() if found[1] in made else block(found[1]),
@@ -87,8 +85,8 @@ def page() -> str:
     )
 
 
-def counted(readme: str) -> str:
-    """README.md with what it counts of the stored results."""
+def count_agreeing_rows() -> str:
+    """How many rows of the two tables of Liu et al. 2021 have each verdict."""
     one, other = (
         stored(f"liu2021-table{k}", measure) for k, measure in ((1, "k_con"), (2, "success"))
     )
@@ -97,7 +95,7 @@ def counted(readme: str) -> str:
         f"Of the {len(other)} success rates of table 2, whose scene is known from a picture only, "
         f"{count_words(other)}."
     )
-    return COUNTED.sub(fill(said, WIDTH), readme)
+    return fill(said, WIDTH)
 
 
 def stored(name: str, measure: str) -> list[dict[str, Any]]:

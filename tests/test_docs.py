@@ -41,7 +41,6 @@ def test_the_page_of_the_papers_is_its_text_and_the_stored_results():
     papers = runpy.run_path(str(ROOT / "docs" / "make_papers.py"))
     made = papers["page"]()
     assert text("docs/papers.md") == made, "run `uv run python docs/make_papers.py`"
-    assert text("README.md") == papers["counted"](text("README.md")), "the same"
     assert "{" not in re.sub(r"`[^`]*`", "", made), "a name that stands for no result"
 
 
