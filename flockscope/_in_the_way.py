@@ -32,7 +32,7 @@ def demand_own_parts(checkout: Path) -> None:
             what = f"the module {origin}" if origin else f"a folder {name!r} without {own}"
             raise ImportError(
                 f"{what} is in the way of flockscope's own {name!r} in the checkout {checkout}: "
-                "rename it, start Python elsewhere, or install flockscope (README, Start), "
+                "rename it, start Python elsewhere, or install flockscope (docs/installing.md), "
                 "where nothing is in its way",
                 name=name,
             )

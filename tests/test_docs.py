@@ -13,7 +13,8 @@ from pathlib import Path
 
 import pytest
 from cli.calling import call
-from pages.blocks import blocks_of
+from pages.blocks import blocks_of, inline_commands
+from PIL import Image
 
 from agents.catalogue import collect
 from agents.catalogue import model as by_name
@@ -128,6 +129,37 @@ def commands(page):
                 yield shlex.split(asked)[3:]
 
 
+def test_readme_is_short_and_counts_the_models():
+    assert len(text("README.md").split()) <= 600
+    assert f"| {len(MODELS)} models |" in text("README.md")
+
+
+def test_a_page_runs_every_command_that_readme_has_in_its_table():
+    """Commands in a sentence are only parsed; those in a block of a page are run."""
+    run = [words for page in WRITTEN for words in commands(page)]
+    named = [shlex.split(line)[3:] for line in inline_commands("README.md")]
+    assert len(named) >= 5
+    assert [words for words in named if words not in run] == []
+
+
+def test_the_film_of_readme_plays_for_ever_and_is_small():
+    film = ROOT / "docs" / "flock.webp"
+    assert "(docs/flock.webp)" in text("README.md")
+    assert film.stat().st_size < 3e6
+    with Image.open(film) as opened:
+        assert opened.n_frames >= 60
+        assert opened.info["loop"] == 0
+
+
+def test_the_python_of_readme_is_eight_lines_and_saves_the_picture_below_it():
+    page = text("README.md")
+    (code,) = re.findall(r"```python\n(.*?)```\n\n!\[[^\]]+\]\(docs/flock\.png\)", page, re.S)
+    assert len(code.splitlines()) <= 8
+    assert 'save("flock.png")' in code
+    with Image.open(ROOT / "docs" / "flock.png") as picture:
+        assert f"size={picture.size}" in code
+
+
 def after(words, option):
     """The word after an option or a command, if there is one that is no option."""
     rest = words[words.index(option) + 1 :] if option in words else []
@@ -137,7 +169,7 @@ def after(words, option):
 def test_commands_are_found_wherever_they_stand():
     found = [words[0] for page in WRITTEN for words in commands(page) if words]
     assert set(found) >= {"lab", "run", "paper", "world", "list"}
-    assert ["lab", "hwvem-nav"] in list(commands("README.md"))
+    assert ["lab", "hwvem-nav"] in list(commands("docs/first-examples.md"))
 
 
 @pytest.mark.parametrize("page", [*WRITTEN, *(f"docs/rules/{name}" for name in sorted(PAGES))])

@@ -94,11 +94,13 @@ OTHERWISE = (
     Otherwise("live emulate --arm", None, "docs/live.md runs it and records it"),
     Otherwise("live emulate", "--seconds 1", "would wait for a key: nobody is at it"),
     Otherwise(
-        "flight trim --speed 3.5 --frequency", None, "options by name that README leaves out"
+        "flight trim --speed 3.5 --frequency", None, "options by name that another page leaves out"
     ),
     Otherwise("flight sweep", None, "takes a minute; tests/flight/test_commands.py sweeps"),
     Otherwise("flight simulate", None, "takes half a minute; tests/flight/test_commands.py flies"),
-    Otherwise("formation vee --birds", "--draws 20 --no-pictures", "README's draws the picture"),
+    Otherwise(
+        "formation vee --birds", "--draws 20 --no-pictures", "another page draws the picture"
+    ),
     Otherwise("formation vee", "--draws 20", "fewer draws: a thousand take ten seconds"),
     Otherwise("paper couzin2002-phases", None, "84 rows; tests/papers/test_couzin2002.py has some"),
     Otherwise(

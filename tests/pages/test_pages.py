@@ -128,7 +128,9 @@ def draw_station(path):
 
 
 READERS_OWN = {
-    ("README.md", "lab.toml"): lambda path: path.write_text(file_from("docs/live.md", "lab.toml")),
+    ("docs/first-examples.md", "lab.toml"): lambda path: path.write_text(
+        file_from("docs/live.md", "lab.toml")
+    ),
     ("docs/worlds.md", "plan.dxf"): draw_plan,
     ("docs/worlds.md", "office.wkt"): draw_box,
     ("docs/worlds.md", "campus.geojson"): draw_campus,
