@@ -72,7 +72,7 @@ EXHAUSTIVE = (
     "tests/viewer/test_preview.py",
     "tests/viewer/test_reconnects.py",
 )
-"""What takes all models in turn, a real browser, every printed command, an attack, a whole class, or
+"""What takes all models, a real browser, every printed command, an attack, a whole class, or
 minutes: three quarters of the time of all tests. `.ci/run` runs it after the rest."""
 FEW = 8
 """Examples that hypothesis draws at most for a test, if what is quick is run."""
