@@ -7,7 +7,8 @@ until all agree. A result is made as by the process that the class has for it: t
 measure, how it differs from the class's scene, its spec. Then the picture, the plot of the page,
 and the file of the whole class, saved and opened again. Milliseconds by the clock of one process
 that has compiled already. With --pairs instead: nanoseconds for each pair of agents that a run of
-each model looks at, as `app/classroom/collect/bounds.py` counts them, in its own world and crowded.
+each model looks at, as `app/classroom/collect/run_cost.py` counts them, in its own world and
+crowded.
 """
 
 from __future__ import annotations
@@ -26,16 +27,16 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from agents import Flock
 from agents.catalogue import MODELS
 from agents.spec import Spec
-from app.classroom.class_file.opening import load
+from app.classroom.class_file.class_file_reader import load
 from app.classroom.class_file.saving import save
 from app.classroom.class_file.state import ClassState, SavedStudent
-from app.classroom.collect.bounds import MOST_PAIRS, count_agents, mean_neighbours
-from app.classroom.collect.choices import ready_for
+from app.classroom.collect.class_picture import FORMATS, picture
+from app.classroom.collect.class_table import to_json
 from app.classroom.collect.collection import Collection
 from app.classroom.collect.hand_in import Point, hand_in, run_of, warm_up
-from app.classroom.collect.picture import FORMATS, picture
 from app.classroom.collect.question import Question
-from app.classroom.collect.table import to_json
+from app.classroom.collect.question_choices import ready_for
+from app.classroom.collect.run_cost import MOST_PAIRS, count_agents, mean_neighbours
 from app.classroom.student import Role
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.run.run_preset import at_home

@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT))
 
 from app.experiments.verdicts.judge import (  # noqa: E402
     CONFIDENCE,
-    Limits,
+    ConfidenceInterval,
     bounded_interval,
     confidence_of_look,
     estimate_mean,
@@ -101,7 +101,7 @@ def draw(name: str, samples: int, runs: int, part: str = "") -> np.ndarray:
     return np.asarray(LAWS[name](rng, (samples, runs)), float)
 
 
-def student_interval(values: np.ndarray, confidence: float = CONFIDENCE) -> Limits:
+def student_interval(values: np.ndarray, confidence: float = CONFIDENCE) -> ConfidenceInterval:
     """Student's interval, to stand beside ours; no word of equal runs."""
     from scipy.special import stdtrit
 
@@ -109,15 +109,15 @@ def student_interval(values: np.ndarray, confidence: float = CONFIDENCE) -> Limi
     half = stdtrit(found.freedom, 0.5 * (1.0 + confidence)) * found.error
     known = found.error > 0.0
     low = np.where(known, found.mean - half, -np.inf)
-    return Limits(low, np.where(known, found.mean + half, np.inf))
+    return ConfidenceInterval(low, np.where(known, found.mean + half, np.inf))
 
 
-def our_interval(values: np.ndarray, confidence: float = CONFIDENCE) -> Limits:
+def our_interval(values: np.ndarray, confidence: float = CONFIDENCE) -> ConfidenceInterval:
     """Ours."""
     return mean_interval(estimate_mean(values), confidence)
 
 
-def excludes(limits: Limits, value: float | np.ndarray = 0.0) -> float:
+def excludes(limits: ConfidenceInterval, value: float | np.ndarray = 0.0) -> float:
     """In how many per cent of samples an interval says that a value is not the mean."""
     return 100.0 * float(np.mean((limits.low > value) | (limits.high < value)))
 

@@ -13,9 +13,9 @@ from itertools import pairwise
 from pathlib import Path
 
 from app.experiments.runs.database import FILE
-from app.experiments.runs.outcome import Outcome
-from app.experiments.runs.reading import Kept
+from app.experiments.runs.run_outcome import Outcome
 from app.experiments.runs.store import Store
+from app.experiments.runs.store_reader import StoreReader
 
 CELLS = 100
 COLUMNS = ("k", "x")
@@ -36,9 +36,9 @@ def main() -> None:
                 measures = {"k": seed, "x": 0.1 * seed}
                 store.add(cells[row % CELLS], seed, Outcome("ok", measures, "", 0.01, 100))
         marks.append(time.process_time())
-        found = len(Kept(folder).runs(COLUMNS))
+        found = len(StoreReader(folder).runs(COLUMNS))
         marks.append(time.process_time())
-        counted = Kept(folder).counts["ok"]
+        counted = StoreReader(folder).counts["ok"]
         marks.append(time.process_time())
         size = (folder / FILE).stat().st_size
     write, load, status = (after - before for before, after in pairwise(marks))

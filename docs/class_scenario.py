@@ -2,7 +2,8 @@
 
 The teacher shows the code, the students enter by it; the teacher asks the question that is ready
 for the lesson, each student hands in a run with the value that they were given or choose, a sweep
-draws the curve beside, and the results are taken along. `Kept` says what becomes of pictures.
+draws the curve beside, and the results are taken along. `StoreReader` says what becomes of
+pictures.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from PIL import Image
 from agents.flock import Flock
 from app.viewer.pictures.browser import Browser, find_browser
 from app.viewer.pictures.shot import Shot, look_of, shot
-from app.viewer.scene.cameras.camera import View
+from app.viewer.scene.cameras.camera import CameraView
 
 HERE = Path(__file__).parent
 README = HERE.parent / "README.md"
@@ -38,14 +38,14 @@ DISTANCE, FOV = 5.3, 0.62
 """From the middle of the flock to the camera, display units; vertical field of view, rad."""
 
 
-def view_of(one: Shot, share: float) -> View:
+def view_of(one: Shot, share: float) -> CameraView:
     """The camera's view of a flock when a share of the film (0 to 1) is over."""
     middle = one.made.at.mean(axis=0)
     azimuth = np.deg2rad(AZIMUTH[0] + share * (AZIMUTH[1] - AZIMUTH[0]))
     elevation = np.deg2rad(ELEVATION)
     level = np.cos(elevation)
     back = np.array([np.cos(azimuth) * level, np.sin(azimuth) * level, np.sin(elevation)])
-    return View(middle + DISTANCE * back, middle, FOV)
+    return CameraView(middle + DISTANCE * back, middle, FOV)
 
 
 def draw_film() -> list[np.ndarray]:

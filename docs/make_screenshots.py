@@ -22,7 +22,7 @@ from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
 from app.viewer.run.run_preset import at_home
-from app.viewer.scene.shown.look import STEP_OFF
+from app.viewer.scene.shown.drawing_style import STEP_OFF
 
 HERE = Path(__file__).parent
 LIVE = "live-armed.png"

@@ -13,7 +13,7 @@ import tomllib
 from pathlib import Path
 
 from app.worlds.contents import points
-from app.worlds.picture import draw_world
+from app.worlds.world_picture import draw_world
 from worlds.generators import GENERATORS, drawn, generate
 from worlds.generators.generate import allowed
 from worlds.layout import layout_names, read_layout, world, world_from_layout

@@ -14,7 +14,7 @@ from agents.series import Series, follow
 
 if TYPE_CHECKING:
     from app.viewer.notebook.notebook_view import NotebookView
-    from app.viewer.pictures.still import Still
+    from app.viewer.pictures.flock_picture import FlockPicture
 
 __all__ = [
     "Flock",
@@ -60,7 +60,7 @@ class Flock(RunningFlock):
         camera: str = "fixed",
         follow: int | None = None,
         renderer: str = "plain",
-    ) -> Still:
+    ) -> FlockPicture:
         """Draw this flock as it is; a notebook shows the picture, `save` writes PNG, SVG or PDF.
 
         size: width and height, each 320 to 8000 pixels. colour: heading, layer, group, speed,
@@ -69,6 +69,6 @@ class Flock(RunningFlock):
         closely. renderer: `plain`, or `browser`, as the page shows it, by a Chromium, Chrome or
         Edge of this machine. Raises InputError.
         """
-        from app.viewer.pictures.still import picture
+        from app.viewer.pictures.flock_picture import picture
 
         return picture(self, size, colour=colour, camera=camera, follow=follow, renderer=renderer)

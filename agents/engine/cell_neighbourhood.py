@@ -131,7 +131,7 @@ def fill_block(grid, space, slots, cell, block, signals):
 def nearest_images(space, grid, block, m, x, y, z, dim):
     """For axes of a single cell: bring every agent of the block to its image nearest to (x, y, z).
 
-    The images stand in rows 6 to 8 of the block, where `Near` reads positions.
+    The images stand in rows 6 to 8 of the block, where `NearClaim` reads positions.
     """
     for axis in range(dim):
         here = x if axis == 0 else (y if axis == 1 else z)

@@ -361,10 +361,10 @@ def advance(
     """Run `ticks` ticks, or the asked phases of one.
 
     `work` = (phases, part, parts, first row, last row): phases is a sum of PLAN .. SWEEP, and the
-    rows (slots, while sweeping) are those of this part. `until` is when to stop (`Until`). `trace`
-    (ticks, N, dim) or (0, N, dim) receives the positions after each tick. Returns (ticks done, last
-    tick at which `holds` did not or -1, first row with a position that is no number or -1, room
-    that the workspace's block lacks or 0); where it lacks room, the tick has not begun.
+    rows (slots, while sweeping) are those of this part. `until` is when to stop (`StopCondition`).
+    `trace` (ticks, N, dim) or (0, N, dim) receives the positions after each tick. Returns (ticks
+    done, last tick at which `holds` did not or -1, first row with a position that is no number or
+    -1, room that the workspace's block lacks or 0); where it lacks room, the tick has not begun.
     """
     phases, part, parts, first, last = work
     last_off = until.last_off

@@ -12,13 +12,13 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from app.classroom.asking import Asking
+from app.classroom.class_keys import hashed, new_code, new_key, same
 from app.classroom.flocks import Flocks, allowance
-from app.classroom.keys import hashed, new_code, new_key, same
 from app.classroom.names import student_name, unique_name
-from app.classroom.student import Place, Role, Student
+from app.classroom.question_service import QuestionService
+from app.classroom.student import LaboratoryAddress, Role, Student
 from app.classroom.workers.process import WorkerProcess
-from app.results import RESULTS
+from app.results_folder import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
 from worlds.input_error import InputError
 
@@ -56,7 +56,7 @@ class Classroom:
         self.by_key: dict[str, Student] = {}
         self.first_role = Role.WATCHING
         """What new students do."""
-        self.asking = Asking(results)
+        self.asking = QuestionService(results)
         self.flocks = Flocks(workers, allowance(scene, seats), self.moved)
         self.word = ""
         self.frozen = False
@@ -180,7 +180,7 @@ class Classroom:
 
     # What each of them sees.
 
-    async def place_of(self, student: Student) -> Place:
+    async def place_of(self, student: Student) -> LaboratoryAddress:
         """The laboratory that a student sees; their own is opened if need be. Raises InputError."""
         return await self.flocks.place_of(student, lambda: self.first_scene(student, self.scene))
 

@@ -14,10 +14,10 @@ from typing import Any
 
 from agents.catalogue import model as find_model
 from agents.flock_world import find_world
-from app.classroom.student import Place, Role, Student
-from app.classroom.workers.process import Gone, WorkerProcess
-from app.classroom.workers.seen import Seen
-from app.classroom.workers.worker import Laboratories
+from app.classroom.student import LaboratoryAddress, Role, Student
+from app.classroom.workers.laboratory_status import LaboratoryStatus
+from app.classroom.workers.laboratory_worker import Laboratories
+from app.classroom.workers.process import WorkerLostError, WorkerProcess
 from app.experiments.workers.processes import cores
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.run.allowance import Allowance
@@ -61,10 +61,10 @@ class Flocks:
         """The process of the teacher's laboratory."""
         self.first = ""
         """What the teacher's laboratory begins with, TOML."""
-        self.teacher: Place | None = None
-        self.watching: Place | None = None
+        self.teacher: LaboratoryAddress | None = None
+        self.watching: LaboratoryAddress | None = None
         """The page of those who watch the teacher's run."""
-        self.seen: dict[int, Seen] = {}
+        self.seen: dict[int, LaboratoryStatus] = {}
         """How each laboratory stood when it was looked at last."""
         self.tasks: set[asyncio.Task[Any]] = set()
         self.closing = False
@@ -91,8 +91,8 @@ class Flocks:
     async def open_teacher(self) -> None:
         """Open the teacher's laboratory, and the page of those who watch it, in a new process."""
         self.own = await WorkerProcess(self.has_ended).begin()
-        self.teacher = Place(self.own, await self.own.ask("open", TEACHER, self.first))
-        self.watching = Place(self.own, await self.own.ask("watch", TEACHER))
+        self.teacher = LaboratoryAddress(self.own, await self.own.ask("open", TEACHER, self.first))
+        self.watching = LaboratoryAddress(self.own, await self.own.ask("watch", TEACHER))
 
     def task[T](self, work: Coroutine[Any, Any, T]) -> asyncio.Task[T]:
         """Have something done, whoever waits for it or waits no more."""
@@ -121,11 +121,11 @@ class Flocks:
 
     # What each student sees.
 
-    def shown(self, student: Student) -> Place | None:
+    def shown(self, student: Student) -> LaboratoryAddress | None:
         """The laboratory that a student sees, if it is open."""
         return self.watching if student.role is Role.WATCHING else student.place
 
-    async def place_of(self, student: Student, first: Callable[[], str]) -> Place:
+    async def place_of(self, student: Student, first: Callable[[], str]) -> LaboratoryAddress:
         """The laboratory that a student sees; their own is opened if need be. Raises InputError.
 
         `first` makes the scene of one who has had none.
@@ -136,14 +136,14 @@ class Flocks:
             return self.watching
         return await asyncio.shield(self.task(self.own_place(student, first)))
 
-    async def own_place(self, student: Student, first: Callable[[], str]) -> Place:
+    async def own_place(self, student: Student, first: Callable[[], str]) -> LaboratoryAddress:
         """A student's own laboratory, whether or not the page that first asked still waits."""
         async with student.opening:
             if student.place is None or student.place.worker.is_gone:
                 student.place = await self.open_own(student, student.scene or first())
             return student.place
 
-    async def open_own(self, student: Student, scene: str) -> Place:
+    async def open_own(self, student: Student, scene: str) -> LaboratoryAddress:
         """Open a student's own laboratory, in the process with the fewest. Raises InputError."""
         worker = student.worker = min(self.workers, key=lambda one: one.held)
         worker.held += 1
@@ -156,13 +156,13 @@ class Flocks:
         except Exception:
             self.drop(worker, student)
             raise
-        return Place(worker, address)
+        return LaboratoryAddress(worker, address)
 
     async def tell(self, worker: WorkerProcess, what: str, *given: Any) -> Any:
         """What a process answers. Raises InputError if it is gone."""
         try:
             return await worker.ask(what, *given)
-        except Gone:
+        except WorkerLostError:
             raise InputError("the flock is just beginning again") from None
 
     async def tell_own(self, student: Student, what: str, *given: Any) -> Any:
@@ -191,7 +191,7 @@ class Flocks:
 
     async def close_one(self, worker: WorkerProcess, number: int) -> None:
         """Close a laboratory."""
-        with suppress(Gone, RuntimeError):
+        with suppress(WorkerLostError, RuntimeError):
             await worker.ask("close", number)
 
     # How they stand.
@@ -203,7 +203,7 @@ class Flocks:
         if pictures != self.allowance.pictures:
             self.allowance = replace(self.allowance, pictures=pictures)
             for worker in self.workers:
-                with suppress(Gone, RuntimeError):
+                with suppress(WorkerLostError, RuntimeError):
                     await worker.ask("draw_at", pictures)
         processes = [one for one in (*self.workers, self.own) if one is not None]
         await asyncio.gather(*(self.look_at(one, students) for one in processes))
@@ -213,7 +213,7 @@ class Flocks:
         try:
             self.seen.update(await worker.ask("seen"))
             changed: dict[int, str] = await worker.ask("changed")
-        except (Gone, RuntimeError):
+        except (WorkerLostError, RuntimeError):
             return  # another process is about to begin
         for number, scene in changed.items():
             student = students.get(number)

@@ -18,7 +18,7 @@ from agents.spec import Spec
 from app.classroom.collect.hand_in import SECONDS, Point
 from app.classroom.collect.question import Question
 from app.classroom.workers.measuring import MadeRun, RunWorker
-from app.classroom.workers.process import Gone
+from app.classroom.workers.process import WorkerLostError
 from app.classroom.workers.task_process import TaskProcess, TimeUp
 from worlds.input_error import InputError
 
@@ -126,7 +126,7 @@ class RunQueue:
             made: MadeRun | None = await self.usual.do(
                 "make_usual", question, student, ran, scene, limit, rank=record.seconds
             )
-        except Gone:
+        except WorkerLostError:
             record.is_slow = True
             record.seconds += limit
             return None
@@ -141,7 +141,7 @@ class RunQueue:
             made: MadeRun = await self.slow.do(
                 "make_any", question, student, ran, scene, SECONDS, rank=record.seconds
             )
-        except Gone as gone:
+        except WorkerLostError as gone:
             why = (
                 f"took more than {SECONDS:g} s of processor time and was ended"
                 if isinstance(gone, TimeUp)

@@ -20,7 +20,7 @@ class Role(StrEnum):
 
 
 @dataclass(frozen=True)
-class Place:
+class LaboratoryAddress:
     """Where a laboratory is."""
 
     worker: WorkerProcess
@@ -42,7 +42,7 @@ class Student:
     """Whether their flock is held by the teacher: nothing but their camera is heard."""
     value: float | None = None
     """What the question has given them to try."""
-    place: Place | None = None
+    place: LaboratoryAddress | None = None
     """Where their own flock is, while it is anywhere."""
     worker: WorkerProcess | None = None
     """The process that has it, or is about to."""

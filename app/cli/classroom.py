@@ -13,18 +13,18 @@ import typer
 
 from app.cli.file_argument import is_file
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port
-from app.cli.stopping import Stopping, leave
+from app.cli.stop_signals import StopSignals, leave
 from app.experiments.workers.processes import cores
-from app.results import RESULTS
+from app.results_folder import RESULTS
 from app.viewer.web.addresses import LOOPBACK
 from app.viewer.web.origin import allowed
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
+    from app.classroom.class_keeper import ClassKeeper
     from app.classroom.classroom import Classroom
     from app.classroom.front.serving import ClassFront
-    from app.classroom.keeping import Keeping
 
 LOOK = 0.1
 """Seconds between two looks whether somebody asked it to stop."""
@@ -77,21 +77,21 @@ def classroom(
         demand_writable("class", path, False)
     pair = None if certificate is None or key is None else (certificate, key)
     names = tuple(allowed(name) for name in allow_host or ())
+    from app.classroom.class_keeper import ClassKeeper
     from app.classroom.front.serving import ClassFront
-    from app.classroom.keeping import Keeping
 
     made = opened(scene, students, workers or 2 * cores())
-    keeping = Keeping(made, path)
+    keeping = ClassKeeper(made, path)
     front = ClassFront(made, host, port, names, pair)
-    with Stopping() as stopping:
+    with StopSignals() as stopping:
         asyncio.run(serve(front, keeping, host, stopping, open_browser))
     leave()
 
 
 def opened(name: str | None, seats: int, workers: int) -> Classroom:
     """The class of a lesson, a scene or a file. Raises InputError."""
+    from app.classroom.class_keeper import restored
     from app.classroom.classroom import Classroom
-    from app.classroom.keeping import restored
     from app.classroom.lessons.lessons import FIRST, find_lesson
     from app.viewer.gallery.file_opener import opened_file
     from app.viewer.gallery.saved_scene import SavedScene
@@ -112,10 +112,10 @@ def usual_place() -> Path:
 
 
 async def serve(
-    front: ClassFront, keeping: Keeping, host: str, stopping: Stopping, open_browser: bool
+    front: ClassFront, keeping: ClassKeeper, host: str, stopping: StopSignals, open_browser: bool
 ) -> None:
     """Serve until the class is over, or Ctrl-C or SIGTERM, and say where; keep it meanwhile."""
-    from app.classroom.keeping import EVERY
+    from app.classroom.class_keeper import EVERY
 
     classroom = front.classroom
     await classroom.open()
@@ -144,7 +144,7 @@ async def serve(
         typer.echo(f"the class {ended} {str(keeping.path)!r}: flockscope class {keeping.path}")
 
 
-async def keep(keeping: Keeping) -> None:
+async def keep(keeping: ClassKeeper) -> None:
     """Keep the class; what cannot be written is said, and tried again later."""
     try:
         await keeping.keep()

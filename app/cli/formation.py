@@ -8,10 +8,10 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.outcome import as_json, tell_written
+from app.cli.outcome_table import as_json, tell_written
 from app.cli.progress import Progress
 from app.cli.usage import grouped
-from app.results import demand_folder, picture_files
+from app.results_folder import demand_folder, picture_files
 from app.settings import at_least, numbers
 from worlds.input_error import InputError
 from worlds.memory import demand_memory

@@ -16,7 +16,7 @@ from agents.catalogue import model as find_model
 from agents.models.declare import Parameters
 from agents.spec import KEYS, OPTIONS, Option, Spec, several
 from app.cli.file_argument import RUN, scene_run
-from app.experiments.lines import place
+from app.experiments.key_lines import place
 from app.settings import assignment, numbers
 from worlds.input_error import InputError, nearest, shortened, unknown
 from worlds.text_file import read_text, toml

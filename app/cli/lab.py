@@ -17,7 +17,7 @@ from app.cli.file_argument import is_file
 from app.cli.given import Asked, demand_parameters, given, named, with_options
 from app.cli.rule_option import Rules, by_name, first_of
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
-from app.cli.stopping import Stopping, leave
+from app.cli.stop_signals import StopSignals, leave
 from app.settings import assignment
 from app.viewer.run.run_preset import at_home
 from app.viewer.web.origin import allowed
@@ -90,7 +90,7 @@ def lab(
         second = None if beside is None else Spec(beside, parameters=others)
     if opened is not None:
         spec, second = opened.spec, getattr(opened, "beside", None)
-    with Stopping() as stopping:
+    with StopSignals() as stopping:
         server = open_server(host, port, Front(SCRIPTS, names))
         try:  # the page is served, and loads in the browser, before what takes long to import
             if open_browser:
@@ -181,7 +181,7 @@ def lively(model: str, given: dict[str, Any]) -> dict[str, Any]:
     return {name: made[name] for name in moved | given}
 
 
-def serve(laboratory: Any, stopping: Stopping) -> None:
+def serve(laboratory: Any, stopping: StopSignals) -> None:
     """Tell the address and serve until Ctrl-C or SIGTERM."""
     try:
         announce(laboratory.host, laboratory.port, "Ctrl-C stops it", "press every button")

@@ -13,7 +13,7 @@ from typer.main import get_command
 
 from app.cli.refusals import told
 from app.cli.terminal import guard_streams
-from app.cli.usage import Group, OneCommand
+from app.cli.usage import CommandGroup, OneCommand
 
 
 class Entry(NamedTuple):
@@ -64,7 +64,7 @@ COMMANDS = {
 OWN_OPTIONS = ("--help", "--version", "--install-completion", "--show-completion")
 
 
-class Commands(Group):
+class Commands(CommandGroup):
     """The commands by name; the module of a command is imported when it is called."""
 
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002

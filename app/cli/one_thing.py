@@ -116,7 +116,7 @@ def paper(name: str) -> Thing:
 
 def lesson(name: str) -> Thing:
     """A lesson and the question that is ready for it."""
-    from app.classroom.collect.choices import ready_for
+    from app.classroom.collect.question_choices import ready_for
     from app.classroom.lessons.lessons import find_lesson
 
     one = find_lesson(name)

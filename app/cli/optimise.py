@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome import as_json, tell, tell_written
-from app.cli.sweep.making import (
+from app.cli.outcome_table import as_json, tell, tell_written
+from app.cli.sweep.run_options import (
     BROKEN,
     AsJson,
     Drawn,
@@ -23,11 +23,11 @@ from app.cli.sweep.making import (
     warn,
 )
 from app.cli.terminal import make_console
-from app.results import PICTURES
+from app.results_folder import PICTURES
 
 if TYPE_CHECKING:
-    from app.experiments.optimisation.answer import Answer
-    from app.experiments.optimisation.optimise import Done
+    from app.experiments.optimisation.optimisation_result import OptimisationResult
+    from app.experiments.optimisation.optimisation_runner import OptimisationReport
     from app.experiments.optimisation.study import Study
 
 FAULTS = 20
@@ -54,10 +54,10 @@ def optimise(
     it. The same call goes on after any stop: the search is begun again and takes what it has seen
     from the store. The exit code is 3 if any run failed.
     """
-    from app.cli.sweep.asked import begun_in, folder_of, is_sweep
-    from app.experiments.optimisation.picture import draw
+    from app.cli.sweep.sweep_choice import begun_in, folder_of, is_sweep
+    from app.experiments.optimisation.optimisation_picture import draw
     from app.experiments.optimisation.study import read_study, study_of
-    from app.experiments.sweeps.pictures.draw import ENDINGS
+    from app.experiments.sweeps.pictures.sweep_picture import ENDINGS
     from worlds.file_writer import demand_writable
     from worlds.input_error import InputError
 
@@ -101,9 +101,9 @@ def carried_out(
     retry: bool,
     limit: int | None,
     quiet: bool,
-) -> Done:
+) -> OptimisationReport:
     """Carry out the search."""
-    from app.experiments.optimisation.optimise import optimise as carry_out
+    from app.experiments.optimisation.optimisation_runner import optimise as carry_out
 
     with under_way(folder, quiet) as progress:
         return carry_out(
@@ -119,7 +119,12 @@ def carried_out(
 
 
 def report(
-    study: Study, folder: Path, done: Done, answer: Answer, files: list[Path], json_asked: bool
+    study: Study,
+    folder: Path,
+    done: OptimisationReport,
+    answer: OptimisationResult,
+    files: list[Path],
+    json_asked: bool,
 ) -> None:
     """Print the answer as a table and in words, or as JSON."""
     if json_asked:

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.lookout import ASTRAY
-from app.cli.outcome import as_json, tell_written
+from app.cli.outcome_table import as_json, tell_written
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
-from app.cli.stopping import Stopping
+from app.cli.stop_signals import StopSignals
+from app.cli.stray_agent_check import ASTRAY
 from app.cli.terminal import make_console
-from app.results import demand_folder, picture_files
+from app.results_folder import demand_folder, picture_files
 from app.settings import at_least, names, whole_numbers
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
@@ -29,8 +29,8 @@ DIFFERS = 3
 """Exit code of `--strict` if anything differs or does not hold; and if any run failed."""
 
 if TYPE_CHECKING:
-    from app.experiments.conduct import Done
     from app.experiments.experiment import Experiment
+    from app.experiments.experiment_runner import ExperimentReport
     from app.experiments.verdicts.claim import Claim
     from app.experiments.verdicts.verdict import Verdict
 
@@ -142,16 +142,16 @@ def carried_out(
     workers: int | None,
     quiet: bool,
     retry: bool,
-) -> Done:
+) -> ExperimentReport:
     """Carry out the experiment; after Ctrl-C tell how to go on."""
-    from app.experiments.conduct import conduct
+    from app.experiments.experiment_runner import conduct
     from app.experiments.workers.processes import cores
 
     begun = time.monotonic()
     again = f"flockscope {shlex.join(sys.argv[1:])}"
     stopped = f"flockscope: stopped; finished runs are in {folder / RUNS}; go on with: {again}"
     try:
-        with Stopping(at_once=stopped), Progress(experiment.name, quiet) as progress:
+        with StopSignals(at_once=stopped), Progress(experiment.name, quiet) as progress:
             done = conduct(
                 experiment,
                 folder,
@@ -173,11 +173,11 @@ def carried_out(
 
 
 @dataclass(frozen=True)
-class Outcome:
+class PaperOutcome:
     """An experiment carried out, with its verdicts and the files that it has left."""
 
     experiment: Experiment
-    done: Done
+    done: ExperimentReport
     made: list[Verdict]
     said: list[Claim]
     files: dict[str, Path]
@@ -192,7 +192,7 @@ class Outcome:
     @property
     def value(self) -> dict[str, Any]:
         """As a value for JSON."""
-        from app.experiments.reports.report import as_value
+        from app.experiments.reports.report_formats import as_value
 
         return as_value(self.experiment, self.made, self.said) | {
             "seconds": round(self.seconds, 3),
@@ -203,10 +203,15 @@ class Outcome:
 
 
 def outcome_of(
-    experiment: Experiment, done: Done, folder: Path, seed: int, seconds: float, pictures: bool
-) -> Outcome:
+    experiment: Experiment,
+    done: ExperimentReport,
+    folder: Path,
+    seed: int,
+    seconds: float,
+    pictures: bool,
+) -> PaperOutcome:
     """Judge what was measured, and write summary and picture."""
-    from app.experiments.reports.report import write_summary
+    from app.experiments.reports.report_formats import write_summary
     from app.experiments.verdicts.claims import claims
     from app.experiments.verdicts.verdict import verdicts
 
@@ -214,20 +219,20 @@ def outcome_of(
     files = {"runs": folder / RUNS, "summary": folder / "summary.csv"}
     write_summary(files["summary"], made)
     if pictures:
-        from app.experiments.pictures.draw import draw
+        from app.experiments.pictures.experiment_picture import draw
 
         files |= draw(experiment, made, folder, seed)
-    return Outcome(experiment, done, made, claims(made, experiment.said), files, seconds)
+    return PaperOutcome(experiment, done, made, claims(made, experiment.said), files, seconds)
 
 
-def report(outcomes: list[Outcome], everything: bool, json_asked: bool, quiet: bool) -> None:
+def report(outcomes: list[PaperOutcome], everything: bool, json_asked: bool, quiet: bool) -> None:
     """Print the outcomes."""
     if json_asked:
         values = [one.value for one in outcomes]
         typer.echo(as_json({"papers": values} if everything else values[0]))
     else:
         from app.experiments.reports.overview import overview
-        from app.experiments.reports.report import show
+        from app.experiments.reports.report_formats import show
 
         console = make_console()
         for one in outcomes:
@@ -238,7 +243,7 @@ def report(outcomes: list[Outcome], everything: bool, json_asked: bool, quiet: b
         tell_written(*(outcomes[0].files.values() if not everything else folders_of(outcomes)))
 
 
-def folders_of(outcomes: list[Outcome]) -> list[Path]:
+def folders_of(outcomes: list[PaperOutcome]) -> list[Path]:
     """The folders that files were written to."""
     return list(dict.fromkeys(one.files["runs"].parent for one in outcomes))
 

@@ -11,13 +11,13 @@ import typer
 
 from app.cli.file_argument import STATE, demand_alone, file_argument, is_file, shown_beside
 from app.cli.given import Asked, given, named, set_by, with_options
-from app.cli.keeping import run_ticks
 from app.cli.length import Seconds, Ticks, demand_one_length, ticks_asked
-from app.cli.lookout import Lookout
-from app.cli.outcome import as_json, outcome, show, tell, tell_written
+from app.cli.outcome_table import as_json, outcome, show, tell, tell_written
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.rule_option import Rules, by_name, first_of
+from app.cli.run_stretches import run_ticks
+from app.cli.stray_agent_check import StrayAgentCheck
 from app.experiments.workers.kernels import compile_loop
 from app.settings import at_least, names
 from worlds.extra import demand_parquet
@@ -128,7 +128,7 @@ def run(
         write_text("--save-spec", save_spec, flock.spec.to_toml(), overwrite)
     observed = told(flock, over) if wanted is None else wanted
     follower = Follower(flock, [name for name in observed if not OBSERVABLES[name].is_table])
-    lookout = Lookout(flock)
+    lookout = StrayAgentCheck(flock)
     first, begun = flock.tick, time.perf_counter()
     with Progress(f"{flock.model.name}, {counted(len(flock.ids), 'agent')}", quiet) as progress:
         recorder = Recorder(record, flock, overwrite) if record else None

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome import as_json, tell, tell_written
-from app.cli.sweep.making import (
+from app.cli.outcome_table import as_json, tell, tell_written
+from app.cli.sweep.run_options import (
     BROKEN,
     AsJson,
     Drawn,
@@ -23,10 +23,10 @@ from app.cli.sweep.making import (
     warn,
 )
 from app.cli.terminal import make_console
-from app.results import PICTURES
+from app.results_folder import PICTURES
 
 if TYPE_CHECKING:
-    from app.experiments.sensitivity.answer import Sensitivity
+    from app.experiments.sensitivity.sensitivity_result import Sensitivity
 
 
 def sensitivity(
@@ -51,11 +51,11 @@ def sensitivity(
     FILE.toml is that of a sweep, with one design of kind saltelli, for Sobol's indices, or morris,
     for elementary effects. What is measured is a mean over seeds that all cells have in common.
     """
-    from app.cli.sweep.asked import read_or_kept
-    from app.experiments.runs.reading import Kept
-    from app.experiments.sensitivity.answer import analysed, design_of
-    from app.experiments.sensitivity.picture import draw
-    from app.experiments.sweeps.pictures.draw import ENDINGS
+    from app.cli.sweep.sweep_choice import read_or_kept
+    from app.experiments.runs.store_reader import StoreReader
+    from app.experiments.sensitivity.sensitivity_picture import draw
+    from app.experiments.sensitivity.sensitivity_result import analysed, design_of
+    from app.experiments.sweeps.pictures.sweep_picture import ENDINGS
     from worlds.file_writer import demand_writable
     from worlds.input_error import unknown
 
@@ -76,7 +76,7 @@ def sensitivity(
     if not done.whole:
         tell(f"not all runs are made; go on with: flockscope sensitivity {folder}")
         return
-    found = analysed(sweep, Kept(folder), observable)
+    found = analysed(sweep, StoreReader(folder), observable)
     names = [f"sensitivity.{kind}" for kind in PICTURES]
     files = [picture] if picture is not None else [folder / name for name in names]
     for path in files:
@@ -102,7 +102,7 @@ def show(found: list[Sensitivity], title: str) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from app.experiments.sensitivity.answer import in_words
+    from app.experiments.sensitivity.sensitivity_result import in_words
 
     console = make_console()
     for one in found:

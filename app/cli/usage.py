@@ -33,18 +33,20 @@ class OneCommand(TyperCommand):
             for option in order:
                 single = not (option.multiple or getattr(option, "is_flag", False))
                 if option.param_type_name == "option" and single and order.count(option) > 1:
-                    raise Twice(f"{option.opts[0]} is given {order.count(option)} times", ctx)
+                    raise RepeatedOption(
+                        f"{option.opts[0]} is given {order.count(option)} times", ctx
+                    )
             return values, rest, order
 
         parser.parse_args = parse_once  # type: ignore[method-assign]
         return parser
 
 
-class Twice(USAGE_ERROR):  # type: ignore[valid-type,misc]
+class RepeatedOption(USAGE_ERROR):  # type: ignore[valid-type,misc]
     """An option that stands twice on the command line."""
 
 
-class Group(TyperGroup):
+class CommandGroup(TyperGroup):
     """Commands by name; what is typed wrong is told in one line."""
 
     def main(self, *args: Any, **more: Any) -> NoReturn:
@@ -74,7 +76,7 @@ class Group(TyperGroup):
 
 def grouped(summary: str, functions: Mapping[str, Callable[..., Any]]) -> typer.Typer:
     """A command that has commands of its own."""
-    group = typer.Typer(cls=Group, help=summary, no_args_is_help=True, add_completion=False)
+    group = typer.Typer(cls=CommandGroup, help=summary, no_args_is_help=True, add_completion=False)
     for name, function in functions.items():
         group.command(name, cls=OneCommand)(told(function))
     return group

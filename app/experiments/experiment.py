@@ -11,12 +11,20 @@ from pydantic import ValidationError
 
 from agents.catalogue import model
 from agents.spec import Spec
-from app.beside import EXPERIMENTS
-from app.experiments.file import Expected, File, Found, Published, Row, Said, Sweep
+from app.experiments.experiment_file import (
+    ExpectedVerdict,
+    ExperimentFile,
+    PaperRow,
+    PaperSweep,
+    PhaseClaim,
+    PublishedMeasure,
+    Said,
+)
+from app.experiments.key_lines import place
 from app.experiments.kinds import KINDS, Settings
-from app.experiments.kinds.settings import Measure
-from app.experiments.lines import place
-from app.strict import Value
+from app.experiments.kinds.kind_settings import Measure
+from app.package_files import EXPERIMENTS
+from app.strict_table import Value
 from worlds.input_error import InputError, needed, unknown
 from worlds.text_file import toml
 
@@ -31,8 +39,8 @@ class Case:
     """The run, but for its seed and for what its row overrides of the world."""
     agents: int
     """N as the paper counts it."""
-    row: Row | None = None
-    sweep: Sweep | None = None
+    row: PaperRow | None = None
+    sweep: PaperSweep | None = None
     way: Way = ""
     """Which way a run that goes there and back is going here."""
     tick: int | None = None
@@ -57,7 +65,7 @@ class Case:
         two = self.sweep is not None and self.sweep.against
         return self.spec.setting(two) if two else None
 
-    def published(self, measure: str) -> Published | None:
+    def published(self, measure: str) -> PublishedMeasure | None:
         """What the paper prints of a measure."""
         return self.row.published.get(measure) if self.row and self.last else None
 
@@ -74,7 +82,7 @@ class Experiment:
     settings: Settings
     measures: list[Measure]
     """Those to report, the main one first."""
-    expected: dict[str, Expected]
+    expected: dict[str, ExpectedVerdict]
     not_compared: dict[str, str]
     notes: dict[str, str]
     cases: list[Case]
@@ -158,8 +166,8 @@ def read_file(path: Path) -> Experiment:
     if kind not in KINDS:
         raise unknown("kind of experiment", str(kind), KINDS, place(path, text, "kind"))
     try:
-        of_kind: Any = File.__class_getitem__(KINDS[kind])
-        file: File = of_kind(**values)
+        of_kind: Any = ExperimentFile.__class_getitem__(KINDS[kind])
+        file: ExperimentFile = of_kind(**values)
     except ValidationError as error:
         first = error.errors()[0]
         keys = [str(part) for part in first["loc"] if not isinstance(part, int)]
@@ -188,7 +196,7 @@ def read_file(path: Path) -> Experiment:
     )
 
 
-def check_sizes(file: File, path: Path) -> None:
+def check_sizes(file: ExperimentFile, path: Path) -> None:
     """Refuse a file that gives sizes, but not for all rows."""
     if file.sizes or file.settings.kind == "convergence":
         rows = [row.agents for row in file.rows if row.size is None]
@@ -197,7 +205,7 @@ def check_sizes(file: File, path: Path) -> None:
                 raise InputError(f"agents = {n} has no side in [sizes] ({path})")
 
 
-def check_measures(file: File, path: Path) -> None:
+def check_measures(file: ExperimentFile, path: Path) -> None:
     """Refuse a file that names a measure which its kind of runs does not have."""
     known = [one.name for one in file.settings.measures]
     named: list[Iterable[str]] = [file.report, file.expected, file.not_compared]
@@ -208,13 +216,13 @@ def check_measures(file: File, path: Path) -> None:
             if name not in known:
                 raise unknown("measure", name, known, str(path))
     for claim in file.claims:
-        if isinstance(claim, Found):
+        if isinstance(claim, PhaseClaim):
             words = file.settings.measure(claim.measure).words
             if claim.word not in words:
                 raise unknown(claim.measure, claim.word, words, str(path))
 
 
-def cases_of(file: File) -> list[Case]:
+def cases_of(file: ExperimentFile) -> list[Case]:
     """The rows and the sweeps' points, in the order of the file."""
     stops = file.settings.stops or [None]
     cases = [
@@ -237,8 +245,8 @@ def cases_of(file: File) -> list[Case]:
 
 
 def spec_of(
-    file: File,
-    of: Row | Sweep,
+    file: ExperimentFile,
+    of: PaperRow | PaperSweep,
     agents: int,
     parameters: dict[str, Value],
     size: float | None = None,
@@ -257,7 +265,7 @@ def spec_of(
     ).taking(**parameters)
 
 
-def points_of(sweep: Sweep) -> list[tuple[dict[str, Value], Value, Way]]:
+def points_of(sweep: PaperSweep) -> list[tuple[dict[str, Value], Value, Way]]:
     """What a sweep sets beside its parameter, the parameter's value, and the way: in order."""
     others = [{sweep.against: value} for value in sweep.against_values] or [{}]
     steps: list[tuple[Value, Way]] = [(value, "") for value in sweep.values]

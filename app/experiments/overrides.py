@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 from pydantic import Field, model_validator
 
-from app.strict import Strict
+from app.strict_table import StrictTable
 from worlds.input_error import InputError
 from worlds.mission import Goal
 from worlds.world import World
 
 
-class Ranks(Strict):
+class Ranks(StrictTable):
     """Places on a plane for the first agents, with normal noise that follows from the seed."""
 
     places: tuple[tuple[float, float], ...] = Field(min_length=1)
@@ -43,7 +43,7 @@ class Ranks(Strict):
         }
 
 
-class Overrides(Strict):
+class Overrides(StrictTable):
     """What a row overrides of the world's mission."""
 
     ranks: Ranks | None = None

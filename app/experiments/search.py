@@ -27,7 +27,7 @@ PENALTY = 1e12
 """What stands for a value that is not there: searches end in nan where one is nan."""
 
 
-class Judged(NamedTuple):
+class PointScores(NamedTuple):
     """What points (K, D) are worth."""
 
     objectives: np.ndarray
@@ -36,7 +36,7 @@ class Judged(NamedTuple):
     """(K, C), above 0 where a point is not allowed, and by how much."""
 
 
-Judge = Callable[[np.ndarray], Judged]
+Judge = Callable[[np.ndarray], PointScores]
 
 
 def search(

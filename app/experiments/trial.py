@@ -17,10 +17,10 @@ from agents.engine.cache import fingerprint as feed
 from agents.spec import Spec, versions
 from app.experiments.experiment import Case
 from app.experiments.kinds import Settings
-from app.experiments.kinds.settings import Number
+from app.experiments.kinds.kind_settings import Number
 from app.experiments.overrides import PLAIN, START, Overrides, with_goal
 from app.experiments.runs.database import FIXED
-from app.experiments.runs.outcome import Outcome
+from app.experiments.runs.run_outcome import Outcome
 from worlds.layout import world
 from worlds.world import World
 from worlds.world_rotation import turned, turned_places

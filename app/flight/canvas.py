@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from app.figure import write_figure
-from app.results import PICTURES, make_folder
+from app.results_folder import PICTURES, make_folder
 
 LIFT, THRUST, POWER, FAINT, OTHER = "#2166ac", "#2a9d5c", "#c0392b", "#9aa3ad", "#b07d12"
 
@@ -21,7 +21,7 @@ def paint(draw: Callable[[Any], None], title: str, folder: Path, name: str) -> d
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    from app.experiments.pictures.draw import LOOK
+    from app.experiments.pictures.experiment_picture import LOOK
 
     files = {kind: folder / f"{name}.{kind}" for kind in PICTURES}
     with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]

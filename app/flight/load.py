@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from agents.flight.aircraft import Aircraft, demand_possible
 from agents.flight.trim import SPEEDS, Trim, trim
-from app.flight.report import as_value
+from app.flight.flight_report import as_value
 from app.flight.request import SPEED, Request
 from worlds.input_error import InputError
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from app.experiments.pictures.draw import LOOK
+from app.experiments.pictures.experiment_picture import LOOK
 from app.figure import write_figure
-from app.results import PICTURES, make_folder
+from app.results_folder import PICTURES, make_folder
 from worlds.file_writer import write_text
 
 SAVED, LOST, INK, PALE = "#1f9d63", "#c0392b", "#3c434b", "#9aa3ad"

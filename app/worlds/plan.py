@@ -9,7 +9,7 @@ import shapely
 
 from app.worlds.colours import FLOOR, PALE, POINTS, SOLID, SOLID_EDGE
 from app.worlds.footprint import footprint
-from app.worlds.mission import draw_mission, reaches
+from app.worlds.mission_drawing import draw_mission, reaches
 from worlds.world import World
 
 PAD = 0.03

@@ -8,9 +8,14 @@ import msgspec
 import pytest
 from websockets.exceptions import InvalidMessage
 
+from app.viewer.web.incoming.client_addresses import (
+    BEHIND_A_FRONT,
+    PATIENCE,
+    USUAL,
+    ClientAddresses,
+)
 from app.viewer.web.incoming.kinds import KINDS, LARGEST
 from app.viewer.web.incoming.messages import ALL, DROPPED, TOO_MUCH
-from app.viewer.web.incoming.visitors import BEHIND_A_FRONT, PATIENCE, USUAL, Visitors
 from app.viewer.web.server import entrances
 from tests.attacks.raw import PROTOCOL, Raw, alone, quietly, said
 from tests.live.stand_in import CAMERA
@@ -158,7 +163,7 @@ def test_flooders_that_come_back_have_to_wait(server, key, count):
 
 def test_an_address_that_is_cut_off_again_and_again_has_a_page_every_two_seconds(count):
     now = [0.0]
-    known = Visitors(clock=lambda: now[0])
+    known = ClientAddresses(clock=lambda: now[0])
     connections = 0
     while now[0] < 60.0:
         wait = known.page("10.0.0.7")
@@ -173,7 +178,7 @@ def test_an_address_that_is_cut_off_again_and_again_has_a_page_every_two_seconds
 
 
 def test_pages_that_come_all_at_once_are_let_in_one_after_the_other_or_refused(count):
-    known = Visitors(clock=lambda: 0.0)
+    known = ClientAddresses(clock=lambda: 0.0)
     waits = [known.page("10.0.0.7") for _ in range(200)]
     rate, burst = USUAL.pages
     taken = [wait for wait in waits if wait is not None]
@@ -184,7 +189,7 @@ def test_pages_that_come_all_at_once_are_let_in_one_after_the_other_or_refused(c
 
 
 def test_a_class_behind_one_front_is_not_held_back(count):
-    known = Visitors(clock=lambda: 0.0, limits=BEHIND_A_FRONT)
+    known = ClientAddresses(clock=lambda: 0.0, limits=BEHIND_A_FRONT)
     waits = [(known.enter("127.0.0.1"), known.page("127.0.0.1")) for _ in range(120)]
     known.cut("127.0.0.1")
     assert {*waits, (known.enter("127.0.0.1"), known.page("127.0.0.1"))} == {(0.0, 0.0)}

@@ -7,7 +7,7 @@ import threading
 
 import pytest
 
-from app.viewer.web.incoming.handed_over import HandedOver
+from app.viewer.web.incoming.loop_event import LoopEvent
 from app.viewer.web.server import close_server, open_server
 from tests.viewer.waiting import until
 
@@ -50,7 +50,7 @@ def test_of_many_settings_at_once_one_is_handed_over_and_all_wake_who_waits():
         return call(callback, *arguments)
 
     loop.call_soon_threadsafe = noting
-    event = HandedOver(loop)
+    event = LoopEvent(loop)
     for _ in range(100):
         event.set()
     assert len(handed) == 1

@@ -7,7 +7,7 @@ import random
 import msgspec
 import pytest
 
-from app.viewer.web.incoming.kinds import KINDS, Unusable, demand_shape, kind_of, shape
+from app.viewer.web.incoming.kinds import KINDS, UnusableMessage, demand_shape, kind_of, shape
 from app.viewer.web.incoming.log import MOST, PERIOD, Log
 from app.viewer.web.incoming.messages import Messages
 from app.viewer.web.incoming.rate_limit import RateLimit
@@ -49,7 +49,7 @@ def unusable(message: bytes) -> str:
         kind = kind_of(message)
         if kind in KINDS:
             demand_shape(kind, message)
-    except Unusable as why:
+    except UnusableMessage as why:
         return str(why)
     return ""
 

@@ -11,7 +11,7 @@ from PIL import Image
 from viser import uplot
 
 from app.viewer.lab.panels.plots.overlay import COLOURS
-from app.viewer.panels.chart import Curve, Shown
+from app.viewer.panels.chart import ChartContents, ChartCurve
 from tests.viewer.waiting import until
 
 LARGE = ".mantine-Modal-content"
@@ -116,7 +116,12 @@ def test_a_plot_whose_axis_follows_its_values_shows_its_curve(measured, laborato
     until(lambda: drawn(plot, COLOURS[0]) > 60)
     chart = laboratory.plots.charts[1].plot.chart
     values = np.linspace(2.0, 7.0, 50)
-    curves = Curve(COLOURS[0], values, "some"), Curve(COLOURS[1], np.full(50, np.nan), "none")
-    chart.show(Shown("", np.arange(50.0), curves, ("tick", "both"), uplot.Scale(range=(0.0, None))))
+    curves = (
+        ChartCurve(COLOURS[0], values, "some"),
+        ChartCurve(COLOURS[1], np.full(50, np.nan), "none"),
+    )
+    chart.show(
+        ChartContents("", np.arange(50.0), curves, ("tick", "both"), uplot.Scale(range=(0.0, None)))
+    )
     until(lambda: drawn(plot, COLOURS[0]) > 60)
     assert drawn(plot, COLOURS[1]) == 0

@@ -15,13 +15,13 @@ from hypothesis import strategies as st
 
 from agents.flock import Flock
 from app.classroom.class_file.archive import MOST_ENTRIES, OPENED, PICTURE
-from app.classroom.class_file.opening import load, opened
+from app.classroom.class_file.class_file_reader import load, opened
 from app.classroom.class_file.saving import packed, save
 from app.classroom.class_file.state import ClassState, SavedStudent
-from app.classroom.collect.collection import Collection, Given
+from app.classroom.collect.class_table import points_from_csv, to_csv
+from app.classroom.collect.collection import Collection, InitialScene
 from app.classroom.collect.hand_in import hand_in
 from app.classroom.collect.question import question_of
-from app.classroom.collect.table import points_from_csv, to_csv
 from app.classroom.names import same, student_name
 from app.classroom.student import Role
 from app.viewer.gallery.saved_scene import SavedScene, read_scene
@@ -118,7 +118,9 @@ def test_classes_of_any_names_come_back(texts, seats, draw):
         for name in names.values()
     }  # fmt: skip
     found = Collection(ORDER, given={
-        name: Given(draw.draw(st.sampled_from(ORDER.values)), draw.draw(st.integers(0, 2**62)))
+        name: InitialScene(
+            draw.draw(st.sampled_from(ORDER.values)), draw.draw(st.integers(0, 2**62))
+        )
         for name in names.values()
     })  # fmt: skip
     whole = ClassState("Any", scene, roles, [found], seats)

@@ -18,13 +18,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
+from app.classroom.collect.class_curve import ClassCurve
+from app.classroom.collect.class_picture import FORMATS, picture
+from app.classroom.collect.class_table import points_from_csv, to_csv, to_json
 from app.classroom.collect.collection import MOST_OF_ONE, Collection, spread_order
-from app.classroom.collect.curve import Curve
-from app.classroom.collect.groups import Group
 from app.classroom.collect.hand_in import hand_in
-from app.classroom.collect.picture import FORMATS, picture
 from app.classroom.collect.question import question_of
-from app.classroom.collect.table import points_from_csv, to_csv, to_json
+from app.classroom.collect.result_groups import ResultGroup
 from app.experiments.verdicts.judge import ranges_of
 from app.experiments.verdicts.statistics import summary
 from tests.classroom.small import LED, ORDER, SCENE, VALUES, made, told
@@ -217,7 +217,7 @@ def test_a_table_of_a_stranger_is_refused_in_one_line(before, after, said):
 
 def test_the_plot_of_a_page_is_small_json_without_nan():
     found = collected([*of_class(), told(6.0, None, "late")])
-    curve = Curve("vem-eta", (Group(0.0, 0.0, 0.0, (1.0,)),), ("other v0: 1, not 2",))
+    curve = ClassCurve("vem-eta", (ResultGroup(0.0, 0.0, 0.0, (1.0,)),), ("other v0: 1, not 2",))
     said = to_json(found, curve)
     text = json.dumps(said, allow_nan=False)
     assert len(text) < 100 * len(found.points) + 1000
@@ -236,7 +236,7 @@ def test_pictures_are_what_they_say_and_always_the_same():
     points = [*of_class(), told(6.0, None, "late"), told(1.5, 0.2, "x", 77, differs=("other v0",))]
     title = r"Order $\frac{ & <b> </svg>"
     found = collected(points, question_of(VALUES | {"title": title}, SCENE))
-    curve = Curve("a$b$c", tuple(Group(v, v, v, (0.9, 0.8)) for v in ORDER.values), ())
+    curve = ClassCurve("a$b$c", tuple(ResultGroup(v, v, v, (0.9, 0.8)) for v in ORDER.values), ())
     drawn = {kind: picture(found, kind, curve) for kind in FORMATS}
     assert drawn["png"].startswith(b"\x89PNG")
     assert drawn["pdf"].startswith(b"%PDF")

@@ -13,9 +13,9 @@ import pytest
 import flockscope
 from agents.flock import Flock
 from agents.spec import Spec
-from app.classroom.collect.bounds import mean_neighbours
 from app.classroom.collect.hand_in import hand_in, warm_up
 from app.classroom.collect.question import question_of
+from app.classroom.collect.run_cost import mean_neighbours
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.run_preset import at_home
 from tests.classroom.small import AGREE, LED, ORDER, SCENE, VALUES, WHEN, made
@@ -181,7 +181,7 @@ def test_a_free_parameter_is_no_difference_and_is_kept():
     ],
 )
 def test_what_cannot_be_handed_in_is_refused_before_it_is_run(spec, said, monkeypatch):
-    monkeypatch.setattr("app.experiments.sweeps.making.one_run.Making.run", None)
+    monkeypatch.setattr("app.experiments.sweeps.making.sweep_job.SweepJob.run", None)
     with pytest.raises(InputError, match=said) as refused:
         hand_in(ORDER, "Ada", spec, SCENE)
     assert "\n" not in str(refused.value)

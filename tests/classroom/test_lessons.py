@@ -12,10 +12,10 @@ from cli.calling import call
 from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
-from app.classroom.asking import Asking
-from app.classroom.collect.choices import ready_for
 from app.classroom.collect.hand_in import hand_in
+from app.classroom.collect.question_choices import ready_for
 from app.classroom.lessons.lessons import find_lesson, lesson_names, lesson_of
+from app.classroom.question_service import QuestionService
 from app.cli.classroom import opened
 from app.viewer.gallery.saved_scene import SavedScene
 from worlds.input_error import InputError
@@ -61,7 +61,7 @@ class TestALesson:
     def test_is_what_a_class_opens_on_with_its_question_first(self, name, tmp_path):
         made = opened(name, 40, 2)
         assert made.title == find_lesson(name).title
-        (first, *_) = Asking(tmp_path).choices(made.scene)["ready"]
+        (first, *_) = QuestionService(tmp_path).choices(made.scene)["ready"]
         assert first["name"] == name
         again = SavedScene.from_toml(made.scene.to_toml(), "the teacher's run")
         assert lesson_of(again) == name

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
-from app.classroom.collect.choices import measures_of, parameters_of, ready_for
 from app.classroom.collect.question import question_from_toml, question_of
+from app.classroom.collect.question_choices import measures_of, parameters_of, ready_for
 from app.viewer.gallery.scene_collection import find_scene, scene_names
 from app.viewer.run.run_preset import at_home
 from tests.classroom.small import AGREE, LED, ORDER, SCENE, VALUES

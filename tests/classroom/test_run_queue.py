@@ -12,13 +12,13 @@ import time
 import pytest
 
 from app.classroom import run_queue
-from app.classroom.asking import Asking
-from app.classroom.class_file.opening import load
+from app.classroom.class_file.class_file_reader import load
 from app.classroom.class_file.state import ClassState, SavedStudent
+from app.classroom.question_service import QuestionService
 from app.classroom.run_queue import RunQueue
 from app.classroom.student import Role
-from app.classroom.workers.measuring import MadeRun, TimeLimit
-from app.classroom.workers.process import Gone, WorkerProcess
+from app.classroom.workers.measuring import MadeRun, ProcessorTimeLimit
+from app.classroom.workers.process import WorkerLostError, WorkerProcess
 from app.classroom.workers.task_process import TaskProcess, TimeUp
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.gallery.scene_address import packed
@@ -51,7 +51,7 @@ class Tasks:
         time.sleep(seconds)
 
     def burn(self):
-        with TimeLimit(0.2):
+        with ProcessorTimeLimit(0.2):
             while True:
                 pass
 
@@ -82,7 +82,7 @@ def test_the_time_of_a_request_is_counted_from_when_the_worker_turns_to_it():
             each = [worker.ask("sleep", 1.5, patience=5.0) for _ in range(4)]
             await asyncio.gather(*each)  # six seconds in all
             assert await worker.ask("echo", "and on time") == "and on time"
-            with pytest.raises(Gone):
+            with pytest.raises(WorkerLostError):
                 await worker.ask("sleep", BUSY, patience=0.5)
         finally:
             worker.process.kill()
@@ -91,7 +91,7 @@ def test_the_time_of_a_request_is_counted_from_when_the_worker_turns_to_it():
     asyncio.run(asked())
 
 
-@pytest.mark.parametrize(("ends", "how"), [("burn", TimeUp), ("crash", Gone)])
+@pytest.mark.parametrize(("ends", "how"), [("burn", TimeUp), ("crash", WorkerLostError)])
 def test_a_task_that_is_ended_takes_no_other_with_it(ends, how):
     async def done():
         process = TaskProcess(Tasks)
@@ -187,7 +187,7 @@ def test_others_have_their_results_while_the_runs_of_some_never_end(
             assert point.status == "ok"
 
     async def attacked():
-        asking = Asking(tmp_path / "results")
+        asking = QuestionService(tmp_path / "results")
         scene = SavedScene("A class", SCENE)
         await asking.ask(ASKED, scene)
         evil = [asyncio.create_task(handed(asking, name, ENDLESS)) for name in names]
@@ -225,7 +225,7 @@ def test_others_have_their_results_while_the_runs_of_some_never_end(
 
 def test_a_page_that_is_left_has_no_second_run(tmp_path):
     async def left():
-        asking = Asking(tmp_path / "results")
+        asking = QuestionService(tmp_path / "results")
         await asking.ask(ASKED, SavedScene("A class", SCENE))
         try:
             first = asyncio.create_task(asking.hand_in("Eve", toml(SCENE)))
@@ -278,7 +278,7 @@ def test_the_teacher_sees_whose_run_was_ended_and_why(tmp_path):
 
 def test_a_curve_that_begins_late_is_not_shown_with_the_next_question(tmp_path):
     async def late():
-        asking = Asking(tmp_path / "results")
+        asking = QuestionService(tmp_path / "results")
         begun = asyncio.Event()
         asked: list[str] = []
 

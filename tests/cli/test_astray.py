@@ -8,9 +8,9 @@ from experiments.small import small
 
 from agents import Flock
 from agents.state.stray_agents import StrayAgents
-from app.experiments.conduct import conduct
-from app.experiments.runs.reading import Kept
-from app.experiments.sweeps.table import wide
+from app.experiments.experiment_runner import conduct
+from app.experiments.runs.store_reader import StoreReader
+from app.experiments.sweeps.sweep_table import wide
 from cli.calling import call, refusal
 from worlds.obstacles import Box
 from worlds.world import World
@@ -80,7 +80,7 @@ def test_the_row_of_an_experiment_tells_of_its_run(tmp_path, monkeypatch):
     done = conduct(
         small(tmp_path), tmp_path, runs=2, seed=1, workers=1, tell=None, at=lambda *_: None
     )
-    columns = wide(Kept(tmp_path))
+    columns = wide(StoreReader(tmp_path))
     rows = list(zip(columns["seed"], columns["astray"], strict=True))
     assert set(rows) == {(1, None), (2, str(found))}
     assert len(done.astray) == len(rows) / 2

@@ -24,13 +24,13 @@ from agents.record import Recorder
 from app.cli.take.film import planned
 from app.cli.take.renderer import aim_of
 from app.viewer.pictures.browser import GUARD, find_browser
-from app.viewer.pictures.camera import Aim, Camera
-from app.viewer.pictures.film import Encoder, pictures
+from app.viewer.pictures.film_writer import Encoder, pictures
+from app.viewer.pictures.picture_camera import Camera, CameraRequest
+from app.viewer.pictures.picture_sheet import Sheet
 from app.viewer.pictures.player import HOLDS
 from app.viewer.pictures.plots import Plots
-from app.viewer.pictures.sheet import Sheet
 from app.viewer.pictures.shot import look_of, shot
-from app.viewer.pictures.space import Eye
+from app.viewer.pictures.space_picture import CameraAxes
 from cli.calling import call, refusal, start, wait_until
 from worlds.input_error import InputError
 
@@ -98,7 +98,9 @@ def test_which_ticks_are_shown():
 @pytest.mark.parametrize(("dim", "follow"), [(2, None), (2, 5), (3, None), (3, 5)])
 def test_a_picture_of_a_film_is_the_picture_of_its_tick(dim, follow):
     """What does not move is drawn once; nothing of the pictures before is left on the next."""
-    *_, last = pictures(snapshots((0, 3, 9), dim=dim), (400, 320), "heading", Aim(follow=follow))
+    *_, last = pictures(
+        snapshots((0, 3, 9), dim=dim), (400, 320), "heading", CameraRequest(follow=follow)
+    )
     (now,) = snapshots((9,), dim=dim)
     one = shot(now, look_of(now, "heading"))
     alone = Sheet(one, (400, 320), Camera.of(one, follow)).pixels()
@@ -242,7 +244,7 @@ def test_a_camera_goes_round():
     quarter = aim_of("round", None, -45.0, 10.0, 20).camera(begin).view(end, 1.2).position
     assert np.allclose(quarter, [at[1], -at[0], at[2]])
     assert not camera.follow
-    seen, _ = Eye.of(camera.view(end, 1.2)).seen(end.made.at)
+    seen, _ = CameraAxes.of(camera.view(end, 1.2)).seen(end.made.at)
     assert (abs(seen) < [1.2, 1.0]).all()
 
 

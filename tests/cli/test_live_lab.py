@@ -8,7 +8,7 @@ import pytest
 
 from app.cli.live.console import SessionConsole
 from app.cli.live.lab import lab
-from app.cli.stopping import Stopping
+from app.cli.stop_signals import StopSignals
 from app.live.control.loop_events import Event
 from worlds.input_error import InputError
 
@@ -44,7 +44,7 @@ class StubSession:
 )
 def test_any_key_that_means_nothing_else_is_the_emergency_stop(pressed, actions):
     session = StubSession()
-    SessionConsole(session, Stopping(), verbose=False).obey(pressed)
+    SessionConsole(session, StopSignals(), verbose=False).obey(pressed)
     assert session.asked == [(action, "terminal") for action in actions]
 
 
@@ -52,7 +52,7 @@ def test_it_prints_each_event_once_and_why_a_room_is_not_open(capsys):
     session = StubSession(
         Event(1, 1.0, "arm", "armed", cause="browser 2"), trouble="no frame within 5 s"
     )
-    console = SessionConsole(session, Stopping(), verbose=True)
+    console = SessionConsole(session, StopSignals(), verbose=True)
     console.see()
     console.see()
     told = capsys.readouterr()
@@ -61,7 +61,7 @@ def test_it_prints_each_event_once_and_why_a_room_is_not_open(capsys):
 
 
 def test_quiet_it_prints_no_event(capsys):
-    SessionConsole(StubSession(Event(1, 1.0, "arm", "armed")), Stopping(), verbose=False).see()
+    SessionConsole(StubSession(Event(1, 1.0, "arm", "armed")), StopSignals(), verbose=False).see()
     assert capsys.readouterr().out == ""
 
 

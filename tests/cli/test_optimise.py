@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from app.experiments.runs.reading import Kept, readable
+from app.experiments.runs.store_reader import StoreReader, readable
 from cli.calling import call, refusal, start, wait_until
 from worlds import extra
 
@@ -41,7 +41,7 @@ def file(tmp_path):
 
 
 def done(folder):
-    return sum(Kept(folder).counts.values()) if readable(folder) else 0
+    return sum(StoreReader(folder).counts.values()) if readable(folder) else 0
 
 
 def told(result):

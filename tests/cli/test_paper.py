@@ -6,8 +6,8 @@ import signal
 import pytest
 from experiments.small import TEXT
 
-from app.experiments.kinds import Convergence
-from app.experiments.runs.reading import Kept, readable
+from app.experiments.kinds import ConvergenceSettings
+from app.experiments.runs.store_reader import StoreReader, readable
 from cli.calling import call, refusal, start, wait_until
 
 SMALL = ("paper", "liu2021-table1", "--agents", "100", "--models", "vem,hwvem", "--runs", "6")
@@ -40,7 +40,7 @@ def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path):
     args = ("paper", "liu2021-table1", "--agents", "500", "--models", "vem-a", "--out", tmp_path)
 
     def done():
-        return Kept(tmp_path).counts["ok"] if readable(tmp_path) else 0
+        return StoreReader(tmp_path).counts["ok"] if readable(tmp_path) else 0
 
     process = start(*args, "--runs", 100, "--quiet", "--json")
     wait_until(lambda: done() > 2, process)
@@ -51,7 +51,7 @@ def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path):
     (line,) = stderr.strip().split("\n")
     assert "go on with: flockscope paper liu2021-table1" in line
     assert 3 <= done() < 100
-    first = min(seed for _, seed, status, *_ in Kept(tmp_path).runs([]) if status == "ok")
+    first = min(seed for _, seed, status, *_ in StoreReader(tmp_path).runs([]) if status == "ok")
     result = call(*args, "--runs", max(first, 3), "--json", "--quiet", "--no-pictures")
     assert json.loads(result.stdout)["runs"]["taken"] >= 1
 
@@ -77,7 +77,7 @@ def test_a_table_of_ones_own_is_judged_as_the_papers_are(tmp_path):
 
 
 def test_a_run_that_raises_is_told_and_its_seed_is_left_out(tmp_path, monkeypatch):
-    before = Convergence.run
+    before = ConvergenceSettings.run
 
     def run(settings, flock, between):
         if flock.seed == 2 and flock.model.name == "hwvem":
@@ -85,7 +85,7 @@ def test_a_run_that_raises_is_told_and_its_seed_is_left_out(tmp_path, monkeypatc
         return before(settings, flock, between)
 
     (tmp_path / "mine.toml").write_text(TEXT)
-    monkeypatch.setattr(Convergence, "run", run)
+    monkeypatch.setattr(ConvergenceSettings, "run", run)
     args = ("paper", tmp_path / "mine.toml", "--out", tmp_path, "--json", "--quiet")
     result = call(*args)
     assert result.exit_code == 3
@@ -93,7 +93,7 @@ def test_a_run_that_raises_is_told_and_its_seed_is_left_out(tmp_path, monkeypatc
     made = json.loads(result.stdout)
     assert [row["runs"] for row in made["rows"]] == [3, 3]
     assert made["runs"] == {"made": 8, "taken": 0}
-    monkeypatch.setattr(Convergence, "run", before)
+    monkeypatch.setattr(ConvergenceSettings, "run", before)
     assert call(*args).exit_code == 3, "what failed is not made again unasked"
     again = call(*args, "--retry-failed")
     assert again.exit_code == 0

@@ -9,12 +9,12 @@ import pytest
 from PIL import Image
 
 from agents import Flock
-from app.viewer.pictures.camera import Aim
 from app.viewer.pictures.key import caption, changes, nice, ruler
+from app.viewer.pictures.picture_camera import CameraRequest
+from app.viewer.pictures.picture_sheet import Sheet
 from app.viewer.pictures.plane import DART, turned
-from app.viewer.pictures.sheet import Sheet
 from app.viewer.pictures.shot import look_of, shot
-from app.viewer.pictures.space import Eye, split
+from app.viewer.pictures.space_picture import CameraAxes, split
 from app.viewer.scene.cameras.camera import view
 from app.viewer.scene.shown import palette
 from cli.calling import call, refusal
@@ -104,7 +104,7 @@ def test_the_scale_bar_is_as_long_as_it_says(flock):
 
 def test_a_camera_sees_what_is_nearer_larger():
     half = np.ones(3)
-    eye = Eye.of(view("perspective", 3, -half, half, 1.0))
+    eye = CameraAxes.of(view("perspective", 3, -half, half, 1.0))
     seen, away = eye.seen(eye.view.target + np.array([[0.0, 0, 0], *(0.5 * np.eye(3))]))
     assert np.allclose(seen[0], 0.0)
     assert away[0] == pytest.approx(np.linalg.norm(eye.view.position - eye.view.target))
@@ -140,7 +140,7 @@ def test_bad_input_is_one_line(tmp_path, flock):
     assert not (tmp_path / "a.png").exists()
     now = flock.snapshot(signals=True)
     with pytest.raises(InputError, match="agent 99 is not there at tick 4"):
-        Aim(follow=99).camera(shot(now, look_of(now, None)))
+        CameraRequest(follow=99).camera(shot(now, look_of(now, None)))
 
 
 def test_who_draws_is_said(tmp_path, monkeypatch):

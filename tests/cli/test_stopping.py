@@ -7,7 +7,7 @@ import sys
 
 CLOSING = """
 import os, signal, threading
-from app.cli.stopping import Stopping
+from app.cli.stop_signals import Stopping
 
 def interrupt():
     os.kill(os.getpid(), signal.SIGINT)

@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from app.experiments.runs.reading import Kept, readable
+from app.experiments.runs.store_reader import StoreReader, readable
 from cli.calling import call, refusal, start, wait_until
 
 FILE = """
@@ -35,7 +35,7 @@ def written(folder, text=FILE):
 
 
 def done(folder):
-    return sum(Kept(folder).counts.values()) if readable(folder) else 0
+    return sum(StoreReader(folder).counts.values()) if readable(folder) else 0
 
 
 def table(folder, *options):

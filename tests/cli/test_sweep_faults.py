@@ -10,8 +10,8 @@ import psutil
 import pytest
 
 from app.experiments.runs.database import FILE
-from app.experiments.runs.reading import Kept, readable
 from app.experiments.runs.store import Store
+from app.experiments.runs.store_reader import StoreReader, readable
 from cli.calling import call, refusal, start, wait_until
 
 TEXT = """
@@ -32,7 +32,7 @@ RUNS = 60
 
 
 def done(folder):
-    return sum(Kept(folder).counts.values()) if readable(folder) else 0
+    return sum(StoreReader(folder).counts.values()) if readable(folder) else 0
 
 
 def table(folder):
@@ -115,8 +115,8 @@ def test_a_machine_that_sleeps_loses_no_run_and_no_time(tmp_path, undisturbed):
     os.killpg(process.pid, signal.SIGCONT)
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == 0, stderr
-    assert Kept(out).counts["ok"] == RUNS
-    assert max(row[4] for row in Kept(out).runs()) < 4.0, "the sleep is no time of a run"
+    assert StoreReader(out).counts["ok"] == RUNS
+    assert max(row[4] for row in StoreReader(out).runs()) < 4.0, "the sleep is no time of a run"
     assert table(out) == undisturbed[1], "a limit changes no numbers"
 
 
@@ -144,7 +144,7 @@ def test_a_measure_that_hangs_is_killed_and_named(tmp_path):
     result = call("sweep", "run", tmp_path / "s.toml", "--out", out, "--quiet")
     assert result.exit_code == 3, result.stderr
     assert "cell 1, seed 2: killed: it took longer than 2 s" in result.stdout
-    assert Kept(out).counts == {"ok": 4, "gave-up": 0, "failed": 0, "killed": 2}
+    assert StoreReader(out).counts == {"ok": 4, "gave-up": 0, "failed": 0, "killed": 2}
     (tmp_path / "s.toml").write_text(text.replace("ticks = 2000", "ticks = 30\ntimeout = 0"))
     assert "run.timeout: a number > 0 is needed" in refusal("sweep", "run", tmp_path / "s.toml")
 

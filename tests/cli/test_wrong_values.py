@@ -74,9 +74,9 @@ def place(tmp_path, monkeypatch):
         "app.cli.classroom.serve",
         "app.cli.live.lab.serve", "app.cli.live.run.conduct", "app.cli.live.check.look_at_devices",
         "app.live.operating.flock_driver.FlockDriver",
-        "app.cli.formation.trimmed", "app.flight.flown.flown",
-        "app.flight.curve.swept", "app.flight.load.carried", "agents.flight.trim.trim",
-        "app.worlds.picture.draw_world",
+        "app.cli.formation.trimmed", "app.flight.compared_flight.flown",
+        "app.flight.trim_curve.swept", "app.flight.load.carried", "agents.flight.trim.trim",
+        "app.worlds.world_picture.draw_world",
         "app.formation.files.table", "agents.observables.formation.vee_saved",
         "app.cli.live.emulate.emulate", "webbrowser.open", "app.cli.take.source.compile_loop",
     ):  # fmt: skip

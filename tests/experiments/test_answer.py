@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.experiments.file import Published
-from app.experiments.kinds.mission import Mission
-from app.experiments.verdicts.answer import (
+from app.experiments.experiment_file import PublishedMeasure
+from app.experiments.kinds.mission import MissionSettings
+from app.experiments.verdicts.claim_verdict import (
     DOES_NOT,
     HOLDS,
     UNDECIDED,
-    Answer,
+    ClaimVerdict,
     all_of,
     any_of,
     by_construction,
@@ -26,7 +26,7 @@ from app.experiments.verdicts.judge import RunRanges, ranges_of, share_interval
 from app.experiments.verdicts.statistics import summary
 from app.experiments.verdicts.verdict import ranges_of_runs
 
-FEW = Answer("undecided", 5)
+FEW = ClaimVerdict("undecided", 5)
 
 
 def spread_about(mean, runs=20, deviation=1.0):
@@ -37,7 +37,7 @@ def spread_about(mean, runs=20, deviation=1.0):
 def test_means_that_are_told_from_0():
     assert mean_above(spread_about(1.0)) == HOLDS
     assert mean_above(spread_about(-1.0)) == DOES_NOT
-    assert mean_above(spread_about(0.0)) == Answer("undecided")
+    assert mean_above(spread_about(0.0)) == ClaimVerdict("undecided")
     assert mean_above(spread_about(1.0)).p < 0.01
 
 
@@ -122,7 +122,7 @@ def test_more_runs_are_asked_for_than_there_are_of_a_share(good, runs, share):
 def test_more_successes_are_asked_for_than_there_are_beside_published_ones(runs, failed, theirs):
     values = np.array([100.0] * max(runs - failed, 0) + [0.0] * min(failed, runs))
     ours = RunRanges(values, values, (0.0, 100.0), binary=True)
-    published = Published(values=theirs) if theirs else Published(mean=60.0)
+    published = PublishedMeasure(values=theirs) if theirs else PublishedMeasure(mean=60.0)
     found = compare(ours, published)
     assert found.needed is None or found.needed > runs
     assert found.why != "all runs are equal"
@@ -140,7 +140,7 @@ def test_a_rare_failure_that_few_runs_cannot_show_asks_for_more_of_them():
 @pytest.mark.parametrize("theirs", [[], [95.0, 96.0] * 20])
 def test_a_rare_failure_that_few_runs_cannot_show_may_lie_beside_a_published_mean(theirs):
     """20 of 20 runs near 100: one in five may fail, so that their mean may be 80."""
-    published = Published(values=theirs) if theirs else Published(mean=95.5)
+    published = PublishedMeasure(values=theirs) if theirs else PublishedMeasure(mean=95.5)
 
     def beside(runs, rare=True):
         values = np.full(runs, 100.0) - np.linspace(0.0, 0.1, runs)
@@ -161,7 +161,7 @@ def test_a_run_without_a_value_is_no_0_and_was_not_given_up():
     found = summary(values)
     assert (found.runs, found.absent, found.limit) == (9, 1, None)
     assert found.mean == pytest.approx(0.9)
-    assert compare(values, Published(mean=0.88)).why == "1 of 10 runs without a value"
+    assert compare(values, PublishedMeasure(mean=0.88)).why == "1 of 10 runs without a value"
     limited = summary(RunRanges(np.array([3.0, 8.0]), np.array([3.0, math.inf]), (0.0, math.inf)))
     assert (limited.mean, limited.limit) == (5.5, 8.0)
 
@@ -175,8 +175,8 @@ def test_a_distance_that_is_rarely_0_is_bounded_above_as_any_other():
 
 @pytest.mark.parametrize(("arrived", "low"), [(0, 50.0), (1, 0.0)])
 def test_a_mission_that_ended_early_was_not_given_up_at_the_limit(arrived, low):
-    settings = Mission(limit=50.0, world="open")
-    measure = Mission.measure("settled")
+    settings = MissionSettings(limit=50.0, world="open")
+    measure = MissionSettings.measure("settled")
     values = {"settled": [None, 3.0], "arrived": [arrived, 1]}
     found = ranges_of_runs(values["settled"], measure, settings.limits_of(measure, values))
     assert found.least.tolist() == [low, 3.0]
@@ -205,19 +205,19 @@ def test_the_bounds_of_a_share_are_exact(runs, data):
 def test_what_is_said_of_every_run():
     assert share_of_runs(9, 10, 1.0) == DOES_NOT
     assert share_of_runs(44, 44, 1.0) == HOLDS
-    assert share_of_runs(43, 43, 1.0) == Answer("undecided", 44)
+    assert share_of_runs(43, 43, 1.0) == ClaimVerdict("undecided", 44)
     assert str(share_of_runs(2, 2, 1.0)) == "undecided (about 44 runs would decide)"
 
 
 def test_what_is_said_of_a_share_of_runs():
-    assert share_of_runs(100, 100, 0.99) == Answer("undecided", 528)  # ln 0.005 / ln 0.99
+    assert share_of_runs(100, 100, 0.99) == ClaimVerdict("undecided", 528)  # ln 0.005 / ln 0.99
     assert share_of_runs(528, 528, 0.99) == HOLDS
     assert share_of_runs(60, 100, 0.99) == DOES_NOT
     assert share_of_runs(50, 100, 0.5) == UNDECIDED
 
 
 def test_parts_make_a_whole():
-    some = Answer("undecided", 30)
+    some = ClaimVerdict("undecided", 30)
     assert all_of([HOLDS, HOLDS]) == HOLDS
     assert all_of([HOLDS, some]) == some
     assert all_of([some, UNDECIDED]) == UNDECIDED
@@ -228,7 +228,7 @@ def test_parts_make_a_whole():
 
 
 def test_the_chance_of_a_whole_is_that_of_its_parts():
-    parts = [Answer("holds", p=0.001), Answer("holds", p=0.004)]
+    parts = [ClaimVerdict("holds", p=0.001), ClaimVerdict("holds", p=0.004)]
     assert all_of(parts).p == 0.004
     assert any_of(parts).p == 0.001
 
@@ -240,7 +240,7 @@ def test_what_cannot_fail_says_so_unless_it_fails():
 
 
 def word(measured, **published):
-    return compare(ranges_of(measured), Published(**published)).word
+    return compare(ranges_of(measured), PublishedMeasure(**published)).word
 
 
 def test_equal_runs_neither_agree_nor_differ():
@@ -250,47 +250,49 @@ def test_equal_runs_neither_agree_nor_differ():
         ([0.0] * 40, {"values": [0.0] * 5}),
         ([1.0] * 40, {"values": [0.0] * 5}),
     ):
-        found = compare(ranges_of(measured), Published(**published))
+        found = compare(ranges_of(measured), PublishedMeasure(**published))
         assert (found.word, found.why) == ("undecided", "all runs are equal")
 
 
 def test_a_success_of_every_run_differs_from_a_published_share():
     values = np.full(50, 100.0)
     every = RunRanges(values, values, (0.0, 100.0), binary=True)
-    assert compare(every, Published(mean=30.0)).word == "differs"
-    assert compare(every, Published(mean=97.0)).word == "undecided"
-    assert compare(every, Published(values=[0.0] * 20)).word == "differs"
+    assert compare(every, PublishedMeasure(mean=30.0)).word == "differs"
+    assert compare(every, PublishedMeasure(mean=97.0)).word == "undecided"
+    assert compare(every, PublishedMeasure(values=[0.0] * 20)).word == "differs"
 
 
 def test_few_runs_decide_nothing():
-    assert compare(ranges_of([60.0, 62.0]), Published(mean=10.0)).needed == 5
+    assert compare(ranges_of([60.0, 62.0]), PublishedMeasure(mean=10.0)).needed == 5
     assert word([40.0, 60.0] * 50, mean=51.0) == "agrees"
     assert word([40.0, 60.0] * 50, mean=60.0) == "differs"
 
 
 def test_a_row_that_cannot_but_agree_says_so_unless_it_differs():
-    published = Published(values=[0.0] * 5, by_construction="nobody looks")
+    published = PublishedMeasure(values=[0.0] * 5, by_construction="nobody looks")
     found = compare(spread_about(0.0, 100), published)
     assert (found.word, found.why, found.needed) == ("by construction", "nobody looks", None)
     assert compare(spread_about(50.0, 100), published).word == "differs"
 
 
 def test_five_published_runs_cannot_agree():
-    found = compare(spread_about(50.0, 400), Published(values=[49.0, 50.0, 51.0, 49.5, 50.5]))
+    found = compare(
+        spread_about(50.0, 400), PublishedMeasure(values=[49.0, 50.0, 51.0, 49.5, 50.5])
+    )
     assert (found.word, found.why) == ("undecided", "the paper gives 5 runs")
 
 
 def test_runs_that_were_given_up_are_larger_or_undecided():
     censored = [*[12.0, 13.0, 12.5] * 9, *[None] * 291]
-    assert compare(ranges_of(censored, limit=50), Published(mean=12.66)).word == "differs"
-    assert compare(ranges_of(censored, limit=50), Published(mean=23.0)).word == "differs"
-    open_ = compare(ranges_of([*[12.0, 14.0] * 20, None], limit=50), Published(mean=13.0))
+    assert compare(ranges_of(censored, limit=50), PublishedMeasure(mean=12.66)).word == "differs"
+    assert compare(ranges_of(censored, limit=50), PublishedMeasure(mean=23.0)).word == "differs"
+    open_ = compare(ranges_of([*[12.0, 14.0] * 20, None], limit=50), PublishedMeasure(mean=13.0))
     assert (open_.word, open_.why) == ("undecided", "1 of 41 runs given up")
     assert open_.interval[1] == math.inf
 
 
 def test_a_comparison_in_numbers():
-    found = compare(ranges_of([40.0, 60.0] * 50), Published(mean=47.0))
+    found = compare(ranges_of([40.0, 60.0] * 50), PublishedMeasure(mean=47.0))
     s = math.sqrt(100 * 100 / 99)
     assert found.difference == 3.0
     assert found.z == pytest.approx(3.0 / (s * math.sqrt(0.02)))
@@ -308,11 +310,11 @@ def test_runs_against_runs_are_welch_s():
 
     rng = np.random.default_rng(6)
     ours, theirs = rng.normal(0.0, 0.5, 40), rng.normal(1.0, 2.0, 20)
-    found = compare(ranges_of(ours), Published(values=list(theirs)))
+    found = compare(ranges_of(ours), PublishedMeasure(values=list(theirs)))
     assert found.z == pytest.approx(ttest_ind(ours, theirs, equal_var=False).statistic)
 
 
 def test_the_runs_said_to_decide_a_comparison():
-    few = compare(ranges_of([40.0, 60.0] * 3), Published(mean=50.5))
+    few = compare(ranges_of([40.0, 60.0] * 3), PublishedMeasure(mean=50.5))
     assert few.word == "undecided"
     assert word([40.0, 60.0] * (few.needed // 2 + 1), mean=50.5) == "agrees"

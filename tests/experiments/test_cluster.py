@@ -13,11 +13,11 @@ from contextlib import contextmanager, suppress
 import pytest
 from cli.calling import call, refusal, start, wait_until
 
-from app.experiments.cluster.asked import Cluster
-from app.experiments.runs.reading import Kept, readable
-from app.experiments.sweeps.conduct import conduct
-from app.experiments.sweeps.table import as_csv, long, wide
-from app.experiments.workers.makers import Task
+from app.experiments.cluster.cluster_options import Cluster
+from app.experiments.runs.store_reader import StoreReader, readable
+from app.experiments.sweeps.sweep_runner import conduct
+from app.experiments.sweeps.sweep_table import as_csv, long, wide
+from app.experiments.workers.run_executors import Task
 from experiments.jobs import Sums
 from experiments.test_sweep_file import read
 from worlds.input_error import InputError
@@ -27,8 +27,8 @@ import psutil
 from dask.config import set as dask_config
 from distributed import Client
 
-from app.experiments.cluster.on_cluster import OnCluster
-from app.experiments.cluster.opening import opened
+from app.experiments.cluster.cluster_connection import opened
+from app.experiments.cluster.cluster_executor import ClusterExecutor
 
 TEXT = """
 [run]
@@ -51,11 +51,11 @@ SMALL, LARGE = TEXT.replace("TICKS", "300"), TEXT.replace("TICKS", "2000")
 
 
 def tables(folder):
-    return as_csv(wide(Kept(folder))), as_csv(long(Kept(folder)))
+    return as_csv(wide(StoreReader(folder))), as_csv(long(StoreReader(folder)))
 
 
 def done(folder):
-    return sum(Kept(folder).counts.values()) if readable(folder) else 0
+    return sum(StoreReader(folder).counts.values()) if readable(folder) else 0
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +108,7 @@ def test_nothing_of_a_cluster_answers_a_browser():
 def test_whatever_a_run_does_the_others_are_kept_once(tmp_path):
     payloads = {1: "raise", 2: "kill", 3: "kill once", 4: "kill worker", 5: "sleep"}
     kept = []
-    with OnCluster(Sums(str(tmp_path)), Cluster(kind="local"), 2, limit=4.0) as makers:
+    with ClusterExecutor(Sums(str(tmp_path)), Cluster(kind="local"), 2, limit=4.0) as makers:
         tasks = [Task(1, seed, payloads.get(seed)) for seed in range(12)]
         assert makers.run(tasks, lambda task, outcome: kept.append((task.seed, outcome)))
         assert not makers.chunks, "whatever came back is released"
@@ -208,10 +208,10 @@ def slurm(tmp_path, monkeypatch):
 
 def test_jobs_of_a_queue_make_the_runs_and_are_replaced(tmp_path, slurm, one_machine, monkeypatch):
     """Also one that ends, the only one, as its results are fetched: they are lost with it."""
-    monkeypatch.setattr("app.experiments.cluster.on_cluster.AGAIN", 1.0)
+    monkeypatch.setattr("app.experiments.cluster.cluster_executor.AGAIN", 1.0)
     cluster = Cluster(kind="slurm", cores=2, shared=str(tmp_path / "shared"))
     ended = []
-    fetch = OnCluster.fetch
+    fetch = ClusterExecutor.fetch
 
     def too_late(makers, results):
         if results and not ended and done(tmp_path / "out") > 20:
@@ -219,7 +219,7 @@ def test_jobs_of_a_queue_make_the_runs_and_are_replaced(tmp_path, slurm, one_mac
             os.killpg(ended[0], signal.SIGKILL)
         return fetch(makers, results)
 
-    monkeypatch.setattr(OnCluster, "fetch", too_late)
+    monkeypatch.setattr(ClusterExecutor, "fetch", too_late)
     with dask_config({"distributed.deploy.lost-worker-timeout": "1s"}):
         made = conduct(read(tmp_path, text=LARGE), tmp_path / "out", workers=9, cluster=cluster)
     assert (made.made, made.broken, made.whole) == (120, 0, True)
@@ -266,12 +266,12 @@ def test_a_worker_whose_time_is_over_hands_on_what_it_has(tmp_path, one_machine)
 
 
 def test_a_queue_that_sends_no_worker_is_told_of(tmp_path, slurm, monkeypatch):
-    monkeypatch.setattr("app.experiments.cluster.on_cluster.ALONE", 0.0)
+    monkeypatch.setattr("app.experiments.cluster.cluster_executor.ALONE", 0.0)
     (slurm / "sbatch").write_text("#!/bin/sh\necho Submitted batch job 7\n")
     (slurm / "scancel").write_text(f"#!/bin/sh\necho $1 > {slurm}/cancelled\n")
     shared = str(tmp_path / "shared")
     cluster, told = Cluster(kind="slurm", shared=shared), []
-    with OnCluster(Sums(), cluster, 1, tell=told.append) as makers:
+    with ClusterExecutor(Sums(), cluster, 1, tell=told.append) as makers:
         tasks = [Task(1, seed, None) for seed in range(9)]
         assert not makers.run(tasks, lambda *_: None, lambda: bool(told))
     assert [f"logs of jobs are in {shared}/logs" in one for one in told] == [True]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.experiments.sweeps.given.conditions import Comparison, Condition, comparison
+from app.experiments.sweeps.given.sweep_conditions import Condition, ObservableBound, comparison
 from worlds.input_error import InputError
 
 VALUES = {"a": 2.0, "b": 3, "name": "x"}
@@ -49,7 +49,9 @@ def test_what_cannot_be_compared_is_refused(text):
 
 
 def test_a_comparison_of_an_observable():
-    assert comparison(" mean-neighbours>=-1e3 ") == Comparison("mean-neighbours", ">=", -1000.0)
+    assert comparison(" mean-neighbours>=-1e3 ") == ObservableBound(
+        "mean-neighbours", ">=", -1000.0
+    )
     assert comparison("x < 2").holds(1.0)
     assert not comparison("x < 2").holds(float("nan"))
 

@@ -5,7 +5,7 @@ import pytest
 from pydantic import TypeAdapter
 
 from app.experiments.sweeps.given.designs import points_of
-from app.experiments.sweeps.given.file import AnyDesign
+from app.experiments.sweeps.given.sweep_file import AnyDesign
 from worlds.input_error import InputError
 
 BOUNDS = {"a": {"from": 0.0, "to": 1.0}, "b": {"from": -2.0, "to": 2.0}}

@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 from agents import Flock
 from app.experiments.experiment import read_file
-from app.experiments.kinds.driving import Drive, Driving, gaps, lags, lap_of, nearest
-from app.experiments.kinds.squash import Squash
+from app.experiments.kinds.driving import Drive, DrivingSettings, gaps, lags, lap_of, nearest
+from app.experiments.kinds.squash import SquashSettings
 from app.experiments.overrides import PLAIN, Overrides, Ranks, with_goal
 from app.experiments.trial import fingerprint, flock_of
 from worlds.input_error import InputError
@@ -56,7 +56,7 @@ def drive_of(position, met=None, hunts=None, crashes=0):
 def test_the_squashing_function_is_the_formula(beta, c, gamma):
     flock = Flock("squashing", agents=2, world="open", size=10.0, r=200.0,
                   rng=1, beta=beta, C=c, gamma=gamma)  # fmt: skip
-    found = Squash(world="open", far=100.0, looks=30).run(flock, lambda: None)
+    found = SquashSettings(world="open", far=100.0, looks=30).run(flock, lambda: None)
     assert found["zero"] == pytest.approx(c * gamma / (1.0 - c), abs=1e-9)
     assert found["formula"] == pytest.approx(c * gamma / (1.0 - c), abs=1e-15)
     assert found["error"] < 1e-12
@@ -77,7 +77,7 @@ def test_the_lag_is_the_angle_behind_the_injected_car():
 
 
 def test_a_car_is_locked_that_keeps_its_lag():
-    settings = Driving(world="cars-circle", limit=20.0, drift=10.0, spread=30.0)
+    settings = DrivingSettings(world="cars-circle", limit=20.0, drift=10.0, spread=30.0)
     time = np.linspace(0.0, 1.0, 101)
     still = np.full(101, 0.9)
     waves = 0.9 + np.radians(14.0) * np.sin(2.0 * np.pi * time)
@@ -115,7 +115,7 @@ def test_cars_that_meet_head_on_are_stuck_unless_they_back_out(reverse, stuck):
     start = {"position": [[0.0, -0.4], [0.0, 0.4]], "heading": [[0.0, 1.0], [0.0, -1.0]]}
     flock = Flock("squashing-cars", start=start, world="cars-circle", rng=1, reverse=reverse,
                   beta=0.0, noise_xy=0.0, noise_yaw=0.0)  # fmt: skip
-    settings = Driving(world="cars-circle", limit=12.0)
+    settings = DrivingSettings(world="cars-circle", limit=12.0)
     drive = settings.driven(flock)
     assert drive.collided
     assert {row for _, row in drive.touched} <= {0, 1}
@@ -124,7 +124,7 @@ def test_cars_that_meet_head_on_are_stuck_unless_they_back_out(reverse, stuck):
 
 
 def test_a_car_that_leaves_the_area_is_outside():
-    settings = Driving(world="cars-circle", limit=12.0)
+    settings = DrivingSettings(world="cars-circle", limit=12.0)
     flock = Flock("squashing", agents=2, rng=1)
     lap = lap_of(flock)
     goal = flock.goal_at(np.arange(lap + 1))
@@ -154,7 +154,7 @@ def test_one_car_that_turns_on_the_spot_lags_as_its_speed_has_it(speed):
         rng=1,
         world=with_goal(world("cars-circle"), Overrides(speed=speed)),
     )
-    found = Driving(world="cars-circle", limit=130.0).run(flock, lambda: None)
+    found = DrivingSettings(world="cars-circle", limit=130.0).run(flock, lambda: None)
     assert found["locked"] == 100
     assert found["lag"] == pytest.approx(math.degrees(brentq(left, 0.3, 1.5)), abs=0.2)
 
@@ -205,7 +205,7 @@ def test_a_wrong_file_is_refused(tmp_path, before, after, words):
 
 
 def test_a_drive_needs_an_injected_car_that_goes_round_within_it():
-    settings = Driving(world="cars-circle", limit=11.0)
+    settings = DrivingSettings(world="cars-circle", limit=11.0)
     with pytest.raises(
         InputError, match=r"limit = 11 s is less than a lap.* 11\.4 s in cars-circle"
     ):

@@ -9,13 +9,13 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import experiment_names, read_experiment, read_file
-from app.experiments.file import Every
-from app.experiments.kinds.gathering import Gathering, groups_of
+from app.experiments.experiment_file import EveryRunClaim
+from app.experiments.experiment_runner import MeasuredCase, conduct
+from app.experiments.kinds.gathering import GatheringSettings, groups_of
 from app.experiments.pictures.gatherings.box import edges_of, faces_of
-from app.experiments.reports.report import show
-from app.experiments.runs.reading import Kept
+from app.experiments.reports.report_formats import show
+from app.experiments.runs.store_reader import StoreReader
 from app.experiments.trial import fingerprint, flock_of
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import of, verdicts
@@ -72,7 +72,7 @@ def test_a_row_is_a_run_with_several_looks(done):
     ]
     assert experiment.paths == [[0, 1, 2], [3, 4, 5]]
     assert made.made == 2 * 3
-    assert Kept(folder).counts["ok"] == 2 * 3 * 3
+    assert StoreReader(folder).counts["ok"] == 2 * 3 * 3
 
 
 def test_its_numbers_are_those_of_the_flock(done):
@@ -96,7 +96,7 @@ def test_groups_are_of_those_that_fly_and_nearer_than_d_a():
     at = [[1.0, 1, 1], [1.2, 1, 1], [12.0, 1, 1], [14.9, 1, 1], [23.5, 1, 5.0]]
     start = {"position": np.array(at), "heading": np.array([[0.0, 1.0, 0.0]] * 5)}
     flock = Flock("thesis", start=start, rng=1, d_0=0.0, v0=0.0, d_a=3.0, d_o=1.5)
-    settings = Gathering(world="thesis-sky", looks=[1])
+    settings = GatheringSettings(world="thesis-sky", looks=[1])
     assert groups_of(flock).max() == 2, "0 and 1 in one group, 2 and 3 in one, 4 alone"
     found = settings.run(flock, lambda: None)
     assert found["at_0"] == 2, "0 and 1 are nearer than their bodies are wide"
@@ -109,7 +109,7 @@ def test_groups_are_of_those_that_fly_and_nearer_than_d_a():
 def test_a_flock_of_which_nobody_flies_has_no_group():
     start = {"position": [[5.0, 5, 5], [5.2, 5, 5]], "heading": [[1.0, 0, 0]] * 2}
     flock = Flock("thesis", start=start, rng=1)
-    found = Gathering(world="thesis-sky", looks=[3]).run(flock, lambda: None)
+    found = GatheringSettings(world="thesis-sky", looks=[3]).run(flock, lambda: None)
     assert found["at_0"] == 2
     assert (found["groups"], found["one"], found["largest"], found["p"]) == (0, 0, None, None)
 
@@ -159,9 +159,9 @@ def test_the_table_has_a_line_for_each_look_within_80_columns(done):
 def share(done, values, said):
     """A claim about made-up numbers of the last look of the first row."""
     experiment = done[0]
-    names = [one.name for one in Gathering.measures]
+    names = [one.name for one in GatheringSettings.measures]
     measured = [
-        Measured(case, dict.fromkeys(names, values if case.tick == 60 else [7, 7, 7, 7]))
+        MeasuredCase(case, dict.fromkeys(names, values if case.tick == 60 else [7, 7, 7, 7]))
         for case in experiment.cases[:3]
     ]
     part = replace(experiment, cases=experiment.cases[:3])
@@ -170,7 +170,7 @@ def share(done, values, said):
 
 
 def test_a_claim_about_a_share_of_the_runs_at_a_tick(done):
-    said = Every(says="every", measure="late", tick=60, at_most=0.0, share=0.75)
+    said = EveryRunClaim(says="every", measure="late", tick=60, at_most=0.0, share=0.75)
     assert share(done, [0] * 90 + [4] * 10, said).word == "holds"
     assert share(done, [0] * 50 + [3] * 50, said).word == "does not hold"
     assert share(done, [0, 0, 3, 4], said).word == "undecided"
@@ -189,7 +189,7 @@ def test_a_claim_about_a_share_of_the_runs_at_a_tick(done):
 
 
 def test_a_claim_that_cannot_fail_says_so(done):
-    said = Every(says="every", measure="late", tick=60, at_most=0.0, by_construction="why")
+    said = EveryRunClaim(says="every", measure="late", tick=60, at_most=0.0, by_construction="why")
     found = share(done, [0] * 4, said)
     assert (found.word, found.by_construction) == ("by construction", "why")
     assert share(done, [0, 1], said).word == "does not hold"

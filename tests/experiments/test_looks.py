@@ -9,15 +9,20 @@ import pytest
 from agents import Flock
 from agents.mission_record import fly
 from app.experiments.experiment import read_experiment
-from app.experiments.kinds.beginning import Beginning, gaps
-from app.experiments.kinds.detours import A1, A2, A3, Course, Detours, boundary_end
-from app.experiments.kinds.evolution import Evolution
-from app.experiments.kinds.holding import Holding
-from app.experiments.kinds.layering import Layering, heeds_lower, shortest_way, shortest_ways
-from app.experiments.kinds.tangents import Tangents, nearest_points
+from app.experiments.kinds.beginning import BeginningSettings, gaps
+from app.experiments.kinds.detours import A1, A2, A3, DetourSettings, DetourTrack, boundary_end
+from app.experiments.kinds.evolution import EvolutionSettings
+from app.experiments.kinds.holding import HoldingSettings
+from app.experiments.kinds.layering import (
+    LayeringSettings,
+    heeds_lower,
+    shortest_way,
+    shortest_ways,
+)
+from app.experiments.kinds.tangents import TangentSettings, nearest_points
 from app.experiments.overrides import Overrides, with_goal
-from app.experiments.pictures.missions.flight import Flight
-from app.experiments.pictures.missions.nearest import nearness
+from app.experiments.pictures.missions.flown_mission import FlownMission
+from app.experiments.pictures.missions.nearest_picture import nearness
 from app.experiments.trial import flock_of
 from worlds.input_error import InputError
 from worlds.layout import world
@@ -43,7 +48,7 @@ def deg_con(flock):
 def test_an_evolution_is_measured_at_both_ends():
     settings, one = case("liu2021-fig4")
     settings = settings.model_copy(update={"hold": 5, "limit": 200})
-    assert isinstance(settings, Evolution)
+    assert isinstance(settings, EvolutionSettings)
     flock, again = flock_of(one, 3), flock_of(one, 3)
     before = deg_con(flock)
     found = settings.run(flock, nothing)
@@ -66,7 +71,7 @@ def test_where_a_flock_has_come_to_is_measured(number):
 
 def test_a_start_is_measured_before_anything_moves():
     settings, one = case("thesis-fig5.6")
-    assert isinstance(settings, Beginning)
+    assert isinstance(settings, BeginningSettings)
     flock = flock_of(one, 2)
     found = settings.run(flock, nothing)
     assert flock.tick == 0
@@ -99,7 +104,7 @@ def test_the_least_distance_over_time_is_that_of_the_mission():
     one = case("wu2023-fig6", 1)[1]
     flock = flock_of(one, 4)
     record = fly(flock, 400, every=1)
-    found = nearness(Flight(flock, record))
+    found = nearness(FlownMission(flock, record))
     assert len(found.agent) == 401
     assert found.agent.min() == record.least_pair
     assert found.obstacle.min() == record.least_obstacle
@@ -126,7 +131,7 @@ def test_layers_are_counted_along_the_shortest_sequence():
 
 def test_a_uav_that_heeds_a_lower_layer_is_found():
     settings, one = case("liu2021-fig2")
-    assert isinstance(settings, Layering)
+    assert isinstance(settings, LayeringSettings)
     flock = flock_of(one, 1)
     layers = flock.layers()
     near = [flock.inspect(row) for row in range(41)]
@@ -155,7 +160,7 @@ def test_nearest_points_of_discs_and_of_corners():
 
 def test_uavs_turn_along_tangents_and_nowhere_else():
     settings, one = case("liu2021-fig3")
-    assert isinstance(settings, Tangents)
+    assert isinstance(settings, TangentSettings)
     found = settings.run(flock_of(one, 6), nothing)
     assert found["avoids"] > 50
     assert found["corners"] > 50
@@ -171,7 +176,7 @@ def test_uavs_turn_along_tangents_and_nowhere_else():
 def test_split_and_rejoin_points_are_as_the_paper_defines_them(number):
     settings, one = case("wu2023-fig3", number)
     settings = settings.model_copy(update={"limit": 20.0})
-    assert isinstance(settings, Detours)
+    assert isinstance(settings, DetourSettings)
     flock, again = flock_of(one, 1), flock_of(one, 1)
     found, course = settings.run(flock, nothing), settings.followed(again)
     assert found["splits"] >= found["again"] > 0
@@ -191,7 +196,7 @@ def test_the_end_of_a_boundary_is_before_the_first_gap():
     place = np.array([[43.0, 8.0]])
     none = np.zeros((1, 2))
     goal = np.array([75.0, 8.0])
-    course = Course(place, np.array([A1]), none, none, none, np.zeros(1), goal)
+    course = DetourTrack(place, np.array([A1]), none, none, none, np.zeros(1), goal)
     aim, phase = boundary_end(flock, course, 0)
     seen = aim - course.position[0]
     assert phase == pytest.approx(math.atan2(seen[1], seen[0]) % (2.0 * math.pi))
@@ -203,7 +208,7 @@ def test_the_end_of_a_boundary_is_before_the_first_gap():
 def test_a_car_is_held_near_the_place():
     settings, one = case("jacobs-gallery1")
     settings = settings.model_copy(update={"limit": 20.0})
-    assert isinstance(settings, Holding)
+    assert isinstance(settings, HoldingSettings)
     flock = flock_of(one, 3)
     assert flock.goal_at([0, 1000]).tolist() == [[0.0, 0.0], [0.0, 0.0]]
     found = settings.run(flock, nothing)
@@ -223,6 +228,6 @@ def test_a_goal_rests_or_moves():
     with pytest.raises(InputError, match="has no goal"):
         with_goal(world("open", 2, 5.0), Overrides(rests=(1.0, 2.0)))
     with pytest.raises(InputError, match="it has no goal"):
-        Holding(world="open", limit=1.0, radius=1.0, late=0.5).run(
+        HoldingSettings(world="open", limit=1.0, radius=1.0, late=0.5).run(
             Flock("squashing-cars", agents=1, world="open", size=8.0, rng=1), nothing
         )

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from agents.mission_record import fly
-from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import experiment_names, read_experiment, read_file
-from app.experiments.file import Every, Faster, Order
-from app.experiments.kinds import KINDS, Mission
-from app.experiments.pictures.draw import draw
-from app.experiments.reports.report import as_value
+from app.experiments.experiment_file import EveryRunClaim, FasterClaim, OrderClaim
+from app.experiments.experiment_runner import MeasuredCase, conduct
+from app.experiments.kinds import KINDS, MissionSettings
+from app.experiments.pictures.experiment_picture import draw
+from app.experiments.reports.report_formats import as_value
 from app.experiments.reports.tables import table_of
-from app.experiments.runs.reading import Kept
-from app.experiments.sweeps.table import wide
+from app.experiments.runs.store_reader import StoreReader
+from app.experiments.sweeps.sweep_table import wide
 from app.experiments.trial import fingerprint, flock_of
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import of, verdicts
@@ -95,9 +95,9 @@ def test_n_counts_the_information_agent(done):
 
 def test_the_store_has_a_column_for_each_measure(done):
     experiment, _, folder = done
-    columns = wide(Kept(folder))
+    columns = wide(StoreReader(folder))
     assert len(columns["seed"]) == 4
-    measures = [one.name for one in Mission.measures]
+    measures = [one.name for one in MissionSettings.measures]
     measures[measures.index("ticks")] = "ticks_measured"
     assert list(columns)[-len(measures) :] == measures
     assert set(columns["label"]) == {"A", "H"}
@@ -157,17 +157,18 @@ def judged(experiment, values, said):
     """Whether what is said holds of the made-up values of a measure, one list per row."""
     measure = said.measure
     measured = [
-        Measured(
-            case, {m.name: v if m.name == measure else [0.0] * len(v) for m in Mission.measures}
+        MeasuredCase(
+            case,
+            {m.name: v if m.name == measure else [0.0] * len(v) for m in MissionSettings.measures},
         )
         for case, v in zip(experiment.cases, values, strict=True)
     ]
-    one = replace(experiment, measures=[Mission.measure(measure)])
+    one = replace(experiment, measures=[MissionSettings.measure(measure)])
     return [claim.word for claim in claims(verdicts(one, measured), [said])]
 
 
 def test_an_order_holds_if_every_step_rises(done):
-    said = Order(says="order", measure="success", labels=["A", "H"], agents=[4, 50])
+    said = OrderClaim(says="order", measure="success", labels=["A", "H"], agents=[4, 50])
     low, high = [10.0, 20.0, 15.0] * 60, [20.0, 30.2, 25.1] * 60
     assert judged(done[0], [low, high], said) == ["holds"], "paired: by 10 in every pair"
     assert judged(done[0], [high, low], said) == ["does not hold"]
@@ -189,13 +190,13 @@ def test_an_order_holds_if_every_step_rises(done):
     ],
 )
 def test_bounds_of_every_run(done, bounds, words):
-    said = Every(says="every", measure="d_obs", **bounds)
+    said = EveryRunClaim(says="every", measure="d_obs", **bounds)
     assert judged(done[0], [[0.0, 1.0] * 22, [1.0, 2.0] * 22], said) == [words]
 
 
 @pytest.mark.parametrize(("measure", "word"), [("d_obs", "holds"), ("success", "does not hold")])
 def test_a_run_that_comes_near_nothing_is_infinitely_far(done, measure, word):
-    said = Every(says="every", measure=measure, above=0.0)
+    said = EveryRunClaim(says="every", measure=measure, above=0.0)
     assert judged(done[0], [[None, 1.0] * 22, [1.0, 2.0] * 22], said) == [word]
 
 
@@ -211,7 +212,7 @@ def test_a_run_that_comes_near_nothing_is_infinitely_far(done, measure, word):
     ],
 )
 def test_faster_in_every_pair(done, quick, slow, word):
-    said = Faster(says="faster", measure="settled", label="A", than="H", by=0.8)
+    said = FasterClaim(says="faster", measure="settled", label="A", than="H", by=0.8)
     assert judged(done[0], [quick * 22, slow * 22], said) == [word]
 
 
@@ -287,7 +288,9 @@ def test_the_picture_is_drawn_as_png_and_svg(name, tmp_path):
     experiment = replace(whole, settings=whole.settings.model_copy(update=settings))
     rng = np.random.default_rng(4)
     measured = [
-        Measured(case, {one.name: list(rng.uniform(20, 80, 5)) for one in whole.settings.measures})
+        MeasuredCase(
+            case, {one.name: list(rng.uniform(20, 80, 5)) for one in whole.settings.measures}
+        )
         for case in experiment.cases
     ]
     made = verdicts(experiment, measured)
@@ -304,7 +307,10 @@ def test_table_2_has_15_rows_as_printed():
     assert printed["IVEM-A", 20] == 44.65
     made = verdicts(
         table,
-        [Measured(c, {m.name: [50.0, 60.0] * 9 for m in Mission.measures}) for c in table.cases],
+        [
+            MeasuredCase(c, {m.name: [50.0, 60.0] * 9 for m in MissionSettings.measures})
+            for c in table.cases
+        ],
     )
     assert {one.word for one in of(made, "d_obs")} == {"differs"}
     assert {one.word for one in of(made, "d_ind")} == {"differs"}

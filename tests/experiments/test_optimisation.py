@@ -4,12 +4,12 @@ import math
 
 import pytest
 
-from app.experiments.optimisation.file import OptimisationFile
-from app.experiments.optimisation.optimise import optimise
+from app.experiments.optimisation.optimisation_file import OptimisationFile
+from app.experiments.optimisation.optimisation_runner import optimise
 from app.experiments.optimisation.study import read_study
-from app.experiments.runs.reading import Kept
-from app.experiments.sweeps.table import wide
-from app.experiments.workers.makers import ThisProcess
+from app.experiments.runs.store_reader import StoreReader
+from app.experiments.sweeps.sweep_table import wide
+from app.experiments.workers.run_executors import InlineExecutor
 from worlds.input_error import InputError
 
 SMALL = """
@@ -88,7 +88,7 @@ def study(folder, *changes, text=SMALL):
 def here(monkeypatch):
     """Runs are made in this process: for tests that are not of processes."""
     makers = "app.experiments.optimisation.evaluations.makers_of"
-    monkeypatch.setattr(makers, lambda job, *_: ThisProcess(job))
+    monkeypatch.setattr(makers, lambda job, *_: InlineExecutor(job))
 
 
 def answer(folder, *changes, text=SMALL):
@@ -142,7 +142,7 @@ def test_constraints_and_conditions_are_kept(tmp_path):
     assert best.point["eta"] >= 3.0
     assert best.limits[0].value == pytest.approx(-best.point["eta"])
     assert found.refused > 0
-    kept = wide(Kept(tmp_path / "out"))
+    kept = wide(StoreReader(tmp_path / "out"))
     assert all(eta + r <= 5.0 for eta, r in zip(kept["eta"], kept["r"], strict=True))
 
 
@@ -162,7 +162,7 @@ def test_a_front_of_two_objectives_in_different_runs(tmp_path):
     assert list(flat) == sorted(flat)
     assert (off[0] < 0.2, flat[-1] > 5.5) == (True, True)
     assert found.ties is None
-    ticks = wide(Kept(tmp_path / "out"))["ticks"]
+    ticks = wide(StoreReader(tmp_path / "out"))["ticks"]
     assert set(ticks) == {1, 2}
 
 
@@ -177,7 +177,7 @@ def test_stopped_on_the_way_it_goes_on_to_the_same_answer_to_the_bit(tmp_path, a
     assert again.taken == 64
     assert again.answer == whole.answer
     assert again.course == whole.course
-    assert wide(Kept(tmp_path / "b")) == wide(Kept(tmp_path / "a"))
+    assert wide(StoreReader(tmp_path / "b")) == wide(StoreReader(tmp_path / "a"))
     assert optimise(made, tmp_path / "b", workers=1).made == 0
 
 

@@ -8,12 +8,12 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import read_experiment, read_file
-from app.experiments.file import Alike, Reaches, Sizes
-from app.experiments.kinds.ordering import Ordering, binder
-from app.experiments.pictures.draw import draw
-from app.experiments.reports.report import show
+from app.experiments.experiment_file import EqualityClaim, ReachClaim, SizeClaim
+from app.experiments.experiment_runner import MeasuredCase, conduct
+from app.experiments.kinds.ordering import OrderingSettings, binder
+from app.experiments.pictures.experiment_picture import draw
+from app.experiments.reports.report_formats import show
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import verdicts
 from worlds.input_error import InputError
@@ -93,7 +93,7 @@ def test_binders_cumulant_of_known_distributions():
 
 
 def test_a_run_is_looked_at_as_the_settings_say():
-    settings = Ordering(world="wrap", settle=7, looks=3, every=2)
+    settings = OrderingSettings(world="wrap", settle=7, looks=3, every=2)
     flock, again = (Flock("vicsek1995", agents=30, eta=3.0, rng=4) for _ in range(2))
     found = settings.run(flock, lambda: None)
     assert flock.tick == 13 == settings.ticks(None, 1.0)
@@ -135,7 +135,7 @@ def made_up(tmp_path, values, measure="order"):
     experiment = small(tmp_path)
     rng = np.random.default_rng(2)
     measured = [
-        Measured(
+        MeasuredCase(
             case,
             {
                 name: list(
@@ -156,8 +156,8 @@ def words(made, claim):
 
 def test_what_size_does_is_judged_at_one_noise(tmp_path):
     falls = {"says": "sizes", "measure": "order", "label": "vicsek1995", "value": 6.0}
-    claim = Sizes(agents=[20, 60], trend="falls", **falls)
-    rises = Sizes(agents=[20, 60], trend="rises", **falls)
+    claim = SizeClaim(agents=[20, 60], trend="falls", **falls)
+    rises = SizeClaim(agents=[20, 60], trend="rises", **falls)
     means = {(20, 0.0): 1.0, (60, 0.0): 1.0, (20, 6.0): 0.3, (60, 6.0): 0.2}
     made = made_up(tmp_path, means)
     assert words(made, claim) == ["holds"]
@@ -172,8 +172,8 @@ def test_what_size_does_is_judged_at_one_noise(tmp_path):
 
 def test_what_comes_up_somewhere_or_nowhere(tmp_path):
     claim = {"says": "reaches", "measure": "binder", "label": "vicsek1995", "agents": [60]}
-    dips = Reaches(below=0.0, **claim)
-    never = Reaches(below=0.0, nowhere=True, **claim)
+    dips = ReachClaim(below=0.0, **claim)
+    never = ReachClaim(below=0.0, nowhere=True, **claim)
     means = {(20, 0.0): -1.0, (60, 0.0): 0.6, (20, 6.0): 0.3, (60, 6.0): -0.2}
     low = made_up(tmp_path, means, "binder")
     high = made_up(tmp_path, means | {(60, 6.0): 0.2}, "binder")
@@ -181,7 +181,7 @@ def test_what_comes_up_somewhere_or_nowhere(tmp_path):
     assert words(low, never) == words(high, dips) == ["does not hold"]
     unclear = made_up(tmp_path, means | {(60, 6.0): 0.001}, "binder")
     assert words(unclear, dips) == words(unclear, never) == ["undecided"]
-    assert words(high, Reaches(above=0.5, **claim)) == ["holds"]
+    assert words(high, ReachClaim(above=0.5, **claim)) == ["holds"]
 
 
 def test_two_rows_are_alike_within_a_distance(tmp_path):
@@ -192,8 +192,8 @@ def test_two_rows_are_alike_within_a_distance(tmp_path):
         measured = []
         for case in experiment.cases:
             values = 0.5 + shift.get(case.label, 0.0) + 0.02 * rng.normal(size=20)
-            measured.append(Measured(case, {name: list(values) for name in MEASURES}))
-        claim = Alike(says="alike", measure="order", labels=("thin", "dense"), within=0.05)
+            measured.append(MeasuredCase(case, {name: list(values) for name in MEASURES}))
+        claim = EqualityClaim(says="alike", measure="order", labels=("thin", "dense"), within=0.05)
         assert words(verdicts(experiment, measured), claim) == [word]
 
 
@@ -208,7 +208,8 @@ def test_a_claim_needs_one_bound(tmp_path):
 def test_rows_of_one_density_are_drawn_as_boxes(tmp_path):
     experiment = read_experiment("vicsek1995-headings")
     made = [
-        Measured(case, {name: [0.2, 0.3, 0.25] for name in MEASURES}) for case in experiment.cases
+        MeasuredCase(case, {name: [0.2, 0.3, 0.25] for name in MEASURES})
+        for case in experiment.cases
     ]
     experiment = replace(experiment, runs=3)
     files = draw(experiment, verdicts(experiment, made), tmp_path)

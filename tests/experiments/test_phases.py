@@ -9,15 +9,15 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.experiments.conduct import Measured, conduct
 from app.experiments.experiment import read_experiment, read_file
-from app.experiments.file import Found, Lags
-from app.experiments.kinds.phases import PHASES, Phases, bring_in_sight, detects
-from app.experiments.reports.report import as_value, show
+from app.experiments.experiment_file import LagClaim, PhaseClaim
+from app.experiments.experiment_runner import MeasuredCase, conduct
+from app.experiments.kinds.phases import PHASES, PhaseSettings, bring_in_sight, detects
+from app.experiments.reports.report_formats import as_value, show
 from app.experiments.reports.tables import table_of
 from app.experiments.runs.database import FILE
-from app.experiments.runs.reading import Kept
 from app.experiments.runs.store import Store
+from app.experiments.runs.store_reader import StoreReader
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import verdicts
 from worlds.input_error import InputError
@@ -110,7 +110,7 @@ def test_a_way_is_one_run(done):
 
 def test_what_is_done_is_in_the_store_step_by_step(done, tmp_path):
     experiment, made, folder = done
-    rows = Kept(folder).runs()
+    rows = StoreReader(folder).runs()
     assert len({(cell, seed) for cell, seed, *_ in rows}) == len(rows) == 2 * 12
     again = carry_out(experiment, folder)
     assert (again.made, again.taken) == (0, 2 * 7)
@@ -136,7 +136,7 @@ def test_what_is_done_is_in_the_store_step_by_step(done, tmp_path):
     ],
 )
 def test_phases_by_their_borders(measures, phase):
-    settings = Phases(world="open", settle=0, hold=0, looks=1, every=1)
+    settings = PhaseSettings(world="open", settle=0, hold=0, looks=1, every=1)
     assert settings.phase_of(*measures) == phase
 
 
@@ -149,7 +149,7 @@ def test_the_measures_of_groups_that_are_known():
         start={"position": position, "heading": heading},
     )  # fmt: skip
     flock.tick = 1
-    settings = Phases(world="open", settle=9, hold=3, looks=2, every=5)
+    settings = PhaseSettings(world="open", settle=9, hold=3, looks=2, every=5)
     found = settings.run(flock, lambda: None)
     assert flock.tick == 1 + 3 + 2 * 5
     assert found["p"] == pytest.approx(1.0)
@@ -202,7 +202,7 @@ def made_up(values):
     """Verdicts of the whole map of the paper with made-up values, by case."""
     experiment = read_experiment("couzin2002-phases")
     return experiment, verdicts(
-        experiment, [Measured(case, values(case)) for case in experiment.cases]
+        experiment, [MeasuredCase(case, values(case)) for case in experiment.cases]
     )
 
 
@@ -224,16 +224,16 @@ def test_claims_about_phases_and_memory():
     assert "in 56 of 84 cells" in found["torus"].text
     assert found["swarm"].word == "does not hold"
     assert found["dynamic parallel"].word == "does not hold"
-    memorises = claims(made, [Lags(says="lags", measure="p", by=0.7)])
+    memorises = claims(made, [LagClaim(says="lags", measure="p", by=0.7)])
     assert [claim.word for claim in memorises] == ["holds"]
     assert "dr_o = 2 it is 0.11 on the way there, 0.91 on the way back" in memorises[0].text
     for measure, by in (("p", 0.81), ("m", 0.01)):
-        [claim] = claims(made, [Lags(says="lags", measure=measure, by=by)])
+        [claim] = claims(made, [LagClaim(says="lags", measure=measure, by=by)])
         assert claim.word == "does not hold"
 
 
 def test_a_word_that_is_none_is_refused(tmp_path):
-    assert Found(says="found", measure="phase", word="mill").word == "mill"
+    assert PhaseClaim(says="found", measure="phase", word="mill").word == "mill"
     with pytest.raises(InputError, match=r"unknown phase 'swam'.*'swarm'"):
         small(tmp_path, TEXT.replace('word = "swarm"', 'word = "swam"'))
 

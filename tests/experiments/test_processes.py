@@ -9,9 +9,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.experiments.runs.outcome import Outcome
-from app.experiments.workers.makers import Awake, Task
+from app.experiments.runs.run_outcome import Outcome
 from app.experiments.workers.processes import Process, Processes
+from app.experiments.workers.run_executors import AwakeClock, Task
 from experiments.jobs import Sums
 from worlds.input_error import InputError
 
@@ -111,7 +111,7 @@ def test_a_clock_that_jumps_neither_kills_a_run_nor_makes_it_long():
     """As after a machine has slept for a day while a run was under way."""
     now, kept = [0.0], []
     processes = Processes(Sums(), 1, limit=100.0)
-    processes.awake = Awake(lambda: now[0])
+    processes.awake = AwakeClock(lambda: now[0])
     process = Process(SimpleNamespace(), bytearray(8), deque([Task(1, 0, None)]))
     processes.processes.append(process)
     process.started[0] = 1

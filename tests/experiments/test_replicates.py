@@ -2,7 +2,7 @@
 
 import math
 
-from app.experiments.sweeps.given.file import Replicates
+from app.experiments.sweeps.given.sweep_file import Replicates
 from app.experiments.sweeps.replicates import Rounds, half_width, is_precise
 from app.experiments.verdicts.judge import ranges_of
 from app.experiments.verdicts.statistics import summary

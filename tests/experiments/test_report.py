@@ -7,10 +7,10 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
-from app.experiments.conduct import Measured
 from app.experiments.experiment import read_experiment
-from app.experiments.pictures.draw import draw
-from app.experiments.reports.report import as_value, show, write_summary
+from app.experiments.experiment_runner import MeasuredCase
+from app.experiments.pictures.experiment_picture import draw
+from app.experiments.reports.report_formats import as_value, show, write_summary
 from app.experiments.reports.tables import number
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import verdicts
@@ -29,7 +29,9 @@ def made_up(name):
     """An experiment with made-up times; one run is given up."""
     experiment = of_times(name)
     measured = [
-        Measured(case, {"k_con": [None, *(int(50 + 7 * k + case.agents % 9) for k in range(9))]})
+        MeasuredCase(
+            case, {"k_con": [None, *(int(50 + 7 * k + case.agents % 9) for k in range(9))]}
+        )
         for case in experiment.cases
     ]
     return experiment, verdicts(experiment, measured)
@@ -87,6 +89,6 @@ def test_the_picture_is_drawn_as_png_and_svg(name, tmp_path):
 
 def test_a_picture_without_any_run_that_converged_is_drawn(tmp_path):
     experiment = of_times("liu2021-table1")
-    measured = [Measured(case, {"k_con": [None, None]}) for case in experiment.cases]
+    measured = [MeasuredCase(case, {"k_con": [None, None]}) for case in experiment.cases]
     nothing = verdicts(experiment, measured)
     assert draw(experiment, nothing, tmp_path)["png"].exists()

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from app.experiments.runs.database import FILE, looked_into
-from app.experiments.runs.outcome import Outcome
-from app.experiments.runs.reading import Kept, readable
+from app.experiments.runs.run_outcome import Outcome
 from app.experiments.runs.store import Store, is_taken
-from app.experiments.sweeps.table import long, wide
+from app.experiments.runs.store_reader import StoreReader, readable
+from app.experiments.sweeps.sweep_table import long, wide
 from worlds.input_error import InputError
 
 CELLS = [("aaa", '{"axes":{"p":1}}'), ("bbb", '{"axes":{"p":2}}')]
@@ -30,7 +30,7 @@ def test_what_is_added_is_read_back_in_the_order_of_the_plan(tmp_path):
         store.add(second, 1, Outcome("failed", reason="ValueError: no"))
         store.add(first, 1, Outcome("gave-up", {"k": None, "x": np.float64(0.1)}, series=series))
         store.lay_out(CELLS)
-    kept = Kept(tmp_path / "deep")
+    kept = StoreReader(tmp_path / "deep")
     rows = [
         (cell, seed, status, ticks, k, x)
         for cell, seed, status, _, _, ticks, _, k, x in kept.runs()
@@ -56,7 +56,7 @@ def test_cells_that_are_no_longer_planned_stay(tmp_path):
     with Store(tmp_path, ["k", "new"]) as store:
         assert store.lay_out(CELLS[1:]) == [second]
         assert store.done([second]) == {(second, 1): "ok"}
-    kept = Kept(tmp_path)
+    kept = StoreReader(tmp_path)
     assert (kept.others, kept.counts["ok"], kept.columns) == (1, 1, ["k", "new"])
 
 
@@ -137,7 +137,7 @@ def test_a_full_disk_is_told_in_a_line_and_loses_nothing_that_was_kept(tmp_path)
             store.add(cell, seed, Outcome("ok"))
         with pytest.raises(InputError, match="cannot be kept: the disk is full"):
             store.keep()
-    assert Kept(tmp_path).counts["ok"] == 1
+    assert StoreReader(tmp_path).counts["ok"] == 1
     with Store(tmp_path, []) as store:
         assert list(store.done([cell])) == [(cell, 1)]
 
@@ -151,7 +151,7 @@ def test_another_process_reads_while_one_writes(tmp_path):
         store.add(cell, 2, Outcome("ok", {"k": 2}))
         ask = f"""
             from pathlib import Path
-            from app.experiments.runs.reading import Kept
+            from app.experiments.runs.store_reader import Kept
             kept = Kept(Path({str(tmp_path)!r}))
             print(kept.counts["ok"], kept.state["progress"]["rate"])
         """
@@ -171,7 +171,7 @@ def test_a_hundred_thousand_runs_load_in_two_seconds(tmp_path):
     began = time.process_time()
     with Store(tmp_path, ["k", "x"]) as store:
         assert len(store.done(numbers)) == 100_000
-    assert len(Kept(tmp_path).runs()) == 100_000
+    assert len(StoreReader(tmp_path).runs()) == 100_000
     assert time.process_time() - began < 2.0
     assert (tmp_path / FILE).stat().st_size < 60 * 100_000
 
@@ -201,7 +201,7 @@ def test_a_store_of_anything_but_plain_tables_is_refused(tmp_path, change):
         pass
     with closing(sqlite3.connect(tmp_path / FILE)) as connection:
         connection.executescript(change)
-    for look in (lambda: Kept(tmp_path).counts, lambda: Store(tmp_path, ["k"]).__enter__()):
+    for look in (lambda: StoreReader(tmp_path).counts, lambda: Store(tmp_path, ["k"]).__enter__()):
         with pytest.raises(InputError, match="is not a store of runs"):
             look()
 
@@ -216,7 +216,7 @@ def test_json_in_a_store_that_others_cannot_read_is_refused_in_a_line(tmp_path, 
     with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
         connection.execute("INSERT INTO state VALUES ('runs', ?)", [text])
     with pytest.raises(InputError, match="broken JSON"):
-        _ = Kept(tmp_path).state
+        _ = StoreReader(tmp_path).state
 
 
 def long_plan(folder):
@@ -239,9 +239,9 @@ def answer(kept, ask):
 @pytest.mark.parametrize("ask", ["counts", "runs", "series", "cells"])
 def test_a_question_that_takes_too_long_is_interrupted(tmp_path, ask):
     long_plan(tmp_path)
-    assert answer(Kept(tmp_path), ask), "in 30 s there is one"
+    assert answer(StoreReader(tmp_path), ask), "in 30 s there is one"
     with pytest.raises(InputError, match="cannot be read: the answer takes too long"):
-        answer(Kept(tmp_path, limit=0.0), ask)
+        answer(StoreReader(tmp_path, limit=0.0), ask)
 
 
 def test_who_goes_on_with_a_store_that_takes_too_long_is_told_and_can_still_write(
@@ -262,7 +262,7 @@ def test_who_goes_on_with_a_store_that_takes_too_long_is_told_and_can_still_writ
             ):
                 ask()
         store.add(1, 100_001, Outcome("ok", {"k": 1}))
-    assert Kept(tmp_path).counts["ok"] == 100_001
+    assert StoreReader(tmp_path).counts["ok"] == 100_001
 
 
 @pytest.mark.parametrize("axis", ["status", "place", "value", "k"])
@@ -273,7 +273,7 @@ def test_an_axis_with_the_name_of_another_column_makes_no_table(tmp_path, axis):
         store.tell(axes=[axis])
     for table in (wide, long):
         with pytest.raises(InputError, match=f"axis '{axis}' has the name of another column"):
-            table(Kept(tmp_path))
+            table(StoreReader(tmp_path))
 
 
 def test_a_series_of_a_run_that_is_not_there_is_in_no_table(tmp_path):
@@ -284,7 +284,7 @@ def test_a_series_of_a_run_that_is_not_there_is_in_no_table(tmp_path):
             store.add(cell, seed, Outcome("ok", {"k": 1}, series=series))
     with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
         connection.execute("DELETE FROM run WHERE seed = 2")
-    assert long(Kept(tmp_path))["seed"] == [1, 1]
+    assert long(StoreReader(tmp_path))["seed"] == [1, 1]
 
 
 @pytest.mark.parametrize(
@@ -310,7 +310,7 @@ def test_a_value_of_any_kind_in_any_column_is_an_answer_or_a_line(tmp_path, tabl
             return  # SQLite itself keeps it out
     for ask in ("counts", "state", "cells", "runs", "series"):
         with suppress(InputError):
-            answer(Kept(tmp_path), ask)
+            answer(StoreReader(tmp_path), ask)
 
 
 def test_a_strangers_store_is_judged_before_anything_is_written(tmp_path):

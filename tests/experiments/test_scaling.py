@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from app.experiments.sweeps.pictures.groups import Group
+from app.experiments.sweeps.pictures.cell_runs import CellRuns
 from app.experiments.sweeps.pictures.scaling import Scaling, by_size, collapse, crossing_of
 from worlds.input_error import InputError
 
@@ -24,7 +24,7 @@ def sweep(value):
         for eta in np.linspace(3.0, 5.0, 11).tolist():
             number = len(groups)
             exact = value(eta, side)
-            groups.append(Group({"agents": agents, "eta": eta}, number, [exact, exact]))
+            groups.append(CellRuns({"agents": agents, "eta": eta}, number, [exact, exact]))
             cells[number] = {"identity": {"spec": {"size": [side, side]}}}
     return SimpleNamespace(cells=cells), groups
 

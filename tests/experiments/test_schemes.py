@@ -6,30 +6,30 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
-from app.experiments.kinds.branching import Branching, push_on, with_block
-from app.experiments.kinds.dodging import Dodging
+from app.experiments.experiment_runner import conduct
+from app.experiments.kinds.branching import BranchingSettings, push_on, with_block
+from app.experiments.kinds.dodging import DodgingSettings
 from app.experiments.kinds.gathering import share_crashed
-from app.experiments.kinds.potential import Potential, tanner_potential, tanner_slope
-from app.experiments.kinds.projections import Projections
-from app.experiments.kinds.regions import Regions, weights
+from app.experiments.kinds.potential import PotentialSettings, tanner_potential, tanner_slope
+from app.experiments.kinds.projections import ProjectionSettings
+from app.experiments.kinds.regions import RegionSettings, weights
 from app.experiments.kinds.zoning import (
     ALIGNED,
     ATTRACTED,
     BOTH,
     NOBODY,
     REPELLED,
-    Around,
-    Zoning,
+    AgentNeighbours,
+    ZoningSettings,
     branch_of,
     expected_wish,
     wish_of,
     zones_by_rule,
 )
-from app.experiments.pictures.draw import draw
 from app.experiments.pictures.endurance import column_of
-from app.experiments.pictures.schemes import zones
+from app.experiments.pictures.experiment_picture import draw
+from app.experiments.pictures.schemes import zone_scheme
 from app.experiments.trial import flock_of
 from app.experiments.verdicts.verdict import verdicts
 
@@ -60,7 +60,7 @@ def test_tanners_potential_by_hand():
 
 def test_the_potential_is_lowest_where_the_force_is_none():
     settings, flock = settings_of("jacobs-fig1", looks=40)
-    assert isinstance(settings, Potential)
+    assert isinstance(settings, PotentialSettings)
     found = settings.run(flock, nothing)
     assert found["lowest"] == pytest.approx(1.0, abs=1e-5)
     assert found["least"] == pytest.approx(1.0, abs=1e-9)
@@ -72,7 +72,7 @@ def test_the_potential_is_lowest_where_the_force_is_none():
 def test_a_beta_agent_is_the_projection():
     for beside in ("disc", "wall"):
         settings, flock = settings_of("wu2023-fig1", beside=beside, looks=20)
-        assert isinstance(settings, Projections)
+        assert isinstance(settings, ProjectionSettings)
         found = settings.run(flock, nothing)
         assert max(found["place"], found["along"], found["velocity"]) < 1e-6
         assert (found["printed"] > 0.1) == (beside == "disc"), "mu is 1 at a wall"
@@ -80,7 +80,7 @@ def test_a_beta_agent_is_the_projection():
 
 def test_the_weight_of_a_pair_is_that_of_its_region():
     settings, flock = settings_of("wu2023-fig2", looks=40)
-    assert isinstance(settings, Regions)
+    assert isinstance(settings, RegionSettings)
     assert weights(flock, np.array([1.9, 2.0, 4.0, 4.1])).tolist() == [1e4, 10.0, 10.0, 0.1]
     found = settings.run(flock, nothing)
     assert found["off"] < 1e-6
@@ -119,16 +119,16 @@ def test_the_wish_by_hand():
     apart = np.array([[1.0, 0.0], [0.0, 2.0], [0.0, 4.0]])
     heading = np.array([[0.0, 1.0], [1.0, 0.0], [1.0, 0.0]])
     own = np.array([0.6, 0.8])
-    near = Around(apart, heading, np.array([0, 1, 2]))
+    near = AgentNeighbours(apart, heading, np.array([0, 1, 2]))
     assert expected_wish(near, own) == pytest.approx([-1.0, 0.0])
-    far = Around(apart, heading, np.array([-1, 1, 2]))
+    far = AgentNeighbours(apart, heading, np.array([-1, 1, 2]))
     assert expected_wish(far, own) == pytest.approx([math.sqrt(0.5), math.sqrt(0.5)])
-    assert expected_wish(Around(apart, heading, np.full(3, -1)), own) == pytest.approx(own)
+    assert expected_wish(AgentNeighbours(apart, heading, np.full(3, -1)), own) == pytest.approx(own)
 
 
 def test_the_rule_wishes_what_its_equations_say():
     settings, flock = settings_of("thesis-fig3.4", looks=60)
-    assert isinstance(settings, Zoning)
+    assert isinstance(settings, ZoningSettings)
     assert np.linalg.norm(wish_of(flock, 0)) == pytest.approx(1.0)
     found = settings.run(flock, nothing)
     assert found["wrong"] == 0
@@ -140,7 +140,7 @@ def test_the_rule_wishes_what_its_equations_say():
 
 def test_ways_through_the_algorithm_are_counted_once_each():
     settings, flock = settings_of("thesis-fig4.6", limit=40, every=20)
-    assert isinstance(settings, Branching)
+    assert isinstance(settings, BranchingSettings)
     found = settings.run(flock, nothing)
     shares = [found[name] for name in ("nobody", "repelled", "aligned", "attracted", "both")]
     assert sum(shares) == pytest.approx(100.0)
@@ -164,7 +164,7 @@ def test_a_block_pushes_those_that_have_it_ahead():
 def test_slow_agents_get_round_a_block_and_fast_ones_do_not():
     experiment = read_experiment("thesis-fig4.4")
     settings = experiment.settings.model_copy(update={"looks": 20, "flights": 5})
-    assert isinstance(settings, Dodging)
+    assert isinstance(settings, DodgingSettings)
     slow, fast = (settings.run(flock_of(case, 3), nothing) for case in experiment.cases)
     assert (slow["hits"], fast["hits"]) == (0, 5)
     assert max(slow["off"], fast["off"]) < 1e-3
@@ -189,7 +189,7 @@ def test_conditions_of_a_sweep_have_a_column_each():
 
 @pytest.mark.parametrize("name", SCHEMES)
 def test_every_scheme_is_drawn(name, tmp_path, monkeypatch):
-    monkeypatch.setattr(zones, "CELLS", 12)
+    monkeypatch.setattr(zone_scheme, "CELLS", 12)
     whole = read_experiment(name)
     small = {"looks": 10, "flights": 1, "limit": 40, "every": 20}
     known = {key: value for key, value in small.items() if hasattr(whole.settings, key)}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.experiments.search import Judged, search
+from app.experiments.search import PointScores, search
 
 PLACE = np.array([0.3, 0.9])
 
@@ -20,7 +20,7 @@ class Judging:
 
     def __call__(self, points):
         self.points = np.concatenate([self.points, points])
-        return Judged(self.worth(points)[:, None], points[:, :1] - self.most)
+        return PointScores(self.worth(points)[:, None], points[:, :1] - self.most)
 
     @property
     def best(self):
@@ -60,7 +60,7 @@ def test_the_same_seed_proposes_the_same_points_to_the_bit(algorithm, seed):
 
 
 def test_cma_ends_on_a_plateau():
-    flat = lambda points: Judged(np.ones((len(points), 1)), np.zeros((len(points), 1)))  # noqa: E731
+    flat = lambda points: PointScores(np.ones((len(points), 1)), np.zeros((len(points), 1)))  # noqa: E731
     assert run("cma", flat) == "flat"
     assert run("pso", flat) == "evaluations"
 
@@ -71,7 +71,7 @@ def test_a_front_reaches_both_ends():
     def two(points):
         seen.append(points)
         x, y = points.T
-        return Judged(np.column_stack([x + y, 1.0 - x + y]), np.zeros((len(points), 1)))
+        return PointScores(np.column_stack([x + y, 1.0 - x + y]), np.zeros((len(points), 1)))
 
     run("nsga2", two, objectives=2)
     x, y = np.concatenate(seen)[-40:].T

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from app.experiments.runs.reading import Kept
-from app.experiments.sensitivity.answer import Sensitivity, analysed, design_of
+from app.experiments.runs.store_reader import StoreReader
 from app.experiments.sensitivity.indices import Index, Influence, morris, noise_share, sobol
-from app.experiments.sweeps.conduct import conduct
+from app.experiments.sensitivity.sensitivity_result import Sensitivity, analysed, design_of
 from app.experiments.sweeps.given.designs import unit_sample
-from app.experiments.sweeps.given.file import Morris, Saltelli, Span
+from app.experiments.sweeps.given.sweep_file import Morris, Saltelli, Span
+from app.experiments.sweeps.sweep_runner import conduct
 from experiments.test_sweep_file import read
 from worlds.input_error import InputError
 
@@ -119,7 +119,7 @@ def test_the_order_in_words():
 def test_order_of_couzins_zones(tmp_path):
     sweep = read(tmp_path, text=ZONES)
     assert conduct(sweep, tmp_path / "a", workers=2).whole
-    (found,) = analysed(sweep, Kept(tmp_path / "a"))
+    (found,) = analysed(sweep, StoreReader(tmp_path / "a"))
     first, second, third = found.influences
     assert (first.axis, second.axis, third.axis) == ("dr_o", "dr_a", "sigma")
     assert first.total.value > 0.8
@@ -161,7 +161,7 @@ def test_runs_without_a_value_are_refused(tmp_path):
         folder = tmp_path / str(number)
         conduct(sweep, folder, workers=1, limit=3)
         with pytest.raises(InputError, match="17 of 20 runs are not made yet"):
-            analysed(sweep, Kept(folder))
+            analysed(sweep, StoreReader(folder))
         conduct(sweep, folder, workers=1)
         with pytest.raises(InputError, match=said):
-            analysed(sweep, Kept(folder))
+            analysed(sweep, StoreReader(folder))

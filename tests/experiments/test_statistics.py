@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from agents.spec import Spec
-from app.experiments.conduct import Measured
 from app.experiments.experiment import Case
-from app.experiments.file import Row, Sweep
+from app.experiments.experiment_file import PaperRow, PaperSweep
+from app.experiments.experiment_runner import MeasuredCase
 from app.experiments.verdicts.claim import beside
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.judge import ranges_of
@@ -58,13 +58,13 @@ def test_equal_values_have_no_interval():
 
 
 def case(mean, **more):
-    row = Row(model="vem", agents=5, published={"k_con": {"mean": mean} | more})
+    row = PaperRow(model="vem", agents=5, published={"k_con": {"mean": mean} | more})
     return Case(VEM, 5, row)
 
 
 def judged(tmp_path, cases, times):
     """The verdicts on the cases of an experiment."""
-    measured = [Measured(c, {"k_con": t}) for c, t in zip(cases, times, strict=True)]
+    measured = [MeasuredCase(c, {"k_con": t}) for c, t in zip(cases, times, strict=True)]
     return verdicts(small(tmp_path), measured)
 
 
@@ -80,12 +80,12 @@ def test_verdicts_come_from_the_runs_whatever_was_expected(tmp_path):
 
 def test_a_measure_may_be_set_aside_for_all_rows(tmp_path):
     experiment = replace(small(tmp_path), not_compared={"k_con": "why"})
-    [one] = verdicts(experiment, [Measured(case(60.0), {"k_con": [40, 60] * 50})])
+    [one] = verdicts(experiment, [MeasuredCase(case(60.0), {"k_con": [40, 60] * 50})])
     assert (one.word, one.not_compared, one.comparison) == ("", "why", None)
 
 
 def test_claims_of_a_sweep(tmp_path):
-    sweep = Sweep(
+    sweep = PaperSweep(
         model="vem", agents=[5], parameter="p", values=[1.0, 2.0, 3.0], trend="falls", flat_from=2.0
     )
     cases = [Case(VEM.but(parameters={"p": value}), 5, sweep=sweep) for value in sweep.values]

@@ -4,9 +4,9 @@ import sqlite3
 
 import pytest
 
-from app.experiments.conduct import conduct
+from app.experiments.experiment_runner import conduct
 from app.experiments.runs.database import FILE
-from app.experiments.runs.reading import Kept
+from app.experiments.runs.store_reader import StoreReader
 from app.experiments.trial import fingerprint
 from experiments.small import TEXT, small
 from worlds.input_error import InputError
@@ -27,10 +27,10 @@ def test_a_rerun_takes_what_is_there(tmp_path):
     experiment = small(tmp_path)
     first = carry_out(experiment, tmp_path)
     assert (first.made, first.taken) == (8, 0)
-    stored = Kept(tmp_path).runs()
+    stored = StoreReader(tmp_path).runs()
     again = carry_out(experiment, tmp_path)
     assert (again.made, again.taken) == (0, 8)
-    assert Kept(tmp_path).runs() == stored
+    assert StoreReader(tmp_path).runs() == stored
     assert times(again) == times(first)
     more = carry_out(experiment, tmp_path, runs=6)
     assert (more.made, more.taken) == (4, 8)
@@ -51,7 +51,7 @@ def test_only_what_is_not_there_is_run_again(tmp_path):
 
 def test_processes_make_the_same_numbers(tmp_path, monkeypatch):
     here = carry_out(small(tmp_path), tmp_path / "here")
-    monkeypatch.setattr("app.experiments.conduct.SOON", 0.0)
+    monkeypatch.setattr("app.experiments.experiment_runner.SOON", 0.0)
     there = carry_out(small(tmp_path), tmp_path / "there")
     assert there.measured == here.measured
 

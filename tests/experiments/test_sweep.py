@@ -7,15 +7,15 @@ import pytest
 
 from agents import Flock
 from agents.series import follow
-from app.experiments.runs.outcome import Outcome
-from app.experiments.runs.reading import Kept
+from app.experiments.runs.run_outcome import Outcome
 from app.experiments.runs.store import Store
-from app.experiments.sweeps.conduct import STOP, conduct
-from app.experiments.sweeps.making.one_run import Wanted
+from app.experiments.runs.store_reader import StoreReader
+from app.experiments.sweeps.making.sweep_job import RunRequest
 from app.experiments.sweeps.replicates import FIRST_LOOK
-from app.experiments.sweeps.results import Results
-from app.experiments.sweeps.table import as_csv, long, wide
-from app.experiments.workers.makers import ThisProcess
+from app.experiments.sweeps.sweep_results import Results
+from app.experiments.sweeps.sweep_runner import STOP, conduct
+from app.experiments.sweeps.sweep_table import as_csv, long, wide
+from app.experiments.workers.run_executors import InlineExecutor
 from experiments.test_sweep_file import read
 
 SMALL = """
@@ -37,8 +37,8 @@ name = "polarisation"
 @pytest.fixture
 def here(monkeypatch):
     """Runs are made in this process."""
-    makers = "app.experiments.sweeps.conduct.Processes"
-    monkeypatch.setattr(makers, lambda job, *_, **__: ThisProcess(job))
+    makers = "app.experiments.sweeps.sweep_runner.Processes"
+    monkeypatch.setattr(makers, lambda job, *_, **__: InlineExecutor(job))
 
 
 def carry_out(sweep, folder, **more):
@@ -46,13 +46,13 @@ def carry_out(sweep, folder, **more):
 
 
 def table(folder):
-    return as_csv(wide(Kept(folder)))
+    return as_csv(wide(StoreReader(folder)))
 
 
 def test_its_numbers_are_those_of_a_plain_loop(tmp_path):
     sweep = read(tmp_path, text=SMALL)
     assert carry_out(sweep, tmp_path / "a").made == 12
-    columns = wide(Kept(tmp_path / "a"))
+    columns = wide(StoreReader(tmp_path / "a"))
     expected = []
     for eta in (0.0, 3.0, 6.0):
         for seed in range(1, 5):
@@ -72,7 +72,7 @@ def test_a_limit_makes_a_part_of_every_cell_and_the_rest_comes_later(tmp_path):
     sweep = read(tmp_path, text=SMALL)
     first = carry_out(sweep, tmp_path / "a", limit=3)
     assert (first.made, first.whole) == (3, False)
-    assert wide(Kept(tmp_path / "a"))["seed"] == [1, 1, 1], "replicate by replicate"
+    assert wide(StoreReader(tmp_path / "a"))["seed"] == [1, 1, 1], "replicate by replicate"
     second = carry_out(sweep, tmp_path / "a", workers=1)
     assert (second.made, second.taken, second.whole) == (9, 3, True)
     carry_out(sweep, tmp_path / "b")
@@ -88,7 +88,7 @@ def test_a_run_that_raises_ends_nothing_and_is_made_again_on_request(tmp_path):
     text = SMALL.replace('name = "polarisation"', 'measure = "mine.py:m"')
     done = carry_out(read(tmp_path, text=text), tmp_path / "a")
     assert (done.made, done.broken, done.whole) == (12, 3, True)
-    columns = wide(Kept(tmp_path / "a"))
+    columns = wide(StoreReader(tmp_path / "a"))
     failed = [k for k, status in enumerate(columns["status"]) if status == "failed"]
     assert [columns["seed"][k] for k in failed] == [2, 2, 2]
     assert {columns["reason"][k] for k in failed} == {"ZeroDivisionError: division by zero"}
@@ -99,7 +99,7 @@ def test_a_run_that_raises_ends_nothing_and_is_made_again_on_request(tmp_path):
     mended = carry_out(read(tmp_path, text=text), tmp_path / "a", tell=told.append)
     assert (mended.made, mended.broken) == (12, 0)
     assert any("the measure m has changed since 12 runs of the same cells" in one for one in told)
-    assert Kept(tmp_path / "a").others == 12, "both are kept"
+    assert StoreReader(tmp_path / "a").others == 12, "both are kept"
 
 
 @pytest.mark.usefixtures("here")
@@ -107,7 +107,7 @@ def test_what_does_not_come_is_given_up_and_marked(tmp_path):
     stop = '[stop]\nwhen = "polarisation >= 0.95"\nhold = 3\n[[design]]'
     text = SMALL.replace("[[design]]", stop, 1)
     done = carry_out(read(tmp_path, text=text), tmp_path / "a")
-    columns = wide(Kept(tmp_path / "a"))
+    columns = wide(StoreReader(tmp_path / "a"))
     assert columns["status"][:4] == ["ok"] * 4
     assert columns["status"][-1] == "gave-up"
     assert columns["k"][-1] is None
@@ -127,8 +127,8 @@ def test_the_compiled_stop_and_the_plain_one_agree(tmp_path):
     slow = read(tmp_path, text=text + '[[observe]]\nname = "groups"\nwhen = "each"\n')
     for cell in fast.cells:
         for seed in range(1, 6):
-            one = fast.making.run(Wanted(cell.spec), seed)
-            other = slow.making.run(Wanted(cell.spec), seed)
+            one = fast.making.run(RunRequest(cell.spec), seed)
+            other = slow.making.run(RunRequest(cell.spec), seed)
             assert fast.making.is_compiled(Flock(cell.spec))
             assert (one.status, one.values, one.ticks) == (other.status, other.values, other.ticks)
 
@@ -146,7 +146,7 @@ name = "groups"
 when = "every 7"
 """
     sweep = read(tmp_path, text=SMALL + more)
-    made = sweep.making.run(Wanted(sweep.cells[1].spec), 1)
+    made = sweep.making.run(RunRequest(sweep.cells[1].spec), 1)
     flock = Flock("vem", agents=10, size=2.0, eta=3.0, rng=1)
     flock.run(20)
     series = follow(flock, 10)
@@ -164,7 +164,7 @@ def test_precision_asks_for_more_where_it_is_wide_and_the_same_again(tmp_path):
     text = SMALL.replace("count = 4", f"count = 4\n{precision}")
     sweep = read(tmp_path, text=text)
     carry_out(sweep, tmp_path / "a")
-    places = wide(Kept(tmp_path / "a"))["place"]
+    places = wide(StoreReader(tmp_path / "a"))["place"]
     assert places.count(1) == FIRST_LOOK, "without noise all runs are alike"
     assert places.count(2) > FIRST_LOOK
     for limit in (5, 9, None):
@@ -191,7 +191,7 @@ hold = 60
 count = 100
 """
     carry_out(read(tmp_path, text=text.replace("P2", str(p2))), tmp_path / "a")
-    assert np.mean(wide(Kept(tmp_path / "a"))["k"]) == pytest.approx(mean, abs=0.03)
+    assert np.mean(wide(StoreReader(tmp_path / "a"))["k"]) == pytest.approx(mean, abs=0.03)
 
 
 @pytest.mark.usefixtures("here")
@@ -213,7 +213,7 @@ def test_a_file_stops_it_and_word_is_left_for_readers(tmp_path):
     heard = []
 
     def ask():
-        heard.append(Kept(folder).state.get("progress"))
+        heard.append(StoreReader(folder).state.get("progress"))
         (folder / STOP).touch()
 
     def at(share, _left, _words):
@@ -225,7 +225,7 @@ def test_a_file_stops_it_and_word_is_left_for_readers(tmp_path):
     assert not done.whole
     assert 0 < done.made < 12_000
     assert heard[1]["rate"] > 0.0
-    assert sum(Kept(folder).counts.values()) == done.made
+    assert sum(StoreReader(folder).counts.values()) == done.made
 
 
 def test_a_series_is_in_the_long_table(tmp_path):
@@ -236,7 +236,7 @@ def test_a_series_is_in_the_long_table(tmp_path):
         store.tell(axes=["eta"], columns=["polarisation"])
         series = {"groups": (np.array([15, 30]), np.array([2.0, 1.0]))}
         store.add(numbers[1], 1, Outcome("ok", {"polarisation": 0.5}, ticks=30, series=series))
-    assert as_csv(long(Kept(tmp_path / "a"))) == (
+    assert as_csv(long(StoreReader(tmp_path / "a"))) == (
         "place,eta,seed,status,observable,tick,value\n"
         "2,3.0,1,ok,polarisation,30,0.5\n"
         "2,3.0,1,ok,groups,15,2.0\n"
@@ -253,7 +253,7 @@ def test_a_script_gets_the_same_as_a_file(tmp_path):
     asked = {"vary": axes, "runs": 4, "ticks": 30, "observe": ["polarisation"]}
     made = sweep("vem", agents=10, size=2.0, folder=tmp_path / "b", **asked)
     assert table(tmp_path / "b") == table(tmp_path / "a")
-    assert made.columns == wide(Kept(tmp_path / "a"))
+    assert made.columns == wide(StoreReader(tmp_path / "a"))
     assert sweep(Spec("vem", agents=10, size=2.0), **asked).columns == made.columns
     assert sweep(tmp_path / "s.toml").counts == {"ok": 12, "gave-up": 0, "failed": 0, "killed": 0}
     with pytest.raises(InputError, match="says itself what is run"):
@@ -265,7 +265,7 @@ def test_a_script_gets_the_same_as_a_file(tmp_path):
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("kind", ["csv", "parquet"])
 def test_results_are_tables(tmp_path, kind):
-    from app.experiments.sweeps.table import write_table
+    from app.experiments.sweeps.sweep_table import write_table
 
     carry_out(read(tmp_path, text=SMALL), tmp_path / "a", limit=4)
     results = Results(tmp_path / "a")

@@ -8,7 +8,7 @@ import pytest
 from cli.calling import call, refusal
 
 from app.flight.beat_picture import averaged
-from app.flight.flown import pushes
+from app.flight.compared_flight import pushes
 
 
 def rows(path):

@@ -7,9 +7,9 @@ import pytest
 from oracles import active_brownian as oracle
 
 from agents import Flock
-from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
-from app.experiments.kinds.crowding import Crowding, along
+from app.experiments.experiment_runner import conduct
+from app.experiments.kinds.crowding import CrowdingSettings, along
 from app.experiments.kinds.diffusion import squared_displacement
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import of, verdicts
@@ -51,5 +51,5 @@ def test_crowded_particles_slow_down_on_a_line(tmp_path):
 def test_a_lone_particle_gets_on_at_its_speed():
     flock = Flock("active-brownian", agents=1, size=3.0, world="wrap", rng=1, v0=2.0, D_r=3.0)
     assert [along(flock) for _ in range(200)] == pytest.approx(np.full(200, 2.0))
-    settings = Crowding(world="wrap", lasts=0, looks=3, every=2)
+    settings = CrowdingSettings(world="wrap", lasts=0, looks=3, every=2)
     assert settings.run(flock, lambda: None)["speed"] == pytest.approx(1.0)

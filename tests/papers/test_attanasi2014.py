@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from app.experiments.experiment import read_experiment
-from app.experiments.kinds.turns import Turns, distances, sound_of
+from app.experiments.kinds.turns import TurnSettings, distances, sound_of
 from app.experiments.trial import flock_of
 from papers.flying import borne_out, flown, values
 
@@ -37,10 +37,10 @@ def test_a_run_with_noise_goes_on_twice_with_the_same_noise():
     seen = []
 
     def keep(self, flock, between):
-        seen.append(Turns.headings(self, flock, between))
+        seen.append(TurnSettings.headings(self, flock, between))
         return seen[-1]
 
-    watched = type("Watched", (Turns,), {"headings": keep}).model_construct(**dict(short))
+    watched = type("Watched", (TurnSettings,), {"headings": keep}).model_construct(**dict(short))
     flock = flock_of(case, 2)
     watched.turned(flock)
     without, with_turn = seen

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
+from app.experiments.experiment_runner import conduct
 from app.experiments.verdicts.phase_map import map_of, ways_of
 from app.experiments.verdicts.verdict import verdicts
 

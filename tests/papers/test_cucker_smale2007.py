@@ -8,9 +8,9 @@ import pytest
 from scipy.integrate import quad
 
 from agents import Flock
-from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
-from app.experiments.kinds.consensus import Bound, Consensus
+from app.experiments.experiment_runner import conduct
+from app.experiments.kinds.consensus import ConsensusBound, ConsensusSettings
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import of, verdicts
 from worlds.input_error import InputError
@@ -19,15 +19,15 @@ from worlds.input_error import InputError
 def test_the_critical_speed_of_two_is_that_of_the_integral():
     """beta = 1, 1 m apart: v = 2 K (pi / 2 - atan 1) between them, half of it for each."""
     x0 = math.sqrt(0.5)
-    bound = Bound(2, 3.0, 1.0, 1.0, x0, 1.0)
+    bound = ConsensusBound(2, 3.0, 1.0, 1.0, x0, 1.0)
     relative = math.sqrt(2.0) * bound.lost(math.inf)
     assert relative == pytest.approx(2.0 * 3.0 * (math.pi / 2.0 - math.pi / 4.0), rel=1e-9)
-    assert Bound(2, 3.0, 1.0, 0.5, x0, 1e6).share == 0.0
+    assert ConsensusBound(2, 3.0, 1.0, 0.5, x0, 1e6).share == 0.0
 
 
 @pytest.mark.parametrize("beta", [0.2, 0.5, 0.9])
 def test_the_furthest_is_where_all_of_v_is_lost(beta):
-    bound = Bound(20, 0.4, 1.5, beta, 2.0, 1.7)
+    bound = ConsensusBound(20, 0.4, 1.5, beta, 2.0, 1.7)
     lost = 20 * quad(lambda s: 0.4 / (1.5**2 + 2.0 * s * s) ** beta, 2.0, bound.furthest)[0]
     assert lost == pytest.approx(1.7, rel=1e-6)
     rate = 20 * 0.4 / (1.5**2 + 2.0 * bound.furthest**2) ** beta
@@ -36,7 +36,7 @@ def test_the_furthest_is_where_all_of_v_is_lost(beta):
 
 
 def test_agents_set_off_straight_apart():
-    settings = Consensus(world="open", radius=0.5, lasts=1, looks=1)
+    settings = ConsensusSettings(world="open", radius=0.5, lasts=1, looks=1)
     flock = Flock("cucker-smale", agents=9, size=4.0, world="open", rng=1, v_start=3.0)
     settings.set_off(flock)
     out = flock.position - flock.position.mean(axis=0)
@@ -46,7 +46,7 @@ def test_agents_set_off_straight_apart():
 
 
 def test_a_flock_that_becomes_wider_than_its_reach_is_refused():
-    settings = Consensus(world="open", radius=0.5, lasts=400, looks=4)
+    settings = ConsensusSettings(world="open", radius=0.5, lasts=400, looks=4)
     flock = Flock("cucker-smale", agents=2, size=4.0, world="open", rng=1, v_start=9.0, r=5.0)
     with pytest.raises(InputError, match="r = 5 is less than the flock became wide, "):
         settings.run(flock, lambda: None)

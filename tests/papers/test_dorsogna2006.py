@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
+from app.experiments.experiment_runner import conduct
 from app.experiments.kinds.swarming import room, shape_of
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.phase_map import map_of

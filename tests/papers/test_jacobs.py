@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 
-from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
+from app.experiments.experiment_runner import conduct
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.verdict import verdicts
 from papers.flying import borne_out, flown, values

@@ -7,8 +7,8 @@ import math
 
 import pytest
 
-from app.experiments.conduct import conduct
 from app.experiments.experiment import read_experiment
+from app.experiments.experiment_runner import conduct
 from app.experiments.verdicts.claims import claims
 from app.experiments.verdicts.judge import ranges_of
 from app.experiments.verdicts.statistics import summary

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown.cars import Cars
-from app.viewer.scene.shown.frame import Frame, Progress
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.drawing_style import DrawingStyle
+from app.viewer.scene.shown.frame import Frame, MissionProgress
 from tests.viewer.test_scene_worlds import Stand
 from worlds.mission import Goal, Mission
 from worlds.world import World
@@ -41,14 +41,14 @@ def frame(tick: int = 0, **changes: Any) -> Frame:
         ids=np.arange(1, 4),
         dt=0.01,
         unit="s",
-        progress=Progress(np.array([2.0, 0.0])),
+        progress=MissionProgress(np.array([2.0, 0.0])),
         cars=known(),
     )
     return replace(made, **changes)
 
 
-def shown(one: Frame, look: Look | None = None) -> Picture:
-    return picture(one, look or Look(), Stage.of(one))
+def shown(one: Frame, look: DrawingStyle | None = None) -> Picture:
+    return picture(one, look or DrawingStyle(), Stage.of(one))
 
 
 def node(scene: Stand, end: str) -> Any:

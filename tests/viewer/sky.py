@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look
 from worlds.world import World
 
 SKY = World("sky", (20.0,) * 3, ("wrap",) * 3)
@@ -48,5 +48,5 @@ def frame(headings: list[np.ndarray], tick: int = 0, **changes) -> Frame:
     return Frame(**(known | changes))
 
 
-def shown(one: Frame, look: Look | None = None) -> Picture:
-    return picture(one, look or Look(), Stage.of(one))
+def shown(one: Frame, look: DrawingStyle | None = None) -> Picture:
+    return picture(one, look or DrawingStyle(), Stage.of(one))

@@ -23,7 +23,7 @@ from app.viewer.editing.forms import disc
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.gallery.scene_address import packed
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.panels.making import Making
+from app.viewer.panels.export_permit import ExportPermit
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
@@ -237,14 +237,14 @@ def test_films_are_refused_and_pictures_and_files_are_rationed(laboratory, monke
 def test_files_are_made_one_after_the_other_of_all_pages():
     busy, most = [0], [0]
 
-    def make(making: Making) -> None:
+    def make(making: ExportPermit) -> None:
         with making.turn():
             busy[0] += 1
             most[0] = max(most[0], busy[0])
             time.sleep(0.02)
             busy[0] -= 1
 
-    threads = [threading.Thread(target=make, args=(Making(SMALL),)) for _ in range(5)]
+    threads = [threading.Thread(target=make, args=(ExportPermit(SMALL),)) for _ in range(5)]
     for one in threads:
         one.start()
     for one in threads:

@@ -7,7 +7,7 @@ import threading
 import pytest
 
 from app.cli.live.console import SessionConsole
-from app.cli.stopping import Stopping
+from app.cli.stop_signals import StopSignals
 from app.viewer.live.arming_code import DIGITS, TRIES, ArmingCode
 from app.viewer.live.banner import banner_of
 from app.viewer.live.panels.log_panel import as_csv
@@ -99,7 +99,7 @@ def test_wrong_codes_arm_nothing_are_told_and_end_arming_from_browsers_alone(ses
     now = banner_of(session.state, session.status)
     assert not now.armable
     assert "terminal" in now.reasons[0]
-    SessionConsole(session, Stopping(), verbose=False).obey("a")
+    SessionConsole(session, StopSignals(), verbose=False).obey("a")
     until(lambda: session.status.arm == "armed")
     session.emergency("browser 9")
     until(lambda: session.status.arm == "emergency")
@@ -119,7 +119,7 @@ def test_another_opening_of_the_room_gives_no_more_tries(sessions):
 
 def test_neither_the_code_nor_a_guess_is_written_down(sessions, capsys):
     session = sessions()
-    console = SessionConsole(session, Stopping(), verbose=True)
+    console = SessionConsole(session, StopSignals(), verbose=True)
     guesses = wrong(session.code, 3)
     for guess in (*guesses, session.code.digits):
         session.arm_by_code(guess, "browser 1")

@@ -9,8 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.viewer.scene.shown.between import PICTURES, SLOW, STEP, Between, on_the_way
 from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.frame_interpolator import (
+    PICTURES,
+    SLOW,
+    STEP,
+    FrameInterpolator,
+    on_the_way,
+)
 from worlds.world import World
 
 SIDE = 10.0
@@ -36,7 +42,7 @@ def frame(tick: int, place: list[list[float]], angle: float = 0.0, **more) -> Fr
 
 
 def test_agents_are_halfway_at_half_the_time_and_then_the_frame_itself_is_shown():
-    between = Between()
+    between = FrameInterpolator()
     one, two = frame(0, [[1.0, 1.0]]), frame(1, [[2.0, 3.0]], np.pi / 2)
     assert between.frame(one, True, 1.0, 10.0) is one
     shown = between.frame(two, True, 1.0, 11.0)
@@ -83,13 +89,13 @@ def test_places_stay_in_the_world_and_headings_stay_units(numbers, angle, share)
     ],
 )
 def test_what_is_not_the_next_tick_of_a_slow_run_is_shown_at_once(later, running, speed):
-    between = Between()
+    between = FrameInterpolator()
     between.frame(frame(0, [[1.0, 1.0]]), running, speed, 0.0)
     assert between.frame(later, running, speed, 0.01) is later
 
 
 def test_a_step_takes_a_moment_though_the_run_is_paused():
-    between = Between()
+    between = FrameInterpolator()
     two = frame(1, [[2.0, 3.0]])
     between.frame(frame(0, [[1.0, 1.0]]), False, 1.0, 0.0)
     assert between.frame(two, False, 1.0, 0.5 * STEP) is not two

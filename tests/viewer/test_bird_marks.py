@@ -10,19 +10,19 @@ import pytest
 from agents.state.crashes import Crashes
 from app.viewer.scene.draw.bird import TIP
 from app.viewer.scene.marks.flock.birds import SCALE
-from app.viewer.scene.marks.flock.crashes import FADES, MOST, CrashMarks
-from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.flock.crash_marks import FADES, MOST, CrashMarks
+from app.viewer.scene.marks.flock.flock_motion import FlockMotion
 from app.viewer.scene.marks.paths.wake import Wake
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.drawing_style import DrawingStyle
 from tests.viewer.sky import Clock, frame, heading, shown
 from tests.viewer.test_scene_worlds import Stand, draw
 
 
 def test_the_wake_is_where_the_tips_have_been():
     scene = Stand()
-    flight = Flight(Clock())
+    flight = FlockMotion(Clock())
     wake = Wake(scene, "", flight)
-    look = Look(wake=True, trail_length=16)
+    look = DrawingStyle(wake=True, trail_length=16)
     for tick in range(12):
         one = frame([heading(0.0)], tick, position=np.array([[5.0 + 0.1 * tick, 6.0, 7.0]]))
         made = shown(one, look)
@@ -40,7 +40,7 @@ def test_the_wake_is_where_the_tips_have_been():
     flight.follow(made)
     draw(wake, made)
     assert not scene.there("/flock/wake/tip").visible
-    draw(wake, shown(down, Look()))
+    draw(wake, shown(down, DrawingStyle()))
     assert not any(node.visible for node in scene.sent)
 
 

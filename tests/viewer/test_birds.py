@@ -12,13 +12,13 @@ from app.viewer.run.frame_builder import FrameBuilder
 from app.viewer.scene.draw.attitude import attitude, nose, rolled
 from app.viewer.scene.draw.bird import SHOULDER, TIP, beaten, body, wings
 from app.viewer.scene.draw.coarse import OF_LENGTH
-from app.viewer.scene.draw.picture import KEPT, POINTS_BEYOND
+from app.viewer.scene.draw.drawn_frame import KEPT, POINTS_BEYOND
 from app.viewer.scene.drawing import AGENT_BYTES, BIRD_BYTES, load
 from app.viewer.scene.marks.flock.birds import SCALE, leftwards, upwards
-from app.viewer.scene.marks.flock.flight import FLAT, FOLDED, Flight
+from app.viewer.scene.marks.flock.flock_motion import FLAT, FOLDED, FlockMotion
 from app.viewer.scene.parts import Parts
 from app.viewer.scene.shown import palette
-from app.viewer.scene.shown.look import BIRDS_UP_TO, Look
+from app.viewer.scene.shown.drawing_style import BIRDS_UP_TO, DrawingStyle
 from tests.viewer.sky import STEP, Clock, frame, heading, shown
 from tests.viewer.test_scene_geometry import rotated
 from tests.viewer.test_scene_worlds import Stand
@@ -66,7 +66,7 @@ def test_a_roll_keeps_the_nose_and_turns_the_wings(seed):
 
 def test_the_crashed_fall_nose_down_and_lie_flat_in_a_colour_of_their_own():
     clock = Clock()
-    flight = Flight(clock)
+    flight = FlockMotion(clock)
     ahead = [heading(0.5, 0.7)] * 3
     flight.follow(shown(frame(ahead)))
     clock.now += STEP
@@ -109,7 +109,7 @@ def test_a_flock_is_birds_or_darts_or_points(count, dim, birds, kind):
         ids=np.arange(count),
         world=World("sky", (20.0,) * dim, ("wrap",) * dim),
     )
-    made = shown(one, Look(birds=birds))
+    made = shown(one, DrawingStyle(birds=birds))
     for node, name, value in parts.draw_flock(made):
         setattr(node, name, value)
     seen = {
@@ -124,7 +124,7 @@ def test_a_flock_is_birds_or_darts_or_points(count, dim, birds, kind):
     }
     assert seen == ({kind} if kind != "nobody" else set())
     wanted = BIRD_BYTES / AGENT_BYTES if kind == "birds" else 1.0
-    assert load(one, Look(birds=birds)) == pytest.approx(count * wanted)
+    assert load(one, DrawingStyle(birds=birds)) == pytest.approx(count * wanted)
 
 
 def test_wings_are_at_the_shoulders_of_their_bodies():

@@ -13,21 +13,21 @@ from hypothesis import strategies as st
 from agents import Flock
 from agents.models.declare import Vehicle
 from app.viewer.run.frame_builder import FrameBuilder
-from app.viewer.scene.draw.car import AXLES, TRACK, TREAD, WHEEL, cabin, hubs, hull, wheel
-from app.viewer.scene.draw.picture import LEAST_CAR
+from app.viewer.scene.draw.car_solid import AXLES, TRACK, TREAD, WHEEL, cabin, hubs, hull, wheel
+from app.viewer.scene.draw.drawn_frame import LEAST_CAR
 from app.viewer.scene.marks.flock.agents import Agents
-from app.viewer.scene.marks.flock.crashes import RADIUS_CAR
+from app.viewer.scene.marks.flock.crash_marks import RADIUS_CAR
 from app.viewer.scene.marks.flock.fleet import wheels
-from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.flock.flock_motion import FlockMotion
 from app.viewer.scene.marks.flock.labels import name
 from app.viewer.scene.marks.flock.stuck import RADIUS, StuckMarks
 from app.viewer.scene.marks.world.fence import INSIDE, Fence, fence
 from app.viewer.scene.marks.world.injected import InjectedCar, along_route
-from app.viewer.scene.marks.world.mission import MissionMarks
+from app.viewer.scene.marks.world.mission_marks import MissionMarks
 from app.viewer.scene.shown import palette, tone
 from app.viewer.scene.shown.cars import cars
-from app.viewer.scene.shown.frame import Progress
-from app.viewer.scene.shown.look import Look, legend
+from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
+from app.viewer.scene.shown.frame import MissionProgress
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_geometry import rotated
 from tests.viewer.test_scene_worlds import Stand, draw
@@ -86,13 +86,13 @@ def test_cars_are_true_to_scale_and_never_too_small_to_see():
 def test_a_flock_of_cars_is_drawn_as_cars_and_any_other_as_before():
     for one, seen in ((frame(), True), (frame(cars=None), False)):
         scene = Stand()
-        draw(Agents(scene, "", Flight()), shown(one))
+        draw(Agents(scene, "", FlockMotion()), shown(one))
         assert [node(scene, f"/cars/{part}").visible for part in ("hulls", "cabins", "wheels")] == [
             seen
         ] * 3
         assert node(scene, "/darts").visible is not seen
     scene = Stand()
-    draw(Agents(scene, "", Flight()), shown(frame(cars=known(steering=np.full(3, 0.4)))))
+    draw(Agents(scene, "", FlockMotion()), shown(frame(cars=known(steering=np.full(3, 0.4)))))
     hulls = node(scene, "/cars/hulls")
     assert hulls.batched_positions == pytest.approx(
         np.array([[-1.25, 0.625, 0.0], [0.0, 0.625, 0.0], [1.25, 0.625, 0.0]])
@@ -107,8 +107,8 @@ def test_a_predator_has_its_own_colour_and_name():
     assert shown(one).colour[1] == pytest.approx(palette.LEADER)
     assert shown(one).colour[0] == pytest.approx(shown(frame()).colour[0])
     assert [name(shown(one), row) for row in range(3)] == ["1", "2 predator", "3"]
-    assert ("predator", palette.css(palette.LEADER)) in legend(Look(), one)
-    assert "predator" not in dict(legend(Look(), frame()))
+    assert ("predator", palette.css(palette.LEADER)) in legend(DrawingStyle(), one)
+    assert "predator" not in dict(legend(DrawingStyle(), frame()))
 
 
 def test_the_injected_car_stands_for_the_goal_of_cars():
@@ -119,7 +119,7 @@ def test_the_injected_car_stands_for_the_goal_of_cars():
         assert node(scene, "/goal/bead").visible is not car
         assert node(scene, "/goal/rim").visible is not car
     scene = Stand()
-    draw(MissionMarks(scene), shown(frame(), Look(mission=False)))
+    draw(MissionMarks(scene), shown(frame(), DrawingStyle(mission=False)))
     assert not node(scene, "/goal/car/hulls").visible
 
 
@@ -128,7 +128,7 @@ def test_the_injected_car_looks_along_its_route_and_then_where_it_goes():
     car = InjectedCar(scene, "/goal")
 
     def looks(tick: int, *at: float, run: int = 1) -> np.ndarray:
-        one = shown(frame(tick, run=run, progress=Progress(np.array(at))))
+        one = shown(frame(tick, run=run, progress=MissionProgress(np.array(at))))
         for handle, prop, value in car.draw(one, np.array(at)):
             setattr(handle, prop, value)
         hulls = node(scene, "/car/hulls")
@@ -148,7 +148,7 @@ def test_the_fence_is_half_a_metre_inside_an_open_area_of_cars():
     low, high = fence(shown(frame()))
     assert (low.tolist(), high.tolist()) == ([-2.5, -3.5], [2.5, 3.5])
     assert INSIDE == 0.5
-    assert fence(shown(frame(), Look(fence=False))) is None
+    assert fence(shown(frame(), DrawingStyle(fence=False))) is None
     assert fence(shown(frame(cars=None))) is None
     assert fence(shown(frame(world=replace(AREA, edges=("solid", "open"))))) is None
     assert fence(shown(frame(world=replace(AREA, size=(2.0, 8.0))))) is None
@@ -159,16 +159,16 @@ def test_the_fence_is_half_a_metre_inside_an_open_area_of_cars():
     assert lines.visible
     assert np.abs(lines.points[..., 0]).max() == pytest.approx(2.5 * 1.25)
     assert np.abs(lines.points[..., 1]).max() == pytest.approx(3.5 * 1.25)
-    draw(part, shown(frame(), Look(fence=False)))
+    draw(part, shown(frame(), DrawingStyle(fence=False)))
     assert not lines.visible
 
 
 def test_a_start_region_that_is_the_fence_is_drawn_once():
     room = (np.array([-2.5, -3.5]), np.array([2.5, 3.5]))
     for look, other, seen in (
-        (Look(), 0.0, False),
-        (Look(), 0.2, True),
-        (Look(fence=False), 0.0, True),
+        (DrawingStyle(), 0.0, False),
+        (DrawingStyle(), 0.2, True),
+        (DrawingStyle(fence=False), 0.0, True),
     ):
         scene = Stand()
         draw(MissionMarks(scene), shown(frame(room=(room[0] + other, room[1])), look))

@@ -12,7 +12,7 @@ import pytest
 from app.viewer.scene.draw.attitude import attitude
 from app.viewer.scene.draw.coarse import FINE, OF_LENGTH, ROUND, places, turned
 from app.viewer.scene.drawing import REST, Drawing, Rates, period
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.drawing_style import DrawingStyle
 from tests.viewer.waiting import until
 
 
@@ -37,7 +37,7 @@ class Stand:
         pass
 
     def latest(self):
-        return self.frame, Look()
+        return self.frame, DrawingStyle()
 
     def before(self) -> None:
         self.looks += 1

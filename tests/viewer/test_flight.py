@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 
 from app.viewer.scene.draw.attitude import nose
-from app.viewer.scene.marks.flock.flight import (
+from app.viewer.scene.marks.flock.flock_motion import (
     AMPLITUDE,
     DIHEDRAL,
     GLIDING,
     LONGEST_BEAT,
     NIMBLE,
     STEEPEST,
-    Flight,
+    FlockMotion,
     turned,
 )
 from tests.viewer.sky import STEP, Clock, frame, heading, shown
 from tests.viewer.test_scene_geometry import rotated
 
 
-def circling(flight: Flight, clock: Clock, rate: float, frames: int = 400, speed: float = 3.0):
+def circling(flight: FlockMotion, clock: Clock, rate: float, frames: int = 400, speed: float = 3.0):
     """The poses of a bird that has turned left at `rate` rad/s for long."""
     for tick in range(frames):
         clock.now += STEP
@@ -45,7 +45,7 @@ def test_turning_left_is_above_nought_and_at_most_a_right_angle():
 @pytest.mark.parametrize("rate", [-1.0, -0.3, 0.3, 1.0])
 def test_a_bird_banks_into_its_turn_by_speed_times_turning_over_gravity(rate):
     clock = Clock()
-    one, poses = circling(Flight(clock), clock, rate)
+    one, poses = circling(FlockMotion(clock), clock, rate)
     pull = one.speed_scale**2 / (NIMBLE * one.reach)
     angle = np.arctan(3.0 * np.arcsin(np.sin(0.1 * rate)) / 0.1 / pull)
     assert bank(poses.wxyz[0]) == pytest.approx(-angle, abs=2e-3)
@@ -54,15 +54,15 @@ def test_a_bird_banks_into_its_turn_by_speed_times_turning_over_gravity(rate):
 
 def test_no_bird_banks_further_than_the_steepest_or_at_rest():
     clock = Clock()
-    _, poses = circling(Flight(clock), clock, 12.0)
+    _, poses = circling(FlockMotion(clock), clock, 12.0)
     assert bank(poses.wxyz[0]) == pytest.approx(-STEEPEST, abs=1e-5)
-    _, poses = circling(Flight(clock), clock, 12.0, speed=0.0)
+    _, poses = circling(FlockMotion(clock), clock, 12.0, speed=0.0)
     assert bank(poses.wxyz[0]) == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_bird_leans_over_little_by_little():
     clock = Clock()
-    flight = Flight(clock)
+    flight = FlockMotion(clock)
     banks = []
     for tick in range(60):
         clock.now += STEP
@@ -77,7 +77,7 @@ def test_a_bird_leans_over_little_by_little():
 
 def test_wings_beat_while_ticks_pass_and_stand_still_while_paused():
     clock = Clock()
-    flight = Flight(clock)
+    flight = FlockMotion(clock)
     ahead = [heading(0.0)] * 3
     beats = []
     for tick in range(80):
@@ -93,14 +93,14 @@ def test_wings_beat_while_ticks_pass_and_stand_still_while_paused():
         assert np.array_equal(flight.follow(shown(frame(ahead, 79))).beat, beats[-1])
     clock.now += 3.0
     after = flight.follow(shown(frame(ahead, 80))).beat
-    slow = Flight(clock)
+    slow = FlockMotion(clock)
     slow.follow(shown(frame(ahead, 0)))
     assert np.abs(after - beats[-1]).max() < AMPLITUDE * 2.0 * np.pi * 3.0 * LONGEST_BEAT
 
 
 def test_a_diving_bird_glides():
     clock = Clock()
-    flight = Flight(clock)
+    flight = FlockMotion(clock)
     beats = []
     for tick in range(160):
         clock.now += STEP
@@ -110,7 +110,7 @@ def test_a_diving_bird_glides():
 
 def test_rows_that_come_and_go_leave_the_others_as_they_were():
     clock = Clock()
-    flight = Flight(clock)
+    flight = FlockMotion(clock)
     for tick in range(100):
         clock.now += STEP
         ahead = [heading(0.1 * tick), heading(-0.05 * tick), heading(1.0)]
@@ -126,7 +126,7 @@ def test_rows_that_come_and_go_leave_the_others_as_they_were():
 
 def test_a_new_run_begins_level():
     clock = Clock()
-    flight = Flight(clock)
+    flight = FlockMotion(clock)
     circling(flight, clock, 1.0, frames=50)
     clock.now += STEP
     poses = flight.follow(shown(frame([heading(2.0)], 51, run=2)))

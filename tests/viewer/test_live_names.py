@@ -13,8 +13,8 @@ from app.viewer.scene.marks.flock.live_labels import BESIDE, MOST, LiveLabels, a
 from app.viewer.scene.marks.flock.placing import AFRESH as STAY
 from app.viewer.scene.marks.flock.placing import Sides, chosen_sides, uncrowded
 from app.viewer.scene.shown.debounce import HOLD, REFRESH, Debounce
-from app.viewer.scene.shown.live import Live
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.drawing_style import DrawingStyle
+from app.viewer.scene.shown.live_cars import Live
 from tests.viewer.fleet import frame, known, shown
 from tests.viewer.live_fleet import live, live_frame
 from tests.viewer.test_scene_worlds import Stand, draw
@@ -32,7 +32,7 @@ def test_names_say_what_is_not_plain():
     draw(part, shown(live_frame()))
     names = ["red", "blue · late 60 ms", "green · lost 1.3 s", "sim 1", "sim 2"]
     assert written(scene) == [*names, "injected car"]
-    draw(part, shown(live_frame(), Look(mission=False)))
+    draw(part, shown(live_frame(), DrawingStyle(mission=False)))
     assert written(scene) == names
     draw(part, shown(frame()))
     assert written(scene) == []
@@ -55,7 +55,7 @@ def test_ages_are_told_in_steps_and_never_more_than_they_are(one, other):
 def test_a_name_is_clear_of_its_car(name_at):
     scene = Stand()
     one = live_frame(position=np.column_stack([np.linspace(-2.0, 2.0, 5), np.full(5, name_at)]))
-    made = shown(one, Look(mission=False))
+    made = shown(one, DrawingStyle(mission=False))
     draw(LiveLabels(scene), made)
     for label, at in zip(scene.sent, made.at, strict=True):
         up = label.position[1] - at[1]
@@ -82,7 +82,7 @@ def crowd(count: int) -> tuple[Live, dict]:
 def test_of_very_many_only_those_in_trouble_are_named(count, names):
     scene = Stand()
     state, changes = crowd(count)
-    draw(LiveLabels(scene), shown(live_frame(state=state, **changes), Look(mission=False)))
+    draw(LiveLabels(scene), shown(live_frame(state=state, **changes), DrawingStyle(mission=False)))
     assert len(written(scene)) == names
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import viser
 
-from app.viewer.scene.draw.car import hull, outline
+from app.viewer.scene.draw.car_solid import hull, outline
 from app.viewer.scene.marks.flock.agents import Agents
-from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.flock.flock_motion import FlockMotion
 from app.viewer.scene.marks.flock.labels import Labels
 from app.viewer.scene.marks.flock.live_outlines import CLEAR, LiveOutlines
 from app.viewer.scene.marks.flock.live_outlines import THICK as STATE_LINES
@@ -23,8 +23,8 @@ from app.viewer.scene.parts import Parts
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown import palette, tone
 from app.viewer.scene.shown.colouring import COLOURINGS, OWN, outlines
-from app.viewer.scene.shown.live import Live
-from app.viewer.scene.shown.look import Look, legend
+from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
+from app.viewer.scene.shown.live_cars import Live
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.live_fleet import STATES, live, live_frame, nobody
 from tests.viewer.test_scene_geometry import rotated
@@ -35,12 +35,12 @@ CALLED = ("red", "blue", "green")
 """Cars that are called by a colour."""
 
 
-def seen(state: Live, look: Look | None = None, **changes: Any):
+def seen(state: Live, look: DrawingStyle | None = None, **changes: Any):
     return shown(live_frame(state=state, **changes), look)
 
 
 def test_each_car_has_its_own_colour_whether_it_is_seen_or_not():
-    look = Look(colour=OWN)
+    look = DrawingStyle(colour=OWN)
     colour = seen(live(states=("tracked",) * 5), look).colour
     assert colour[:3] == pytest.approx(np.array([palette.OWN[one] for one in CALLED]))
     assert len(np.unique(colour, axis=0)) == 5
@@ -78,12 +78,12 @@ def test_states_can_be_told_apart():
 
 def test_a_colouring_is_one_of_those_there_are():
     with pytest.raises(ValueError, match=r"colour = 'mood' is not one of heading, .*, plain"):
-        Look(colour="mood")
+        DrawingStyle(colour="mood")
 
 
 @pytest.mark.parametrize("colour", [one for one in COLOURINGS if one != OWN])
 def test_every_other_colouring_colours_real_cars_as_it_does_simulated_ones(colour):
-    look, one = Look(colour=colour), live_frame()
+    look, one = DrawingStyle(colour=colour), live_frame()
     before = shown(replace(one, live=None), look).colour
     now = shown(one, look).colour
     there = np.array([0, 1, 3, 4])
@@ -94,7 +94,7 @@ def test_every_other_colouring_colours_real_cars_as_it_does_simulated_ones(colou
 
 def test_simulated_cars_are_of_glass_and_the_others_are_not():
     scene = Stand()
-    part = Agents(scene, "", Flight())
+    part = Agents(scene, "", FlockMotion())
     one = shown(live_frame())
     draw(part, one)
     real, glass = node(scene, "/cars/hulls"), node(scene, "/simulated/hulls")
@@ -128,7 +128,7 @@ def test_an_outline_is_of_edges_of_the_hull():
 
 def test_a_lost_car_is_pale_as_a_whole_and_no_other_is():
     scene = Stand()
-    draw(Agents(scene, "", Flight()), shown(live_frame()))
+    draw(Agents(scene, "", FlockMotion()), shown(live_frame()))
     cabins, wheels = node(scene, "/cars/cabins"), node(scene, "/cars/wheels")
     dark = tone.lit(palette.GLASS[None])[0].tolist()
     assert cabins.batched_colors[:2].tolist() == [dark, dark]
@@ -169,7 +169,7 @@ def test_the_fence_is_where_the_laboratory_has_it(inside):
     low, high = fence(seen(live(fence=inside)))
     assert low == pytest.approx([-3.0 + inside, -4.0 + inside])
     assert high == pytest.approx([3.0 - inside, 4.0 - inside])
-    assert fence(seen(live(fence=inside), Look(fence=False))) is None
+    assert fence(seen(live(fence=inside), DrawingStyle(fence=False))) is None
     assert fence(seen(live(fence=0.0))) is None
     assert fence(shown(frame()))[0] == pytest.approx([-3.0 + INSIDE, -4.0 + INSIDE])
 
@@ -222,7 +222,7 @@ def test_what_is_beyond_the_fence_is_tinted():
     assert np.all(normal[:, 2] > 0.0)
     ring = 6.0 * 8.0 - (6.0 - 0.8) * (8.0 - 0.8)
     assert 0.5 * normal[:, 2].sum() == pytest.approx(ring * 1.25**2)
-    draw(part, seen(live(), Look(fence=False)))
+    draw(part, seen(live(), DrawingStyle(fence=False)))
     assert not tint.there
     draw(part, seen(live(arm="emergency")))
     assert scene.there("/world/area/beyond").color == tone.single(palette.ARMS["emergency"])
@@ -259,7 +259,7 @@ def test_the_noise_of_the_tracking_does_not_turn_the_injected_car():
 def test_numbers_are_for_simulations():
     for one, numbers in ((frame(), 3), (live_frame(), 0)):
         scene = Stand()
-        draw(Labels(scene), shown(one, Look(labels=True)))
+        draw(Labels(scene), shown(one, DrawingStyle(labels=True)))
         written = [each for each in scene.sent if "/identities/" in each.name and each.visible]
         assert len(written) == numbers
 
@@ -296,7 +296,10 @@ def test_a_room_is_shown_from_before_the_first_car_is_seen_to_the_end():
     server = viser.ViserServer(host="localhost", port=0, verbose=False)
     try:
         scene = Scene(server)
-        for look in (Look(colour=OWN), Look(colour="heading", trails="rising in time")):
+        for look in (
+            DrawingStyle(colour=OWN),
+            DrawingStyle(colour="heading", trails="rising in time"),
+        ):
             for tick, one in enumerate((nobody(live_frame()), live_frame(), frame())):
                 scene.show(replace(one, tick=tick, run=tick), look)
     finally:

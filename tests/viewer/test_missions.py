@@ -27,7 +27,7 @@ from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameBuilder, FrameRequest
 from app.viewer.run.run_preset import at_home, home, lively_speed, titled, world_titles
 from app.viewer.run.simulation_state import SimulationState
-from app.viewer.scene.shown.frame import Frame, Progress
+from app.viewer.scene.shown.frame import Frame, MissionProgress
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
 from worlds.layout import layout_names, world
@@ -109,7 +109,7 @@ def test_a_frame_knows_how_the_mission_stands():
     assert [corner.tolist() for corner in frame.room] == [[2.0, 2.0], [14.0, 12.0]]
     flock.arrays.leg[flock.informed] = 2
     assert FrameBuilder(flock, 1).take().progress.done == 2
-    assert FrameBuilder(Flock("vem", agents=3, rng=1), 1).take().progress == Progress()
+    assert FrameBuilder(Flock("vem", agents=3, rng=1), 1).take().progress == MissionProgress()
 
 
 def test_a_start_region_of_a_density_depends_on_the_number_of_agents():
@@ -165,14 +165,17 @@ def test_monitors_say_only_what_the_world_has():
         mission=Mission(path=Path(waypoints=((1.0, 1.0), (2.0, 2.0)), switch=0.1)),
     )
     values = {"goal-distance": 3.14159, "following": 0.5, "least-gap": np.inf}
-    told = mission_numbers(frame_of(sent, progress=Progress(done=1)), values)
+    told = mission_numbers(frame_of(sent, progress=MissionProgress(done=1)), values)
     assert told == {
         "to path's end": "3.14",
         "waypoint": "2 / 2",
         "following": "50 %",
         "closest pair": "far",
     }
-    assert mission_numbers(frame_of(sent, progress=Progress(done=2)), {})["waypoint"] == "all done"
+    assert (
+        mission_numbers(frame_of(sent, progress=MissionProgress(done=2)), {})["waypoint"]
+        == "all done"
+    )
     sought = World(
         "sought", (5.0, 5.0), ("open", "open"), mission=Mission(goal=Goal(route=((1.0, 1.0),)))
     )

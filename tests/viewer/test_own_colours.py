@@ -9,7 +9,7 @@ import pytest
 
 from app.viewer.scene.shown import own, palette
 from app.viewer.scene.shown.colouring import OWN
-from app.viewer.scene.shown.look import Look, legend
+from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
 from app.viewer.scene.shown.oklch import decoded
 from tests.viewer.fleet import frame, known, shown
 
@@ -88,7 +88,7 @@ def test_a_car_that_is_called_by_a_colour_has_it_and_no_other_has():
 
 def test_in_a_simulation_the_key_names_each_car_but_those_that_wear_another_colour():
     hunts = known(predator=np.array([False, True, False]))
-    one, look = frame(cars=hunts), Look(colour=OWN)
+    one, look = frame(cars=hunts), DrawingStyle(colour=OWN)
     made = shown(one, look).colour
     assert made[[0, 2]] == pytest.approx(own.by_identity(np.array([1, 3])))
     assert made[1] == pytest.approx(palette.LEADER)

@@ -23,7 +23,7 @@ from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_curves import over_earlier, thinned
 from app.viewer.measuring.observable_history import ObservableHistory
 from app.viewer.measuring.run_conditions import MOST, ConditionHistory, RunConditions, Stretch
-from app.viewer.panels.chart import Chart, Curve, Shown
+from app.viewer.panels.chart import Chart, ChartContents, ChartCurve
 from app.viewer.panels.plotted import KINDS
 from app.viewer.panels.sending import Sender
 from app.viewer.run.paired_run import companion
@@ -428,9 +428,9 @@ def test_a_table_of_two_flocks_has_a_column_for_each(server):
     assert repr(first.values["polarisation"]) in tabled(table.header, table.rows)
 
 
-def shown(at, *labels: str) -> Shown:
-    curves = tuple(Curve("#000000", np.arange(float(len(at))), label) for label in labels)
-    return Shown("", np.array(at, float), curves, ("tick", ""), uplot.Scale())
+def shown(at, *labels: str) -> ChartContents:
+    curves = tuple(ChartCurve("#000000", np.arange(float(len(at))), label) for label in labels)
+    return ChartContents("", np.array(at, float), curves, ("tick", ""), uplot.Scale())
 
 
 def test_a_chart_that_is_made_anew_keeps_its_ends_until_it_is_there(server):
@@ -453,8 +453,8 @@ def test_a_chart_has_few_points_but_the_last_of_every_curve(server):
     chart = Chart(server.gui, points=100)
     at = np.arange(5000.0)
     ended = np.where(at <= 1234, at, np.nan)
-    pens = Curve("#000000", at, "a"), Curve("#000000", ended, "b")
-    chart.show(Shown("", at, pens, ("tick", ""), uplot.Scale()))
+    pens = ChartCurve("#000000", at, "a"), ChartCurve("#000000", ended, "b")
+    chart.show(ChartContents("", at, pens, ("tick", ""), uplot.Scale()))
     drawn = chart.plot.data[0]
     assert len(drawn) <= 103
     assert {0.0, 1234.0, 4999.0} <= set(drawn)

@@ -16,7 +16,7 @@ from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
 from app.viewer.live.session import Session
 from app.viewer.run.run_preset import at_home
-from app.viewer.scene.shown.look import RIDE
+from app.viewer.scene.shown.drawing_style import RIDE
 from app.viewer.watching.watch_page import WatchPage
 from tests.attacks.raw import Raw
 from tests.live.stand_in import StandIn

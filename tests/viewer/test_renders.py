@@ -13,10 +13,10 @@ from viser import _messages as messages
 from app.viewer.web.incoming.kinds import RENDER
 from app.viewer.web.incoming.messages import BYTES, Messages
 from app.viewer.web.incoming.rate_limit import RateLimit
-from app.viewer.web.renders import GROUND, Eye, Renders
+from app.viewer.web.renders import GROUND, RenderCamera, Renders
 from worlds.input_error import InputError
 
-EYE = Eye(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]), 0.5)
+EYE = RenderCamera(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]), 0.5)
 
 
 def pictured(size, kind="png", mode="RGB", colour=(200, 30, 30)):

@@ -11,13 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.models.declare import Vehicle
-from app.viewer.scene.draw.picture import Picture
-from app.viewer.scene.marks.paths.past import Past, thinned
+from app.viewer.scene.draw.drawn_frame import Picture
 from app.viewer.scene.marks.paths.ribbons import INJECTED, LAID, RISE, Ribbons, heights, walkers
+from app.viewer.scene.marks.paths.trail_history import TrailHistory, thinned
 from app.viewer.scene.shown import palette
-from app.viewer.scene.shown.frame import Progress
-from app.viewer.scene.shown.look import TRAILS, Look
-from app.viewer.scene.shown.usual import turns
+from app.viewer.scene.shown.drawing_defaults import turns
+from app.viewer.scene.shown.drawing_style import TRAILS, DrawingStyle
+from app.viewer.scene.shown.frame import MissionProgress
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_worlds import Stand, draw
 from worlds.world import World
@@ -37,12 +37,12 @@ def band(trails: str, ticks: range, length: int = 40, **changes: Any) -> tuple[A
                 "informed": np.zeros(1, bool),
                 "ids": np.array([1]),
                 "cars": known(1),
-                "progress": Progress(),
+                "progress": MissionProgress(),
                 "world": AREA,
             }
             | changes,
         )
-        last = shown(one, Look(trails=trails, trail_length=length))
+        last = shown(one, DrawingStyle(trails=trails, trail_length=length))
         draw(part, last)
     return node(scene, "/pieces"), node(scene, "/plumb"), last
 
@@ -78,13 +78,13 @@ def test_bands_break_at_the_seam_and_are_forgotten():
     part = Ribbons(scene)
     for tick, x in enumerate([5.7, 5.8, 5.9, 0.0, 0.1]):
         place = np.array([[x, 0.0]] * 3)
-        one = frame(tick, world=seam, position=place, progress=Progress(), cars=None)
-        draw(part, shown(one, Look(trails="ribbon", trail_length=16)))
+        one = frame(tick, world=seam, position=place, progress=MissionProgress(), cars=None)
+        draw(part, shown(one, DrawingStyle(trails="ribbon", trail_length=16)))
     pieces = node(scene, "/pieces")
     assert len(pieces.batched_positions) == 3 * 3
-    draw(part, shown(one, Look(trails="line", trail_length=16)))
+    draw(part, shown(one, DrawingStyle(trails="line", trail_length=16)))
     assert not pieces.visible
-    draw(part, shown(replace(one, tick=9), Look(trails="ribbon", trail_length=16)))
+    draw(part, shown(replace(one, tick=9), DrawingStyle(trails="ribbon", trail_length=16)))
     assert not pieces.visible
 
 
@@ -96,18 +96,18 @@ def test_where_cars_have_been_is_there_as_soon_as_somebody_asks():
         at = np.array([[np.cos(angle), np.sin(angle)]])
         one = frame(
             tick, position=at, heading=at, speed=np.ones(1), informed=np.zeros(1, bool),
-            ids=np.array([1]), cars=known(1), progress=Progress(),
+            ids=np.array([1]), cars=known(1), progress=MissionProgress(),
         )  # fmt: skip
         draw(part, shown(one))
     pieces = node(scene, "/pieces")
     assert not pieces.visible
-    draw(part, shown(one, Look(trails="rising in time", trail_length=turns(one.dt))))
+    draw(part, shown(one, DrawingStyle(trails="rising in time", trail_length=turns(one.dt))))
     assert pieces.visible
     x, y, up = pieces.batched_positions.T
     around = np.unwrap(np.arctan2(y, x)[np.argsort(up)])
     assert around[-1] - around[0] == pytest.approx(2.0 * np.pi * 4000 / 1140, rel=0.02)
     assert up.max() == pytest.approx(RISE * 10.0, rel=0.02)
-    draw(part, shown(replace(one, tick=4001), Look(trails="ribbon", trail_length=100)))
+    draw(part, shown(replace(one, tick=4001), DrawingStyle(trails="ribbon", trail_length=100)))
     assert pieces.visible
     assert len(pieces.batched_positions) < 20
 
@@ -117,7 +117,7 @@ def test_where_other_agents_have_been_is_not_kept_for_nothing():
     part = Ribbons(scene)
     for tick in range(20):
         draw(part, shown(frame(tick, cars=None)))
-    draw(part, shown(frame(20, cars=None), Look(trails="ribbon")))
+    draw(part, shown(frame(20, cars=None), DrawingStyle(trails="ribbon")))
     assert not node(scene, "/pieces").visible
 
 
@@ -140,7 +140,7 @@ def test_the_injected_car_leaves_a_band_too():
     assert ids.tolist() == [1, 2, 3, INJECTED]
     assert here[-1] == pytest.approx([2.5, 0.0, 0.0])
     assert colour[-1] == pytest.approx(palette.GOAL)
-    assert len(walkers(shown(frame(), Look(mission=False)))[0]) == 3
+    assert len(walkers(shown(frame(), DrawingStyle(mission=False)))[0]) == 3
     assert len(walkers(shown(frame(cars=None)))[0]) == 3
 
 
@@ -155,7 +155,7 @@ def test_heights_go_from_the_oldest_shown_to_the_present(began, lasted, length):
 
 
 def test_the_past_keeps_no_more_than_it_is_asked_for():
-    past = Past()
+    past = TrailHistory()
     for tick in range(100):
         here = np.array([[float(tick), 0.0, 0.0]])
         changed = past.remember(frame(tick), np.array([7]), here, length=40, knots=10)
@@ -167,5 +167,5 @@ def test_the_past_keeps_no_more_than_it_is_asked_for():
 
 def test_a_look_refuses_a_trail_that_nobody_knows():
     with pytest.raises(ValueError, match="trails = 'smoke' is not one of off, line, ribbon"):
-        Look(trails="smoke")
-    assert [Look(trails=one).trails for one in TRAILS] == list(TRAILS)
+        DrawingStyle(trails="smoke")
+    assert [DrawingStyle(trails=one).trails for one in TRAILS] == list(TRAILS)

@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 from agents.inspection import Inspection
-from app.viewer.scene.cameras.camera import View
+from app.viewer.scene.cameras.camera import CameraView
 from app.viewer.scene.cameras.ride import BEHIND, STEEPEST, Ride, straightened
 from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
-from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown.drawing_style import RIDE, STEP_OFF, DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import RIDE, STEP_OFF, Look
 from worlds.world import World
 
 HERE = np.zeros(3)
-BEFORE = View(np.array([9.0, 0.0, 5.0]), HERE, 0.8)
+BEFORE = CameraView(np.array([9.0, 0.0, 5.0]), HERE, 0.8)
 LONG = 1e3
 """Seconds after which nothing is left to catch up with."""
 
@@ -42,7 +42,7 @@ def frame(dim: int, position: np.ndarray, heading: np.ndarray, **changes) -> Fra
 
 
 def shown(one: Frame) -> Picture:
-    return picture(one, Look(), Stage.of(one))
+    return picture(one, DrawingStyle(), Stage.of(one))
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -214,7 +214,7 @@ def test_what_rises_is_seen_from_aside_by_who_has_not_moved_the_camera():
     still, moved = browsers
 
     def show(trails: str) -> None:
-        made = picture(plane, Look(trails=trails), Stage.of(plane))
+        made = picture(plane, DrawingStyle(trails=trails), Stage.of(plane))
         viewpoints.update((Sight(made, HERE),))
 
     plane = frame(2, [[5.0, 5.0], [9.0, 9.0]], [[1.0, 0.0], [1.0, 0.0]])

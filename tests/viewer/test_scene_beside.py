@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 import viser
 
-from app.viewer.scene.beside import ROOT, meant, offset, over, room, sights
 from app.viewer.scene.cameras.viewpoints import extent, whole
-from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.comparison_nodes import ROOT, meant, offset, over, room, sights
+from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look
 from worlds.world import World
 
 DOWN = np.array([0.0, 0.0, -1.0])
@@ -40,7 +40,7 @@ def frame(size: tuple[float, ...], edge: str = "wrap", count: int = 5) -> Frame:
 
 
 def drawn(one: Frame) -> Picture:
-    return picture(one, Look(), Stage.of(one))
+    return picture(one, DrawingStyle(), Stage.of(one))
 
 
 @pytest.mark.parametrize(
@@ -93,7 +93,7 @@ def server():
 
 def test_the_second_room_comes_and_goes(server):
     scene = Scene(server)
-    look = Look(trails="line", reach=True, labels=True)
+    look = DrawingStyle(trails="line", reach=True, labels=True)
     nodes = server.scene._handle_from_node_name
 
     def beside() -> list[str]:

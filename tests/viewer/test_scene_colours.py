@@ -8,12 +8,12 @@ import pytest
 
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.wheel import all_round, upwards, wheel
-from app.viewer.scene.draw.picture import picture
+from app.viewer.scene.draw.drawn_frame import picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette, tone
 from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
+from app.viewer.scene.shown.drawing_style import DrawingStyle, agent_colours, legend
 from app.viewer.scene.shown.frame import Frame, Inspection
-from app.viewer.scene.shown.look import Look, agent_colours, legend
 from app.viewer.scene.shown.oklch import decoded, encoded, oklch
 from worlds.world import World
 
@@ -44,11 +44,11 @@ def flock(count: int = 60, dim: int = 2, **changes) -> Frame:
 @pytest.mark.parametrize("dim", [2, 3])
 def test_every_colouring_gives_colours_in_range_and_marks_the_leader(colour, dim):
     frame = flock(dim=dim)
-    colours = agent_colours(frame, Look(colour=colour))
+    colours = agent_colours(frame, DrawingStyle(colour=colour))
     assert colours.shape == (60, 3)
     assert np.all((colours >= 0.0) & (colours <= 1.0))
     assert colours[0] == pytest.approx(palette.LEADER)
-    entries = legend(Look(colour=colour), frame)
+    entries = legend(DrawingStyle(colour=colour), frame)
     assert entries
     assert all(words and len(shade) == 7 and shade[0] == "#" for words, shade in entries)
     assert palette.css(palette.LEADER) in [shade for _, shade in entries]
@@ -56,7 +56,7 @@ def test_every_colouring_gives_colours_in_range_and_marks_the_leader(colour, dim
 
 def test_an_unknown_colouring_is_an_error():
     with pytest.raises(ValueError, match="colour = 'mood'"):
-        Look(colour="mood")
+        DrawingStyle(colour="mood")
 
 
 @pytest.mark.parametrize("colours", [palette.LAYERS, palette.GROUPS], ids=["layers", "groups"])
@@ -115,12 +115,14 @@ def test_layers_beyond_the_flock_are_unknown():
 
 
 def test_labels_that_are_not_there_yet_are_grey():
-    colours = agent_colours(flock(layer=None), Look(colour="layer"))
+    colours = agent_colours(flock(layer=None), DrawingStyle(colour="layer"))
     assert colours[1:] == pytest.approx(np.tile(palette.UNKNOWN, (59, 1)))
 
 
 def test_layer_legend_names_the_layers_that_occur():
-    words = [entry[0] for entry in legend(Look(colour="layer"), flock(5, layer=np.arange(1, 6)))]
+    words = [
+        entry[0] for entry in legend(DrawingStyle(colour="layer"), flock(5, layer=np.arange(1, 6)))
+    ]
     assert words == ["1 information agent", "layer 2", "layer 3", "layer 4", "layer 5", "unknown"]
 
 
@@ -160,8 +162,8 @@ def test_unlit_colours_come_back_through_the_browsers_tone_curve():
 def test_an_inspection_dims_all_but_the_agent_its_neighbours_and_the_leader():
     inspected = Inspection(5, 5, np.array([7, 9]), np.zeros((2, 2)), np.array([1.0, 0.5]), {})
     frame = flock()
-    plain = picture(frame, Look(), Stage.of(frame))
-    shown = picture(flock(inspected=inspected), Look(), Stage.of(frame))
+    plain = picture(frame, DrawingStyle(), Stage.of(frame))
+    shown = picture(flock(inspected=inspected), DrawingStyle(), Stage.of(frame))
     kept = np.isin(np.arange(60), [0, 5, 7, 9])
     assert shown.colour[kept] == pytest.approx(plain.colour[kept])
     faded = np.linalg.norm(shown.backdrop - shown.colour[~kept], axis=1)
@@ -173,7 +175,7 @@ def test_an_inspection_dims_all_but_the_agent_its_neighbours_and_the_leader():
 def test_any_number_of_the_agents_is_coloured_from_its_least_to_its_largest():
     values = np.linspace(-2.0, 3.0, 60)
     values[7] = np.nan
-    frame, look = flock(measured=values), Look(colour=MEASURED, measured="angle")
+    frame, look = flock(measured=values), DrawingStyle(colour=MEASURED, measured="angle")
     colours = agent_colours(frame, look)
     assert colours[7] == pytest.approx(palette.UNKNOWN)
     assert colours[1] == pytest.approx(palette.SPEEDS[4], abs=0.01)
@@ -184,7 +186,7 @@ def test_any_number_of_the_agents_is_coloured_from_its_least_to_its_largest():
 
 
 def test_a_number_that_a_model_does_not_have_or_that_is_the_same_for_all_has_a_colour_too():
-    look = Look(colour=MEASURED, measured="angle")
+    look = DrawingStyle(colour=MEASURED, measured="angle")
     assert agent_colours(flock(), look)[1] == pytest.approx(palette.UNKNOWN)
     assert legend(look, flock())[0][0] == "no angle in this model"
     same = flock(measured=np.full(60, 4.0))
@@ -224,6 +226,6 @@ def test_headings_have_a_wheel_in_the_monitors_and_nothing_else_has(monkeypatch)
     monkeypatch.setattr(Monitors, "__init__", lambda _: None)
     monkeypatch.setattr(Monitors, "show", lambda _, contents: told.update(contents))
     for colour in COLOURINGS:
-        Monitors().colours(Look(colour=colour), flock(dim=3))
+        Monitors().colours(DrawingStyle(colour=colour), flock(dim=3))
         assert ("fs-wheel" in told["key"]) == (colour == "heading")
         assert f"Colour: {colour}" in told["key"]

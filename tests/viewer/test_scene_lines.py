@@ -6,27 +6,27 @@ import numpy as np
 import pytest
 import viser
 
-from app.beside import STATIC
+from app.package_files import STATIC
 from app.viewer.scene.cameras.camera import view
-from app.viewer.scene.draw.lines import segments
-from app.viewer.scene.draw.picture import picture
+from app.viewer.scene.draw.drawn_frame import picture
+from app.viewer.scene.draw.line_segments import segments
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.flock.labels import anchor
 from app.viewer.scene.marks.flock.links import sample
 from app.viewer.scene.marks.hands.gizmo import checked
-from app.viewer.scene.marks.paths.past import carried
 from app.viewer.scene.marks.paths.streaks import chosen
+from app.viewer.scene.marks.paths.trail_history import carried
 from app.viewer.scene.marks.paths.trails import Trails
-from app.viewer.scene.marks.world.surroundings import floor_under, left_the_box
+from app.viewer.scene.marks.world.world_box import floor_under, left_the_box
 from app.viewer.scene.picking import picked
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.colouring import COLOURINGS
+from app.viewer.scene.shown.drawing_style import CAMERAS, DrawingStyle, legend
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import CAMERAS, Look, legend
 from worlds.world import World
 
 TORUS = World("wrap", (10.0, 10.0), ("wrap", "wrap"))
-LOOK = Look(trails="line", trail_length=16)
+LOOK = DrawingStyle(trails="line", trail_length=16)
 
 
 class Lines:
@@ -59,7 +59,7 @@ def walker(tick: int, x: float, run: int = 1, ids: tuple[int, ...] = (0, 1)) -> 
     )
 
 
-def drawn(trails: Trails, frame: Frame, look: Look = LOOK) -> np.ndarray:
+def drawn(trails: Trails, frame: Frame, look: DrawingStyle = LOOK) -> np.ndarray:
     """All segments on show after a frame, (K, 2, 3)."""
     for handle, name, value in trails.draw(picture(frame, look, Stage.of(frame))):
         setattr(handle, name, value)
@@ -94,7 +94,7 @@ def test_trails_are_forgotten_with_the_run_and_when_switched_off():
         drawn(trails, walker(tick, 0.1 * tick))
     assert len(moving(drawn(trails, walker(10, 5.0, run=2)))) == 0
     drawn(trails, walker(11, 5.1, run=2))
-    assert len(drawn(trails, walker(12, 5.2, run=2), Look())) == 0
+    assert len(drawn(trails, walker(12, 5.2, run=2), DrawingStyle())) == 0
     assert len(moving(drawn(trails, walker(13, 5.3, run=2)))) == 0
 
 
@@ -195,13 +195,13 @@ def test_a_pose_from_a_browser_is_checked():
 
 def test_the_floor_follows_a_flock_that_leaves_an_open_world():
     frame = walker(0, 5.0)
-    assert not left_the_box(picture(frame, Look(), Stage.of(frame)))
+    assert not left_the_box(picture(frame, DrawingStyle(), Stage.of(frame)))
     away = replace(
         frame,
         world=replace(TORUS, edges=("open", "open")),
         position=frame.position + np.array([12.0, 0.0]),
     )
-    shown = picture(away, Look(), Stage.of(away))
+    shown = picture(away, DrawingStyle(), Stage.of(away))
     assert left_the_box(shown)
     assert floor_under(shown) == pytest.approx([12.5, -2.5, -0.05])
 
@@ -218,7 +218,7 @@ def test_the_floor_follows_a_flock_that_leaves_an_open_world():
 )
 def test_words_stay_within_the_picture(place, expected):
     frame = replace(walker(0, 0.0, ids=(0,)), position=np.array([place]))
-    assert anchor(picture(frame, Look(), Stage.of(frame)), 0) == expected
+    assert anchor(picture(frame, DrawingStyle(), Stage.of(frame)), 0) == expected
 
 
 def test_static_files_are_found_in_a_checkout():
@@ -235,7 +235,7 @@ def server():
 def test_a_scene_stands_any_number_of_agents_and_a_change_of_world(server):
     scene = Scene(server)
     scene.show_leader_gizmo(True)
-    look = Look(trails="line", links=True, reach=True, labels=True)
+    look = DrawingStyle(trails="line", links=True, reach=True, labels=True)
     for run, (count, dim) in enumerate([(0, 2), (1, 2), (40, 3), (3, 3), (12_000, 2), (0, 3)]):
         rng = np.random.default_rng(run)
         heading = rng.standard_normal((count, dim))

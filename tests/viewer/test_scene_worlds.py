@@ -11,15 +11,15 @@ import pytest
 
 from agents.inspection import Inspection
 from app.viewer.scene.cameras.viewpoints import extent
-from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.marks.inspected.reasons import Reasons, arrows, remembered
-from app.viewer.scene.marks.world.mission import MissionMarks
-from app.viewer.scene.marks.world.obstacles import Obstacles, drawn_height, the_changed
-from app.viewer.scene.marks.world.points import BoundaryPoints
+from app.viewer.scene.marks.inspected.reasons import ReasonMarks, arrows, remembered
+from app.viewer.scene.marks.world.boundary_point_marks import BoundaryPointMarks
+from app.viewer.scene.marks.world.mission_marks import MissionMarks
+from app.viewer.scene.marks.world.obstacle_marks import Obstacles, drawn_height, the_changed
 from app.viewer.scene.marks.world.walls import Walls
-from app.viewer.scene.shown.frame import Frame, Progress
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.drawing_style import DrawingStyle
+from app.viewer.scene.shown.frame import Frame, MissionProgress
 from tests.viewer.test_solids import is_closed, volume
 from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.obstacles import Box, Disc, Ring, Sphere
@@ -84,7 +84,7 @@ class Stand:
         return Counter(node.name for node in self.sent)
 
 
-def shown(world: World, look: Look | None = None, **changes: Any) -> Picture:
+def shown(world: World, look: DrawingStyle | None = None, **changes: Any) -> Picture:
     """A picture of three agents in a world."""
     heading = np.zeros((3, world.dim))
     heading[:, 0] = 1.0
@@ -101,7 +101,7 @@ def shown(world: World, look: Look | None = None, **changes: Any) -> Picture:
         ids=np.arange(3),
     )
     frame = replace(frame, **changes)
-    return picture(frame, look or Look(), Stage.of(frame))
+    return picture(frame, look or DrawingStyle(), Stage.of(frame))
 
 
 def draw(part: Any, shown: Picture) -> None:
@@ -219,7 +219,7 @@ def test_waypoints_left_behind_are_dim():
     draw(part, shown(YARD))
     ahead = np.array(scene.there("/mission/path/ahead").points)
     assert not scene.there("/mission/path/behind").visible
-    draw(part, shown(YARD, progress=Progress(done=2)))
+    draw(part, shown(YARD, progress=MissionProgress(done=2)))
     left = np.array(scene.there("/mission/path/ahead").points)
     done = np.array(scene.there("/mission/path/behind").points)
     assert len(left) + len(done) == len(ahead)
@@ -234,13 +234,13 @@ def test_the_goal_moves_and_goes_with_the_switch():
     scene = Stand()
     part = MissionMarks(scene)
     at = np.array([14.0, 10.0])
-    draw(part, shown(YARD, progress=Progress(goal=at)))
+    draw(part, shown(YARD, progress=MissionProgress(goal=at)))
     bead = scene.there("/mission/goal/bead")
     assert bead.visible
     assert bead.position[:2] == pytest.approx(shown(YARD).stage.shown(at)[:2])
-    draw(part, shown(YARD, progress=Progress(goal=at - 1.0)))
+    draw(part, shown(YARD, progress=MissionProgress(goal=at - 1.0)))
     assert bead.position[:2] == pytest.approx(shown(YARD).stage.shown(at - 1.0)[:2])
-    draw(part, shown(YARD, Look(mission=False), progress=Progress(goal=at)))
+    draw(part, shown(YARD, DrawingStyle(mission=False), progress=MissionProgress(goal=at)))
     assert not bead.visible
     assert not scene.there("/mission/path/ahead").visible
     assert not any("number" in node.name and node.there for node in scene.sent)
@@ -259,19 +259,19 @@ def test_the_start_region_is_outlined_where_it_is():
     assert np.array(lines.points)[..., :2].reshape(-1, 2).max(axis=0) == pytest.approx(
         corners[1, :2]
     )
-    draw(part, shown(YARD, Look(start=False), room=room))
+    draw(part, shown(YARD, DrawingStyle(start=False), room=room))
     assert not lines.visible
 
 
 def test_boundary_points_are_dots_that_are_sent_once():
     scene = Stand()
-    part = BoundaryPoints(scene)
+    part = BoundaryPointMarks(scene)
     points = np.array([[1.0, 5.0], [3.0, 5.0]])
-    part.draw(shown(YARD, Look(points=True)))
-    changes = part.draw(shown(YARD, Look(points=True), points=points))
+    part.draw(shown(YARD, DrawingStyle(points=True)))
+    changes = part.draw(shown(YARD, DrawingStyle(points=True), points=points))
     drawn = {name: value for _, name, value in changes}
     assert drawn["points"][:, :2] == pytest.approx(shown(YARD).stage.shown(points)[:, :2])
-    assert part.draw(shown(YARD, Look(points=True), points=points)) == []
+    assert part.draw(shown(YARD, DrawingStyle(points=True), points=points)) == []
     assert [change[1:] for change in part.draw(shown(YARD, points=points))] == [("visible", False)]
 
 
@@ -316,7 +316,7 @@ def test_places_are_remembered_only_while_an_agent_follows_a_boundary():
 
 def test_reasons_are_drawn_for_the_inspected_agent_and_gone_with_it():
     scene = Stand()
-    part = Reasons(scene)
+    part = ReasonMarks(scene)
     draw(part, shown(YARD, inspected=SEEN))
     tip = np.array(scene.there("/inspected/forces").points)[0, 1] - shown(YARD).at[1]
     assert tip[:2] == pytest.approx([0.85, 0.0], abs=1e-5)

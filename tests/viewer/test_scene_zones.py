@@ -10,15 +10,15 @@ import pytest
 from agents.inspection import Inspection, Shell
 from agents.state.crashes import Crashes
 from app.viewer.lab.panels.agent.card import folds, head
-from app.viewer.scene.draw.picture import picture
+from app.viewer.scene.draw.drawn_frame import picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.marks.inspected.inspection import InspectionMarks
+from app.viewer.scene.marks.inspected.inspection_marks import InspectionMarks
 from app.viewer.scene.marks.inspected.sectors import arc, arcs, cone, dome, sector, spokes
-from app.viewer.scene.marks.inspected.zones import ZoneMarks
+from app.viewer.scene.marks.inspected.zone_marks import ZoneMarks
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import MOST_SAVED
+from app.viewer.scene.shown.drawing_style import DrawingStyle, agent_colours, legend
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look, agent_colours, legend
 from app.viewer.scene.shown.oklch import decoded
 from tests.viewer.test_scene_worlds import Stand, draw
 from worlds.world import World
@@ -56,8 +56,8 @@ def frame(dim: int = 3, view: float = 270.0, shells=SHELLS) -> Frame:
     )
 
 
-def shown(one: Frame, look: Look | None = None):
-    return picture(one, look or Look(), Stage.of(one))
+def shown(one: Frame, look: DrawingStyle | None = None):
+    return picture(one, look or DrawingStyle(), Stage.of(one))
 
 
 def area(mesh) -> float:
@@ -131,7 +131,7 @@ def test_the_shells_are_about_the_agent_as_wide_as_the_zones(dim):
     assert len(scene.sent) == sent
     draw(marks, shown(frame(dim, view=90.0)))
     assert not any(node.there for node in meshes)
-    draw(marks, shown(frame(dim), Look(zones=False)))
+    draw(marks, shown(frame(dim), DrawingStyle(zones=False)))
     assert not any(node.visible for node in scene.sent if node.there)
 
 
@@ -154,7 +154,7 @@ def test_lines_go_to_those_that_count_in_the_colour_of_their_zone():
     marks = InspectionMarks(other := Stand())
     draw(marks, made)
     assert {node.name for node in other.sent if node.visible} == {"/inspected/ring"}
-    draw(marks, shown(frame(), Look(zones=False)))
+    draw(marks, shown(frame(), DrawingStyle(zones=False)))
     assert other.there("/inspected/ball").visible
 
 
@@ -164,9 +164,9 @@ def test_neighbours_wear_the_colours_of_their_zones_and_the_blind_ones_grey(dim)
     made = shown(one)
     wanted = [*palette.ZONES[:3], palette.BLIND]
     assert made.colour[1:5] == pytest.approx(np.array(wanted))
-    plain = agent_colours(one, Look())
+    plain = agent_colours(one, DrawingStyle())
     assert made.colour[0] == pytest.approx(plain[0])
-    kept = shown(one, Look(zones=False)).colour
+    kept = shown(one, DrawingStyle(zones=False)).colour
     assert kept[1:5] == pytest.approx(plain[1:5])
 
 
@@ -215,7 +215,7 @@ def test_saving_is_teal_paying_is_orange_and_neither_is_grey():
 
 
 def test_energy_saved_is_said_to_be_unknown_where_it_is_not_measured():
-    look = Look(colour="energy saved")
+    look = DrawingStyle(colour="energy saved")
     one = frame()
     assert agent_colours(one, look) == pytest.approx(np.tile(palette.UNKNOWN, (6, 1)))
     assert [words for words, _ in legend(look, one)] == ["not measured in this model"]

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.world import see_through
-from app.viewer.scene.marks.world.in_the_way import LASTS, InTheWay, Solids
-from app.viewer.scene.marks.world.obstacles import Obstacles, drawn_height
-from app.viewer.scene.marks.world.see_through import EVERY, GLASSY, SeeThrough, Watched
-from app.viewer.scene.shown.look import RIDE
+from app.viewer.scene.marks.world.obstacle_marks import Obstacles, drawn_height
+from app.viewer.scene.marks.world.see_through import EVERY, GLASSY, FollowedAgent, SeeThrough
+from app.viewer.scene.marks.world.view_blockers import LASTS, Solids, ViewBlockers
+from app.viewer.scene.shown.drawing_style import RIDE
 from tests.viewer.sky import Clock
 from tests.viewer.test_ride import Browser, Server
 from tests.viewer.test_scene_worlds import Stand, draw, shown
@@ -96,7 +96,7 @@ def test_in_the_plane_nothing_hides_anything_from_above():
 
 
 def test_what_was_in_the_way_stays_so_for_a_while():
-    hall, one = solids(HALL), InTheWay()
+    hall, one = solids(HALL), ViewBlockers()
     look = lambda eye, now: one.look(hall, np.array(eye), AT, WIDE, now)  # noqa: E731
     assert look(BEHIND_BOX, 10.0) == {1}
     aside = np.array([7.5, 2.0, 12.0])
@@ -105,7 +105,7 @@ def test_what_was_in_the_way_stays_so_for_a_while():
     # Twice as far as comes in, and not yet as far as goes out: no flicker between the two.
     edge = [7.5, 3.0 + 1.25 * WIDE, 1.5]
     agent = np.array([3.2, 3.0 + 1.25 * WIDE, 1.5])
-    fresh = InTheWay()
+    fresh = ViewBlockers()
     assert fresh.look(hall, np.array(edge), agent, WIDE, 0.0) == set()
     fresh.look(hall, BEHIND_BOX, AT, WIDE, 1.0)
     for now in np.arange(1.2, 5.0, 0.2):
@@ -132,10 +132,10 @@ def clock(monkeypatch):
     return made
 
 
-def watched(client: Client, eye: np.ndarray, world: World = HALL, root: str = "") -> Watched:
+def watched(client: Client, eye: np.ndarray, world: World = HALL, root: str = "") -> FollowedAgent:
     at = np.array([AT, [6.5, 1.0, 1.0], [7.0, 1.0, 1.0]])
     made = shown(world, position=at, informed=np.zeros(3, bool))
-    return Watched(client, made, 0, made.stage.placed(eye), root)  # type: ignore[arg-type]
+    return FollowedAgent(client, made, 0, made.stage.placed(eye), root)  # type: ignore[arg-type]
 
 
 def test_only_the_browser_that_follows_sees_through_and_only_what_is_in_its_way(clock):
@@ -165,7 +165,7 @@ def test_only_the_browser_that_follows_sees_through_and_only_what_is_in_its_way(
 def test_it_looks_a_few_times_a_second_and_a_change_of_the_world_is_drawn(clock):
     scene, one, asked = SeeThrough(), Client(1), []
 
-    def view() -> list[Watched]:
+    def view() -> list[FollowedAgent]:
         asked.append(clock.now)
         return [watched(one, BEHIND_BOX, world)]
 

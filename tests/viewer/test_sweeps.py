@@ -14,13 +14,13 @@ import pytest
 
 from agents.flock import Flock
 from app.experiments.runs.database import FILE
-from app.experiments.runs.outcome import Outcome
-from app.experiments.runs.reading import Kept
+from app.experiments.runs.run_outcome import Outcome
 from app.experiments.runs.store import Store, is_taken
-from app.experiments.sweeps.conduct import SPEC, STOP
-from app.experiments.sweeps.pictures.groups import Group
-from app.experiments.sweeps.sweep import read_sweep
-from app.experiments.sweeps.table import wide
+from app.experiments.runs.store_reader import StoreReader
+from app.experiments.sweeps.checked_sweep import read_sweep
+from app.experiments.sweeps.pictures.cell_runs import CellRuns
+from app.experiments.sweeps.sweep_runner import SPEC, STOP
+from app.experiments.sweeps.sweep_table import wide
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.sweep_panel import status
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps, demand_from_page
@@ -152,7 +152,7 @@ def test_a_sweep_fills_in_and_is_found_again(laboratory, finished):
 
 
 def test_a_run_of_a_sweep_is_the_run_that_opens(laboratory, finished):
-    table = wide(Kept(finished))
+    table = wide(StoreReader(finished))
     row = list(zip(table["place"], table["seed"], strict=True)).index((2, 2))
     scene = scene_of(finished, 2, 2, None)
     flock = Flock(scene.spec)
@@ -166,8 +166,8 @@ def test_a_run_of_a_sweep_is_the_run_that_opens(laboratory, finished):
 
 
 def test_a_click_on_a_cell_opens_the_run_nearest_to_its_mean(finished):
-    assert typical(Group({}, 1, [0.0, 0.6, 1.0], [7, 8, 9])) == 8
-    assert typical(Group({}, 1, broken=3)) is None
+    assert typical(CellRuns({}, 1, [0.0, 0.6, 1.0], [7, 8, 9])) == 8
+    assert typical(CellRuns({}, 1, broken=3)) is None
     cell = shown(finished).cells[3]
     assert scene_of(finished, 3, None, None).spec.seed == typical(cell)
 
@@ -312,16 +312,16 @@ def test_a_store_of_anything_else_is_no_sweep_and_a_broken_one_is_said(tmp_path)
     sweeps.close()
 
 
-def drawn(axes: dict, cells: dict[int, Group]) -> str:
+def drawn(axes: dict, cells: dict[int, CellRuns]) -> str:
     return picture(DrawnSweep("a<b", "vem", axes, ("polarisation",), "polarisation", cells, 10))
 
 
 def test_a_curve_marks_what_has_no_value_and_says_its_names_safely():
     groups = {
-        1: Group({"eta": 0.0}, 1, [0.9, 1.0], [1, 2]),
-        2: Group({"eta": 3.0}, 2, [0.4], [1], gave_up=1),
-        3: Group({"eta": 6.0}, 3, broken=2),
-        4: Group({"eta": 6.2}, 4),
+        1: CellRuns({"eta": 0.0}, 1, [0.9, 1.0], [1, 2]),
+        2: CellRuns({"eta": 3.0}, 2, [0.4], [1], gave_up=1),
+        3: CellRuns({"eta": 6.0}, 3, broken=2),
+        4: CellRuns({"eta": 6.2}, 4),
     }
     made = drawn({"eta": [0.0, 3.0, 6.0, 6.2]}, groups)
     assert made.count("data-cell") == 3
@@ -335,14 +335,14 @@ def test_a_curve_marks_what_has_no_value_and_says_its_names_safely():
 def test_a_map_has_a_colour_for_each_cell_with_a_value():
     values = [0.0, 1.0, 2.0]
     groups = {
-        1 + 3 * k + j: Group({"eta": x, "v0": y}, 1, [0.1 * (k + j)], [1])
+        1 + 3 * k + j: CellRuns({"eta": x, "v0": y}, 1, [0.1 * (k + j)], [1])
         for k, x in enumerate(values)
         for j, y in enumerate(values)
     }
-    groups[9] = Group({"eta": 2.0, "v0": 2.0}, 1)
+    groups[9] = CellRuns({"eta": 2.0, "v0": 2.0}, 1)
     made = drawn({"eta": values, "v0": values}, groups)
     assert made.count('class="fs-cell"') == 8
     assert len({part.split('"')[0] for part in made.split('fill="')[1:]}) == 4
-    sample = {k: Group({"eta": 0.1 * k, "v0": 0.3 * k}, k, [0.5], [1]) for k in range(10)}
+    sample = {k: CellRuns({"eta": 0.1 * k, "v0": 0.3 * k}, k, [0.5], [1]) for k in range(10)}
     axes = {name: [one.axes[name] for one in sample.values()] for name in ("eta", "v0")}
     assert "A sample" in drawn(axes, sample)

@@ -15,7 +15,7 @@ from PIL import Image
 
 from app.viewer.lab import film_recorder, picture_exporter
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.pictures.seen import darkened
+from app.viewer.pictures.browser_scene import darkened
 from app.viewer.run.run_preset import at_home
 from app.viewer.web.server import renders_of
 from tests.viewer.http_client import ask

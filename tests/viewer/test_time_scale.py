@@ -14,10 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
-from app.viewer.scene.draw.picture import Picture
+from app.viewer.scene.draw.drawn_frame import Picture
 from app.viewer.scene.marks.paths.ribbons import RISE, Ribbons, heights, risen
 from app.viewer.scene.marks.paths.time_scale import MOST, marks
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.drawing_style import DrawingStyle
 from tests.viewer.fleet import frame, shown
 from tests.viewer.live_fleet import live_frame
 from tests.viewer.test_scene_worlds import Stand, draw
@@ -29,7 +29,7 @@ def drawn(ticks: range, trails: str = "rising in time", **changes: Any) -> tuple
     scene = Stand()
     part = Ribbons(scene)
     for tick in ticks:
-        made = shown(frame(tick, **changes), Look(trails=trails, trail_length=LENGTH))
+        made = shown(frame(tick, **changes), DrawingStyle(trails=trails, trail_length=LENGTH))
         draw(part, made)
     return scene, made
 
@@ -68,7 +68,10 @@ def test_a_room_with_real_cars_has_it_too():
     scene = Stand()
     part = Ribbons(scene)
     for tick in range(70):
-        draw(part, shown(live_frame(tick), Look(trails="rising in time", trail_length=LENGTH)))
+        draw(
+            part,
+            shown(live_frame(tick), DrawingStyle(trails="rising in time", trail_length=LENGTH)),
+        )
     assert "−0.6 s" in scale(scene)
 
 
@@ -78,7 +81,7 @@ def test_it_is_hidden_where_nothing_rises_and_still_once_it_is_full():
     assert risen(made) == 0.0
     scene = Stand()
     part = Ribbons(scene)
-    look = Look(trails="rising in time", trail_length=LENGTH)
+    look = DrawingStyle(trails="rising in time", trail_length=LENGTH)
     for tick in range(80):
         draw(part, shown(frame(tick), look))
     assert not [one for one, *_ in part.draw(shown(frame(80), look)) if "/scale/" in one.name]
@@ -117,7 +120,7 @@ def test_a_camera_from_the_side_has_what_rises_in_view(name, farther):
     try:
         viewpoints, away = Viewpoints(server), []
         for trails in ("off", "rising in time"):
-            viewpoints.update((Sight(shown(frame(), Look(trails=trails)), np.zeros(3)),))
+            viewpoints.update((Sight(shown(frame(), DrawingStyle(trails=trails)), np.zeros(3)),))
             browser = Browser()
             viewpoints.place(browser, name)
             away.append(np.linalg.norm(browser.camera.position))

@@ -20,15 +20,22 @@ from app.viewer.panels.view import ViewPanel
 from app.viewer.run.frame_builder import FrameBuilder
 from app.viewer.run.run_preset import at_home, usual_of
 from app.viewer.scene.shown.control import controls_of
-from app.viewer.scene.shown.look import AGENTS, BIRDS_UP_TO, CAMERA, NUMBERED_UP_TO, WORLD, Look
-from app.viewer.scene.shown.usual import TURNS
+from app.viewer.scene.shown.drawing_defaults import TURNS
+from app.viewer.scene.shown.drawing_style import (
+    AGENTS,
+    BIRDS_UP_TO,
+    CAMERA,
+    NUMBERED_UP_TO,
+    WORLD,
+    DrawingStyle,
+)
 from tests.viewer import fleet
 from tests.viewer.live_fleet import live_frame
 from tests.viewer.sky import frame, heading
 from worlds.world import World
 
 EVERYWHERE = {"colour", "links", "trails", "reach", "agent_size"}
-SEEN = controls_of(Look)
+SEEN = controls_of(DrawingStyle)
 
 
 @pytest.fixture(scope="module")
@@ -119,7 +126,7 @@ def test_what_is_out_of_sight_keeps_its_value_and_is_saved(view):
     assert view.not_usual() == {"birds": False, "trail_length": 300}
     view.fit(frame([heading(0.0)] * 5))
     assert "birds" in shown(view)
-    assert view.look() == Look(birds=False, trail_length=300)
+    assert view.look() == DrawingStyle(birds=False, trail_length=300)
 
 
 def test_numbers_of_many_are_there_once_one_of_them_is_clicked(view):
@@ -159,7 +166,7 @@ def test_a_number_that_a_flock_lacks_comes_back_too(view):
     view.form["colour"].value = "angle"
     assert view.look().measured == "angle"
     view.fit(plane(), ("neighbours",))
-    assert view.look() == Look()
+    assert view.look() == DrawingStyle()
     view.fit(plane(), ("neighbours", "angle"))
     assert view.look().measured == "angle"
 
@@ -207,13 +214,13 @@ def test_what_rises_goes_back_some_turns_unless_somebody_has_said_how_far(server
     assert cars.look().trail_length * 0.01 == pytest.approx(TURNS)
     assert cars.not_usual() == {"trails": "rising in time"}
     asyncio.run(cars.trailed(event(cars, "trails", "line")))
-    assert cars.look().trail_length == Look().trail_length
+    assert cars.look().trail_length == DrawingStyle().trail_length
     cars.form["trail_length"].value = 700
     asyncio.run(cars.trailed(event(cars, "trails", "rising in time")))
     assert cars.look().trail_length == 700
     cars.take({"trails": "rising in time"})
     assert cars.look().trail_length * 0.01 == pytest.approx(TURNS)
-    assert controls_of(Look)["trail_length"].high >= cars.usual.rising
+    assert controls_of(DrawingStyle)["trail_length"].high >= cars.usual.rising
 
 
 def test_few_cars_have_each_its_own_colour_until_somebody_chooses(view):

@@ -383,7 +383,7 @@ def advance(
     """Run `ticks` ticks, sort one, or let one slot of a sorted one act.
 
     `work` = (what is asked for, part, parts, slot). All threads of a run call this at once, each
-    with its part and its notes. `until` is when to stop (`Until`), for one thread. `trace`
+    with its part and its notes. `until` is when to stop (`StopCondition`), for one thread. `trace`
     (ticks, N, dim) or (0, N, dim) receives the positions after each tick. Returns (ticks done, last
     tick at which `holds` did not or -1, first row with a position that is no number or -1).
     """

@@ -39,7 +39,7 @@ BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, Runtime
 """What the library raises for ZIPs that are none."""
 
 
-class Archive:
+class ClassArchive:
     """The texts of a ZIP by their names. Raises InputError for what is no class's file."""
 
     def __init__(self, name: str, data: bytes):

@@ -13,9 +13,9 @@ import tomlkit
 
 from app.classroom.class_file.archive import LARGEST, demand_sound
 from app.classroom.class_file.state import ClassState
+from app.classroom.collect.class_picture import picture
+from app.classroom.collect.class_table import to_csv
 from app.classroom.collect.collection import Collection
-from app.classroom.collect.picture import picture
-from app.classroom.collect.table import to_csv
 from app.viewer.editing.layout_file import plain_name
 from worlds.file_writer import demand_writable, writing
 from worlds.input_error import InputError

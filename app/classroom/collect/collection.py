@@ -11,10 +11,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from agents.spec import Spec
-from app.classroom.collect.groups import Group, distinct, groups_of
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
-from app.experiments.sweeps.pictures.lines import spans_decades
+from app.classroom.collect.result_groups import ResultGroup, distinct, groups_of
+from app.experiments.sweeps.pictures.mean_lines import spans_decades
 from worlds.input_error import InputError
 from worlds.number_text import counted as count
 
@@ -27,7 +27,7 @@ MOST_GIVEN = 1_000
 
 
 @dataclass(frozen=True)
-class Given:
+class InitialScene:
     """What a student begins with."""
 
     value: float | None
@@ -57,10 +57,10 @@ class Collection:
 
     question: Question
     points: list[Point] = field(default_factory=list)
-    given: dict[str, Given] = field(default_factory=dict)
+    given: dict[str, InitialScene] = field(default_factory=dict)
     """By student."""
 
-    def give(self, student: str) -> Given:
+    def give(self, student: str) -> InitialScene:
         """The value and the seed of a student, always the same ones. Raises InputError.
 
         Of the values the one that fewest have, in an order that covers the range early.
@@ -76,7 +76,7 @@ class Collection:
             order = [values[k] for k in spread_order(len(values))]
             value = min(order, key=lambda one: held[one])
         seed = 1 + max((one.seed for one in self.given.values()), default=0)
-        self.given[student] = Given(value, seed)
+        self.given[student] = InitialScene(value, seed)
         return self.given[student]
 
     def take_back(self, student: str) -> None:
@@ -120,7 +120,7 @@ class Collection:
         pairs = zip(self.points, self.counting, strict=True)
         return [point for point, counts in pairs if counts]
 
-    def groups(self) -> list[Group]:
+    def groups(self) -> list[ResultGroup]:
         """Mean and spread by value, rising, of the runs that are as the class's scene has them."""
         counted = [one for one in self.counted if not one.differs]
         return groups_of(counted, bool(self.question.values))

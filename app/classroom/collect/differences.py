@@ -18,7 +18,7 @@ MOST = 12
 
 
 @dataclass(frozen=True)
-class Ran:
+class RunIdentity:
     """All that a run depends on but its seed, with nothing left open."""
 
     model: str
@@ -27,14 +27,14 @@ class Ran:
     world: World
 
     @classmethod
-    def of(cls, flock: Flock) -> Ran:
+    def of(cls, flock: Flock) -> RunIdentity:
         """That of a flock."""
         options = {name: getattr(flock.options, name) for name in OPTIONS if name not in APART}
         parameters = flock.parameters.model_dump()
         return cls(flock.options.model, options, parameters, flock.world)
 
 
-def differences(ran: Ran, meant: Ran, but: Collection[str]) -> tuple[str, ...]:
+def differences(ran: RunIdentity, meant: RunIdentity, but: Collection[str]) -> tuple[str, ...]:
     """In what a run is not as meant, what is in `but` apart; at most 13 sentences."""
     said: list[str] = []
     if ran.model != meant.model:

@@ -13,10 +13,10 @@ from datetime import UTC, datetime
 from agents.catalogue import FILES, MODELS
 from agents.flock import Flock
 from agents.spec import Spec, versions
-from app.classroom.collect.differences import Ran, differences, on_one_line
+from app.classroom.collect.differences import RunIdentity, differences, on_one_line
 from app.classroom.collect.question import Question
-from app.experiments.runs.outcome import Outcome, Status, failure
-from app.experiments.sweeps.making.one_run import Wanted
+from app.experiments.runs.run_outcome import Outcome, Status, failure
+from app.experiments.sweeps.making.sweep_job import RunRequest
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
 from app.viewer.lab.sweeps.sweep_request import AGENTS
 from app.viewer.run.run_preset import at_home
@@ -96,7 +96,7 @@ def hand_in(
         outcome.ticks,
         kept,
         (when or datetime.now(UTC)).astimezone(UTC).replace(microsecond=0),
-        differences(Ran.of(flock), meant, question.open),
+        differences(RunIdentity.of(flock), meant, question.open),
         tuple(question.value_of(spec, name) for name in question.free),
     )
 
@@ -133,7 +133,7 @@ def run_of(question: Question, spec: Spec) -> Outcome:
     making.prepare()
     assert spec.seed is not None
     try:
-        return making.run(Wanted(spec), spec.seed)
+        return making.run(RunRequest(spec), spec.seed)
     except Exception as error:
         return failure(error)
 
@@ -150,12 +150,12 @@ def measured(question: Question, outcome: Outcome) -> tuple[float | None, str]:
     return float(value), on_one_line(outcome.astray, 200)
 
 
-def as_meant(question: Question, scene: Spec, value: float, seed: int) -> Ran:
+def as_meant(question: Question, scene: Spec, value: float, seed: int) -> RunIdentity:
     """The run of the class's scene with a student's value and seed."""
     meant = scene.but(seed=seed)
     if question.parameter == AGENTS or question.parameter in meant.parameters:
         meant = question.with_value(meant, value)
-    return Ran.of(Flock(meant))
+    return RunIdentity.of(Flock(meant))
 
 
 def warm_up(question: Question, scene: Spec) -> None:

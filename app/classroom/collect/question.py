@@ -16,12 +16,12 @@ from agents.flock import Flock
 from agents.models.declare import DeclaredParameter
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Spec
-from app.classroom.collect.bounds import MOST_TICKS, demand_cheap
-from app.experiments.sweeps.given.conditions import Comparison, comparison
-from app.experiments.sweeps.given.file import Observe
+from app.classroom.collect.run_cost import MOST_TICKS, demand_cheap
+from app.experiments.sweeps.given.sweep_conditions import ObservableBound, comparison
+from app.experiments.sweeps.given.sweep_file import Observe
 from app.experiments.sweeps.making.measures import demand_number, measure_of
-from app.experiments.sweeps.making.one_run import Making, Until
-from app.strict import Strict
+from app.experiments.sweeps.making.sweep_job import StopCondition, SweepJob
+from app.strict_table import StrictTable
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
 from app.viewer.measuring.observable_format import words as in_words
 from worlds.input_error import InputError, first_refusal, shortened, unknown
@@ -36,7 +36,7 @@ MOST_LETTERS = 80
 Whole = Annotated[int, Field(ge=1, le=MOST_TICKS)]
 
 
-class Asked(Strict):
+class RunMeasure(StrictTable):
     """What is measured of a run: an observable, or the ticks until a condition holds."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
@@ -51,7 +51,7 @@ class Asked(Strict):
     """for so many ticks."""
 
     @model_validator(mode="after")
-    def _is_one(self) -> Asked:
+    def _is_one(self) -> RunMeasure:
         if bool(self.observe) == bool(self.until):
             raise ValueError("either observe or until is needed")
         if self.until and self.over is not None:
@@ -61,7 +61,7 @@ class Asked(Strict):
         return self
 
     @property
-    def condition(self) -> Comparison | None:
+    def condition(self) -> ObservableBound | None:
         """What has to hold. Raises InputError."""
         return comparison(self.until) if self.until else None
 
@@ -71,7 +71,7 @@ class Asked(Strict):
         return self.observe if self.condition is None else self.condition.name
 
 
-class Question(Strict):
+class Question(StrictTable):
     """What a class is asked; `question_of` makes one that is checked for a scene.
 
     A run is made for `ticks`. `values` are given to students in turn; without any they choose.
@@ -84,7 +84,7 @@ class Question(Strict):
     """Of the class's scene."""
     parameter: str
     """Of that model, or `agents`."""
-    measure: Asked
+    measure: RunMeasure
     ticks: Whole
     values: list[float] = Field(default_factory=list, max_length=MOST_VALUES)
     """Rising; empty: students choose."""
@@ -94,13 +94,13 @@ class Question(Strict):
     """Of what a student hands in several times: the last result, or all."""
 
     @property
-    def making(self) -> Making:
+    def making(self) -> SweepJob:
         """How the sweep engine makes and measures a run of it. Raises InputError."""
         one, until = self.measure, None
         if one.condition is not None:
-            until = Until(one.condition, one.hold, 1)
-            return Making(self.ticks, (), until)
-        return Making(self.ticks, (measure_of(Observe(name=one.observe, over=one.over), Path()),))
+            until = StopCondition(one.condition, one.hold, 1)
+            return SweepJob(self.ticks, (), until)
+        return SweepJob(self.ticks, (measure_of(Observe(name=one.observe, over=one.over), Path()),))
 
     @property
     def column(self) -> str:

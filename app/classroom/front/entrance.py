@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from aiohttp import web
 
+from app.classroom.class_keys import LONGEST, plain, same
 from app.classroom.classroom import Classroom
-from app.classroom.front.asked import form_of
+from app.classroom.front.class_request import form_of
 from app.classroom.front.limits import JOINS, STRANGERS
 from app.classroom.front.pages import THEME, Page, own_page
-from app.classroom.keys import LONGEST, plain, same
 from app.classroom.student import Student
+from app.viewer.web.incoming.client_addresses import address_of
 from app.viewer.web.incoming.rate_limit import RateLimit
-from app.viewer.web.incoming.visitors import address_of
 from app.viewer.web.serving.headers import POLICY
 from worlds.input_error import InputError
 
@@ -25,7 +25,7 @@ MOST_ADDRESSES = 4096
 """Addresses whose tries are remembered."""
 
 
-class Entrance:
+class ClassEntrance:
     """Knows people by their cookies, and gives them. `port`: the class's; cookies know no ports."""
 
     def __init__(self, classroom: Classroom, port: int):

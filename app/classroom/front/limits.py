@@ -29,7 +29,7 @@ JOINS = (5.0, 250.0)
 """Students who come in, a second and at once: a whole class does within a minute."""
 
 
-class Limits:
+class StudentLimits:
     """Of one student, or of the teacher."""
 
     def __init__(self) -> None:

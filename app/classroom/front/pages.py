@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from string import Template
 
-from app.beside import STATIC
+from app.package_files import STATIC
 from app.viewer.web.serving.client_page import font_face, hashed
 from app.viewer.web.serving.headers import policy
 

@@ -14,10 +14,10 @@ import aiohttp
 from aiohttp import web
 from yarl import URL
 
-from app.classroom.front.limits import Limits
-from app.classroom.student import Place
+from app.classroom.front.limits import StudentLimits
+from app.classroom.student import LaboratoryAddress
 from app.viewer.web.incoming.connection import PROTOCOL
-from app.viewer.web.incoming.kinds import CAMERA, LARGEST, Unusable, kind_of
+from app.viewer.web.incoming.kinds import CAMERA, LARGEST, UnusableMessage, kind_of
 
 HEARTBEAT = 30.0
 """Seconds between two looks whether a page that says nothing is there still."""
@@ -50,7 +50,7 @@ def camera_alone(data: bytes) -> bool:
     """Of whoever is held."""
     try:
         return kind_of(data) == CAMERA
-    except Unusable:
+    except UnusableMessage:
         return False
 
 
@@ -69,7 +69,9 @@ class Relay:
         """Pass nothing on any more."""
         await self.session.close()
 
-    async def pass_on(self, request: web.Request, place: Place, path: str) -> web.Response:
+    async def pass_on(
+        self, request: web.Request, place: LaboratoryAddress, path: str
+    ) -> web.Response:
         """What a laboratory answers to a request of a page's for `path`, with its query."""
         headers = {
             name: value for name in PASSED_ON if (value := request.headers.get(name)) is not None
@@ -90,8 +92,8 @@ class Relay:
     async def connect(
         self,
         request: web.Request,
-        place: Place,
-        limits: Limits,
+        place: LaboratoryAddress,
+        limits: StudentLimits,
         heard: Heard = anything,
         ends: Ending = never,
     ) -> web.WebSocketResponse:
@@ -148,7 +150,9 @@ async def outward(inner: aiohttp.ClientWebSocketResponse, page: web.WebSocketRes
             await page.send_bytes(message.data)
 
 
-async def inward(page: web.WebSocketResponse, inner: Any, limits: Limits, heard: Heard) -> None:
+async def inward(
+    page: web.WebSocketResponse, inner: Any, limits: StudentLimits, heard: Heard
+) -> None:
     """From the page to the laboratory, within limits."""
     async for message in page:
         if message.type is aiohttp.WSMsgType.ERROR:

@@ -14,19 +14,19 @@ from aiohttp import web
 
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import TEACHER
-from app.classroom.front.asked import LARGEST, READING, refused
+from app.classroom.front.class_request import LARGEST, READING, refused
 from app.classroom.front.connections import Connections
-from app.classroom.front.entrance import Entrance
-from app.classroom.front.limits import MOST_AT_ONCE, MOST_PAGES, Limits
+from app.classroom.front.entrance import ClassEntrance
+from app.classroom.front.limits import MOST_AT_ONCE, MOST_PAGES, StudentLimits
 from app.classroom.front.relay import Ending, Relay, camera_alone
 from app.classroom.front.student_requests import StudentRequests
 from app.classroom.front.teacher_requests import TeacherRequests
-from app.classroom.student import Place, Role, Student
+from app.classroom.student import LaboratoryAddress, Role, Student
 from app.viewer.lab.scene_requests import MARK, SCRIPTS
 from app.viewer.web.addresses import elsewhere, here
 from app.viewer.web.incoming.failures import in_a_line, log_failures, logger
 from app.viewer.web.incoming.log import Log
-from app.viewer.web.origin import Allowed, authority
+from app.viewer.web.origin import AllowedHost, authority
 from app.viewer.web.server import listening
 from app.viewer.web.serving.client_page import ClientPage, client_page
 from app.viewer.web.serving.headers import CLOSED, FIXED, POLICY, policy
@@ -60,7 +60,7 @@ class ClassFront:
         classroom: Classroom,
         host: str = "127.0.0.1",
         port: int = 8080,
-        allow: tuple[Allowed, ...] = (),
+        allow: tuple[AllowedHost, ...] = (),
         certificate: tuple[Path, Path] | None = None,
     ):
         self.classroom = classroom
@@ -70,8 +70,8 @@ class ClassFront:
         self.port: int = self.sock.getsockname()[1]
         self.name = secrets.token_hex(8)
         self.relay: Relay
-        self.limits: dict[int, Limits] = defaultdict(Limits)
-        self.entrance = Entrance(classroom, self.port)
+        self.limits: dict[int, StudentLimits] = defaultdict(StudentLimits)
+        self.entrance = ClassEntrance(classroom, self.port)
         self.log = Log()
         self.student = StudentRequests(classroom)
         self.teacher = TeacherRequests(classroom, self.addresses(host))
@@ -241,7 +241,7 @@ class ClassFront:
         return response
 
     async def answer_page(
-        self, request: web.Request, student: Student, limits: Limits
+        self, request: web.Request, student: Student, limits: StudentLimits
     ) -> web.StreamResponse:
         """What a student's page is answered that asks for something else than a line."""
         if (found := await self.student.answer(request, student, limits)) is not None:
@@ -255,7 +255,7 @@ class ClassFront:
         return await self.show(request, place, request.path, limits, LEARNS)
 
     async def connect_student(
-        self, request: web.Request, student: Student, limits: Limits
+        self, request: web.Request, student: Student, limits: StudentLimits
     ) -> web.StreamResponse:
         """A student's page connects with what it is shown."""
         place = await self.classroom.place_of(student)
@@ -301,9 +301,9 @@ class ClassFront:
     async def show(
         self,
         request: web.Request,
-        place: Place | None,
+        place: LaboratoryAddress | None,
         path: str,
-        limits: Limits,
+        limits: StudentLimits,
         script: tuple[str, ...],
     ) -> web.StreamResponse:
         """A laboratory's page, or what that asks its laboratory for."""

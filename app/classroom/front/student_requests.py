@@ -7,9 +7,9 @@ from typing import Any
 from aiohttp import web
 
 from app.classroom.classroom import Classroom
-from app.classroom.front.asked import READING, values_of
+from app.classroom.front.class_request import READING, values_of
 from app.classroom.front.events import stream
-from app.classroom.front.limits import MOST_STREAMS, Limits
+from app.classroom.front.limits import MOST_STREAMS, StudentLimits
 from app.classroom.student import Role, Student
 
 
@@ -20,7 +20,7 @@ class StudentRequests:
         self.classroom = classroom
 
     async def answer(
-        self, request: web.Request, student: Student, limits: Limits
+        self, request: web.Request, student: Student, limits: StudentLimits
     ) -> web.StreamResponse | None:
         """What a student is answered."""
         if request.path == "/class/mine" and request.method in READING:
@@ -37,7 +37,7 @@ class StudentRequests:
         return web.Response(text=await self.classroom.hand_in(student))
 
     async def listen(
-        self, request: web.Request, student: Student, limits: Limits
+        self, request: web.Request, student: Student, limits: StudentLimits
     ) -> web.StreamResponse:
         """Tell a student's page of the class, as long as it listens."""
         if limits.streams >= MOST_STREAMS:

@@ -11,12 +11,12 @@ from typing import Any
 import segno
 from aiohttp import web
 
+from app.classroom.class_keeper import state_of
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import TEACHER
-from app.classroom.front.asked import READING, numbers_in, text_in, values_of
+from app.classroom.front.class_request import READING, numbers_in, text_in, values_of
 from app.classroom.front.events import stream
 from app.classroom.front.pages import own_page
-from app.classroom.keeping import state_of
 from app.classroom.student import Role, Student
 from app.viewer.web.serving.headers import POLICY
 from worlds.input_error import InputError

@@ -14,14 +14,14 @@ from pathlib import Path
 from agents.spec import Spec
 from app.classroom.class_file.saving import packed, save
 from app.classroom.class_file.state import ClassState
-from app.classroom.collect.bounds import estimate_pairs
+from app.classroom.collect.class_curve import ClassCurve, CurveAsked, curve_of, find_curve
+from app.classroom.collect.class_picture import picture
 from app.classroom.collect.collection import Collection
-from app.classroom.collect.curve import Curve, CurveAsked, curve_of, find_curve
 from app.classroom.collect.hand_in import Point, demand_answer, hand_in, run_of, warm_up
-from app.classroom.collect.picture import picture
 from app.classroom.collect.question import Question
-from app.classroom.workers.worker import lower_priority
-from app.results import make_folder
+from app.classroom.collect.run_cost import estimate_pairs
+from app.classroom.workers.laboratory_worker import lower_priority
+from app.results_folder import make_folder
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps
 from worlds.input_error import InputError
@@ -60,7 +60,7 @@ class RunWorker:
         """Processor time (s) of a question's dearest run of the scene, made once to see."""
         spec = dearest(question, scene)
         warm_up(question, spec)
-        with TimeLimit(limit):
+        with ProcessorTimeLimit(limit):
             begun = time.process_time()
             run_of(question, spec.but(seed=1))
             return time.process_time() - begun
@@ -72,7 +72,7 @@ class RunWorker:
 
         None for a run that is other than usual: of another model, or of much more work.
         """
-        with TimeLimit(limit):
+        with ProcessorTimeLimit(limit):
             begun = time.process_time()
             spec = spec_of(ran, student)
             demand_answer(question, spec)
@@ -89,13 +89,13 @@ class RunWorker:
         spec = spec_of(ran, student)
         demand_answer(question, spec)
         warm_up(question, spec)
-        with TimeLimit(limit):
+        with ProcessorTimeLimit(limit):
             begun = time.process_time()
             point = hand_in(question, student, spec, scene)
             return MadeRun(point, time.process_time() - begun)
 
 
-class TimeLimit:
+class ProcessorTimeLimit:
     """Ends the process that spends more processor time (s) within it, where the system can."""
 
     def __init__(self, seconds: float):
@@ -128,7 +128,7 @@ class DrawWorker:
     def __init__(self) -> None:
         lower_priority(DRAW_NICENESS)
 
-    def picture(self, collection: Collection, kind: str, curve: Curve | None) -> bytes:
+    def picture(self, collection: Collection, kind: str, curve: ClassCurve | None) -> bytes:
         """The picture of a question. Raises InputError."""
         return picture(collection, kind, curve)
 
@@ -149,7 +149,7 @@ class CurveWorker:
         self.results = results
         self.sweeps: Sweeps | None = None
 
-    def find_curve(self, question: Question, scene: Spec) -> Curve | None:
+    def find_curve(self, question: Question, scene: Spec) -> ClassCurve | None:
         """The curve of a sweep that is there."""
         return find_curve(self.results.absolute(), question, scene)
 
@@ -159,7 +159,7 @@ class CurveWorker:
             self.sweeps = Sweeps(self.results)
         return self.sweeps.begin(CurveAsked(question, scene))
 
-    def curve(self, name: str, question: Question, scene: Spec) -> tuple[Curve | None, str]:
+    def curve(self, name: str, question: Question, scene: Spec) -> tuple[ClassCurve | None, str]:
         """The curve of a sweep that was begun here, as far as it is, and how far it is in words.
 
         The words are empty once it has ended. Raises InputError if it cannot be read.

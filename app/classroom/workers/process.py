@@ -10,14 +10,14 @@ import socket
 from collections.abc import Callable
 from typing import Any
 
-from app.classroom.workers import worker
-from app.classroom.workers.worker import LENGTH, packed
+from app.classroom.workers import laboratory_worker
+from app.classroom.workers.laboratory_worker import LENGTH, packed
 
 PATIENCE = 20.0
 """Seconds that a worker has for one request, from when it turns to it."""
 
 
-class Gone(Exception):
+class WorkerLostError(Exception):
     """The process has ended, or does not answer."""
 
 
@@ -26,7 +26,7 @@ def context() -> Any:
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     chosen = multiprocessing.get_context("forkserver")
-    chosen.set_forkserver_preload([worker.__name__, f"{__package__}.measuring"])
+    chosen.set_forkserver_preload([laboratory_worker.__name__, f"{__package__}.measuring"])
     return chosen
 
 
@@ -36,7 +36,7 @@ class WorkerProcess:
     def __init__(
         self,
         ended: Callable[[WorkerProcess], None],
-        kind: Callable[..., Any] = worker.Laboratories,
+        kind: Callable[..., Any] = laboratory_worker.Laboratories,
         *given: Any,
     ):
         self.ended = ended
@@ -56,7 +56,10 @@ class WorkerProcess:
         """Begin the process."""
         ours, theirs = socket.socketpair()
         self.process = context().Process(
-            target=worker.serve, args=(theirs, *self.what), name="laboratories", daemon=True
+            target=laboratory_worker.serve,
+            args=(theirs, *self.what),
+            name="laboratories",
+            daemon=True,
         )
         await asyncio.to_thread(self.process.start)
         theirs.close()
@@ -85,7 +88,7 @@ class WorkerProcess:
         waiting, self.waiting = self.waiting, {}
         for future in waiting.values():
             if not future.done():
-                future.set_exception(Gone())
+                future.set_exception(WorkerLostError())
         if not self.closing:
             self.ended(self)
 
@@ -96,7 +99,7 @@ class WorkerProcess:
         order, so the time that others take before is not counted.
         """
         if self.is_gone:
-            raise Gone
+            raise WorkerLostError
         number = next(self.numbers)
         future = self.waiting[number] = asyncio.get_running_loop().create_future()
         try:
@@ -106,7 +109,7 @@ class WorkerProcess:
             self.writer.write(packed((number, name, given)))
             return await self.answer_of(future, patience)
         except (OSError, TimeoutError):
-            raise Gone from None
+            raise WorkerLostError from None
         finally:
             self.waiting.pop(number, None)
 
@@ -117,7 +120,7 @@ class WorkerProcess:
         while not future.done():
             left = max(asked, self.answered) + patience - clock()
             if left <= 0.0:
-                raise Gone
+                raise WorkerLostError
             await asyncio.wait({future}, timeout=left)
         return future.result()
 

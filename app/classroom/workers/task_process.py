@@ -9,14 +9,14 @@ import signal
 from collections.abc import Callable, Coroutine
 from typing import Any
 
-from app.classroom.workers.process import Gone, WorkerProcess
+from app.classroom.workers.process import WorkerLostError, WorkerProcess
 
 TASK = 180.0
 """Seconds that a task may take by the clock, from its start: the first run of a model is compiled,
 on a busy machine."""
 
 
-class TimeUp(Gone):
+class TimeUp(WorkerLostError):
     """The process was ended because its task took too long."""
 
 
@@ -56,7 +56,7 @@ class TaskProcess:
         try:
             worker = await self.ready()
             return await worker.ask(name, *given, patience=patience)
-        except Gone:
+        except WorkerLostError:
             if await self.end():
                 raise TimeUp from None
             raise

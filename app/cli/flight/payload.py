@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.flight.options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
-from app.cli.outcome import as_json, tell_written
+from app.cli.flight.flight_options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
+from app.cli.outcome_table import as_json, tell_written
 from app.cli.progress import Progress
 from app.flight.request import FREQUENCY, TWIST, asked_speed, request, within
-from app.results import demand_folder, picture_files
+from app.results_folder import demand_folder, picture_files
 from app.settings import numbers
 
 if TYPE_CHECKING:
@@ -64,8 +64,8 @@ def payload(
     within("--efficiency", efficiency, 0.01, 1.0, "")
     asked = request(frequency, twist, settings)
     demand_folder("--out", out, ("payload.csv", *picture_files("payload", pictures)), overwrite)
+    from app.flight.flight_sheet import write_sheet
     from app.flight.load import Battery, carried, loaded
-    from app.flight.sheet import write_sheet
 
     kilograms = [one / 1000.0 for one in grams]
     for load in kilograms:

@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.flight.options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
-from app.cli.outcome import as_json, tell_written
+from app.cli.flight.flight_options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
+from app.cli.outcome_table import as_json, tell_written
 from app.cli.progress import Progress
 from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, request, within
-from app.results import demand_folder, picture_files
+from app.results_folder import demand_folder, picture_files
 from worlds.number_text import counted
 
 LONGEST = 120.0
@@ -50,8 +50,8 @@ def simulate(
         ("history.csv", *picture_files("history", pictures), *picture_files("beats", pictures)),
         overwrite,
     )
-    from app.flight.flown import flown, pushes
-    from app.flight.sheet import beat_columns, write_sheet
+    from app.flight.compared_flight import flown, pushes
+    from app.flight.flight_sheet import beat_columns, write_sheet
 
     moved = pushes(push or [])
     with Progress("flight simulate", quiet) as progress:

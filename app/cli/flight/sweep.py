@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.flight.options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
-from app.cli.outcome import as_json, tell_written
+from app.cli.flight.flight_options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
+from app.cli.outcome_table import as_json, tell_written
 from app.cli.progress import Progress
 from app.flight.request import FREQUENCY, TWIST, asked_speed, request
-from app.results import demand_folder, picture_files
+from app.results_folder import demand_folder, picture_files
 from app.settings import numbers
 
 DEFAULT = "2.5,3,3.25,3.5,4,4.5,5,6,7"
@@ -35,8 +35,8 @@ def sweep(
     wanted = sorted({asked_speed("--speeds", one) for one in numbers("--speeds", speeds)})
     asked = request(frequency, twist, settings)
     demand_folder("--out", out, ("sweep.csv", *picture_files("sweep", pictures)), overwrite)
-    from app.flight.curve import swept
-    from app.flight.sheet import write_sheet
+    from app.flight.flight_sheet import write_sheet
+    from app.flight.trim_curve import swept
 
     with Progress("flight sweep", quiet) as progress:
         rows, missing = swept(asked, wanted, progress.at)

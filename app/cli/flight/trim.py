@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
-from app.cli.flight.options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
-from app.cli.outcome import as_json, tell_written
+from app.cli.flight.flight_options import AsJson, Frequency, Out, Overwrite, Quiet, Settings, Twist
+from app.cli.outcome_table import as_json, tell_written
 from app.cli.progress import Progress
 from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, request
-from app.results import demand_folder, picture_files
+from app.results_folder import demand_folder, picture_files
 
 
 def trim(
@@ -34,8 +34,8 @@ def trim(
     asked = request(frequency, twist, settings)
     demand_folder("--out", out, ("beat.csv", *picture_files("beat", pictures)), overwrite)
     from agents.flight.trim import trim as search
-    from app.flight.report import as_value, lines
-    from app.flight.sheet import beat_columns, write_sheet
+    from app.flight.flight_report import as_value, lines
+    from app.flight.flight_sheet import beat_columns, write_sheet
 
     with Progress("flight trim", quiet) as progress:
         made = search(asked.aircraft, speed, frequency=frequency, twist=asked.twist, at=progress.at)

@@ -7,7 +7,7 @@ import time
 import typer
 
 from app.cli.live.operate import actions_of, event_line, watch
-from app.cli.stopping import Stopping
+from app.cli.stop_signals import StopSignals
 from app.live.control.loop_events import Event
 from app.viewer.live.session import Session
 
@@ -17,7 +17,7 @@ TERMINAL = "terminal"
 class SessionConsole:
     """Passes the keys of the terminal to a session; `verbose`: events are shown."""
 
-    def __init__(self, session: Session, stopping: Stopping, verbose: bool):
+    def __init__(self, session: Session, stopping: StopSignals, verbose: bool):
         self.session = session
         self.stopping = stopping
         self.verbose = verbose

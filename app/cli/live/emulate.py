@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from app.cli.live.options import Seconds, Ticks
+from app.cli.live.live_options import Seconds, Ticks
 
 
 def emulate(

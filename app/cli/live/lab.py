@@ -72,9 +72,9 @@ def lab(
 def serve(opening: Callable[[], LivePage], open_browser: bool, quiet: bool) -> None:
     """Serve the page until q, Ctrl-C or SIGTERM; then stop the cars. Raises InputError."""
     from app.cli.live.console import SessionConsole
-    from app.cli.stopping import Stopping
+    from app.cli.stop_signals import StopSignals
 
-    with Stopping() as stopping:
+    with StopSignals() as stopping:
         page = opening()
         try:
             leaving = "q or Ctrl-C stops the cars and leaves"

@@ -10,9 +10,9 @@ from typing import Any
 
 import typer
 
-from app.cli.live.keys import Keys
-from app.cli.outcome import as_json
-from app.cli.stopping import Stopping
+from app.cli.live.key_presses import Keys
+from app.cli.outcome_table import as_json
+from app.cli.stop_signals import StopSignals
 from app.cli.terminal import rewrite_line
 from app.live.control.arm import Action, OperatorRequest
 from app.live.control.loop_events import Event
@@ -76,7 +76,7 @@ class OperatorConsole:
     def __init__(
         self,
         operator: Operator,
-        stopping: Stopping,
+        stopping: StopSignals,
         seconds: float,
         arms: bool,
         json_asked: bool,

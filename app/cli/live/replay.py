@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from app.cli.outcome import as_json
+from app.cli.outcome_table import as_json
 from worlds.number_text import counted
 
 DIFFERS = 1

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.cli.length import demand_one_length
-from app.cli.live.options import LinkName, Seconds, SourceName, Ticks
-from app.cli.outcome import as_json
+from app.cli.live.live_options import LinkName, Seconds, SourceName, Ticks
+from app.cli.outcome_table import as_json
 from app.cli.rule_option import Rules
 from worlds.extra import demand_parquet
 from worlds.input_error import InputError
@@ -78,11 +78,11 @@ def conduct(
 
     report(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
     from app.cli.live.operate import OperatorConsole, closing
-    from app.cli.stopping import Stopping
+    from app.cli.stop_signals import StopSignals
     from app.live.operating.flock_driver import FlockDriver
     from app.live.operating.operator import Operator
 
-    with Stopping() as stopping:
+    with StopSignals() as stopping:
         FlockDriver(lab, report)  # compiled here, so that the loop need not wait for it
         operator = Operator(lab, opener, record)
         terminal = OperatorConsole(operator, stopping, seconds, arm, json_asked, not quiet)

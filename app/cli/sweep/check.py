@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from app.cli.outcome import as_json
-from app.cli.sweep.asked import (
+from app.cli.outcome_table import as_json
+from app.cli.sweep.sweep_choice import (
     Fixed,
     Hold,
     Observes,

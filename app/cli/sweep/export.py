@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from app.cli.outcome import tell_written
-from app.cli.sweep.asked import kept_sweep
+from app.cli.outcome_table import tell_written
 from app.cli.sweep.status import Name
+from app.cli.sweep.sweep_choice import kept_sweep
 from worlds.input_error import InputError
 
 
@@ -32,16 +32,16 @@ def export(
 
     Without --times the same runs are the same bytes, however often the sweep was stopped.
     """
-    from app.experiments.runs.reading import Kept
-    from app.experiments.sweeps.table import as_csv, write_table
-    from app.experiments.sweeps.table import long as in_long
-    from app.experiments.sweeps.table import wide as in_wide
+    from app.experiments.runs.store_reader import StoreReader
+    from app.experiments.sweeps.sweep_table import as_csv, write_table
+    from app.experiments.sweeps.sweep_table import long as in_long
+    from app.experiments.sweeps.sweep_table import wide as in_wide
 
     if long and times:
         raise InputError(
             "--times cannot be given with --long: seconds are of a run, not of a value"
         )
-    kept = Kept(kept_sweep(name))
+    kept = StoreReader(kept_sweep(name))
     columns = in_long(kept) if long else in_wide(kept, times)
     if out is None:
         typer.echo(as_csv(columns), nl=False)

@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from app.cli.outcome import as_json
+from app.cli.outcome_table import as_json
 from app.cli.refusals import one_line
-from app.cli.sweep.asked import is_sweep
-from app.results import RESULTS
+from app.cli.sweep.sweep_choice import is_sweep
+from app.results_folder import RESULTS
 
 
 def list_sweeps(
@@ -18,7 +18,7 @@ def list_sweeps(
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """The sweeps that were begun, and how far each is."""
-    from app.experiments.sweeps.status import status_of
+    from app.experiments.sweeps.sweep_status import status_of
 
     there = sorted(folder.iterdir()) if folder.is_dir() else []
     found = []

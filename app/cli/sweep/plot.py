@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from app.cli.outcome import tell_written
-from app.cli.sweep.asked import kept_sweep
+from app.cli.outcome_table import tell_written
 from app.cli.sweep.status import Name
+from app.cli.sweep.sweep_choice import kept_sweep
 from worlds.input_error import InputError
 
 
@@ -58,15 +58,15 @@ def plot(
     axis 'agents': a line for each size, Binder's cumulant if 'binder' is observed, and with --beta
     and --nu the collapse.
     """
-    from app.experiments.runs.reading import Kept
-    from app.experiments.sweeps.pictures.draw import draw
+    from app.experiments.runs.store_reader import StoreReader
     from app.experiments.sweeps.pictures.scaling import Scaling
-    from app.experiments.sweeps.table import measured
+    from app.experiments.sweeps.pictures.sweep_picture import draw
+    from app.experiments.sweeps.sweep_table import measured
 
     if (beta is None) != (nu is None) or (critical is not None and beta is None):
         raise InputError("a collapse takes --beta and --nu, and --critical beside them")
     scaling = None if beta is None or nu is None else Scaling(beta, nu, critical)
-    kept = Kept(kept_sweep(name))
+    kept = StoreReader(kept_sweep(name))
     shown = observable or next(iter(measured(kept)), "picture")
     path = out or kept.folder / f"{shown.replace('/', '-')}.png"
     draw(

@@ -9,19 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome import as_json, tell
-from app.cli.sweep.asked import (
-    Fixed,
-    Hold,
-    Observes,
-    Over,
-    Runs,
-    Seconds,
-    Ticks,
-    Until,
-    Vary,
-    sweep_asked,
-)
+from app.cli.outcome_table import as_json, tell
 from app.cli.sweep.clusters import (
     Account,
     Cores,
@@ -34,7 +22,7 @@ from app.cli.sweep.clusters import (
     cluster_asked,
     in_words,
 )
-from app.cli.sweep.making import (
+from app.cli.sweep.run_options import (
     BROKEN,
     AsJson,
     Limit,
@@ -46,13 +34,25 @@ from app.cli.sweep.making import (
     demand_sound,
     warn,
 )
+from app.cli.sweep.sweep_choice import (
+    Fixed,
+    Hold,
+    Observes,
+    Over,
+    Runs,
+    Seconds,
+    Ticks,
+    Until,
+    Vary,
+    sweep_asked,
+)
 from app.settings import at_least
 from worlds.number_text import counted, duration
 
 if TYPE_CHECKING:
-    from app.experiments.cluster.asked import Cluster
-    from app.experiments.sweeps.conduct import Done
-    from app.experiments.sweeps.sweep import Sweep
+    from app.experiments.cluster.cluster_options import Cluster
+    from app.experiments.sweeps.checked_sweep import Sweep
+    from app.experiments.sweeps.sweep_runner import SweepReport
 
 
 def run(
@@ -120,7 +120,7 @@ def run(
 
 def print_job(cluster: Cluster, quiet: bool) -> None:
     """Print what a queue would be asked for. Raises InputError."""
-    from app.experiments.cluster.opening import job_script
+    from app.experiments.cluster.cluster_connection import job_script
 
     typer.echo(job_script(cluster), nl=False)
     if not quiet:
@@ -129,20 +129,20 @@ def print_job(cluster: Cluster, quiet: bool) -> None:
 
 def draw_all(sweep: Sweep, folder: Path) -> list[Path]:
     """Draw a picture of each thing that is measured. Raises InputError."""
-    from app.experiments.runs.reading import Kept
-    from app.experiments.sweeps.pictures.draw import draw
-    from app.results import PICTURES
+    from app.experiments.runs.store_reader import StoreReader
+    from app.experiments.sweeps.pictures.sweep_picture import draw
+    from app.results_folder import PICTURES
 
     files = [folder / f"{column}.{kind}" for column in sweep.making.columns for kind in PICTURES]
     for path in files:
-        draw(Kept(folder), path, path.stem)
+        draw(StoreReader(folder), path, path.stem)
     return files
 
 
 def report(
     sweep: Sweep,
     folder: Path,
-    done: Done,
+    done: SweepReport,
     files: list[Path],
     seconds: float,
     json_asked: bool,
@@ -150,9 +150,9 @@ def report(
 ) -> None:
     """Print what has come of it."""
     from app.cli.sweep.show import summary_of
-    from app.experiments.runs.reading import Kept
+    from app.experiments.runs.store_reader import StoreReader
 
-    kept = Kept(folder)
+    kept = StoreReader(folder)
     if json_asked:
         value: dict[str, Any] = {
             "folder": str(folder),

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome import as_json
-from app.cli.sweep.asked import kept_sweep
+from app.cli.outcome_table import as_json
 from app.cli.sweep.status import Name
+from app.cli.sweep.sweep_choice import kept_sweep
 from app.cli.terminal import make_console
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
-    from app.experiments.runs.reading import Kept
+    from app.experiments.runs.store_reader import StoreReader
 
 MOST = 60
 """Cells that are shown to people."""
@@ -31,10 +31,10 @@ def show(
 
     With --cell and --seed it prints the spec of that run: `flockscope run FILE.toml` repeats it.
     """
-    from app.experiments.runs.reading import Kept
-    from app.experiments.sweeps.table import spec_at
+    from app.experiments.runs.store_reader import StoreReader
+    from app.experiments.sweeps.sweep_table import spec_at
 
-    kept = Kept(kept_sweep(name))
+    kept = StoreReader(kept_sweep(name))
     if seed is not None:
         if cell is None:
             raise InputError("--seed needs --cell: of which cell is the run?")
@@ -53,15 +53,15 @@ def show(
         show_cells(kept, rows)
 
 
-def summary_of(kept: Kept) -> None:
+def summary_of(kept: StoreReader) -> None:
     """Print what the runs say, for people."""
     show_cells(kept, summaries(kept))
 
 
-def summaries(kept: Kept) -> list[dict[str, Any]]:
+def summaries(kept: StoreReader) -> list[dict[str, Any]]:
     """Each cell with the mean and the interval of what was measured, and runs without a value."""
-    from app.experiments.sweeps.pictures.groups import groups_of
-    from app.experiments.sweeps.table import measured, places_of
+    from app.experiments.sweeps.pictures.cell_runs import groups_of
+    from app.experiments.sweeps.sweep_table import measured, places_of
 
     places = places_of(kept)
     rows: list[dict[str, Any]] = [
@@ -82,10 +82,10 @@ def summaries(kept: Kept) -> list[dict[str, Any]]:
     return rows
 
 
-def faults(kept: Kept) -> list[dict[str, Any]]:
+def faults(kept: StoreReader) -> list[dict[str, Any]]:
     """The runs that failed or were killed: cell, seed, why."""
-    from app.experiments.runs.outcome import BROKEN
-    from app.experiments.sweeps.table import places_of
+    from app.experiments.runs.run_outcome import BROKEN
+    from app.experiments.sweeps.sweep_table import places_of
 
     places = places_of(kept)
     return [
@@ -95,12 +95,12 @@ def faults(kept: Kept) -> list[dict[str, Any]]:
     ]
 
 
-def show_cells(kept: Kept, rows: list[dict[str, Any]]) -> None:
+def show_cells(kept: StoreReader, rows: list[dict[str, Any]]) -> None:
     """Print the cells as a table, and the runs that failed."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from app.experiments.sweeps.table import axes_of, measured
+    from app.experiments.sweeps.sweep_table import axes_of, measured
 
     axes, columns = axes_of(kept), measured(kept)
     extra = [key for key in ("gave_up", "failed") if any(row[key] for row in rows)]

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.outcome import as_json
-from app.cli.sweep.asked import kept_sweep
+from app.cli.outcome_table import as_json
+from app.cli.sweep.sweep_choice import kept_sweep
 from worlds.number_text import duration
 
 Name = Annotated[str, typer.Argument(help="A sweep in results/, or its folder.")]
@@ -18,7 +18,7 @@ def status(
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """How many runs are done, how fast the rest comes, and what failed."""
-    from app.experiments.sweeps.status import status_of
+    from app.experiments.sweeps.sweep_status import status_of
 
     value = status_of(kept_sweep(name))
     typer.echo(as_json(value) if json_asked else in_words(value))

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from app.cli.sweep.asked import kept_sweep
 from app.cli.sweep.status import Name
+from app.cli.sweep.sweep_choice import kept_sweep
 from worlds.input_error import InputError
 
 PATIENCE = 30.0
@@ -21,7 +21,7 @@ def stop(
 ) -> None:
     """Stop a sweep that another process runs; `flockscope sweep run` goes on with it."""
     from app.experiments.runs.store import is_taken
-    from app.experiments.sweeps.conduct import STOP
+    from app.experiments.sweeps.sweep_runner import STOP
 
     folder = kept_sweep(name)
     if not is_taken(folder):

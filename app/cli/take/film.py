@@ -11,11 +11,11 @@ import typer
 
 from app.cli.given import Asked, with_options
 from app.cli.length import demand_one_length, ticks_asked
-from app.cli.outcome import as_json, tell, tell_written
+from app.cli.outcome_table import as_json, tell, tell_written
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.rule_option import Rules
-from app.cli.stopping import Stopping
+from app.cli.stop_signals import StopSignals
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
 from app.settings import at_least, names
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from agents import Flock
     from agents.recording import Recording
     from agents.snapshot import Snapshot
-    from app.viewer.pictures.camera import Aim
+    from app.viewer.pictures.picture_camera import CameraRequest
     from app.viewer.pictures.plots import Plots
 
 LAST = 300
@@ -37,7 +37,7 @@ PAGE = ".html"
 
 
 @dataclass(frozen=True)
-class Plan:
+class FilmPlan:
     """Which ticks are shown, and how many of them in a second."""
 
     ticks: list[int]
@@ -48,7 +48,7 @@ class Plan:
 
 def planned(
     ticks: list[int], first: int, last: int, every: int | None, speed: float, fps: float
-) -> Plan:
+) -> FilmPlan:
     """The ticks to show of those that there are, rising. Raises InputError if none is left.
 
     `speed` ticks are shown in a second, in at most `fps` pictures, unless `every` says otherwise.
@@ -60,7 +60,7 @@ def planned(
     step = max(1, round((every if every else speed / fps) / apart))
     rate = min(MOST_FPS, speed / (step * apart))
     shown = there[::step]
-    return Plan(shown, rate, there[-1] - shown[-1])
+    return FilmPlan(shown, rate, there[-1] - shown[-1])
 
 
 @with_options
@@ -131,7 +131,7 @@ def film(
     An HTML file plays the run in any browser, without a server or network: its camera is whoever's
     who watches. What `flockscope run` takes to say which run it is, this takes too.
     """
-    from app.viewer.pictures.film import CODECS, demand_film
+    from app.viewer.pictures.film_writer import CODECS, demand_film
     from app.viewer.pictures.plots import Plots
 
     at_least("--from", first, 0)
@@ -184,7 +184,7 @@ def film(
         overwrite, quiet,
     )  # fmt: skip
     with (
-        Stopping() as stopping,
+        StopSignals() as stopping,
         Progress(f"film of {counted(len(plan.ticks), 'picture')}", quiet) as progress,
     ):
 
@@ -217,12 +217,12 @@ class Work:
     """A film that is to be made."""
 
     taken: Iterator[Snapshot]
-    plan: Plan
+    plan: FilmPlan
     out: Path
     size: tuple[int, int]
     colour: str | None
     renderer: str
-    aim: Aim
+    aim: CameraRequest
     plots: Plots | None
     overwrite: bool
     quiet: bool
@@ -230,7 +230,7 @@ class Work:
 
 def write_film(work: Work, went_on: Callable[[int], None]) -> str:
     """Make a film; who has drawn it. Raises InputError."""
-    from app.viewer.pictures.film import Encoder, pictures, seen_pictures
+    from app.viewer.pictures.film_writer import Encoder, pictures, seen_pictures
 
     with (
         browser(work.renderer, work.quiet) as window,
@@ -270,7 +270,7 @@ def demand_no_film(camera: str, follow: int | None, plot: str | None) -> None:
         )
 
 
-def thinned(plan: Plan, agents: int, every: int | None, quiet: bool) -> Plan:
+def thinned(plan: FilmPlan, agents: int, every: int | None, quiet: bool) -> FilmPlan:
     """The plan of an HTML file, of every k-th picture where it would be large. Raises
     InputError."""
     from app.viewer.pictures.player import LIGHT, demand_playable
@@ -279,7 +279,7 @@ def thinned(plan: Plan, agents: int, every: int | None, quiet: bool) -> Plan:
     if every is None and apart > 1:
         shown = plan.ticks[::apart]
         left_out = plan.left_out + plan.ticks[-1] - shown[-1]
-        plan = Plan(shown, plan.fps / apart, left_out)
+        plan = FilmPlan(shown, plan.fps / apart, left_out)
         if not quiet:
             tell(
                 f"flockscope: one of {apart} pictures is taken, so that the file stays small; "

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.cli.given import Asked, with_options
-from app.cli.keeping import run_ticks
-from app.cli.outcome import as_json, tell_written
+from app.cli.outcome_table import as_json, tell_written
 from app.cli.progress import Progress
 from app.cli.refusals import INTERRUPTED
 from app.cli.rule_option import Rules
+from app.cli.run_stretches import run_ticks
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
 from app.settings import at_least
@@ -98,12 +98,12 @@ def picture(
         renderer = PLAIN
     with browser(renderer, quiet) as window:
         if window is None:
-            from app.viewer.pictures.sheet import Sheet
+            from app.viewer.pictures.picture_sheet import Sheet
 
             aim.demand_plain(now.world.dim)
             Sheet(one, size, seen_from).write(out)
         else:
-            from app.viewer.pictures.film import seen_picture
+            from app.viewer.pictures.film_writer import seen_picture
 
             with writing("--out", out, overwrite, ENDINGS) as file:
                 file.write(seen_picture(one, window, size, seen_from))

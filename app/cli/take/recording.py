@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome import as_json, tell_written
+from app.cli.outcome_table import as_json, tell_written
 from app.cli.refusals import visible
 from worlds.extra import demand_parquet
 from worlds.file_writer import demand_writable

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from app.cli.outcome import tell
+from app.cli.outcome_table import tell
 from worlds.input_error import InputError, unknown
 
 if TYPE_CHECKING:
     from app.viewer.pictures.browser import Browser
-    from app.viewer.pictures.camera import Aim
+    from app.viewer.pictures.picture_camera import CameraRequest
 
 AUTO, BROWSER, PLAIN = "auto", "browser", "plain"
 RENDERERS = (AUTO, BROWSER, PLAIN)
@@ -58,12 +58,12 @@ def browser(asked: str, quiet: bool) -> Iterator[Browser | None]:
 
 def aim_of(
     camera: str, follow: int | None, turn: float | None, ticks_a_second: float, ticks: int
-) -> Aim:
+) -> CameraRequest:
     """Where a camera is to look; going round it does so once in `ticks` unless `turn` (deg/s) says.
 
     Raises InputError.
     """
-    from app.viewer.pictures.camera import CAMERAS, FIXED, FOLLOW, ROUND, Aim
+    from app.viewer.pictures.picture_camera import CAMERAS, FIXED, FOLLOW, ROUND, CameraRequest
 
     if camera not in CAMERAS:
         raise unknown("camera", camera, CAMERAS)
@@ -75,6 +75,8 @@ def aim_of(
         raise InputError(f"--turn {turn:g} is outside [0.1, 360] degrees a second, or [-360, -0.1]")
     kind = FOLLOW if follow is not None else camera
     if kind != ROUND:
-        return Aim(kind, follow)
+        return CameraRequest(kind, follow)
     whole = 2.0 * math.pi / max(ticks, 1)
-    return Aim(kind, per_tick=whole if turn is None else math.radians(turn) / ticks_a_second)
+    return CameraRequest(
+        kind, per_tick=whole if turn is None else math.radians(turn) / ticks_a_second
+    )

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.cli.given import Asked, named
-from app.cli.outcome import tell
+from app.cli.outcome_table import tell
 from app.cli.rule_option import by_name, first_of
 from app.cli.run import built
 from app.experiments.workers.kernels import compile_loop

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.outcome import as_json, tell_written
-from app.cli.world.file import demand_new, edges_asked, size_text, write_layout
+from app.cli.outcome_table import as_json, tell_written
+from app.cli.world.world_file import demand_new, edges_asked, size_text, write_layout
 from worlds.input_error import InputError
 from worlds.number_text import counted
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from app.cli.choices import show
-from app.cli.outcome import as_json
+from app.cli.outcome_table import as_json
 
 
 def list_worlds(

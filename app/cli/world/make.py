@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from app.cli.outcome import as_json, tell_written
-from app.cli.world.file import demand_new, edges_asked, sides, size_text, write_layout
+from app.cli.outcome_table import as_json, tell_written
+from app.cli.world.world_file import demand_new, edges_asked, sides, size_text, write_layout
 from app.settings import assignment, at_least
 from worlds.number_text import counted
 

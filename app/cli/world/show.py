@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from app.cli.outcome import as_json, tell_written
-from app.cli.world.file import demand_new, given_world
+from app.cli.outcome_table import as_json, tell_written
+from app.cli.world.world_file import demand_new, given_world
 from worlds.input_error import InputError
 
 PICTURES = (".png", ".svg")
@@ -35,7 +35,7 @@ def show(
     if points and made.dim == 3:
         raise InputError("--points is not allowed in space: boundary points are made in the plane")
     from app.worlds.contents import points as boundary_points
-    from app.worlds.picture import draw_world
+    from app.worlds.world_picture import draw_world
     from worlds.checks import demand_sound
 
     demand_sound(made)

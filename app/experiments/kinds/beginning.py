@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from agents.observables.order import polarisation
-from app.experiments.kinds.settings import RARE, SHARE, Measure, Number, Settings
+from app.experiments.kinds.kind_settings import RARE, SHARE, Measure, Number, Settings
 from worlds.queries.clearance import clearance
 
 if TYPE_CHECKING:
     from agents import Flock
 
 
-class Beginning(Settings):
+class BeginningSettings(Settings):
     """Nothing is to be said but the world: a flock is made, and looked at."""
 
     kind: ClassVar[str] = "beginning"

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from agents.inspection import obstacle_push
-from app.experiments.kinds.settings import PERCENT, Measure, Number, Settings
+from app.experiments.kinds.kind_settings import PERCENT, Measure, Number, Settings
 from app.experiments.kinds.zoning import BRANCHES, around_of, branch_of
 from worlds.obstacles import Box
 
@@ -22,7 +22,7 @@ MARGIN = 1.0
 """Around a block, in which nobody starts, length."""
 
 
-class Branching(Settings):
+class BranchingSettings(Settings):
     """How long a flock is followed, and how often it is looked at."""
 
     kind: ClassVar[str] = "branching"

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
-class Bound:
+class ConsensusBound:
     """What is known beforehand of a flock that begins with X_0 and V_0."""
 
     n: int
@@ -83,7 +83,7 @@ class Bound:
         return self.v0 * np.exp(-self.n * self.weight(self.furthest) * time)
 
 
-class Consensus(Settings):
+class ConsensusSettings(Settings):
     """How agents set off, for how long they are followed, and how often they are looked at.
 
     They fly straight apart from their centre, the further out the faster: `v_start` of the body is
@@ -154,10 +154,10 @@ class Consensus(Settings):
         flock.heading[:] = apart / out[:, None]
         flock.speed[:] = out * (flock.parameters.v_start / wide)  # type: ignore[attr-defined]
 
-    def bound(self, flock: Flock, x0: float, v0: float) -> Bound:
+    def bound(self, flock: Flock, x0: float, v0: float) -> ConsensusBound:
         """What is known of a flock that begins so."""
         p: Any = flock.parameters
-        return Bound(len(flock.ids), p.K, p.sigma, p.beta, x0, v0)
+        return ConsensusBound(len(flock.ids), p.K, p.sigma, p.beta, x0, v0)
 
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
         """All of them."""

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from agents.state.start import goal_heading
-from app.experiments.kinds.settings import COUNT, HALF_TURN, Measure, Number, Settings
+from app.experiments.kinds.kind_settings import COUNT, HALF_TURN, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -19,7 +19,7 @@ UNKNOWN_TICKS = 30.0
 """Ticks to convergence where nothing is published."""
 
 
-class Convergence(Settings):
+class ConvergenceSettings(Settings):
     """When a flock counts as consistent, and when a run is given up."""
 
     kind: ClassVar[str] = "convergence"

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
 
 
-class Crowding(Settings):
+class CrowdingSettings(Settings):
     """How long particles mix, and how often they are looked at."""
 
     kind: ClassVar[str] = "crowding"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -21,7 +21,7 @@ FAR = math.inf
 """What counts as the least of nothing."""
 
 
-class Course(NamedTuple):
+class DetourTrack(NamedTuple):
     """What one agent did in each tick: where it was when it decided, and what it then knew."""
 
     position: np.ndarray
@@ -55,7 +55,7 @@ class Course(NamedTuple):
         return np.flatnonzero((self.rejoin != before).any(axis=1))
 
 
-class Detours(Settings):
+class DetourSettings(Settings):
     """How long an agent is followed."""
 
     kind: ClassVar[str] = "detours"
@@ -107,7 +107,7 @@ class Detours(Settings):
             "away": float(np.linalg.norm(flock.position[0] - course.goal)),
         }
 
-    def followed(self, flock: Flock) -> Course:
+    def followed(self, flock: Flock) -> DetourTrack:
         """The course of the flock's first agent from tick 0 to the limit."""
         ticks = int(self.ticks(None, flock.dt))
         at = {name: k for k, name in enumerate(flock.model.columns)}
@@ -120,7 +120,7 @@ class Detours(Settings):
             name: known[:, [at[f"{name}_x"], at[f"{name}_y"]]]
             for name in ("split", "rejoin", "aim")
         }
-        return Course(
+        return DetourTrack(
             position=position,
             scenario=known[:, at["scenario"]],
             phase=known[:, at["phase"]],
@@ -133,7 +133,7 @@ class Detours(Settings):
         return round(self.limit / dt)
 
 
-def phase_error(flock: Flock, course: Course) -> float | None:
+def phase_error(flock: Flock, course: DetourTrack) -> float | None:
     """Largest difference of the phase aimed at from that of sorted phases, rad; None: never."""
     errors = [
         abs(course.phase[tick] - boundary_end(flock, course, tick)[1])
@@ -151,7 +151,7 @@ def perceived(flock: Flock, place: np.ndarray) -> np.ndarray:
     return points[np.linalg.norm(points - place, axis=1) <= r]
 
 
-def phases(flock: Flock, course: Course, tick: int) -> tuple[np.ndarray, np.ndarray]:
+def phases(flock: Flock, course: DetourTrack, tick: int) -> tuple[np.ndarray, np.ndarray]:
     """Boundary points perceived at a tick in the order of their phases, (K, 2) m, (K,) rad.
 
     Phases are counted from the split point in A2, else from the gamma agent, in [0, 2 pi).
@@ -165,7 +165,7 @@ def phases(flock: Flock, course: Course, tick: int) -> tuple[np.ndarray, np.ndar
     return points[order], phase[order]
 
 
-def boundary_end(flock: Flock, course: Course, tick: int) -> tuple[np.ndarray, float]:
+def boundary_end(flock: Flock, course: DetourTrack, tick: int) -> tuple[np.ndarray, float]:
     """The expected position (15), (16) at a tick, by sorting: the point, (2,) m, and its phase.
 
     From small to large, or clockwise from large to small, the first phase that the next differs

@@ -18,13 +18,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
 
 
-class Diffusion(Settings):
+class DiffusionSettings(Settings):
     """When particles are looked at, in times tau; the world has no edges, nobody feels anybody."""
 
     kind: ClassVar[str] = "diffusion"

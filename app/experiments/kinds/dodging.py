@@ -10,7 +10,7 @@ import shapely
 from pydantic import Field
 
 from app.experiments.kinds.branching import block_of, push_on, with_block
-from app.experiments.kinds.settings import RARE, Measure, Number, Settings
+from app.experiments.kinds.kind_settings import RARE, Measure, Number, Settings
 from app.experiments.kinds.zoning import angle_between
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ LEAST, SURE = 0.3, 0.02
 cosine) within which nothing is asked."""
 
 
-class Dodging(Settings):
+class DodgingSettings(Settings):
     """The block, and how often an agent is put down near it."""
 
     kind: ClassVar[str] = "dodging"

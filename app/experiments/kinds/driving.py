@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.experiments.kinds.settings import SUCCESS, Measure, Number, Settings
+from app.experiments.kinds.kind_settings import SUCCESS, Measure, Number, Settings
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ class Drive:
         return any(bool(one.any()) for one in prey)
 
 
-class Driving(Settings):
+class DrivingSettings(Settings):
     """How long cars drive, and when they count as locked to the injected car and as stuck."""
 
     kind: ClassVar[str] = "driving"

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.energy import furthest, hamiltonian
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -21,7 +21,7 @@ H as printed counts it from there on: 0.04 m^2/s^2 each, of the 1e5 that a flock
 """
 
 
-class Energy(Settings):
+class EnergySettings(Settings):
     """How long the energy is followed, and how often it is looked at."""
 
     kind: ClassVar[str] = "energy"

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, ClassVar
 
-from app.experiments.kinds.convergence import Convergence
-from app.experiments.kinds.settings import SHARE, Measure, Number
+from app.experiments.kinds.convergence import ConvergenceSettings
+from app.experiments.kinds.kind_settings import SHARE, Measure, Number
 
 if TYPE_CHECKING:
     from agents import Flock
 
 
-class Evolution(Convergence):
+class EvolutionSettings(ConvergenceSettings):
     """When a flock counts as consistent, and when a run is given up."""
 
     kind: ClassVar[str] = "evolution"
     measures: ClassVar[tuple[Measure, ...]] = (
-        *Convergence.measures,
+        *ConvergenceSettings.measures,
         Measure("order_0", "order at 0", "Polarisation at the start", "1", bounds=SHARE),
         Measure("deg_0", "Deg_con at 0", "Degree of consistency (28) at the start", "1"),
         Measure("order", "order", "Polarisation when the run ends", "1", bounds=SHARE),

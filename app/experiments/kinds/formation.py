@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.experiments.kinds.settings import PERCENT, RARE, SHARE, Measure, Number, Settings
+from app.experiments.kinds.kind_settings import PERCENT, RARE, SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
 
 
-class Formation(Settings):
+class FormationSettings(Settings):
     """How long a flock is left alone and looked at, and what a share of induced drag is worth."""
 
     kind: ClassVar[str] = "formation"

@@ -12,7 +12,7 @@ from pydantic import Field, field_validator
 from agents.observables.groups import group_labels, group_sizes
 from agents.observables.neighbours import links
 from agents.observables.order import polarisation
-from app.experiments.kinds.settings import (
+from app.experiments.kinds.kind_settings import (
     PERCENT,
     RARE,
     RARE_PERCENT,
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from agents import Flock
 
 
-class Gathering(Settings):
+class GatheringSettings(Settings):
     """When a flock is looked at, and which crashes are late."""
 
     kind: ClassVar[str] = "gathering"

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from app.experiments.kinds.driving import STOPS
-from app.experiments.kinds.settings import COUNT, SUCCESS, Measure, Number, Settings
+from app.experiments.kinds.kind_settings import COUNT, SUCCESS, Measure, Number, Settings
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ CHUNK = 500
 """Ticks between two looks at whether the run is to end."""
 
 
-class Holding(Settings):
+class HoldingSettings(Settings):
     """How long cars drive, and when they are to have come."""
 
     kind: ClassVar[str] = "holding"

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.lanes import lane_order
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -20,7 +20,7 @@ DEALS = 40
 """How often the ways are dealt out anew to tell what a mixed crowd would have."""
 
 
-class Lanes(Settings):
+class LaneSettings(Settings):
     """How long people walk before they are looked at, how often, and how wide a strip is."""
 
     kind: ClassVar[str] = "lanes"

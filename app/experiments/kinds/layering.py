@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
     from agents.inspection import Inspection
 
 
-class Layering(Settings):
+class LayeringSettings(Settings):
     """Nothing is to be said but the world: a flock is looked at before its first tick."""
 
     kind: ClassVar[str] = "layering"

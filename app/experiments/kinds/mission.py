@@ -10,7 +10,7 @@ from pydantic import Field
 
 from agents.mission_record import fly
 from agents.observables.following import KERNELS
-from app.experiments.kinds.settings import (
+from app.experiments.kinds.kind_settings import (
     COUNT,
     EITHER,
     RARE,
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 FAR = math.inf
 
 
-class Mission(Settings):
+class MissionSettings(Settings):
     """How long a mission may last, and when the flock counts as settled."""
 
     kind: ClassVar[str] = "mission"

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from app.experiments.kinds.settings import Measure, Number, Settings
-from app.experiments.search import PENALTY, Algorithm, Judged, search
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
+from app.experiments.search import PENALTY, Algorithm, PointScores, search
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -26,7 +26,7 @@ FRESH = 1000
 Point = tuple[float, ...]
 
 
-class Searching(Settings):
+class SearchSettings(Settings):
     """A box of parameters, what a search may spend, and when a flock counts as consistent."""
 
     desired: float = Field(gt=0.0, lt=1.0)
@@ -44,7 +44,7 @@ class Searching(Settings):
     """Runs of what is found, with seeds that the search has not seen."""
 
     @model_validator(mode="after")
-    def _rises(self) -> Searching:
+    def _rises(self) -> SearchSettings:
         if any(low >= high for low, high in self.box.values()):
             raise ValueError("box: a largest value above the least is needed")
         if any(name not in self.box or self.box[name][0] <= 0.0 for name in self.log):
@@ -99,13 +99,13 @@ class Searching(Settings):
         """All points that a search has tried, with what each is worth, the less the better."""
         found: dict[Point, Sequence[float]] = {}
 
-        def judge(units: np.ndarray) -> Judged:
+        def judge(units: np.ndarray) -> PointScores:
             between()
             points = self.points(units)
             for point in points:
                 found.setdefault(point, worth(point))
             values = np.array([found[point] for point in points])
-            return Judged(np.minimum(values, PENALTY), np.zeros((len(points), 1)))
+            return PointScores(np.minimum(values, PENALTY), np.zeros((len(points), 1)))
 
         search(
             algorithm, len(self.box), 2 if algorithm == "nsga2" else 1, 1, judge,
@@ -119,7 +119,7 @@ class Searching(Settings):
         return 2.0 * runs * (UNKNOWN_TICKS + self.hold)
 
 
-class Optima(Searching):
+class OptimaSettings(SearchSettings):
     """A genetic algorithm and a particle swarm look for the least k_con."""
 
     kind: ClassVar[str] = "optima"
@@ -174,7 +174,7 @@ class Optima(Searching):
         )
 
 
-class Tradeoff(Searching):
+class TradeoffSettings(SearchSettings):
     """NSGA-II weighs k_con without noise against the consistency with noise."""
 
     kind: ClassVar[str] = "tradeoff"
@@ -204,7 +204,7 @@ class Tradeoff(Searching):
     """Ticks at their end over which the mean is taken."""
 
     @model_validator(mode="after")
-    def _looks(self) -> Tradeoff:
+    def _looks(self) -> TradeoffSettings:
         if self.over > self.lasts:
             raise ValueError("over cannot be more than lasts")
         return self

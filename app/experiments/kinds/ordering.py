@@ -10,13 +10,13 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.neighbours import nearest_neighbour
-from app.experiments.kinds.settings import SHARE, Measure, Number, Settings
+from app.experiments.kinds.kind_settings import SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
 
 
-class Ordering(Settings):
+class OrderingSettings(Settings):
     """How long a flock is left alone, and how often it is looked at then."""
 
     kind: ClassVar[str] = "ordering"

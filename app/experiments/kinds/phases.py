@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from agents.state.start import random_headings
-from app.experiments.kinds.settings import PERCENT, SHARE, Measure, Number, Settings
+from app.experiments.kinds.kind_settings import PERCENT, SHARE, Measure, Number, Settings
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ TRIES = 300
 """How often agents that detect nobody are placed anew before a start is refused."""
 
 
-class Phases(Settings):
+class PhaseSettings(Settings):
     """How long a group is left alone and followed, and from what on it counts as which phase."""
 
     kind: ClassVar[str] = "phases"
@@ -79,7 +79,7 @@ class Phases(Settings):
     def phase_of(self, p: float, m: float, largest: float, mixing: float) -> str:
         """The phase of a run with these measures, one of `PHASES`.
 
-        >>> settings = Phases(world="open", settle=0, hold=0, looks=1, every=1)
+        >>> settings = PhaseSettings(world="open", settle=0, hold=0, looks=1, every=1)
         >>> settings.phase_of(0.2, 0.7, 100.0, 1.1)
         'torus'
         """

@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import Field
 from scipy.optimize import minimize_scalar
 
-from app.experiments.kinds.settings import Measure, Number, Settings
-from app.experiments.kinds.squash import Squash
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
+from app.experiments.kinds.squash import SquashSettings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -39,7 +39,7 @@ def tanner_slope(r):
     return (2.0 / r - 2.0 / r**3)[()]
 
 
-class Potential(Settings):
+class PotentialSettings(Settings):
     """Where the potential is looked at, at random distances that follow from the seed."""
 
     kind: ClassVar[str] = "potential"
@@ -83,9 +83,9 @@ class Potential(Settings):
         }
 
     @property
-    def squash(self) -> Squash:
+    def squash(self) -> SquashSettings:
         """How two cars are looked at."""
-        return Squash(world=self.world, near=1e-6, far=100.0, looks=200)
+        return SquashSettings(world=self.world, near=1e-6, far=100.0, looks=200)
 
     def ticks(self, published: float | None, dt: float) -> float:
         """Those of looking at the cars."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
 from worlds.obstacles import Box, Disc
 from worlds.queries.surroundings import nearest_surface
 
@@ -33,7 +33,7 @@ class Projection(NamedTuple):
     """Its velocity, from the force that the rule makes of it, (2,), m/s."""
 
 
-class Projections(Settings):
+class ProjectionSettings(Settings):
     """Beside what the agent is put down, and how often."""
 
     kind: ClassVar[str] = "projections"

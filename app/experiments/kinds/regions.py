@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -35,7 +35,7 @@ class Pushes(NamedTuple):
         return self.force / self.bare
 
 
-class Regions(Settings):
+class RegionSettings(Settings):
     """How often two agents are put down."""
 
     kind: ClassVar[str] = "regions"

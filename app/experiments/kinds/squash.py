@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -17,7 +17,7 @@ HALVINGS = 50
 """Halvings of the interval in which the zero is sought."""
 
 
-class Squash(Settings):
+class SquashSettings(Settings):
     """Where the function is looked at: two cars are put down so far apart and go on for a tick."""
 
     kind: ClassVar[str] = "squash"

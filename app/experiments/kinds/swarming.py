@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.neighbours import nearest_neighbour
-from app.experiments.kinds.settings import SHARE, Measure, Number, Settings
+from app.experiments.kinds.kind_settings import SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -18,7 +18,7 @@ SHAPES = ("disperses", "flock", "ring", "mill", "double mill", "disordered")
 """What a swarm becomes."""
 
 
-class Swarming(Settings):
+class SwarmingSettings(Settings):
     """How long a swarm is left alone and followed, and from what on it has which shape.
 
     In the plane. The measures are means over the looks.
@@ -82,7 +82,7 @@ class Swarming(Settings):
     def phase_of(self, p: float, m: float, either: float, radius: float, hole: float) -> str:
         """The shape of a swarm with these measures, one of `SHAPES`.
 
-        >>> settings = Swarming(world="open", lasts=0, looks=1, every=1, wide=10.0)
+        >>> settings = SwarmingSettings(world="open", lasts=0, looks=1, every=1, wide=10.0)
         >>> settings.phase_of(0.05, 0.1, 0.98, 1.5, 0.93), settings.phase_of(0, 0.9, 0.9, 1.5, 0.1)
         ('ring', 'mill')
         """

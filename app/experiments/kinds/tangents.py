@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 from pydantic import Field
 
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
 from app.experiments.kinds.layering import between_angles
-from app.experiments.kinds.settings import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -65,7 +65,7 @@ class Probes(NamedTuple):
         return np.minimum(angle, 180.0 - angle)
 
 
-class Tangents(Settings):
+class TangentSettings(Settings):
     """How often the UAV is put down."""
 
     kind: ClassVar[str] = "tangents"

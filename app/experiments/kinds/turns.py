@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.experiments.kinds.settings import Measure, Number, Settings
+from app.experiments.kinds.kind_settings import Measure, Number, Settings
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class Turn:
         return float(np.polyfit(self.delay, self.distance, 1)[0])
 
 
-class Turns(Settings):
+class TurnSettings(Settings):
     """How long a flock flies before one agent turns, by how much, and what is then looked at."""
 
     kind: ClassVar[str] = "turns"

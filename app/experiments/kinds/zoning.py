@@ -12,7 +12,7 @@ from agents.inspection import NO_POINTS, as_me, as_near, field_of_view
 from agents.inspection import shells as shells_of
 from agents.models.model_calls import call
 from agents.observables.neighbours import separation
-from app.experiments.kinds.settings import PERCENT, Measure, Number, Settings
+from app.experiments.kinds.kind_settings import PERCENT, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -24,7 +24,7 @@ SURE = 1e-6
 """Places so near to the edge of a zone (length) or of the view (cosine) are not asked about."""
 
 
-class Around(NamedTuple):
+class AgentNeighbours(NamedTuple):
     """The others as one agent has them."""
 
     apart: np.ndarray
@@ -35,7 +35,7 @@ class Around(NamedTuple):
     """0, 1, 2: repulsion, orientation, attraction; -1: none, or out of view; (M,) int."""
 
 
-class Zoning(Settings):
+class ZoningSettings(Settings):
     """How often the zones are looked at."""
 
     kind: ClassVar[str] = "zoning"
@@ -133,7 +133,7 @@ def is_sure(flock: Flock, places: np.ndarray) -> np.ndarray:
     return (gap > SURE) & (np.abs(cosine - np.cos(np.radians(0.5 * field_of_view(flock)))) > SURE)
 
 
-def around_of(flock: Flock, row: int) -> Around:
+def around_of(flock: Flock, row: int) -> AgentNeighbours:
     """The others within reach of an agent, and their zones by definition."""
     others = np.array([k for k in np.flatnonzero(flock.active) if k != row], int)
     apart = separation(
@@ -141,7 +141,7 @@ def around_of(flock: Flock, row: int) -> Around:
     )
     near = np.linalg.norm(apart, axis=1) <= flock.reach
     apart, others = apart[near], others[near]
-    return Around(apart, flock.heading[others], zones_by_hand(flock, row, apart))
+    return AgentNeighbours(apart, flock.heading[others], zones_by_hand(flock, row, apart))
 
 
 def branch_of(zone: np.ndarray) -> int:
@@ -154,7 +154,7 @@ def branch_of(zone: np.ndarray) -> int:
     return ALIGNED if aligns else ATTRACTED if follows else NOBODY
 
 
-def expected_wish(around: Around, heading: np.ndarray) -> np.ndarray:
+def expected_wish(around: AgentNeighbours, heading: np.ndarray) -> np.ndarray:
     """The direction of (3.6) to (3.12), (dim,); the heading where there is none."""
     to = around.apart / np.linalg.norm(around.apart, axis=1, keepdims=True)
     zone = around.zone

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from app.experiments.optimisation.study import Study
-from app.experiments.runs.outcome import BROKEN, Outcome, Status
+from app.experiments.runs.run_outcome import BROKEN, Outcome, Status
 from app.experiments.runs.store import Store, number
-from app.experiments.sweeps.cells import Cell
-from app.experiments.sweeps.conduct import SPEC, STOP, Tell, makers_of, prepare
 from app.experiments.sweeps.given.designs import Point
-from app.experiments.sweeps.making.one_run import Making, Wanted
-from app.experiments.workers.makers import Makers, Task
+from app.experiments.sweeps.making.sweep_job import RunRequest, SweepJob
+from app.experiments.sweeps.sweep_cells import Cell
+from app.experiments.sweeps.sweep_runner import SPEC, STOP, Tell, makers_of, prepare
+from app.experiments.workers.run_executors import RunExecutor, Task
 from worlds.file_writer import write_text
 from worlds.input_error import InputError
 
@@ -26,24 +26,24 @@ class HaltedError(Exception):
 
 
 @dataclass
-class Makings:
+class OptimisationJob:
     """How runs of several variants are made: the job of the processes."""
 
-    parts: tuple[Making, ...]
+    parts: tuple[SweepJob, ...]
 
     def prepare(self) -> None:
         """Find what measures. Raises InputError."""
         for one in self.parts:
             one.prepare()
 
-    def run(self, asked: tuple[int, Wanted], seed: int) -> Outcome:
+    def run(self, asked: tuple[int, RunRequest], seed: int) -> Outcome:
         """Make a run of a variant."""
         part, wanted = asked
         return self.parts[part].run(wanted, seed)
 
 
 @dataclass(frozen=True)
-class Seen:
+class StoredOutcome:
     """What a run has come to, as the store has it."""
 
     status: Status
@@ -77,10 +77,10 @@ class Evaluations:
         self.cells: dict[str, Cell] = {}
         """Those of the points so far, by their hash, in the order in which they were asked for."""
         self.numbers: dict[str, int] = {}
-        self.seen: dict[tuple[int, int], Seen] = {}
+        self.seen: dict[tuple[int, int], StoredOutcome] = {}
         self.by_point: dict[tuple, list[Cell]] = {}
         self.refused: dict[tuple, str] = {}
-        self.makers: Makers | None = None
+        self.makers: RunExecutor | None = None
         self.made = self.taken = 0
         self.used: set[tuple[int, int]] = set()
 
@@ -105,7 +105,7 @@ class Evaluations:
             if self.retry:
                 self.store.forget_broken()
             self.seen = {
-                key: Seen(one.status, one.values, one.reason)
+                key: StoredOutcome(one.status, one.values, one.reason)
                 for key, one in self.store.outcomes().items()
             }
             self.stack = stack.pop_all()
@@ -146,7 +146,7 @@ class Evaluations:
             for name, cell in distinct.items():
                 key = self.numbers[name], seed
                 if key not in self.seen:
-                    tasks.append(Task(*key, (parts[name], Wanted(cell.spec))))
+                    tasks.append(Task(*key, (parts[name], RunRequest(cell.spec))))
                 elif key not in self.used:
                     self.taken += 1
                 self.used.add(key)
@@ -157,12 +157,12 @@ class Evaluations:
             raise HaltedError
         self.store.keep()
 
-    def begun(self) -> Makers:
+    def begun(self) -> RunExecutor:
         """What makes runs, which begins with the first that are to be made."""
         if self.makers is None:
             for one in self.study.variants:
                 prepare(one.sweep, self.tell)
-            job = Makings(tuple(one.sweep.making for one in self.study.variants))
+            job = OptimisationJob(tuple(one.sweep.making for one in self.study.variants))
             file = self.study.file
             self.makers = self.stack.enter_context(
                 makers_of(job, file.cluster, self.workers, self.nice, file.run.timeout, self.tell)
@@ -173,7 +173,7 @@ class Evaluations:
         """Take a run that is over."""
         self.store.add(task.cell, task.seed, outcome)
         values = {name: number(outcome.values.get(name)) for name in self.store.columns}
-        self.seen[task.cell, task.seed] = Seen(outcome.status, values, outcome.reason)
+        self.seen[task.cell, task.seed] = StoredOutcome(outcome.status, values, outcome.reason)
         self.made += 1
 
     def beat(self) -> bool:

@@ -12,16 +12,27 @@ import tomlkit
 
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Spec
-from app.experiments.optimisation.file import Constraint, Measured, Objective, OptimisationFile
+from app.experiments.optimisation.optimisation_file import (
+    Constraint,
+    Objective,
+    OptimisationFile,
+    PointMeasurement,
+)
 from app.experiments.search import demand_package
-from app.experiments.sweeps.cells import Basis, Cell, spec_of
-from app.experiments.sweeps.given.conditions import Comparison, Condition, comparison
+from app.experiments.sweeps.checked_sweep import (
+    Sweep,
+    base_of,
+    checked_file,
+    first_flock,
+    making_of,
+)
 from app.experiments.sweeps.given.designs import Point, between, rounded
-from app.experiments.sweeps.given.file import Observe, Replicates, Span, SweepFile
-from app.experiments.sweeps.given.places import Places, about
+from app.experiments.sweeps.given.key_locations import KeyLocations, about
+from app.experiments.sweeps.given.sweep_conditions import Condition, ObservableBound, comparison
+from app.experiments.sweeps.given.sweep_file import Observe, Replicates, Span, SweepFile
 from app.experiments.sweeps.making.measures import K, measure_of
-from app.experiments.sweeps.sweep import Sweep, base_of, checked_file, first_flock, making_of
-from app.strict import Value
+from app.experiments.sweeps.sweep_cells import Basis, Cell, spec_of
+from app.strict_table import Value
 from worlds.input_error import InputError, unknown
 from worlds.text_file import read_text, toml
 
@@ -45,7 +56,7 @@ class Variant:
 
 
 @dataclass(frozen=True)
-class Goal:
+class SearchGoal:
     """An objective: a column of a variant, and the sign with which less is better."""
 
     name: str
@@ -63,7 +74,7 @@ class Goal:
 class Limit:
     """A constraint: what the mean of a column of a variant has to keep to."""
 
-    says: Comparison
+    says: ObservableBound
     variant: int
 
     def violation(self, mean: float) -> float:
@@ -76,10 +87,10 @@ class Study:
     """What is to be optimised, and from where it was read."""
 
     file: OptimisationFile
-    places: Places
+    places: KeyLocations
     folder: Path
     variants: list[Variant]
-    goals: list[Goal]
+    goals: list[SearchGoal]
     limits: list[Limit]
     default: Point
     """What the run has without a search."""
@@ -118,16 +129,16 @@ class Study:
 def read_study(path: Path) -> Study:
     """The study of a TOML file. Raises InputError naming file and line."""
     text = read_text(f"optimisation {str(path)!r}", path)
-    return study_of(toml(text, str(path)), Places(str(path), text), path.parent)
+    return study_of(toml(text, str(path)), KeyLocations(str(path), text), path.parent)
 
 
-def study_of(values: dict[str, Any], places: Places, folder: Path) -> Study:
+def study_of(values: dict[str, Any], places: KeyLocations, folder: Path) -> Study:
     """The study of values, as TOML has them. Raises InputError, before anything is run."""
     file = checked_file(OptimisationFile, values, places)
     demand_package(file.search.algorithm)
     observed = columns_of(file, places, folder)
     everything: list[Objective | Constraint] = [*file.objective, *file.constraint]
-    asked: list[Measured] = []
+    asked: list[PointMeasurement] = []
     for one in everything:
         if not any(alike(one, other) for other in asked):
             asked.append(one)
@@ -142,7 +153,7 @@ def study_of(values: dict[str, Any], places: Places, folder: Path) -> Study:
     ]
     number = [next(k for k, one in enumerate(asked) if alike(one, each)) for each in everything]
     goals = [
-        Goal(told(one, name, names), name, k, 1 if one.aim == "least" else -1)
+        SearchGoal(told(one, name, names), name, k, 1 if one.aim == "least" else -1)
         for one, name, k in zip(file.objective, names, number, strict=False)
     ]
     rest = number[len(file.objective) :]
@@ -155,17 +166,17 @@ def study_of(values: dict[str, Any], places: Places, folder: Path) -> Study:
     return made
 
 
-def alike(one: Measured, other: Measured) -> bool:
+def alike(one: PointMeasurement, other: PointMeasurement) -> bool:
     """Whether two things are measured of the same runs."""
     return (one.at, one.ticks, one.stop) == (other.at, other.ticks, other.stop)
 
 
-def column(one: Objective | Constraint, places: Places) -> str:
+def column(one: Objective | Constraint, places: KeyLocations) -> str:
     """The column that is asked of. Raises InputError."""
     return one.observable if isinstance(one, Objective) else bounding(one, places).name
 
 
-def bounding(one: Constraint, places: Places) -> Comparison:
+def bounding(one: Constraint, places: KeyLocations) -> ObservableBound:
     """The comparison of a constraint. Raises InputError."""
     where = places.of("says", "constraint")
     try:
@@ -184,7 +195,7 @@ def told(one: Objective, name: str, names: list[str]) -> str:
     return f"{name} at " + ", ".join(f"{key} = {value}" for key, value in one.at.items())
 
 
-def columns_of(file: OptimisationFile, places: Places, folder: Path) -> dict[str, Observe]:
+def columns_of(file: OptimisationFile, places: KeyLocations, folder: Path) -> dict[str, Observe]:
     """What is observed by its column. Raises InputError."""
     found: dict[str, Observe] = {}
     for one in file.observe:
@@ -198,10 +209,10 @@ def columns_of(file: OptimisationFile, places: Places, folder: Path) -> dict[str
 
 def variant(
     file: OptimisationFile,
-    asked: Measured,
+    asked: PointMeasurement,
     columns: list[str],
     observed: dict[str, Observe],
-    places: Places,
+    places: KeyLocations,
     folder: Path,
 ) -> Variant:
     """The runs that some columns are measured of. Raises InputError."""

@@ -8,7 +8,7 @@ from typing import Any
 from agents.catalogue import model as find_model
 from agents.conditions import Conditions
 from agents.spec import OPTIONS
-from app.experiments.file import Sweep
+from app.experiments.experiment_file import PaperSweep
 from app.experiments.pictures.boxes import explain
 from app.experiments.verdicts.verdict import Verdict, of, sweeps_of
 
@@ -61,7 +61,7 @@ def draw_endurance(figure: Any, made: list[Verdict]) -> None:
     explain(figure, signs, "mean over the runs that have the measure; bars: its 95 % interval")
 
 
-def column_of(sweep: Sweep) -> Column:
+def column_of(sweep: PaperSweep) -> Column:
     """What is turned up in a sweep, and what else its agents go through."""
     chosen = {
         name: value for name, value in sweep.chosen.items() if name in Conditions.model_fields
@@ -75,12 +75,12 @@ def top_of(points: list[Verdict]) -> float:
     return ROOM * max((one.summary.mean for one in points if one.summary.runs), default=1.0) or 1.0
 
 
-def kind_of(sweep: Sweep, agents: int) -> Kind:
+def kind_of(sweep: PaperSweep, agents: int) -> Kind:
     """What tells a line of a sweep apart from the others of its column."""
     return sweep.model, repr(sorted(sweep.fixed.items())), agents
 
 
-def sign_of(k: int, kind: Kind, sweeps: list[tuple[Sweep, int, list[Verdict]]]) -> Any:
+def sign_of(k: int, kind: Kind, sweeps: list[tuple[PaperSweep, int, list[Verdict]]]) -> Any:
     """What the line of a kind is called: as in the first column that has it."""
     from matplotlib.lines import Line2D
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from app.experiments.experiment import Experiment
-from app.experiments.kinds.swarming import Swarming, room
+from app.experiments.kinds.swarming import SwarmingSettings, room
 from app.experiments.pictures.boxes import explain
 from app.experiments.trial import flock_of
 from app.experiments.verdicts.phase_map import map_of
@@ -25,7 +25,7 @@ def draw_gallery(figure: Any, experiment: Experiment, made: list[Verdict], seed:
     from matplotlib.colors import hsv_to_rgb
 
     settings = experiment.settings
-    assert isinstance(settings, Swarming)
+    assert isinstance(settings, SwarmingSettings)
     found = map_of(made)
     xs, ys = sorted({spot.x for spot in found}), sorted({spot.y for spot in found})
     figure.set_size_inches(2.5 * len(xs) + 0.6, 2.75 * len(ys) + 0.8)

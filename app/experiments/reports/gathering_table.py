@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.experiments.reports.verdict_words import styled
+from app.experiments.reports.verdict_style import styled
 from app.experiments.verdicts.verdict import Verdict
 
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from app.experiments.experiment import Experiment
 from app.experiments.reports.tables import empty_table
-from app.experiments.verdicts.answer import Answer
 from app.experiments.verdicts.claim import Claim, is_news
-from app.experiments.verdicts.comparison import Comparison
+from app.experiments.verdicts.claim_verdict import ClaimVerdict
+from app.experiments.verdicts.comparison import MeanComparison
 from app.experiments.verdicts.judge import CONFIDENCE, survives_holm
 from app.experiments.verdicts.verdict import Verdict
 
@@ -46,14 +46,16 @@ def overview(outcomes: Sequence[Judged]) -> Any:
     return table
 
 
-def answers_of(made: Sequence[Verdict], said: Sequence[Claim]) -> list[Comparison | Answer]:
+def answers_of(
+    made: Sequence[Verdict], said: Sequence[Claim]
+) -> list[MeanComparison | ClaimVerdict]:
     """All that runs were asked and can be wrong about."""
     compared = [one.comparison for one in made if one.comparison]
-    found: list[Comparison | Answer] = [*compared, *(claim.answer for claim in said)]
+    found: list[MeanComparison | ClaimVerdict] = [*compared, *(claim.answer for claim in said)]
     return [one for one in found if one.word != "by construction"]
 
 
-def false_words(answers: Sequence[Comparison | Answer]) -> str:
+def false_words(answers: Sequence[MeanComparison | ClaimVerdict]) -> str:
     """How many answers of a table may be false, and how many stand together (Holm at 1 %)."""
     decided = [one for one in answers if one.word != "undecided"]
     sure = int(survives_holm(np.array([one.p for one in answers])).sum()) if answers else 0

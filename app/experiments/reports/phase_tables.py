@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.experiments.verdicts.phase_map import Spot, map_of, ways_of
-from app.experiments.verdicts.statistics import Summary
+from app.experiments.verdicts.phase_map import PhasePoint, map_of, ways_of
+from app.experiments.verdicts.statistics import MeasureSummary
 from app.experiments.verdicts.verdict import Verdict
 
 SHORT = {
@@ -44,7 +44,7 @@ def phase_tables(made: list[Verdict]) -> Any:
     return Group(*(table for table in tables if table is not None))
 
 
-def map_table(found: list[Spot]) -> Any | None:
+def map_table(found: list[PhasePoint]) -> Any | None:
     """Three lines for each value of the second parameter: p, m and the commonest phase."""
     if not found:
         return None
@@ -62,7 +62,7 @@ def map_table(found: list[Spot]) -> Any | None:
     return table
 
 
-def ways_table(pairs: list[tuple[Spot, Spot]]) -> Any | None:
+def ways_table(pairs: list[tuple[PhasePoint, PhasePoint]]) -> Any | None:
     """A line for each value: p, m and the commonest phase on the way there and back."""
     if not pairs:
         return None
@@ -87,11 +87,11 @@ def blank(*columns: str) -> Any:
     return table
 
 
-def mean(one: Summary | None) -> str:
+def mean(one: MeasureSummary | None) -> str:
     """A mean to two digits."""
     return "" if one is None else f"{one.mean:.2f}"
 
 
-def short(spot: Spot | None) -> str:
+def short(spot: PhasePoint | None) -> str:
     """The commonest phase in its colour."""
     return "" if spot is None else f"[{STYLES[spot.phase]}]{SHORT[spot.phase]}[/]"

@@ -7,8 +7,8 @@ from typing import Any
 
 from app.experiments.reports.gathering_table import gathering_table
 from app.experiments.reports.phase_tables import phase_tables
-from app.experiments.reports.verdict_words import styled
-from app.experiments.verdicts.statistics import Summary
+from app.experiments.reports.verdict_style import styled
+from app.experiments.verdicts.statistics import MeasureSummary
 from app.experiments.verdicts.verdict import Verdict, main_ones, name, of, sweeps_of
 
 
@@ -146,17 +146,17 @@ def close_size(table: Any, made: list[Verdict], k: int) -> None:
         table.add_section()
 
 
-def mean_of(s: Summary) -> str:
+def mean_of(s: MeasureSummary) -> str:
     """A mean; where runs were given up the true one is at least this."""
     return number(s.mean) if s.limit is None else f"≥{number(s.mean)}"
 
 
-def quartiles_of(s: Summary) -> list[str]:
+def quartiles_of(s: MeasureSummary) -> list[str]:
     """The quartiles; those in which a run was given up are at least this."""
     return [at_least(q, s) for q in s.quartiles]
 
 
-def at_least(value: float, s: Summary) -> str:
+def at_least(value: float, s: MeasureSummary) -> str:
     """A value of the runs, which is at least their limit where it reaches it."""
     return f"≥{number(value)}" if s.limit is not None and value >= s.limit else number(value)
 

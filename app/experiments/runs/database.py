@@ -63,7 +63,7 @@ def guarded(path: Path, kept: str = "kept") -> Iterator[None]:
         raise InputError(f"store of runs {str(path)!r} cannot be {kept}: {why}") from None
 
 
-class TimeLimit:
+class QueryTimeLimit:
     """It interrupts what a connection does that takes longer than a number of seconds."""
 
     def __init__(self, connection: sqlite3.Connection, seconds: float):

@@ -18,17 +18,17 @@ from typing import Any
 import numpy as np
 from filelock import FileLock, Timeout
 
-from app.experiments.runs.contents import Contents, demand_cell, json_value
 from app.experiments.runs.database import (
     FILE,
     FIXED,
     LONGEST,
-    TimeLimit,
+    QueryTimeLimit,
     guarded,
     opened,
     quoted,
 )
-from app.experiments.runs.outcome import BROKEN, Outcome, Status
+from app.experiments.runs.run_outcome import BROKEN, Outcome, Status
+from app.experiments.runs.store_contents import StoreContentError, demand_cell, json_value
 from worlds.input_error import InputError
 
 EVERY = 0.25
@@ -124,7 +124,7 @@ class Store:
     def _asked(self) -> Iterator[None]:
         """What is read of the store within takes LONGEST at most. Raises InputError."""
         with guarded(self.path, "gone on with"):
-            TimeLimit(self.connection, LONGEST)
+            QueryTimeLimit(self.connection, LONGEST)
             try:
                 yield
             finally:
@@ -178,7 +178,7 @@ class Store:
             found = [
                 (demand_cell(json_value(text)), runs) for one, text, runs in rows if one not in mine
             ]
-        except Contents as error:
+        except StoreContentError as error:
             raise InputError(f"{str(self.path)!r} cannot be gone on with: {error}") from None
         return [(one.get("identity", {}), one.get("basis", {}), runs) for one, runs in found]
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.experiments.sweeps.given.designs import problem, unit_sample
-from app.experiments.sweeps.given.file import Morris, Saltelli
+from app.experiments.sweeps.given.sweep_file import Morris, Saltelli
 from worlds.extra import demand
 from worlds.input_error import InputError
 
@@ -48,14 +48,14 @@ class Influence:
 
 
 @dataclass(frozen=True)
-class Pair:
+class PairIndex:
     """S_2 of two axes: what they explain together beyond what each does alone."""
 
     axes: tuple[str, str]
     index: Index
 
 
-def sobol(design: Saltelli, y: np.ndarray) -> tuple[list[Influence], list[Pair]]:
+def sobol(design: Saltelli, y: np.ndarray) -> tuple[list[Influence], list[PairIndex]]:
     """The indices of values (K,) of the cells of a design, in its order. Raises InputError."""
     demand("SALib", "an analysis of sensitivity", "experiments")
     from SALib.analyze import sobol as analysis
@@ -83,7 +83,9 @@ def sobol(design: Saltelli, y: np.ndarray) -> tuple[list[Influence], list[Pair]]
         for k, name in enumerate(names)
     ]
     pairs = [
-        Pair((names[j], names[k]), Index(float(found["S2"][j, k]), float(found["S2_conf"][j, k])))
+        PairIndex(
+            (names[j], names[k]), Index(float(found["S2"][j, k]), float(found["S2_conf"][j, k]))
+        )
         for j in range(len(names) if second else 0)
         for k in range(j + 1, len(names))
     ]

@@ -10,10 +10,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from agents.flock import Flock
-from app.beside import EXPERIMENTS
-from app.experiments.sweeps.cells import Cell
-from app.experiments.sweeps.sweep import Sweep, chosen
+from app.experiments.sweeps.checked_sweep import Sweep, chosen
+from app.experiments.sweeps.sweep_cells import Cell
 from app.experiments.workers.kernels import compile_loop
+from app.package_files import EXPERIMENTS
 from worlds.input_error import InputError
 
 TRIED = 5
@@ -28,7 +28,7 @@ PLAIN, NEAREST = "wrap-plain", "wrap"
 
 
 @dataclass(frozen=True)
-class Estimate:
+class SweepEstimate:
     """What is to be expected."""
 
     cells: int
@@ -45,7 +45,7 @@ class Estimate:
         return asdict(self)
 
 
-def estimate(sweep: Sweep) -> Estimate:
+def estimate(sweep: Sweep) -> SweepEstimate:
     """What a sweep will take, from the first ticks of some of its cells; nothing is kept."""
     distinct = list({cell.hash: cell for cell in sweep.cells}.values())
     asked = sweep.file.replicates
@@ -60,7 +60,7 @@ def estimate(sweep: Sweep) -> Estimate:
         (sweep.making.ticks // one.every) if one.every else 0 for one in sweep.making.measures
     )
     size = ROW + COLUMN * len(sweep.making.columns) + LOOK * looks
-    return Estimate(
+    return SweepEstimate(
         len(distinct),
         runs,
         most,

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from app.experiments.sweeps.given.file import Precision, Replicates
+from app.experiments.sweeps.given.sweep_file import Precision, Replicates
 from app.experiments.verdicts.judge import INTERVAL_CONFIDENCE, ranges_of
 from app.experiments.verdicts.statistics import interval_of_mean
 

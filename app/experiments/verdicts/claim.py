@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.experiments.file import Expected
-from app.experiments.verdicts.answer import Answer
+from app.experiments.experiment_file import ExpectedVerdict
+from app.experiments.verdicts.claim_verdict import ClaimVerdict
 
 
 @dataclass(frozen=True)
@@ -13,8 +13,8 @@ class Claim:
     """What a paper says with what was measured, and the answer of the runs."""
 
     text: str
-    answer: Answer
-    expected: Expected | None = None
+    answer: ClaimVerdict
+    expected: ExpectedVerdict | None = None
     """What was found before."""
     by_construction: str = ""
     """Why it cannot fail; empty where it can."""
@@ -25,7 +25,7 @@ class Claim:
         return self.answer.word
 
 
-def beside(word: str, expected: Expected | None) -> str:
+def beside(word: str, expected: ExpectedVerdict | None) -> str:
     """What was found before beside the word that the runs give; nothing where nothing is known."""
     if expected is None:
         return ""
@@ -33,6 +33,6 @@ def beside(word: str, expected: Expected | None) -> str:
     return f"expected: {expected.verdict}{now}; {expected.why}"
 
 
-def is_news(word: str, expected: Expected | None) -> bool:
+def is_news(word: str, expected: ExpectedVerdict | None) -> bool:
     """Whether the runs say something else than what was found before."""
     return expected is not None and word not in ("undecided", expected.verdict)

@@ -8,37 +8,37 @@ from itertools import pairwise
 
 import numpy as np
 
-from app.experiments.file import (
-    Alike,
-    Endures,
-    Every,
-    Faster,
-    Found,
-    Lags,
-    Near,
-    Order,
-    Reaches,
+from app.experiments.experiment_file import (
+    EnduranceClaim,
+    EqualityClaim,
+    EveryRunClaim,
+    FasterClaim,
+    LagClaim,
+    NearClaim,
+    OrderClaim,
+    PaperSweep,
+    PhaseClaim,
+    ReachClaim,
     Said,
-    Scales,
-    Sizes,
-    Sweep,
+    ScalingClaim,
+    SizeClaim,
 )
-from app.experiments.verdicts.along_sweeps import endures_claim, reaches_claim, sizes_claim
-from app.experiments.verdicts.answer import (
+from app.experiments.verdicts.claim import Claim
+from app.experiments.verdicts.claim_bounds import bounds_in_words, is_within
+from app.experiments.verdicts.claim_verdict import (
     DOES_NOT,
     HOLDS,
     UNDECIDED,
-    Answer,
+    ClaimVerdict,
     all_of,
     by_construction,
     mean_above,
     mean_within,
     share_of_runs,
 )
-from app.experiments.verdicts.bounds import bounds_in_words, is_within
-from app.experiments.verdicts.claim import Claim
 from app.experiments.verdicts.judge import CONFIDENCE, RunRanges, ranges_of, share_interval
 from app.experiments.verdicts.phase_map import found_claim, lag_claim
+from app.experiments.verdicts.sweep_claims import endures_claim, reaches_claim, sizes_claim
 from app.experiments.verdicts.verdict import Verdict, main_ones, name, of, paired, sweeps_of
 from worlds.number_text import counted
 
@@ -62,33 +62,35 @@ def claims(made: list[Verdict], said: Sequence[Said] = ()) -> list[Claim]:
     return found
 
 
-def said_of(one: Said, points: list[Verdict]) -> list[tuple[str, Answer]]:
+def said_of(one: Said, points: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
     """What a claim says of the runs in words, and the answer."""
-    if isinstance(one, Order):
+    if isinstance(one, OrderClaim):
         sizes: list[int | None] = [*one.agents] or [None]
         return [claim for n in sizes for claim in order_claim(one, n, points)]
-    if isinstance(one, Every):
+    if isinstance(one, EveryRunClaim):
         return every_claim(one, points)
-    if isinstance(one, Endures):
+    if isinstance(one, EnduranceClaim):
         return [claim for label in one.labels for claim in endures_claim(one, label, points)]
-    if isinstance(one, Near):
+    if isinstance(one, NearClaim):
         return near_claim(one, points)
-    if isinstance(one, Scales):
+    if isinstance(one, ScalingClaim):
         return scales_claim(one, points)
-    if isinstance(one, Found):
+    if isinstance(one, PhaseClaim):
         return found_claim(one, points)
-    if isinstance(one, Lags):
+    if isinstance(one, LagClaim):
         return lag_claim(one, points)
-    if isinstance(one, Alike):
+    if isinstance(one, EqualityClaim):
         return alike_claim(one, points)
-    if isinstance(one, Sizes):
+    if isinstance(one, SizeClaim):
         return sizes_claim(one, points)
-    if isinstance(one, Reaches):
+    if isinstance(one, ReachClaim):
         return reaches_claim(one, points)
     return faster_claim(one, points)
 
 
-def order_claim(one: Order, agents: int | None, made: list[Verdict]) -> list[tuple[str, Answer]]:
+def order_claim(
+    one: OrderClaim, agents: int | None, made: list[Verdict]
+) -> list[tuple[str, ClaimVerdict]]:
     """Whether the means rise along the labels at one size, or any, each step seed by seed."""
     rows = [row for row in made if agents in (None, row.case.agents)]
     by_label = {row.case.label: row for row in rows}
@@ -138,7 +140,7 @@ def mean_of(values: RunRanges, unit: str = "") -> str:
     return f"{mean}, {span}"
 
 
-def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
+def every_claim(one: EveryRunClaim, made: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
     """Whether a measure is within bounds in every run, or in a share of the runs."""
     rows = [row for row in made if not one.labels or row.case.label in one.labels]
     rows = [row for row in rows if not one.agents or row.case.agents in one.agents]
@@ -179,7 +181,7 @@ def every_claim(one: Every, made: list[Verdict]) -> list[tuple[str, Answer]]:
     ]
 
 
-def near_claim(one: Near, made: list[Verdict]) -> list[tuple[str, Answer]]:
+def near_claim(one: NearClaim, made: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
     """Whether the means of some rows are near a value."""
     rows = [row for row in made if row.case.label in one.labels]
     rows = [row for row in rows if not one.agents or row.case.agents in one.agents]
@@ -194,7 +196,7 @@ def near_claim(one: Near, made: list[Verdict]) -> list[tuple[str, Answer]]:
     return found
 
 
-def scales_claim(one: Scales, made: list[Verdict]) -> list[tuple[str, Answer]]:
+def scales_claim(one: ScalingClaim, made: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
     """Whether a measure goes with a power of N, by the slope of each seed's line on log scales."""
     rows = [row for row in made if row.case.label == one.label]
     if len(rows) < 2:
@@ -217,7 +219,7 @@ def scales_claim(one: Scales, made: list[Verdict]) -> list[tuple[str, Answer]]:
     return [(text, mean_within(slopes, one.power, one.within))]
 
 
-def faster_claim(one: Faster, made: list[Verdict]) -> list[tuple[str, Answer]]:
+def faster_claim(one: FasterClaim, made: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
     """Whether one row needs less than another by more than a share in every pair of runs."""
     found = []
     for row in made:
@@ -228,7 +230,7 @@ def faster_claim(one: Faster, made: list[Verdict]) -> list[tuple[str, Answer]]:
     return found
 
 
-def pairs_claim(one: Faster, row: Verdict, other: Verdict) -> tuple[str, Answer]:
+def pairs_claim(one: FasterClaim, row: Verdict, other: Verdict) -> tuple[str, ClaimVerdict]:
     """The claim for two rows, run by run, by what is left of the slow time less the quick one."""
     margins = other.ranges.times(1.0 - one.by).minus(row.ranges)
     runs, good = margins.runs, int((margins.least > 0.0).sum())
@@ -243,7 +245,7 @@ def pairs_claim(one: Faster, row: Verdict, other: Verdict) -> tuple[str, Answer]
 
 
 def sweep_claims(
-    sweep: Sweep, agents: int, points: list[Verdict], several: bool = False
+    sweep: PaperSweep, agents: int, points: list[Verdict], several: bool = False
 ) -> list[Claim]:
     """What a figure says about a sweep at one size; of which model, where there are `several`."""
     said = []
@@ -276,7 +278,7 @@ def flat_claim(label: str, first: Verdict, last: Verdict) -> Claim:
     return Claim(text, all_of([above, below]))
 
 
-def alike_claim(one: Alike, made: list[Verdict]) -> list[tuple[str, Answer]]:
+def alike_claim(one: EqualityClaim, made: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
     """Whether the means of two rows are less than a distance apart, seed by seed."""
     by_label = {row.case.label: row for row in made}
     if not set(one.labels) <= set(by_label):
@@ -291,7 +293,7 @@ def alike_claim(one: Alike, made: list[Verdict]) -> list[tuple[str, Answer]]:
     return [(text, mean_within(step, 0.0, one.within))]
 
 
-def trend_claim(label: str, sweep: Sweep, points: list[Verdict]) -> Claim:
+def trend_claim(label: str, sweep: PaperSweep, points: list[Verdict]) -> Claim:
     """Whether the mean rises or falls from the first to the last value as published."""
     change = paired(points[0], points[-1])
     sign = 1.0 if sweep.trend == "rises" else -1.0

@@ -8,13 +8,13 @@ from typing import Literal
 
 import numpy as np
 
-from app.experiments.file import Published
-from app.experiments.verdicts.answer import decide, least
+from app.experiments.experiment_file import PublishedMeasure
+from app.experiments.verdicts.claim_verdict import decide, least
 from app.experiments.verdicts.judge import (
     CONFIDENCE,
     FEWEST_RUNS,
     PUBLISHED_RUNS,
-    Limits,
+    ConfidenceInterval,
     MeanEstimate,
     RunRanges,
     as_of_runs,
@@ -51,7 +51,7 @@ BesideWord = Literal["agrees", "differs", "undecided", "by construction"]
 
 
 @dataclass(frozen=True)
-class Comparison:
+class MeanComparison:
     """A measured and a published mean; NaN stands for what a sample without spread does not say."""
 
     word: BesideWord
@@ -74,7 +74,7 @@ class Comparison:
         return self.word if self.needed is None else f"{self.word}, {self.needed}"
 
 
-def compare(values: RunRanges, published: Published) -> Comparison | None:
+def compare(values: RunRanges, published: PublishedMeasure) -> MeanComparison | None:
     """How measured runs stand beside what was published; None without runs or a mean."""
     found = compared(values, published)
     why = published.by_construction
@@ -83,14 +83,14 @@ def compare(values: RunRanges, published: Published) -> Comparison | None:
     return replace(found, word="by construction", needed=None, why=why, p=1.0)
 
 
-def compared(values: RunRanges, published: Published) -> Comparison | None:
+def compared(values: RunRanges, published: PublishedMeasure) -> MeanComparison | None:
     """The same, whatever can come out."""
     mean = published.average
     if mean is None or values.runs == 0 or np.isinf(values.least).any():
         return None
     difference = float(values.estimate.mean) - mean
     theirs = np.array(published.values, float)
-    found = Comparison("undecided", difference, needed=FEWEST_RUNS)
+    found = MeanComparison("undecided", difference, needed=FEWEST_RUNS)
     if values.runs > 1 and not values.open_runs:
         z, effect = sizes_of(values, theirs, mean)
         found = replace(found, z=z, effect=effect)
@@ -119,7 +119,7 @@ def sizes_of(values: RunRanges, theirs: np.ndarray, mean: float) -> tuple[float,
     return z, difference / scale if scale > 0.0 else math.nan
 
 
-def word_of(limits: Limits, tolerance: float) -> BesideWord:
+def word_of(limits: ConfidenceInterval, tolerance: float) -> BesideWord:
     """What a difference says."""
     if limits.low > 0.0 or limits.high < 0.0:
         return "differs"
@@ -137,14 +137,14 @@ def difference_of(ours: MeanEstimate, theirs: np.ndarray, mean: float) -> MeanEs
 
 def difference_limits(
     values: RunRanges, theirs: np.ndarray, mean: float, confidence: float
-) -> Limits:
+) -> ConfidenceInterval:
     """What the difference lies between."""
     if values.binary and theirs.size and not values.open_runs:
         low, high = values.bounds
         middle = 0.5 * (low + high)
         good, other = int((values.least > middle).sum()), int((theirs > middle).sum())
         found = share_difference(good, values.runs, other, theirs.size, confidence)
-        return Limits((high - low) * found.low, (high - low) * found.high)
+        return ConfidenceInterval((high - low) * found.low, (high - low) * found.high)
     difference = difference_of(values.estimate, theirs, mean)
     if float(difference.error) == 0.0 or values.binary:
         return bounded_difference(values, theirs, mean, confidence)
@@ -155,16 +155,16 @@ def difference_limits(
     if not values.open_runs:
         return limits
     most = values.bounds[1]
-    return Limits(limits.low, np.asarray(most - mean if theirs.size == 0 else math.inf))
+    return ConfidenceInterval(limits.low, np.asarray(most - mean if theirs.size == 0 else math.inf))
 
 
 def allow_for_rare(
-    limits: Limits,
+    limits: ConfidenceInterval,
     difference: MeanEstimate,
     ours: MeanEstimate,
     interval: tuple[float, float],
     confidence: float = CONFIDENCE,
-) -> Limits:
+) -> ConfidenceInterval:
     """Limits of a difference that allow for runs at a bound which were not seen.
 
     `interval` of our mean allows for them; by what it is wider, so is the difference.
@@ -176,7 +176,7 @@ def allow_for_rare(
 
     mean, middle = float(ours.mean), float(difference.mean)
     low, high = interval
-    return Limits(
+    return ConfidenceInterval(
         np.asarray(middle - width(middle - float(limits.low), mean - low, mean - plain_low)),
         np.asarray(middle + width(float(limits.high) - middle, high - mean, plain_high - mean)),
     )
@@ -184,7 +184,7 @@ def allow_for_rare(
 
 def bounded_difference(
     values: RunRanges, theirs: np.ndarray, mean: float, confidence: float
-) -> Limits:
+) -> ConfidenceInterval:
     """The same by the bounds of the measure, where no spread is known.
 
     Published runs of a bounded measure have a standard deviation of sqrt((m - low) (high - m)) at
@@ -213,11 +213,11 @@ def bounded_difference(
         limits = (
             mean_interval(published, confidence)
             if most > 0.0
-            else Limits(published.mean, published.mean)
+            else ConfidenceInterval(published.mean, published.mean)
         )
         below, above = mean - float(limits.low), float(limits.high) - mean
     difference = ours - mean
-    return Limits(
+    return ConfidenceInterval(
         np.asarray(difference - math.hypot(ours - our_low, above)),
         np.asarray(difference + math.hypot(our_high - ours, below)),
     )
@@ -253,7 +253,7 @@ def what_lacks(
     return needed, ""
 
 
-def runs_to_agree(published: Published) -> int | None:
+def runs_to_agree(published: PublishedMeasure) -> int | None:
     """Runs with which equal means can be told to agree; None if too few runs were published."""
     theirs = len(published.values)
 

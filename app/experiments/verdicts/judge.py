@@ -62,7 +62,7 @@ class MeanEstimate(NamedTuple):
     the skewness where all of the error is estimated from the sample that gives the mean."""
 
 
-class Limits(NamedTuple):
+class ConfidenceInterval(NamedTuple):
     """What a mean lies between at some confidence; infinite where nothing is known. Arrays."""
 
     low: np.ndarray
@@ -150,7 +150,7 @@ def subtract_published(
     return difference._replace(freedom=ours.freedom, lean=lean)
 
 
-def mean_interval(estimate: MeanEstimate, confidence: float = CONFIDENCE) -> Limits:
+def mean_interval(estimate: MeanEstimate, confidence: float = CONFIDENCE) -> ConfidenceInterval:
     """What the mean lies between; infinite for runs that are equal or of which there is one.
 
     Hall's y = t + a t^2 + a^2 t^3 / 3 + b has no skewness to first order; solved for t it is
@@ -170,7 +170,7 @@ def mean_interval(estimate: MeanEstimate, confidence: float = CONFIDENCE) -> Lim
     known = estimate.error > 0.0
     low = np.where(known, estimate.mean - below * estimate.error, -np.inf)
     high = np.where(known, estimate.mean + above * estimate.error, np.inf)
-    return Limits(low, high)
+    return ConfidenceInterval(low, high)
 
 
 def bounded_interval(
@@ -181,7 +181,7 @@ def bounded_interval(
     *,
     rare: bool = False,
     scale: float = 0.0,
-) -> Limits:
+) -> ConfidenceInterval:
     """What the mean of runs lies between, of which each lies within [least, most], (..., R).
 
     An infinite limit of a run makes that side infinite, unless the measure has `bounds`, which no
@@ -198,7 +198,7 @@ def bounded_interval(
     share = (0.5 * (1.0 - confidence)) ** (1.0 / least.shape[-1])
     low = low_limit(least, bounds[0], share, confidence, rare, scale)
     high = -low_limit(-most, -bounds[1], share, confidence, rare, scale)
-    return Limits(low, high)
+    return ConfidenceInterval(low, high)
 
 
 def low_limit(
@@ -226,7 +226,9 @@ def bounded_low(
     return np.maximum(low, bound)
 
 
-def share_interval(good: int | np.ndarray, runs: int, confidence: float = CONFIDENCE) -> Limits:
+def share_interval(
+    good: int | np.ndarray, runs: int, confidence: float = CONFIDENCE
+) -> ConfidenceInterval:
     """What the share of all runs lies between if `good` of `runs` > 0 are so (exact).
 
     >>> low, high = share_interval(100, 100)
@@ -240,19 +242,19 @@ def share_interval(good: int | np.ndarray, runs: int, confidence: float = CONFID
     low = np.where(good > 0, betaincinv(np.maximum(good, 1.0), runs - good + 1.0, tail), 0.0)
     missing = np.maximum(runs - good, 1.0)
     high = np.where(good < runs, betaincinv(good + 1.0, missing, 1.0 - tail), 1.0)
-    return Limits(low, high)
+    return ConfidenceInterval(low, high)
 
 
 def share_difference(
     good: int, runs: int, other_good: int, other_runs: int, confidence: float = CONFIDENCE
-) -> Limits:
+) -> ConfidenceInterval:
     """What the first share less the second lies between (Zou and Donner 2008)."""
     share, other = good / runs, np.asarray(other_good) / other_runs
     a = share_interval(good, runs, confidence)
     b = share_interval(other_good, other_runs, confidence)
     low = share - other - np.hypot(share - a.low, b.high - other)
     high = share - other + np.hypot(a.high - share, other - b.low)
-    return Limits(low, high)
+    return ConfidenceInterval(low, high)
 
 
 def survives_holm(p_values: np.ndarray, alpha: float = 1.0 - CONFIDENCE) -> np.ndarray:
@@ -387,17 +389,19 @@ def ranges_of(values: Sequence[float | None] | np.ndarray, limit: float | None =
     return RunRanges(np.array(least, float), np.array(most, float))
 
 
-def likely_interval(values: RunRanges, runs: int, confidence: float = CONFIDENCE) -> Limits:
+def likely_interval(
+    values: RunRanges, runs: int, confidence: float = CONFIDENCE
+) -> ConfidenceInterval:
     """The interval that so many runs like these, all of which ended, would give."""
     low, high = values.bounds
     if values.binary:
         limits = share_interval(likely_good(values, runs), runs, confidence)
-        return Limits(low + (high - low) * limits.low, low + (high - low) * limits.high)
+        return ConfidenceInterval(low + (high - low) * limits.low, low + (high - low) * limits.high)
     estimate = as_of_runs(values.estimate, values.runs, runs)
     below = mean_interval(estimate, confidence)
     share = (0.5 * (1.0 - confidence)) ** (1.0 / runs)
     mirrored = estimate._replace(mean=-estimate.mean)
-    return Limits(
+    return ConfidenceInterval(
         bounded_low(estimate, below.low, low, share, values.rare),
         -bounded_low(mirrored, -below.high, -high, share, values.rare),
     )

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.experiments.experiment import Case
-from app.experiments.file import Found, Lags
-from app.experiments.verdicts.answer import Answer, any_of, mean_above, share_of_runs
-from app.experiments.verdicts.statistics import Summary
+from app.experiments.experiment_file import LagClaim, PhaseClaim
+from app.experiments.verdicts.claim_verdict import ClaimVerdict, any_of, mean_above, share_of_runs
+from app.experiments.verdicts.statistics import MeasureSummary
 from app.experiments.verdicts.verdict import Verdict, paired
 
 HALF = 0.5
@@ -15,12 +15,12 @@ HALF = 0.5
 
 
 @dataclass(frozen=True)
-class Spot:
+class PhasePoint:
     """One place of the map: the runs of a case."""
 
     case: Case
-    p: Summary
-    m: Summary
+    p: MeasureSummary
+    m: MeasureSummary
     phase: str
     """The commonest."""
     share: float
@@ -37,23 +37,23 @@ class Spot:
         return float(self.case.at or 0.0)
 
 
-def spots(made: list[Verdict]) -> list[Spot]:
+def spots(made: list[Verdict]) -> list[PhasePoint]:
     """All places, those of maps and those of ways there and back, in the order of the cases."""
     by_case: dict[int, dict[str, Verdict]] = {}
     for one in made:
         by_case.setdefault(id(one.case), {})[one.measure.name] = one
     return [
-        Spot(row["p"].case, row["p"].summary, row["m"].summary, *row["phase"].commonest)
+        PhasePoint(row["p"].case, row["p"].summary, row["m"].summary, *row["phase"].commonest)
         for row in by_case.values()
     ]
 
 
-def map_of(made: list[Verdict]) -> list[Spot]:
+def map_of(made: list[Verdict]) -> list[PhasePoint]:
     """The places of the map."""
     return [spot for spot in spots(made) if not spot.case.way]
 
 
-def ways_of(made: list[Verdict]) -> list[tuple[Spot, Spot]]:
+def ways_of(made: list[Verdict]) -> list[tuple[PhasePoint, PhasePoint]]:
     """The places of the way there, each with the same place on the way back."""
     found = spots(made)
     there = [spot for spot in found if spot.case.way == "there"]
@@ -61,7 +61,7 @@ def ways_of(made: list[Verdict]) -> list[tuple[Spot, Spot]]:
     return list(zip(there, back[::-1], strict=True))
 
 
-def found_claim(one: Found, made: list[Verdict]) -> list[tuple[str, Answer]]:
+def found_claim(one: PhaseClaim, made: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
     """Whether more than half of the runs of some cell of the map have a word."""
     rows = [row for row in made if row.measure.name == one.measure and not row.case.way]
     if not rows:
@@ -81,7 +81,7 @@ def found_claim(one: Found, made: list[Verdict]) -> list[tuple[str, Answer]]:
     return [(text, any_of(answers))]
 
 
-def lag_claim(one: Lags, made: list[Verdict]) -> list[tuple[str, Answer]]:
+def lag_claim(one: LagClaim, made: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
     """Whether a measure is larger on the way back by more than a step, somewhere, run by run."""
     rows = [row for row in made if row.measure.name == one.measure]
     there = [row for row in rows if row.case.way == "there"]

@@ -5,8 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from app.experiments.experiment import Experiment
-from app.experiments.file import Endures, Every, Faster, Found, Said
-from app.experiments.verdicts.answer import runs_for_share
+from app.experiments.experiment_file import (
+    EnduranceClaim,
+    EveryRunClaim,
+    FasterClaim,
+    PhaseClaim,
+    Said,
+)
+from app.experiments.verdicts.claim_verdict import runs_for_share
 from app.experiments.verdicts.comparison import runs_to_agree
 from app.experiments.verdicts.judge import FEWEST_RUNS
 from app.experiments.verdicts.phase_map import HALF
@@ -67,12 +73,12 @@ def rows_of(experiment: Experiment, one: Said) -> int:
 
 def needed_for(experiment: Experiment, one: Said, rows: int) -> int | None:
     """Runs with which a claim can be borne out if no run speaks against it."""
-    if isinstance(one, Every):
+    if isinstance(one, EveryRunClaim):
         if experiment.runs == 1:
             return 1
         return runs_for_share(1.0, one.share, 1 if one.share == 1.0 else rows)
-    if isinstance(one, Faster | Endures):
+    if isinstance(one, FasterClaim | EnduranceClaim):
         return runs_for_share(1.0, 1.0)
-    if isinstance(one, Found):
+    if isinstance(one, PhaseClaim):
         return runs_for_share(1.0, HALF, rows)
     return FEWEST_RUNS

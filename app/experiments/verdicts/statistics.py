@@ -11,7 +11,7 @@ from app.experiments.verdicts.judge import INTERVAL_CONFIDENCE, RunRanges
 
 
 @dataclass(frozen=True)
-class Summary:
+class MeasureSummary:
     """A measure over the runs of a case; a run that was given up counts as its limit."""
 
     runs: int
@@ -42,7 +42,7 @@ class Summary:
         return self.sd / math.sqrt(self.runs) if self.runs else math.nan
 
 
-def summary(values: RunRanges) -> Summary:
+def summary(values: RunRanges) -> MeasureSummary:
     """Summary of what runs gave.
 
     >>> from app.experiments.verdicts.judge import ranges_of
@@ -57,10 +57,10 @@ def summary(values: RunRanges) -> Summary:
     there = values.least if is_limited else values.least[ended]
     nan = math.nan
     if there.size == 0:
-        return Summary(0, absent, None, nan, nan, (nan, nan, nan), (nan, nan), nan, nan)
+        return MeasureSummary(0, absent, None, nan, nan, (nan, nan, nan), (nan, nan), nan, nan)
     low, middle, high = (float(q) for q in np.percentile(there, (25, 50, 75)))
     known = values if is_limited else replace(values, least=there, most=there)
-    return Summary(
+    return MeasureSummary(
         int(ended.sum()),
         absent,
         float(values.least[~ended].max()) if is_limited else None,

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from agents.catalogue import model
-from app.experiments.conduct import Measured
 from app.experiments.experiment import Case, Experiment
-from app.experiments.file import Expected, Published, Sweep
-from app.experiments.kinds.settings import Measure, Number
-from app.experiments.verdicts.comparison import Comparison, compare
+from app.experiments.experiment_file import ExpectedVerdict, PaperSweep, PublishedMeasure
+from app.experiments.experiment_runner import MeasuredCase
+from app.experiments.kinds.kind_settings import Measure, Number
+from app.experiments.verdicts.comparison import MeanComparison, compare
 from app.experiments.verdicts.judge import RunRanges
-from app.experiments.verdicts.statistics import Summary, summary
+from app.experiments.verdicts.statistics import MeasureSummary, summary
 
 
 @dataclass(frozen=True)
@@ -27,11 +27,11 @@ class Verdict:
     """By seed; None for a run that has none."""
     ranges: RunRanges
     """The same, as far as it is known of runs that have none."""
-    summary: Summary
-    published: Published | None
-    comparison: Comparison | None = None
+    summary: MeasureSummary
+    published: PublishedMeasure | None
+    comparison: MeanComparison | None = None
     """None where nothing is published or nothing is to be compared."""
-    expected: Expected | None = None
+    expected: ExpectedVerdict | None = None
     """What was found before."""
     not_compared: str = ""
     """Why it is not compared."""
@@ -78,7 +78,7 @@ class Verdict:
         row |= dict(zip(("low95", "high95"), s.interval, strict=True))
         row |= {"least": s.least, "most": s.most}
         if case.row:
-            published = self.published or Published()
+            published = self.published or PublishedMeasure()
             q = published.quartiles or (None, None, None)
             row |= {"published_mean": published.average} | self.as_compared()
             row |= dict(zip(("published_q25", "published_median", "published_q75"), q, strict=True))
@@ -104,14 +104,14 @@ class Verdict:
         }
 
 
-def verdicts(experiment: Experiment, measured: list[Measured]) -> list[Verdict]:
+def verdicts(experiment: Experiment, measured: list[MeasuredCase]) -> list[Verdict]:
     """A verdict for each row and each measure that the experiment reports, row by row."""
     return [
         verdict(experiment, one, measure) for one in measured for measure in experiment.measures
     ]
 
 
-def verdict(experiment: Experiment, one: Measured, measure: Measure) -> Verdict:
+def verdict(experiment: Experiment, one: MeasuredCase, measure: Measure) -> Verdict:
     """The verdict of a measure of a row."""
     values = one.values[measure.name]
     limits = experiment.settings.limits_of(measure, one.values)
@@ -159,9 +159,9 @@ def main_ones(made: list[Verdict]) -> list[Verdict]:
     return of(made, made[0].measure.name) if made else []
 
 
-def sweeps_of(made: list[Verdict]) -> list[tuple[Sweep, int, list[Verdict]]]:
+def sweeps_of(made: list[Verdict]) -> list[tuple[PaperSweep, int, list[Verdict]]]:
     """The verdicts by sweep and size of flock, in order of the values."""
-    found: dict[tuple[int, int], tuple[Sweep, int, list[Verdict]]] = {}
+    found: dict[tuple[int, int], tuple[PaperSweep, int, list[Verdict]]] = {}
     for one in made:
         if one.case.sweep:
             key = (id(one.case.sweep), one.case.agents)

@@ -24,10 +24,10 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from app.experiments.runs.outcome import Outcome
-from app.experiments.workers import worker
-from app.experiments.workers.makers import LOOK, Awake, Beat, Keep, Task
-from app.experiments.workers.worker import PATIENT, Beginning
+from app.experiments.runs.run_outcome import Outcome
+from app.experiments.workers import run_worker
+from app.experiments.workers.run_executors import LOOK, AwakeClock, Beat, Keep, Task
+from app.experiments.workers.run_worker import PATIENT, WorkerSetup
 from worlds.input_error import InputError
 from worlds.number_text import signal_name
 
@@ -137,7 +137,7 @@ class Processes:
         tell: Callable[[str], None] | None = None,
     ):
         self.tell = tell or print_line
-        self.beginning = job if isinstance(job, Beginning) else Beginning.of(job, nice)
+        self.beginning = job if isinstance(job, WorkerSetup) else WorkerSetup.of(job, nice)
         self.beginning = replace(self.beginning, patience=patience)
         self.workers = workers
         self.limit = math.inf if limit is None else limit
@@ -146,7 +146,7 @@ class Processes:
         self.stillborn = 0
         self.seconds = FIRST_GUESS
         """What a run takes, lately."""
-        self.awake = Awake()
+        self.awake = AwakeClock()
 
     def __enter__(self) -> Processes:
         return self
@@ -207,9 +207,8 @@ class Processes:
 
     def begin(self) -> Process:
         """A new process."""
-        begin = (
-            f"import sys; sys.path[:] = {sys.path!r}; from {worker.__name__} import serve; serve()"
-        )
+        serve = f"from {run_worker.__name__} import serve; serve()"
+        begin = f"import sys; sys.path[:] = {sys.path!r}; {serve}"
         named = tempfile.NamedTemporaryFile(prefix="flockscope-", delete=False)  # noqa: SIM115
         with named:
             named.truncate(mmap.PAGESIZE)

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from app.live.control.pose import Pose, Sighting
 from app.live.control.tracking_area import TrackingArea
-from app.strict import Strict
+from app.strict_table import StrictTable
 from worlds.input_error import InputError
 
 Point = tuple[float, float]
@@ -20,7 +20,7 @@ TURNS = 0.01
 """Metres that the hand must move for the target to turn with it."""
 
 
-class Injection(Strict):
+class Injection(StrictTable):
     """How the injected car moves; the defaults are the circle of the source.
 
     An eight is two circles that touch in its centre, one above the other.

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pydantic import Field, model_validator
 
 from app.live.links.firmware import WATCHDOG
-from app.strict import Strict
+from app.strict_table import StrictTable
 
 
-class SafetyLimits(Strict):
+class SafetyLimits(StrictTable):
     """When all cars stop. Defaults are those of the source; lengths in metres, times in s."""
 
     stale: float = Field(default=0.1, ge=0.02, le=WATCHDOG)
@@ -29,7 +29,7 @@ class SafetyLimits(Strict):
         return self
 
 
-class CarLimits(Strict):
+class CarLimits(StrictTable):
     """Limits of a car and of its commands, which are shares of full lock and full throttle."""
 
     steer: float = Field(default=1.0, gt=0.0, le=1.0)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pydantic import Field, model_validator
 
-from app.strict import Strict
+from app.strict_table import StrictTable
 
 
-class TrackingArea(Strict):
+class TrackingArea(StrictTable):
     """Where the cars are tracked, metres in the frame of the tracking."""
 
     low: tuple[float, float]

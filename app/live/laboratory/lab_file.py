@@ -25,7 +25,7 @@ from app.live.laboratory.lab_file_conflict import (
 from app.live.laboratory.recording_parts import RecordingLimits
 from app.live.laboratory.toml_lines import line_of
 from app.live.links.command_frame import LEAST_ADDRESS, MOST_ADDRESS, MOST_CARS
-from app.strict import Strict, Value
+from app.strict_table import StrictTable, Value
 from worlds.input_error import InputError, needed, shortened, unknown
 from worlds.text_file import read_text, toml
 
@@ -41,7 +41,7 @@ class LabCar(CarLimits):
     """The name of its rigid body; empty: its own name."""
 
 
-class SimulatedCars(Strict):
+class SimulatedCars(StrictTable):
     """Simulated cars beside the real ones: same rule, same world, hearing each other."""
 
     cars: int = Field(default=0, ge=0, le=MOST_SIMULATED)
@@ -58,7 +58,7 @@ class SimulatedCars(Strict):
         return self
 
 
-class Lab(Strict):
+class Lab(StrictTable):
     """A laboratory. See `docs/live-safety.md` for an example of the file."""
 
     title: str = ""
@@ -185,7 +185,7 @@ class Lab(Strict):
         return tomlkit.dumps(self.model_dump(mode="json"))
 
 
-TABLES: dict[str, type[Strict]] = {
+TABLES: dict[str, type[StrictTable]] = {
     "area": TrackingArea,
     "limits": SafetyLimits,
     "injected": Injection,

@@ -12,14 +12,14 @@ from pathlib import Path
 
 from pydantic import Field, model_validator
 
-from app.strict import Strict
+from app.strict_table import StrictTable
 
 MB = 1_000_000
 RESERVE = 3.0
 """Parts for which there must be space when one begins: itself, the one before, its tables."""
 
 
-class RecordingLimits(Strict):
+class RecordingLimits(StrictTable):
     """How much of a recording is kept on the disk, MB."""
 
     part: float = Field(default=200.0, ge=1.0, le=10_000.0)

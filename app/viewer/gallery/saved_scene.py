@@ -17,7 +17,7 @@ from agents.spec import OPTIONS, Spec
 from app.viewer.editing.layout_file import demand_few, demand_small
 from app.viewer.run.run_preset import MOST_AGENTS, at_home
 from app.viewer.scene.shown.control import Control, controls_of
-from app.viewer.scene.shown.look import CAMERAS, Look
+from app.viewer.scene.shown.drawing_style import CAMERAS, DrawingStyle
 from worlds.checks import demand_sound
 from worlds.input_error import InputError, shortened, unknown
 from worlds.layout import layout_names, world_from_layout
@@ -34,7 +34,7 @@ LARGEST = 1_000_000
 """Bytes of a scene's file."""
 LONGEST = 200
 """Letters of a plot's name."""
-LOOKS = controls_of(Look)
+LOOKS = controls_of(DrawingStyle)
 """How each part of a look is chosen."""
 
 

@@ -13,9 +13,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from app.viewer.pictures import key
-from app.viewer.pictures.film import Encoder
+from app.viewer.pictures.browser_scene import SeenSheet
+from app.viewer.pictures.film_writer import Encoder
 from app.viewer.pictures.player import LIGHT, Player
-from app.viewer.pictures.seen import SeenSheet
 from app.viewer.pictures.shot import Shot
 from worlds.input_error import InputError
 

@@ -15,7 +15,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.of_agents import measurable
 from agents.spec import Spec
-from app.results import RESULTS
+from app.results_folder import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.agent.inspector import Inspector
 from app.viewer.lab.panels.downloads import Downloads
@@ -38,8 +38,8 @@ from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps
 from app.viewer.lab.sweeps.sweep_request_handler import SweepRequestHandler, refuse_sweeps
 from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.panels.export_permit import ExportPermit
 from app.viewer.panels.hotkeys import add_hotkeys
-from app.viewer.panels.making import Making
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.shell import dock, dress
@@ -52,13 +52,13 @@ from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
 from app.viewer.scene.drawing import Drawing, Rates
 from app.viewer.scene.scene import Scene
-from app.viewer.scene.shown.between import Between
 from app.viewer.scene.shown.colouring import COLOURINGS
+from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look
+from app.viewer.scene.shown.frame_interpolator import FrameInterpolator
 from app.viewer.web.addresses import here
 from app.viewer.web.notices import Notices
-from app.viewer.web.origin import Allowed
+from app.viewer.web.origin import AllowedHost
 from app.viewer.web.server import (
     admit_browsers,
     close_server,
@@ -104,7 +104,7 @@ class Laboratory:
         port: int = 8080,
         speed: float | None = None,
         running: bool = True,
-        allow: tuple[Allowed, ...] = (),
+        allow: tuple[AllowedHost, ...] = (),
         beside: Spec | None = None,
         threads: int = 1,
         server: viser.ViserServer | None = None,
@@ -116,7 +116,7 @@ class Laboratory:
         self.server = server or open_server(host, port, Front(SCRIPTS, allow))
         self.host = host
         self.allowance = allowance
-        self.making = Making(allowance)
+        self.making = ExportPermit(allowance)
         scene = opened if isinstance(opened, SavedScene) else None
         self.shown_scene = scene
         if opened is not None:
@@ -143,7 +143,7 @@ class Laboratory:
         """What the pages of those who only watch want to know."""
         self.contents: dict[str, str] = {}
         """What the monitors show, by block."""
-        self.between = Between()
+        self.between = FrameInterpolator()
         self.pointing: tuple[int, str] | None = None
         """After which run, and to what, all cameras are to be pointed."""
         self.waits = running and waits
@@ -417,7 +417,7 @@ class Laboratory:
 
     # What the drawing thread asks for.
 
-    def latest(self) -> tuple[Frame | None, Look]:
+    def latest(self) -> tuple[Frame | None, DrawingStyle]:
         """The newest frame, or one on the way to it, and how to draw it."""
         state = self.simulation.state
         frame = self.between.frame(

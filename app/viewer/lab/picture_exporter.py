@@ -22,17 +22,17 @@ from websockets.http11 import Request, Response
 
 from agents.catalogue import MODELS
 from app.viewer.lab.film_recorder import PAGE, FilmRecorder
-from app.viewer.panels.making import Making
-from app.viewer.pictures.film import CODECS, demand_film
-from app.viewer.pictures.seen import SeenSheet, as_png
-from app.viewer.pictures.sheet import Sheet
-from app.viewer.pictures.shot import Shot, Watched
+from app.viewer.panels.export_permit import ExportPermit
+from app.viewer.pictures.browser_scene import SeenSheet, as_png
+from app.viewer.pictures.film_writer import CODECS, demand_film
+from app.viewer.pictures.picture_sheet import Sheet
+from app.viewer.pictures.shot import Shot, WatchedFlock
 from app.viewer.run.simulation import Simulation
-from app.viewer.scene.draw.picture import picture
+from app.viewer.scene.draw.drawn_frame import picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.drawing import Drawing
 from app.viewer.web.incoming.rate_limit import RateLimit
-from app.viewer.web.renders import MOST, Eye
+from app.viewer.web.renders import MOST, RenderCamera
 from app.viewer.web.server import front_of, renders_of
 from app.viewer.web.serving.front import content, words
 from worlds.input_error import InputError
@@ -78,9 +78,9 @@ class ExportClient:
 class PictureExporter:
     """Answers what pages ask for."""
 
-    def __init__(self, laboratory: ExportedLaboratory, allowed: Making | None = None):
+    def __init__(self, laboratory: ExportedLaboratory, allowed: ExportPermit | None = None):
         self.laboratory = laboratory
-        self.allowed = allowed or Making()
+        self.allowed = allowed or ExportPermit()
         self.visits: dict[str, ExportClient] = {}
         server = laboratory.server
         front_of(server).route(PATH, self.answer)
@@ -192,7 +192,7 @@ class PictureExporter:
                 if kind in VECTORS:
                     made = Sheet(shot, size).as_bytes(kind)
                 else:
-                    eye = Eye.of(visit.client.camera)
+                    eye = RenderCamera.of(visit.client.camera)
                     sheet = SeenSheet(shot, size, eyes.aspect(), eye)
                     made = as_png(eyes.picture(sheet, shot))
             visit.client.send_file_download(self.name(kind, shot), made, save_immediately=True)
@@ -246,7 +246,7 @@ class BrowserCapture:
         known = {
             name: one for name, one in state.values.items() if name in model.parameters.model_fields
         }
-        now = Watched(model, model.parameters.model_construct(**known), state.spec.seed, frame)
+        now = WatchedFlock(model, model.parameters.model_construct(**known), state.spec.seed, frame)
         return Shot(now, picture(frame, look, Stage.of(frame)))
 
     def aspect(self) -> float:

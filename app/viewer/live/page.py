@@ -27,11 +27,11 @@ from app.viewer.panels.shell import dock, dress
 from app.viewer.panels.view import ViewPanel
 from app.viewer.scene.drawing import PANELS, Drawing
 from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look
 from app.viewer.web.addresses import here
 from app.viewer.web.notices import Notices
-from app.viewer.web.origin import Allowed
+from app.viewer.web.origin import AllowedHost
 from app.viewer.web.server import admit_browsers, close_server, open_server, stops
 from app.viewer.web.serving.front import Front
 
@@ -69,7 +69,7 @@ class LivePage:
         recording: Path | None = None,
         recordings: Path | None = None,
         make_session: MakeSession = Session,
-        allow: tuple[Allowed, ...] = (),
+        allow: tuple[AllowedHost, ...] = (),
     ):
         self.front = Front(scripts=(STOP_KEY,), allow=allow)
         self.server = open_server(host, port, self.front)
@@ -172,7 +172,7 @@ class LivePage:
 
     # What the drawing thread does.
 
-    def latest(self) -> tuple[Frame | None, Look]:
+    def latest(self) -> tuple[Frame | None, DrawingStyle]:
         """The newest frame, and how to draw it."""
         return self.session.frame, self.view.look()
 

@@ -15,8 +15,8 @@ from app.live.control.loop_status import Status
 from app.live.laboratory.lab_file import Lab
 from app.live.operating.flock_driver import world_of
 from app.viewer.scene.shown.cars import Cars
-from app.viewer.scene.shown.frame import Frame, Progress
-from app.viewer.scene.shown.live import LOST, SIMULATED, Live
+from app.viewer.scene.shown.frame import Frame, MissionProgress
+from app.viewer.scene.shown.live_cars import LOST, SIMULATED, Live
 from worlds.world import World
 
 OVER = 0.1
@@ -87,7 +87,7 @@ def frame_of(
         ids=np.array([car.identity for car in cars], int),
         dt=1.0 / lab.rate,
         unit="s",
-        progress=Progress(goal),
+        progress=MissionProgress(goal),
         cars=Cars(
             length=float(values.get("length", vehicle.length)),
             width=float(values.get("width", vehicle.width)),

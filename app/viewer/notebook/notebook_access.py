@@ -16,7 +16,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from app.viewer.web.addresses import EVERYWHERE, LOOPBACK, here
-from app.viewer.web.origin import PORTS, Allowed, allowed
+from app.viewer.web.origin import PORTS, AllowedHost, allowed
 from worlds.input_error import InputError, unknown
 
 AUTO, PORT, PROXY = "auto", "port", "proxy"
@@ -36,7 +36,7 @@ class NotebookAccess:
 
     framed_by: tuple[str, ...] = ()
     """Origins of pages that may show it in a frame, as a policy writes them."""
-    allow: tuple[Allowed, ...] = ()
+    allow: tuple[AllowedHost, ...] = ()
     """Names that a proxy may have."""
     proxy: str | None = None
     """Below which path of its own the notebook's server passes on; None: it is asked directly."""
@@ -96,7 +96,7 @@ def find_place(through: str = AUTO, origin: str | None = None) -> NotebookAccess
     return NotebookAccess(given or tuple(name for one in found for name in one.origins), allow)
 
 
-def sound_origin(text: str) -> tuple[tuple[str, ...], tuple[Allowed, ...]]:
+def sound_origin(text: str) -> tuple[tuple[str, ...], tuple[AllowedHost, ...]]:
     """An origin as a policy writes it, and the name in it. Raises InputError.
 
     >>> sound_origin("https://hub.example.org")[0]

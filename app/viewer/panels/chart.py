@@ -26,7 +26,7 @@ ROOM = {"x": 28, "y": 42, "title": 18}
 """Pixels for the numbers at the axes, and for the title of one."""
 
 
-class Curve(NamedTuple):
+class ChartCurve(NamedTuple):
     """A curve and how it is drawn."""
 
     colour: str
@@ -48,21 +48,21 @@ class Curve(NamedTuple):
         return self.colour, self.label, self.dash, self.width, self.dots
 
 
-class Shown(NamedTuple):
+class ChartContents(NamedTuple):
     """What a chart shows."""
 
     head: str
     """HTML above it; nothing if it is empty."""
     at: np.ndarray
     """(K,) times."""
-    curves: tuple[Curve, ...]
+    curves: tuple[ChartCurve, ...]
     """Nothing is drawn without any."""
     titles: tuple[str, str]
     """Of the axes, with units: of the times, and of the values."""
     y: uplot.Scale
 
 
-NOTHING = Shown("", np.zeros(1), (), ("", ""), uplot.Scale())
+NOTHING = ChartContents("", np.zeros(1), (), ("", ""), uplot.Scale())
 
 
 class Chart:
@@ -85,7 +85,7 @@ class Chart:
             visible=False,
         )
 
-    def show(self, shown: Shown) -> None:
+    def show(self, shown: ChartContents) -> None:
         """Draw curves below the HTML of a head; each only if there is any."""
         if shown.head:
             self.head.content = block(shown.head)
@@ -93,7 +93,7 @@ class Chart:
             self.draw(shown)
         self.head.visible, self.plot.visible = bool(shown.head), bool(shown.curves)
 
-    def draw(self, shown: Shown) -> None:
+    def draw(self, shown: ChartContents) -> None:
         """Tell browsers what has changed of the curves; there are some.
 
         Whatever is not only new data has a browser make the chart anew. viser's client then takes
@@ -118,7 +118,7 @@ class Chart:
             made = (series(*curve.pen) for curve in shown.curves)
             self.plot.series = (uplot.Series(label=shown.titles[0]), *made)
 
-    def columns(self, shown: Shown) -> tuple[np.ndarray, ...]:
+    def columns(self, shown: ChartContents) -> tuple[np.ndarray, ...]:
         """The times and the curves as they are drawn: over some time, be it ever so short."""
         drawn = self.drawn(shown)
         columns = (shown.at[drawn], *(curve.values[drawn] for curve in shown.curves))
@@ -142,7 +142,7 @@ class Chart:
             return before
         return (ends, *(np.full(2, np.nan) for _ in columns[1:]))
 
-    def drawn(self, shown: Shown) -> np.ndarray:
+    def drawn(self, shown: ChartContents) -> np.ndarray:
         """Which of the points are drawn: few enough, always every dot and the last of a curve."""
         known = (
             np.flatnonzero(np.isfinite(curve.values))[0 if curve.dots else -1 :]

@@ -10,8 +10,8 @@ import viser
 from app.viewer.panels.style import block, grid, key
 from app.viewer.panels.wheel import wheel
 from app.viewer.scene.shown.colouring import COLOURINGS
+from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look, legend
 
 CARDS, KEY = "cards", "key"
 """The blocks that every page has."""
@@ -33,7 +33,7 @@ class Monitors:
             if content:
                 place.content = block(content)
 
-    def colours(self, look: Look, frame: Frame) -> None:
+    def colours(self, look: DrawingStyle, frame: Frame) -> None:
         """Say what the colours mean."""
         entries = [(html.escape(words), css) for words, css in legend(look, frame)]
         head = f'<div class="fs-head">Colour: {html.escape(look.measured or look.colour)}</div>'

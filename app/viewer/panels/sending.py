@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import viser
 
-from app.viewer.panels.making import Making
+from app.viewer.panels.export_permit import ExportPermit
 from worlds.input_error import InputError
 
 FAILED = "This file could not be made"
@@ -17,8 +17,8 @@ FAILED = "This file could not be made"
 class Sender:
     """Makes files aside, one after the other, and one at a time for each browser."""
 
-    def __init__(self, allowed: Making | None = None) -> None:
-        self.allowed = allowed or Making()
+    def __init__(self, allowed: ExportPermit | None = None) -> None:
+        self.allowed = allowed or ExportPermit()
         self.asked: set[int] = set()
         """Browsers that wait for a file."""
         self.making = asyncio.Lock()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.beside import STATIC
+from app.package_files import STATIC
 
 BLUE, ORANGE, GREEN, RED, GREY = "#1c7ed6", "#d97706", "#2f9e44", "#e03131", "#868e96"
 VIOLET = "#8b5cf6"

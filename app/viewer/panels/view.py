@@ -10,9 +10,9 @@ import viser
 from app.viewer.panels.form import Form
 from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
 from app.viewer.scene.shown.control import Control
+from app.viewer.scene.shown.drawing_defaults import DrawingDefaults
+from app.viewer.scene.shown.drawing_style import CAMERA, CAMERAS, RISING, DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import CAMERA, CAMERAS, RISING, Look
-from app.viewer.scene.shown.usual import Usual
 from app.viewer.web.values import show
 
 Point = Callable[[viser.ClientHandle, str], None]
@@ -20,7 +20,7 @@ Point = Callable[[viser.ClientHandle, str], None]
 
 
 class ViewPanel:
-    """Makes the `Look`; the cameras are each browser's own.
+    """Makes the `DrawingStyle`; the cameras are each browser's own.
 
     A colouring that was chosen comes back when a flock has it again.
     """
@@ -28,7 +28,7 @@ class ViewPanel:
     def __init__(
         self,
         gui: viser.GuiApi,
-        usual: Usual,
+        usual: DrawingDefaults,
         controls: Mapping[str, Control],
         point: Point,
         followed: str = "agent",
@@ -113,13 +113,13 @@ class ViewPanel:
         known = {name: getattr(self.usual.look, name) for name in self.form.handles}
         return known | ({"trail_length": self.usual.rising} if trails == RISING else {})
 
-    def suit(self, usual: Usual) -> None:
+    def suit(self, usual: DrawingDefaults) -> None:
         """Take this for usual from now on; what was as usual is so again."""
         if usual != self.usual:
             kept, self.usual = self.not_usual(), usual
             self.take(kept)
 
-    def look(self) -> Look:
+    def look(self) -> DrawingStyle:
         """The drawing as the controls have it."""
         chosen = self.form["colour"].value
         if chosen in COLOURINGS and chosen != MEASURED:

@@ -18,12 +18,12 @@ from typing import Any
 import numpy as np
 import viser
 
-from app.viewer.pictures.seen import eye_of
-from app.viewer.scene.cameras.camera import UP, View
+from app.viewer.pictures.browser_scene import eye_of
+from app.viewer.scene.cameras.camera import UP, CameraView
 from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look
-from app.viewer.web.renders import LEAST, Eye
+from app.viewer.web.renders import LEAST, RenderCamera
 from app.viewer.web.server import admit_browsers, close_server, open_server, renders_of
 from app.viewer.web.serving.front import Front
 from worlds.input_error import InputError
@@ -196,11 +196,11 @@ class Browser:
             raise InputError(f"the browser {self.program!r} has ended")
         return next(iter(clients.values()))
 
-    def show(self, frame: Frame, look: Look) -> None:
+    def show(self, frame: Frame, look: DrawingStyle) -> None:
         """Have a frame on its page."""
         self.scene.show(frame, look)
 
-    def draw(self, size: tuple[int, int], view: View) -> np.ndarray:
+    def draw(self, size: tuple[int, int], view: CameraView) -> np.ndarray:
         """The frame as it draws it, (height, width, 3) uint8. Raises InputError."""
         client, renders = self.client, renders_of(self.server)
         with client.atomic():  # what is written in the scene has its size by the page's own camera
@@ -211,7 +211,7 @@ class Browser:
             self.is_new = False
             self.server.flush()
             time.sleep(SETTLES)
-            renders.ask(client, (LEAST, LEAST), Eye.of(client.camera), patience=DRAWS)
+            renders.ask(client, (LEAST, LEAST), RenderCamera.of(client.camera), patience=DRAWS)
         return renders.ask(client, size, eye_of(view), exact=True, patience=DRAWS)
 
     def close(self) -> None:

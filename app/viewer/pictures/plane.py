@@ -11,7 +11,7 @@ from app.viewer.pictures.shot import Shot
 from app.viewer.scene.draw.seam import nearest_image
 from app.viewer.scene.shown import palette
 from app.worlds.colours import FLOOR, GOAL, START
-from app.worlds.mission import draw_path
+from app.worlds.mission_drawing import draw_path
 from app.worlds.plan import draw_solid, view
 from worlds.mission import Mission
 from worlds.world import World

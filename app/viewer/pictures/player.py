@@ -14,11 +14,11 @@ from viser import _messages as messages
 
 from agents.snapshot import Snapshot
 from app.viewer.pictures import key
-from app.viewer.pictures.camera import PRESETS, USUAL, Aim
+from app.viewer.pictures.picture_camera import PRESETS, USUAL, CameraRequest
 from app.viewer.pictures.shot import Shot, frame_of, look_of, shot
 from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.drawing_style import DrawingStyle, as_birds
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look, as_birds
 from app.viewer.web.server import close_server, open_server
 from worlds.input_error import InputError
 
@@ -72,7 +72,7 @@ class Player:
     def __exit__(self, *_: object) -> None:
         close_server(self.server)
 
-    def add(self, frame: Frame, look: Look, seconds: float) -> None:
+    def add(self, frame: Frame, look: DrawingStyle, seconds: float) -> None:
         """The next frame, so many seconds after the last."""
         if as_birds(frame, look) and self.count > FEW:
             look = replace(look, birds=False)
@@ -107,7 +107,7 @@ def page_of(
     count: int,
     fps: float,
     colour: str | None = None,
-    aim: Aim = USUAL,
+    aim: CameraRequest = USUAL,
     went_on: Callable[[int], None] = lambda _: None,
 ) -> bytes:
     """A page that plays `count` snapshots, `fps` a second. Raises InputError.

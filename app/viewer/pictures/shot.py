@@ -14,19 +14,19 @@ from agents.observables.of_agents import OF_AGENTS, measurable, measured
 from agents.observables.of_flocks import SAVED
 from agents.snapshot import Snapshot
 from agents.state.start import start_box
-from app.viewer.scene.draw.picture import Picture, picture
+from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown.cars import cars
 from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
-from app.viewer.scene.shown.frame import Frame, Progress
-from app.viewer.scene.shown.look import Look, legend
-from app.viewer.scene.shown.usual import usual
+from app.viewer.scene.shown.drawing_defaults import usual
+from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
+from app.viewer.scene.shown.frame import Frame, MissionProgress
 from worlds.input_error import InputError, unknown
 from worlds.world import World
 
 
 @dataclass(frozen=True)
-class Watched:
+class WatchedFlock:
     """What a page knows of the flock that it shows: all that a picture says of it."""
 
     model: Model
@@ -74,7 +74,7 @@ class Watched:
 class Shot:
     """A flock at a tick with the picture that is made of it."""
 
-    now: Snapshot | Watched
+    now: Snapshot | WatchedFlock
     made: Picture
 
     @property
@@ -100,17 +100,17 @@ class Shot:
         return int(found[0])
 
 
-def look_of(now: Snapshot, colour: str | None) -> Look:
+def look_of(now: Snapshot, colour: str | None) -> DrawingStyle:
     """How it is drawn, coloured by a name of `colourings`; None: as suits it. Raises InputError."""
     if colour is None:
         if now.informed.any():
-            return Look(colour="layer")
+            return DrawingStyle(colour="layer")
         return usual(now.model, len(now.ids), now.dt).look
     if colour in COLOURINGS and colour != MEASURED:
-        return Look(colour=colour)
+        return DrawingStyle(colour=colour)
     if colour not in colourings(now):
         raise unknown("colour", colour, colourings(now))
-    return Look(colour=MEASURED, measured=colour)
+    return DrawingStyle(colour=MEASURED, measured=colour)
 
 
 def colourings(now: Snapshot) -> tuple[str, ...]:
@@ -118,13 +118,13 @@ def colourings(now: Snapshot) -> tuple[str, ...]:
     return (*(name for name in COLOURINGS if name != MEASURED), *measurable(now.model.columns))
 
 
-def shot(now: Snapshot, look: Look, fastest: float = 0.0) -> Shot:
+def shot(now: Snapshot, look: DrawingStyle, fastest: float = 0.0) -> Shot:
     """A snapshot, taken with signals, as it is drawn; `fastest` has full colour by speed."""
     frame = frame_of(now, look, fastest)
     return Shot(now, picture(frame, look, Stage.of(frame)))
 
 
-def frame_of(now: Snapshot, look: Look, fastest: float) -> Frame:
+def frame_of(now: Snapshot, look: DrawingStyle, fastest: float) -> Frame:
     """What the page's drawing needs of a snapshot."""
     by_number = look.colour == MEASURED
     labels = COLOURINGS[look.colour].labels
@@ -166,9 +166,9 @@ def room(now: Snapshot) -> tuple[np.ndarray, np.ndarray] | None:
     return low, low + size
 
 
-def progress(now: Snapshot) -> Progress:
+def progress(now: Snapshot) -> MissionProgress:
     """Where the goal is."""
     mission = now.world.mission
     if mission is None or mission.goal is None:
-        return Progress()
-    return Progress(np.array(now.goal_at([now.tick])[0], float))
+        return MissionProgress()
+    return MissionProgress(np.array(now.goal_at([now.tick])[0], float))

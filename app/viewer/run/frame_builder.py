@@ -16,7 +16,7 @@ from app.viewer.measuring.background_worker import BackgroundWorker
 from app.viewer.measuring.density_limits import refuse_too_many_links
 from app.viewer.measuring.work_throttle import WorkThrottle
 from app.viewer.scene.shown.cars import cars
-from app.viewer.scene.shown.frame import Frame, Progress
+from app.viewer.scene.shown.frame import Frame, MissionProgress
 
 SAVED = "saved"
 """The measure of a body that is the share of its induced drag that each agent saves."""
@@ -185,14 +185,14 @@ def distance_kept(flock: Flock) -> float:
     return inner[0].radius if inner else float("inf")
 
 
-def progress(flock: Flock) -> Progress:
+def progress(flock: Flock) -> MissionProgress:
     """How the flock's mission stands."""
     mission = flock.world.mission
     if mission is None:
-        return Progress()
+        return MissionProgress()
     goal = None if mission.goal is None else np.array(flock.goal_at([flock.tick])[0], float)
     legs = flock.arrays.leg[flock.informed] if mission.path is not None else np.empty(0)
-    return Progress(goal, int(legs.min()) if len(legs) else 0)
+    return MissionProgress(goal, int(legs.min()) if len(legs) else 0)
 
 
 def room(flock: Flock) -> tuple[np.ndarray, np.ndarray] | None:

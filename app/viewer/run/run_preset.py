@@ -8,7 +8,7 @@ from typing import Any
 from agents import flock_world as agents_home
 from agents.catalogue import model as find_model
 from agents.spec import DEFAULT, Spec
-from app.viewer.scene.shown.usual import Usual, usual
+from app.viewer.scene.shown.drawing_defaults import DrawingDefaults, usual
 from worlds.layout import layout_names, own_dim, shared_layout
 from worlds.world import World
 
@@ -74,7 +74,7 @@ def tick_of(spec: Spec) -> float:
     return model.body.lasts(model.parameters(**known))
 
 
-def usual_of(spec: Spec) -> Usual:
+def usual_of(spec: Spec) -> DrawingDefaults:
     """How a run is drawn as long as nobody chooses otherwise.
 
     >>> usual_of(at_home("squashing-cars")).look.colour, usual_of(at_home("vem")).look.colour

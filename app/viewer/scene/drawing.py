@@ -10,8 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.drawing_style import DrawingStyle, as_birds
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look, as_birds
 
 PANELS = 0.25
 """Time between two refreshments of the panels, s."""
@@ -46,7 +46,7 @@ def period(
     return min(max(fastest, agents * AGENT_BYTES * browsers / bandwidth), max(SLOWEST, fastest))
 
 
-def load(frame: Frame, look: Look) -> float:
+def load(frame: Frame, look: DrawingStyle) -> float:
     """What a frame takes to send, as a number of agents."""
     count = len(frame.ids)
     return count * (BIRD_BYTES / AGENT_BYTES if as_birds(frame, look) else 1.0)
@@ -77,7 +77,7 @@ class Drawing:
     def __init__(
         self,
         scene: Scene,
-        latest: Callable[[], tuple[Frame | None, Look]],
+        latest: Callable[[], tuple[Frame | None, DrawingStyle]],
         browsers: Callable[[], int],
         before: Callable[[], None],
         panels: Callable[[], None],
@@ -101,7 +101,7 @@ class Drawing:
         self.moves = moves
         self.rates = rates or Rates()
         self.changes = changes
-        self.drawn: tuple[Frame, Look] | None = None
+        self.drawn: tuple[Frame, DrawingStyle] | None = None
         self.come = threading.Event()
         """Set when a browser has come."""
         self.closing = threading.Event()

@@ -4,29 +4,29 @@ from __future__ import annotations
 
 from viser import SceneApi
 
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
 from app.viewer.scene.marks.flock.agents import Agents
-from app.viewer.scene.marks.flock.crashes import CrashMarks
-from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.flock.crash_marks import CrashMarks
+from app.viewer.scene.marks.flock.flock_motion import FlockMotion
 from app.viewer.scene.marks.flock.halos import Halos
 from app.viewer.scene.marks.flock.labels import Labels
 from app.viewer.scene.marks.flock.links import Links
 from app.viewer.scene.marks.flock.live_labels import LiveLabels
 from app.viewer.scene.marks.flock.live_outlines import LiveOutlines
 from app.viewer.scene.marks.flock.stuck import StuckMarks
-from app.viewer.scene.marks.inspected.inspection import InspectionMarks
-from app.viewer.scene.marks.inspected.reasons import Reasons
-from app.viewer.scene.marks.inspected.zones import ZoneMarks
+from app.viewer.scene.marks.inspected.inspection_marks import InspectionMarks
+from app.viewer.scene.marks.inspected.reasons import ReasonMarks
+from app.viewer.scene.marks.inspected.zone_marks import ZoneMarks
 from app.viewer.scene.marks.paths.ribbons import Ribbons
 from app.viewer.scene.marks.paths.trails import Trails
 from app.viewer.scene.marks.paths.wake import Wake
 from app.viewer.scene.marks.world.area import CaptureArea
+from app.viewer.scene.marks.world.boundary_point_marks import BoundaryPointMarks
 from app.viewer.scene.marks.world.fence import Fence
-from app.viewer.scene.marks.world.mission import MissionMarks
-from app.viewer.scene.marks.world.obstacles import Obstacles
-from app.viewer.scene.marks.world.points import BoundaryPoints
-from app.viewer.scene.marks.world.surroundings import Surroundings
+from app.viewer.scene.marks.world.mission_marks import MissionMarks
+from app.viewer.scene.marks.world.obstacle_marks import Obstacles
 from app.viewer.scene.marks.world.walls import Walls
+from app.viewer.scene.marks.world.world_box import WorldBox
 
 
 class Parts:
@@ -34,12 +34,12 @@ class Parts:
 
     def __init__(self, scene: SceneApi, root: str = "") -> None:
         self._room = (
-            Surroundings(scene, root),
+            WorldBox(scene, root),
             Walls(scene, root),
             Obstacles(scene, root),
             CaptureArea(scene, root),
         )
-        self._flight = Flight()
+        self._flight = FlockMotion()
         self._flock = (
             Agents(scene, root, self._flight),
             Halos(scene, root),
@@ -49,7 +49,7 @@ class Parts:
             Ribbons(scene, root),
             Wake(scene, root, self._flight),
             MissionMarks(scene, root),
-            BoundaryPoints(scene, root),
+            BoundaryPointMarks(scene, root),
             CrashMarks(scene, root),
             StuckMarks(scene, root),
             Fence(scene, root),
@@ -57,7 +57,7 @@ class Parts:
             LiveLabels(scene, root),
             InspectionMarks(scene, root),
             ZoneMarks(scene, root),
-            Reasons(scene, root),
+            ReasonMarks(scene, root),
         )
 
     @property

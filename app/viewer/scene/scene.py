@@ -7,19 +7,19 @@ from collections.abc import Callable
 import numpy as np
 from viser import ClientHandle, SceneClickEvent, ViserServer
 
-from app.viewer.scene.beside import ROOT, Beside, meant, sights
 from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
-from app.viewer.scene.draw.picture import Changes, picture
+from app.viewer.scene.comparison_nodes import ROOT, ComparisonNodes, meant, sights
+from app.viewer.scene.draw.drawn_frame import Changes, picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.hands.gizmo import Dragged, Grabbed, LeaderGizmo
 from app.viewer.scene.marks.hands.handles import Handles
-from app.viewer.scene.marks.world.see_through import SeeThrough, Watched
-from app.viewer.scene.marks.world.surroundings import Fog, set_light
+from app.viewer.scene.marks.world.see_through import FollowedAgent, SeeThrough
+from app.viewer.scene.marks.world.world_box import Fog, set_light
 from app.viewer.scene.parts import Parts
 from app.viewer.scene.picking import slack
 from app.viewer.scene.shown.debounce import Debounce
+from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look
 
 Clicked = Callable[[int | None, np.ndarray, np.ndarray, bool], None]
 Chosen = Callable[[ClientHandle, int | None, bool], None]
@@ -36,7 +36,7 @@ class Scene:
         set_light(scene)
         self._roots = root, ROOT
         self._parts = Parts(scene, root)
-        self._beside = Beside(scene)
+        self._beside = ComparisonNodes(scene)
         self._fog = Fog(scene)
         self._debounce = Debounce()
         self._gizmo = LeaderGizmo(scene, root)
@@ -48,7 +48,7 @@ class Scene:
         self._chosen: list[Chosen] = []
         scene.on_click()(self._click)  # type: ignore[arg-type]
 
-    def show(self, frame: Frame, look: Look) -> None:
+    def show(self, frame: Frame, look: DrawingStyle) -> None:
         """Draw a frame, and the one beside it if there is one.
 
         Call it from one thread, at most about 30 times a second.
@@ -75,10 +75,10 @@ class Scene:
         """
         self._see_through.look(self._watched)
 
-    def _watched(self) -> list[Watched]:
+    def _watched(self) -> list[FollowedAgent]:
         sights = self._sights
         return [
-            Watched(
+            FollowedAgent(
                 client,
                 sights[side].picture,
                 row,

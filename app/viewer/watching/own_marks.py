@@ -14,14 +14,14 @@ import numpy as np
 from viser import ClientHandle, ViserServer
 
 from agents.inspection import Inspection
-from app.viewer.scene.beside import ROOT
-from app.viewer.scene.draw.picture import Picture
-from app.viewer.scene.marks.inspected.inspection import InspectionMarks
-from app.viewer.scene.marks.inspected.reasons import Reasons
-from app.viewer.scene.marks.inspected.zones import ZoneMarks
+from app.viewer.scene.comparison_nodes import ROOT
+from app.viewer.scene.draw.drawn_frame import Picture
+from app.viewer.scene.marks.inspected.inspection_marks import InspectionMarks
+from app.viewer.scene.marks.inspected.reasons import ReasonMarks
+from app.viewer.scene.marks.inspected.zone_marks import ZoneMarks
 from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import Look
 
 REDRAWN = 80.0
 """How often a second the marks of all browsers together are made anew."""
@@ -59,7 +59,7 @@ class OwnMarks:
             self.marks = (
                 InspectionMarks(scene, goes),
                 ZoneMarks(scene, goes),
-                Reasons(scene, goes, still),
+                ReasonMarks(scene, goes, still),
             )
         self.drawn: tuple[Picture, Inspection] | None = None
         self.since = -np.inf
@@ -116,7 +116,7 @@ class OwnScene(Scene):
             if number not in self.own and number in there:
                 self.own[number] = OwnMarks(client, choice)
 
-    def show(self, frame: Frame, look: Look) -> None:
+    def show(self, frame: Frame, look: DrawingStyle) -> None:
         super().show(frame, look)
         self.show_own()
 

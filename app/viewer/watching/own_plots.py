@@ -18,7 +18,7 @@ from app.viewer.measuring.earlier_runs import EarlierRuns
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_curves import choices, worded
 from app.viewer.measuring.observable_format import COUNTED, QUICK, STEADY
-from app.viewer.panels.chart import Chart, Shown
+from app.viewer.panels.chart import Chart, ChartContents
 from app.viewer.web.values import show
 
 CHARTS = 2
@@ -42,14 +42,14 @@ class CurveCache:
     measured: frozenset[str]
     """What is measured of it."""
     overlays: dict[float, Overlay] = field(default_factory=dict)
-    made: dict[tuple[float, tuple[str, ...]], Shown] = field(default_factory=dict)
+    made: dict[tuple[float, tuple[str, ...]], ChartContents] = field(default_factory=dict)
 
     @property
     def model(self) -> Model:
         """That of the first flock."""
         return self.runs[0].flock.model
 
-    def of(self, names: tuple[str, ...], last: float) -> Shown:
+    def of(self, names: tuple[str, ...], last: float) -> ChartContents:
         """What a chart of observables shows over the `last` ticks."""
         if (last, names) not in self.made:
             if last not in self.overlays:

@@ -20,15 +20,15 @@ from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.shell import dock, dress
 from app.viewer.run.frame_builder import WatchPageRequest
 from app.viewer.scene.drawing import PANELS, Drawing, Rates
+from app.viewer.scene.shown.drawing_style import RIDE, STEP_OFF, DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import RIDE, STEP_OFF, Look
 from app.viewer.watching.own_marks import AgentSelection, OwnScene
 from app.viewer.watching.own_plots import ALWAYS, CurveCache, wanted
 from app.viewer.watching.run_description import standing, values
 from app.viewer.watching.watcher import Watcher
 from app.viewer.web.addresses import here
+from app.viewer.web.incoming.client_addresses import USUAL, ConnectionLimits
 from app.viewer.web.incoming.kinds import CAMERA, Kind
-from app.viewer.web.incoming.visitors import USUAL, Limits
 from app.viewer.web.server import admit_browsers, close_server, open_server, when_heard
 from app.viewer.web.serving.front import Front
 
@@ -72,7 +72,7 @@ class WatchPage:
         host: str = "127.0.0.1",
         port: int = 0,
         secret: str = "",
-        limits: Limits = USUAL,
+        limits: ConnectionLimits = USUAL,
     ):
         self.laboratory, self.whose, self.host = laboratory, whose, host
         self.server = open_server(host, port, Front(SCRIPTS, secret=secret), HEARD, limits)
@@ -229,7 +229,7 @@ class WatchPage:
         number = self.turn % turns
         return [one for one in watchers if one.is_new or one.client.client_id % turns == number]
 
-    def tell(self, frame: Frame, look: Look) -> None:
+    def tell(self, frame: Frame, look: DrawingStyle) -> None:
         """What all see alike, and what the laboratory is to do for them."""
         lab = self.laboratory
         state, scene = lab.simulation.state, lab.shown_scene

@@ -10,8 +10,8 @@ import viser
 
 from app.viewer.lab.panels.agent.inspector import Inspector
 from app.viewer.scene.scene import Scene
+from app.viewer.scene.shown.drawing_style import CAMERA, CAMERAS, RIDE
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import CAMERA, CAMERAS, RIDE
 from app.viewer.watching.own_marks import AgentSelection
 from app.viewer.watching.own_plots import OwnPlots
 

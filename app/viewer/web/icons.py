@@ -13,7 +13,7 @@ from types import SimpleNamespace
 from viser import _icons
 
 
-class Archive(zipfile.ZipFile):
+class IconArchive(zipfile.ZipFile):
     """An archive that stays open."""
 
     def __exit__(self, *_: object) -> None:
@@ -22,4 +22,4 @@ class Archive(zipfile.ZipFile):
 
 def keep_icons_open() -> None:
     """Have viser read its icons so."""
-    _icons.zipfile = SimpleNamespace(ZipFile=functools.cache(Archive))  # type: ignore[assignment]
+    _icons.zipfile = SimpleNamespace(ZipFile=functools.cache(IconArchive))  # type: ignore[assignment]

@@ -23,7 +23,7 @@ PORTS = {"http": 80, "https": 443}
 
 
 @dataclass(frozen=True)
-class Allowed:
+class AllowedHost:
     """A name under which somebody reaches the laboratory, and its port if it is not the usual."""
 
     name: str
@@ -39,7 +39,7 @@ class Allowed:
         return page.hostname == self.name and (page.port or usual) == (self.port or usual)
 
 
-def allowed(text: str) -> Allowed:
+def allowed(text: str) -> AllowedHost:
     """A name as `--allow-host` gives it. Raises InputError for anything else than a name and a
     port.
 
@@ -52,18 +52,18 @@ def allowed(text: str) -> Allowed:
     )
     try:
         parts = urlsplit(f"//{text}")
-        given = Allowed(parts.hostname or "", parts.port)
+        given = AllowedHost(parts.hostname or "", parts.port)
         numeric = is_address(given.name)
         name = given.name if numeric else given.name.encode("idna").decode()
     except ValueError:
         raise wrong from None
     if given.port == 0 or str(given) != text.lower() or not (numeric or NAME.fullmatch(name)):
         raise wrong
-    return Allowed(name, given.port)
+    return AllowedHost(name, given.port)
 
 
 def trusted(
-    host: str | None, origin: str | None, allow: tuple[Allowed, ...] = (), invited: bool = False
+    host: str | None, origin: str | None, allow: tuple[AllowedHost, ...] = (), invited: bool = False
 ) -> bool:
     """Whether a request with these headers may be answered.
 
@@ -106,7 +106,7 @@ def authority(host: str | None) -> str | None:
     """
     try:
         reached = urlsplit(f"//{host or ''}")
-        found = Allowed(reached.hostname or "", reached.port)
+        found = AllowedHost(reached.hostname or "", reached.port)
     except ValueError:
         return None
     return str(found) if found.name and str(found) == (host or "").lower() else None
@@ -118,7 +118,7 @@ def is_ours(reached: SplitResult) -> bool:
     return is_address(name) or name in own_names()
 
 
-def is_named(reached: SplitResult, allow: tuple[Allowed, ...]) -> bool:
+def is_named(reached: SplitResult, allow: tuple[AllowedHost, ...]) -> bool:
     """Whether the server was reached by an allowed name, at whatever port of it."""
     return any(reached.hostname == one.name for one in allow)
 

@@ -38,7 +38,7 @@ GROUND = (246, 248, 251)
 
 
 @dataclass(frozen=True)
-class Eye:
+class RenderCamera:
     """From where a scene is to be drawn."""
 
     position: np.ndarray
@@ -47,13 +47,13 @@ class Eye:
     """Vertical, rad."""
 
     @staticmethod
-    def of(camera: viser.CameraHandle) -> Eye:
+    def of(camera: viser.CameraHandle) -> RenderCamera:
         """Where a browser's own camera is."""
-        return Eye(np.array(camera.position), np.array(camera.wxyz), float(camera.fov))
+        return RenderCamera(np.array(camera.position), np.array(camera.wxyz), float(camera.fov))
 
 
 @dataclass
-class Awaited:
+class PendingPicture:
     """A picture that a browser is to send."""
 
     browser: int
@@ -61,20 +61,20 @@ class Awaited:
     answer: Future[bytes] = field(default_factory=Future)
 
 
-class Named(msgspec.Struct):
+class PictureMessage(msgspec.Struct):
     """Of a message with a picture, which one it is."""
 
     render_uuid: str
 
 
-named = msgspec.msgpack.Decoder(Named)
+named = msgspec.msgpack.Decoder(PictureMessage)
 
 
 class Renders:
     """What one server has asked for and not got yet; any thread may ask."""
 
     def __init__(self) -> None:
-        self.awaited: dict[str, Awaited] = {}
+        self.awaited: dict[str, PendingPicture] = {}
         self.lock = threading.Lock()
 
     def expects(self, data: bytes) -> bool:
@@ -100,7 +100,7 @@ class Renders:
         self,
         client: viser.ClientHandle,
         size: tuple[int, int],
-        eye: Eye | None = None,
+        eye: RenderCamera | None = None,
         exact: bool = False,
         patience: float = PATIENCE,
     ) -> np.ndarray:
@@ -111,8 +111,8 @@ class Renders:
         """
         wide, tall = size
         exact = exact and wide * tall <= LOSSLESS
-        eye = eye or Eye.of(client.camera)
-        name, wanted = secrets.token_urlsafe(16), Awaited(client.client_id)
+        eye = eye or RenderCamera.of(client.camera)
+        name, wanted = secrets.token_urlsafe(16), PendingPicture(client.client_id)
         with self.lock:
             self.awaited[name] = wanted
         try:
@@ -134,7 +134,7 @@ class Renders:
             with self.lock:
                 del self.awaited[name]
 
-    def wait(self, client: viser.ClientHandle, wanted: Awaited, patience: float) -> bytes:
+    def wait(self, client: viser.ClientHandle, wanted: PendingPicture, patience: float) -> bytes:
         """What the browser sends. Raises InputError."""
         until = time.monotonic() + patience
         while True:

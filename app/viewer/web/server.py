@@ -26,15 +26,15 @@ from viser import _messages as messages
 from websockets.http11 import Request, Response
 
 from app.viewer.web.icons import keep_icons_open
+from app.viewer.web.incoming.client_addresses import USUAL, ClientAddresses, ConnectionLimits
 from app.viewer.web.incoming.connection import FAREWELL, PROTOCOL, Connection
+from app.viewer.web.incoming.connection_acceptor import ConnectionAcceptor
 from app.viewer.web.incoming.controls import guard
-from app.viewer.web.incoming.door import Door
 from app.viewer.web.incoming.failures import log_failures, logger
-from app.viewer.web.incoming.handed_over import hand_over
-from app.viewer.web.incoming.heard import Heard
 from app.viewer.web.incoming.kinds import KINDS, LARGEST, Kind
 from app.viewer.web.incoming.log import Log
-from app.viewer.web.incoming.visitors import USUAL, Limits, Visitors
+from app.viewer.web.incoming.loop_event import hand_over
+from app.viewer.web.incoming.message_notifier import MessageNotifier
 from app.viewer.web.incoming.waiting import BEGINS, Admission
 from app.viewer.web.property_kinds import find_kinds_once
 from app.viewer.web.renders import Renders, accept_renders
@@ -57,23 +57,23 @@ starting = threading.Lock()
 
 
 @dataclass
-class Entrance:
+class ServerEntrance:
     """How browsers come to one server."""
 
     front: Front
     kinds: Mapping[str, Kind] = field(default_factory=lambda: KINDS)
     """Of which kinds of messages it hears at all."""
-    visitors: Visitors = field(default_factory=Visitors)
+    visitors: ClientAddresses = field(default_factory=ClientAddresses)
     log: Log = field(default_factory=Log)
     renders: Renders = field(default_factory=Renders)
-    heard: Heard = field(default_factory=Heard)
+    heard: MessageNotifier = field(default_factory=MessageNotifier)
     admission: Admission | None = None
     inner: Any = None
     """The server of websockets, which takes no connections itself."""
-    door: Door | None = None
+    door: ConnectionAcceptor | None = None
 
 
-entrances: WeakKeyDictionary[viser.ViserServer, Entrance] = WeakKeyDictionary()
+entrances: WeakKeyDictionary[viser.ViserServer, ServerEntrance] = WeakKeyDictionary()
 """Of every server that is open."""
 
 
@@ -82,7 +82,7 @@ def open_server(
     port: int = 8080,
     front: Front | None = None,
     kinds: Mapping[str, Kind] = KINDS,
-    limits: Limits = USUAL,
+    limits: ConnectionLimits = USUAL,
 ) -> viser.ViserServer:
     """A server on exactly this host and port; port 0 takes any free one.
 
@@ -97,7 +97,7 @@ def open_server(
     hand_over()
     find_kinds_once()
     keep_icons_open()
-    entrance = Entrance(front or Front(), kinds, Visitors(limits=limits))
+    entrance = ServerEntrance(front or Front(), kinds, ClientAddresses(limits=limits))
     sock = listening(host, port)
     with starting, served_on(sock, entrance), quiet():
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
@@ -108,7 +108,7 @@ def open_server(
     loop = server._event_loop
     factory = entrance.inner.server._protocol_factory
     inside = partial(loop.connect_accepted_socket, factory)
-    entrance.door = Door(sock, inside, loop, entrance.visitors, entrance.front.allow)
+    entrance.door = ConnectionAcceptor(sock, inside, loop, entrance.visitors, entrance.front.allow)
     entrances[server] = entrance
     return server
 
@@ -160,7 +160,7 @@ def close_server(server: viser.ViserServer) -> None:
         entrance.log.close()
 
 
-def end_lines(entrance: Entrance) -> None:
+def end_lines(entrance: ServerEntrance) -> None:
     """On viser's loop: let all have read what they are told last, then end their lines.
 
     websockets would wait until they go, and viser for that, 6 s in all: a client that keeps its
@@ -200,7 +200,7 @@ def listening(host: str, port: int) -> socket.socket:
 
 
 @contextlib.contextmanager
-def served_on(sock: socket.socket, entrance: Entrance) -> Iterator[None]:
+def served_on(sock: socket.socket, entrance: ServerEntrance) -> Iterator[None]:
     """Within it, viser serves on this socket what an entrance lets in.
 
     It takes no connections from the socket: they are brought in by the door.

@@ -8,8 +8,8 @@ import numpy as np
 
 from app.experiments.experiment import Experiment
 from app.experiments.pictures.missions.duel import COLOURS, draw_flights
-from app.experiments.pictures.missions.flight import Flight
-from app.experiments.pictures.missions.scene import GOAL
+from app.experiments.pictures.missions.flown_mission import FlownMission
+from app.experiments.pictures.missions.mission_scene import GOAL
 
 QUIET = 1.25
 """How far time is shown, of the latest time at which a centre settles."""
@@ -46,20 +46,20 @@ def draw_centres(figure: Any, experiment: Experiment, seed: int) -> None:
     figure.legend(handles, words, loc="outside lower left", ncols=len(words), fontsize=9)
 
 
-def centre_of(flight: Flight) -> tuple[np.ndarray, np.ndarray]:
+def centre_of(flight: FlownMission) -> tuple[np.ndarray, np.ndarray]:
     """Time (K,), s, and the centre of the agents (K, dim), m, at the kept ticks."""
     record = flight.record
     time = record.dt * record.every * np.arange(len(record.position))
     return time, record.position.mean(axis=1)
 
 
-def worded(experiment: Experiment, flight: Flight, label: str) -> str:
+def worded(experiment: Experiment, flight: FlownMission, label: str) -> str:
     """A row's name with the time at which its centre settles."""
     settled = flight.record.settled(experiment.settings.within)  # type: ignore[attr-defined]
     return f"{label}: " + ("never settles" if settled is None else f"settles at {settled:.0f} s")
 
 
-def shown(experiment: Experiment, flights: list[Flight]) -> float:
+def shown(experiment: Experiment, flights: list[FlownMission]) -> float:
     """The time until which curves are drawn, s: a little longer than until all have settled."""
     near = experiment.settings.within  # type: ignore[attr-defined]
     ends = [flight.record.ticks * flight.record.dt for flight in flights]

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from app.experiments.experiment import Experiment
-from app.experiments.pictures.missions.flight import Flight, flown
-from app.experiments.pictures.missions.scene import (
+from app.experiments.pictures.missions.flown_mission import FlownMission, flown
+from app.experiments.pictures.missions.mission_scene import (
     draw_agents,
     draw_links,
     draw_trails,
@@ -30,7 +30,7 @@ def draw_duel(figure: Any, experiment: Experiment, seed: int) -> None:
     draw_times(panels["time"], experiment, draw_flights(panels, experiment, seed), labels)
 
 
-def draw_flights(panels: dict[str, Any], experiment: Experiment, seed: int) -> list[Flight]:
+def draw_flights(panels: dict[str, Any], experiment: Experiment, seed: int) -> list[FlownMission]:
     """Draw the trajectories of the runs of that seed into the panels "a", "b" and so on."""
     flights = [flown(experiment, case, seed) for case in experiment.cases]
     low, high = shared_box(flights)
@@ -46,14 +46,14 @@ def draw_flights(panels: dict[str, Any], experiment: Experiment, seed: int) -> l
     return flights
 
 
-def shared_box(flights: list[Flight]) -> tuple[np.ndarray, np.ndarray]:
+def shared_box(flights: list[FlownMission]) -> tuple[np.ndarray, np.ndarray]:
     """The part of the plane that holds all trajectories, obstacles and the goal."""
     boxes = [extent(flight.flock.world, flight.record.position, 2.0) for flight in flights]
     lows, highs = zip(*boxes, strict=True)
     return np.min(lows, axis=0), np.max(highs, axis=0)
 
 
-def draw_flight(axes: Any, flight: Flight, colour: str) -> None:
+def draw_flight(axes: Any, flight: FlownMission, colour: str) -> None:
     """Draw a run: trajectories, and the agents with their links at the end."""
     flock = flight.flock
     draw_world(axes, flock.world)
@@ -62,14 +62,16 @@ def draw_flight(axes: Any, flight: Flight, colour: str) -> None:
     draw_agents(axes, flock.position, ["#c0392b"] * len(flock.ids), 16.0)
 
 
-def through(experiment: Experiment, flight: Flight) -> str:
+def through(experiment: Experiment, flight: FlownMission) -> str:
     """How many agents came to the goal, in words."""
     n = len(flight.flock.ids)
     share = flight.record.through(experiment.settings.spacing)  # type: ignore[attr-defined]
     return f"{round(share * n)} of {n} through"
 
 
-def draw_times(axes: Any, experiment: Experiment, flights: list[Flight], labels: list[str]) -> None:
+def draw_times(
+    axes: Any, experiment: Experiment, flights: list[FlownMission], labels: list[str]
+) -> None:
     """Draw the distance of the flock's centre to the goal over time, with the settling times."""
     near = experiment.settings.within  # type: ignore[attr-defined]
     for flight, label, colour in zip(flights, labels, COLOURS, strict=False):

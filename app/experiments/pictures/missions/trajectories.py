@@ -8,8 +8,8 @@ import numpy as np
 
 from app.experiments.experiment import Experiment
 from app.experiments.pictures.missions.duel import draw_flight, shared_box, through
-from app.experiments.pictures.missions.flight import Flight, flown
-from app.experiments.pictures.missions.scene import show_box
+from app.experiments.pictures.missions.flown_mission import FlownMission, flown
+from app.experiments.pictures.missions.mission_scene import show_box
 
 COLOUR = "#2166ac"
 SHOWN = 120.0
@@ -31,7 +31,7 @@ def draw_trajectories(figure: Any, experiment: Experiment, seed: int) -> None:
         column[2].set_xlabel("time / s")
 
 
-def draw_over_time(axes: Any, flight: Flight, axis: int, name: str) -> None:
+def draw_over_time(axes: Any, flight: FlownMission, axis: int, name: str) -> None:
     """Draw one coordinate of all agents over time."""
     record = flight.record
     time = record.dt * record.every * np.arange(len(record.position))

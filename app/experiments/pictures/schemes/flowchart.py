@@ -6,7 +6,7 @@ from typing import Any
 
 from app.experiments.experiment import Experiment
 from app.experiments.pictures.boxes import explain
-from app.experiments.pictures.schemes.marks import INK, ZONE_COLOURS
+from app.experiments.pictures.schemes.scheme_marks import INK, ZONE_COLOURS
 from app.experiments.verdicts.verdict import Verdict, of
 
 BLOCK, FILL, ASKS = "#7b5ea7", "#f4f6f9", "#fdf6e3"

@@ -8,11 +8,11 @@ import numpy as np
 
 from agents.observables.order import polarisation
 from app.experiments.experiment import Experiment
-from app.experiments.kinds.branching import Branching, push_on
+from app.experiments.kinds.branching import BranchingSettings, push_on
 from app.experiments.kinds.zoning import around_of, branch_of
 from app.experiments.pictures.boxes import explain
-from app.experiments.pictures.missions.scene import draw_obstacles
-from app.experiments.pictures.schemes.marks import (
+from app.experiments.pictures.missions.mission_scene import draw_obstacles
+from app.experiments.pictures.schemes.scheme_marks import (
     FAINT,
     INK,
     ZONE_COLOURS,
@@ -33,7 +33,7 @@ SHOWN = 4
 def draw_steps(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the first row's flock of that seed at four ticks, the last at the experiment's end."""
     settings = experiment.settings
-    assert isinstance(settings, Branching)
+    assert isinstance(settings, BranchingSettings)
     case = experiment.cases[0]
     flock = settings.prepared(flock_of(case, seed))
     ticks = [0, *(round(settings.limit * share) for share in (0.1, 0.4, 1.0))]
@@ -83,7 +83,7 @@ def frame(low: np.ndarray, size: np.ndarray) -> Any:
 def draw_motion(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw how the agents move at the start and at the end: arrows as long as they are fast."""
     settings = experiment.settings
-    assert isinstance(settings, Branching)
+    assert isinstance(settings, BranchingSettings)
     case = experiment.cases[0]
     flock = settings.prepared(flock_of(case, seed))
     figure.set_size_inches(11.6, 6.3)

@@ -12,22 +12,22 @@ from typing import Any
 
 import numpy as np
 
-from app.experiments.sweeps.given.conditions import Condition
-from app.experiments.sweeps.given.file import (
+from app.experiments.sweeps.given.sweep_conditions import Condition
+from app.experiments.sweeps.given.sweep_file import (
     MOST_CELLS,
     AnyDesign,
     Axis,
-    Grid,
+    GridDesign,
     Latin,
-    Listed,
+    ListDesign,
     Morris,
     Saltelli,
-    Sampled,
+    SampleDesign,
     Sobol,
     Span,
 )
 from app.settings import value as read_value
-from app.strict import Value
+from app.strict_table import Value
 from worlds.extra import demand
 from worlds.input_error import InputError
 from worlds.text_file import read_text
@@ -66,7 +66,7 @@ def whole(value: Value) -> Value:
     return round(value) if isinstance(value, float) and math.isfinite(value) else value
 
 
-def grid(design: Grid, _: Path) -> Iterator[Point]:
+def grid(design: GridDesign, _: Path) -> Iterator[Point]:
     """The last axis changes first."""
     values = {name: grid_values(name, axis) for name, axis in design.axes.items()}
     cells = math.prod(map(len, values.values()))
@@ -105,7 +105,7 @@ def neat(value: float) -> float:
     return float(f"{value:.12g}")
 
 
-def listed(design: Listed, folder: Path) -> Iterator[Point]:
+def listed(design: ListDesign, folder: Path) -> Iterator[Point]:
     """Rows as they stand."""
     rows = design.rows or read_csv(found(design.file, folder))
     names = set(rows[0])
@@ -147,7 +147,7 @@ def read_csv(path: Path) -> list[Point]:
     return rows
 
 
-def scaled(design: Sampled, unit: np.ndarray) -> Iterator[Point]:
+def scaled(design: SampleDesign, unit: np.ndarray) -> Iterator[Point]:
     """Points of the unit cube (K, D) as values of the axes."""
     for row in unit:
         yield {
@@ -158,12 +158,12 @@ def scaled(design: Sampled, unit: np.ndarray) -> Iterator[Point]:
         }
 
 
-def sampled(design: Sampled, _: Path) -> Iterator[Point]:
+def sampled(design: SampleDesign, _: Path) -> Iterator[Point]:
     """The points of a sample."""
     yield from scaled(design, unit_sample(design))
 
 
-def unit_sample(design: Sampled) -> np.ndarray:
+def unit_sample(design: SampleDesign) -> np.ndarray:
     """The points of a sample in the unit cube, (K, D), the same for the same design."""
     match design:
         case Latin():  # each axis is cut into as many parts as there are points, and each has one
@@ -191,15 +191,15 @@ def unit_sample(design: Sampled) -> np.ndarray:
     raise AssertionError(design)
 
 
-def problem(design: Sampled) -> dict[str, Any]:
+def problem(design: SampleDesign) -> dict[str, Any]:
     """The unit cube of its axes, as SALib takes it."""
     names = list(design.axes)
     return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
 
 
 MAKERS: dict[type, Any] = {
-    Grid: grid,
-    Listed: listed,
+    GridDesign: grid,
+    ListDesign: listed,
     Latin: sampled,
     Sobol: sampled,
     Saltelli: sampled,

@@ -20,7 +20,7 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import SERIES
 from app.experiments.runs.database import FIXED
 from app.experiments.sweeps.given.designs import found
-from app.experiments.sweeps.given.file import Observe
+from app.experiments.sweeps.given.sweep_file import Observe
 from worlds.input_error import InputError, unknown
 from worlds.text_file import read_text
 
@@ -36,7 +36,7 @@ RESERVED = (*HEADS, K, "replicate")
 
 
 @dataclass(frozen=True)
-class Measure:
+class SweepMeasure:
     """One thing that is measured of runs."""
 
     column: str
@@ -94,7 +94,7 @@ def module_of(path: Path) -> ModuleType:
     return run_file(path, text, f"measures_{hashlib.sha256(text.encode()).hexdigest()[:16]}")
 
 
-def measure_of(asked: Observe, folder: Path) -> Measure:
+def measure_of(asked: Observe, folder: Path) -> SweepMeasure:
     """What a table [[observe]] asks for. Raises InputError."""
     if asked.measure:
         file, colon, function = asked.measure.rpartition(":")
@@ -113,7 +113,7 @@ def measure_of(asked: Observe, folder: Path) -> Measure:
         column += f"-over-{asked.over}"
     if column.lower() in RESERVED or not column.isprintable():
         raise InputError(f"column = {column!r} is not allowed: name another")
-    made = Measure(column, name, path, function, asked.every, asked.over)
+    made = SweepMeasure(column, name, path, function, asked.every, asked.over)
     made.getter()
     return made
 
@@ -126,10 +126,10 @@ def demand_number(name: str) -> None:
         raise InputError(f"{name} is a table, not a number: a sweep cannot keep it")
 
 
-class Looks:
+class RunObserver:
     """What has been seen of a running flock, for all that is measured of it."""
 
-    def __init__(self, measures: tuple[Measure, ...], getters: list[Callable[[Flock], float]]):
+    def __init__(self, measures: tuple[SweepMeasure, ...], getters: list[Callable[[Flock], float]]):
         self.measures = measures
         self.getters = getters
         self.windows: list[deque[float] | None] = [

@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from app.experiments.sweeps.pictures.groups import Group, label
-from app.experiments.sweeps.pictures.lines import CENSORED, COLOURS, FAILED
+from app.experiments.sweeps.pictures.cell_runs import CellRuns, label
+from app.experiments.sweeps.pictures.mean_lines import CENSORED, COLOURS, FAILED
 from worlds.input_error import InputError
 
 MOST = 40
 """Cells in one picture."""
 
 
-def draw_distributions(figure: Any, name: str, groups: list[Group]) -> None:
+def draw_distributions(figure: Any, name: str, groups: list[CellRuns]) -> None:
     """Draw a box for each cell. Raises InputError if there are too many."""
     if len(groups) > MOST:
         raise InputError(f"{len(groups)} boxes are too many: leave cells out with --where")

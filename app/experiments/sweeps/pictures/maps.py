@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from app.experiments.runs.reading import Kept
-from app.experiments.sweeps.pictures.groups import Group, is_number, values_of
-from app.experiments.sweeps.pictures.lines import CENSORED, FAILED
-from app.experiments.sweeps.pictures.snapshots import draw_snapshots, stands
-from app.strict import Value
+from app.experiments.runs.store_reader import StoreReader
+from app.experiments.sweeps.pictures.cell_runs import CellRuns, is_number, values_of
+from app.experiments.sweeps.pictures.map_snapshots import draw_snapshots, stands
+from app.experiments.sweeps.pictures.mean_lines import CENSORED, FAILED
+from app.strict_table import Value
 
 
 def draw_map(
-    figure: Any, name: str, groups: list[Group], x: str, y: str, kept: Kept | None = None
+    figure: Any, name: str, groups: list[CellRuns], x: str, y: str, kept: StoreReader | None = None
 ) -> None:
     """Draw the map; every cell is as wide as another, whatever its values.
 

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from app.experiments.runs.reading import Kept
-from app.experiments.sweeps.pictures.groups import Group, groups_of, is_number, varied
-from app.experiments.sweeps.pictures.lines import COLOURS, mark
-from app.experiments.sweeps.table import measured
+from app.experiments.runs.store_reader import StoreReader
+from app.experiments.sweeps.pictures.cell_runs import CellRuns, groups_of, is_number, varied
+from app.experiments.sweeps.pictures.mean_lines import COLOURS, mark
+from app.experiments.sweeps.sweep_table import measured
 from worlds.input_error import InputError
 
 SIZE, CUMULANT = "agents", "binder"
@@ -38,12 +38,18 @@ class Scaling:
             raise InputError(f"critical = {self.critical:g} is no finite number")
 
 
-Lines = dict[int, tuple[float, list[Group]]]
+Lines = dict[int, tuple[float, list[CellRuns]]]
 """Number of agents -> longest side of the world, and the cells along the axis."""
 
 
 def draw_scaling(
-    figure: Any, kept: Kept, name: str, groups: list[Group], x: str, where: str, by: Scaling | None
+    figure: Any,
+    kept: StoreReader,
+    name: str,
+    groups: list[CellRuns],
+    x: str,
+    where: str,
+    by: Scaling | None,
 ) -> None:
     """Draw the panels that the sweep has: `by` for the collapse. Raises InputError."""
     lines = by_size(kept, groups, x)
@@ -77,7 +83,7 @@ def draw_scaling(
         panel.legend(fontsize=8)
 
 
-def by_size(kept: Kept, groups: list[Group], x: str) -> Lines:
+def by_size(kept: StoreReader, groups: list[CellRuns], x: str) -> Lines:
     """The cells by the number of agents. Raises InputError if something else varies too."""
     axes = varied(groups)
     if SIZE not in axes or x == SIZE:
@@ -124,7 +130,7 @@ def collapse(panel: Any, lines: Lines, x: str, by: Scaling, critical: float) -> 
     panel.set_title(rf"$\beta$ = {by.beta:g}, $\nu$ = {by.nu:g}", fontsize=9)
 
 
-def of(line: list[Group], x: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def of(line: list[CellRuns], x: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Places, means and half intervals of the cells of a line."""
     return (
         np.array([float(group.axes[x]) for group in line]),

@@ -8,16 +8,16 @@ from app.viewer.panels.form import sight
 from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.view import Point, ViewPanel
 from app.viewer.scene.shown.control import controls_of
+from app.viewer.scene.shown.drawing_defaults import DrawingDefaults
+from app.viewer.scene.shown.drawing_style import AGENTS, RIDE, STEP_OFF, DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.look import AGENTS, RIDE, STEP_OFF, Look
-from app.viewer.scene.shown.usual import Usual
 
 
 class FlockView(ViewPanel):
     """All that a look has, a ride on an agent, and handles to steer by."""
 
-    def __init__(self, gui: viser.GuiApi, usual: Usual, point: Point):
-        super().__init__(gui, usual, controls_of(Look), point)
+    def __init__(self, gui: viser.GuiApi, usual: DrawingDefaults, point: Point):
+        super().__init__(gui, usual, controls_of(DrawingStyle), point)
         with self.camera:
             self.ride = gui.add_button(
                 "Ride along",

@@ -17,12 +17,12 @@ from pathlib import Path
 from agents.catalogue import FILES, MODELS
 from agents.observables.catalogue import OBSERVABLES
 from app.experiments.runs.database import FILE
-from app.experiments.runs.reading import Kept
 from app.experiments.runs.store import is_taken
-from app.experiments.sweeps.conduct import SPEC, STOP
-from app.experiments.sweeps.given.file import SweepFile
-from app.experiments.sweeps.given.places import Places
-from app.experiments.sweeps.sweep import checked_file
+from app.experiments.runs.store_reader import StoreReader
+from app.experiments.sweeps.checked_sweep import checked_file
+from app.experiments.sweeps.given.key_locations import KeyLocations
+from app.experiments.sweeps.given.sweep_file import SweepFile
+from app.experiments.sweeps.sweep_runner import SPEC, STOP
 from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, ListedSweep, listed, named_in, shown
 from app.viewer.lab.sweeps.sweep_limits import MOST_BEGUN, demand
 from app.viewer.lab.sweeps.sweep_request import WORLD, SweepSource
@@ -267,7 +267,7 @@ def demand_from_page(folder: Path) -> None:
     """Refuse to go on with what the page could not have begun. Raises InputError."""
     path = folder / SPEC
     text = read_text(f"sweep {str(path)!r}", path)
-    file = checked_file(SweepFile, toml(text, str(path)), Places(str(path), text))
+    file = checked_file(SweepFile, toml(text, str(path)), KeyLocations(str(path), text))
     told = f"go on with `flockscope sweep run {folder.name}`"
     known = file.run.model in MODELS and file.run.model not in FILES
     if not known or not all(one.name in OBSERVABLES for one in file.observe):
@@ -279,7 +279,7 @@ def demand_from_page(folder: Path) -> None:
     others = file.model_fields_set - TABLES
     if reads or others or file.replicates.precision:
         raise InputError(f"{folder.name} is not of the page's kind: {told}")
-    kept = Kept(folder)
+    kept = StoreReader(folder)
     cells = kept.cells
     try:
         specs = [cell["identity"]["spec"] for cell in cells.values()]

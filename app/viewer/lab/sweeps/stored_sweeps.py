@@ -12,11 +12,11 @@ from agents.catalogue import model as find_model
 from agents.flock_world import find_world
 from agents.observables.catalogue import OBSERVABLES
 from app.experiments.runs.database import FILE
-from app.experiments.runs.reading import Kept
-from app.experiments.sweeps.pictures.groups import Group, groups_of, is_number
-from app.experiments.sweeps.status import status_of
-from app.experiments.sweeps.table import axes_of, measured, places_of, spec_at
-from app.strict import Value
+from app.experiments.runs.store_reader import StoreReader
+from app.experiments.sweeps.pictures.cell_runs import CellRuns, groups_of, is_number
+from app.experiments.sweeps.sweep_status import status_of
+from app.experiments.sweeps.sweep_table import axes_of, measured, places_of, spec_at
+from app.strict_table import Value
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
 from app.viewer.measuring.observable_curves import worded
 from app.viewer.measuring.observable_format import few
@@ -60,7 +60,7 @@ class DrawnSweep:
     """What it is swept over, each with its values in order."""
     columns: tuple[str, ...]
     column: str
-    cells: dict[int, Group]
+    cells: dict[int, CellRuns]
     """With and without runs."""
     ticks: int
     """Of a run, at most."""
@@ -77,7 +77,7 @@ def named_in(results: Path) -> list[str]:
 
 def listed(folder: Path) -> ListedSweep | None:
     """How far a sweep is; None for a store of anything else. Raises InputError."""
-    if Kept(folder).state.get("kind") != "sweep":
+    if StoreReader(folder).state.get("kind") != "sweep":
         return None
     made = status_of(folder)
     return ListedSweep(
@@ -93,7 +93,7 @@ def listed(folder: Path) -> ListedSweep | None:
 
 def shown(folder: Path, column: str | None = None) -> DrawnSweep:
     """The cells of a sweep, by its first column or another. Raises InputError."""
-    kept = Kept(folder)
+    kept = StoreReader(folder)
     state = kept.state
     if state.get("runs", 0) > MOST_SHOWN:
         raise InputError(
@@ -107,7 +107,7 @@ def shown(folder: Path, column: str | None = None) -> DrawnSweep:
         axis: in_order([cell["axes"].get(axis) for cell in cells.values()])
         for axis in axes_of(kept)
     }
-    found = {places[number]: Group(cell["axes"], number) for number, cell in cells.items()}
+    found = {places[number]: CellRuns(cell["axes"], number) for number, cell in cells.items()}
     if any(kept.counts.values()):
         found |= {places[group.number]: group for group in groups_of(kept, name)[1]}
     return DrawnSweep(
@@ -127,7 +127,7 @@ def in_order(values: list[Value | None]) -> list[Value]:
     return sorted(once) if all(map(is_number, once)) else once
 
 
-def typical(group: Group) -> int | None:
+def typical(group: CellRuns) -> int | None:
     """The seed of the run that is nearest to the mean of its cell; None without any."""
     if not group.values:
         return None
@@ -145,11 +145,11 @@ def scene_of(folder: Path, place: int, seed: int | None, column: str | None) -> 
     if seed is None:
         seed = typical(group)
     if seed is None:
-        row = next((row for row in Kept(folder).runs([]) if row[0] == group.number), None)
+        row = next((row for row in StoreReader(folder).runs([]) if row[0] == group.number), None)
         if row is None:
             raise InputError(f"cell {place} of {folder.name} has no run yet")
         seed = int(row[1])
-    spec = spec_at(Kept(folder), place, seed)
+    spec = spec_at(StoreReader(folder), place, seed)
     if spec.model in FILES:
         raise InputError(f"{spec.model} is a model of a file: the page does not open it")
     if isinstance(spec.world, str) and spec.world.endswith(".toml"):
@@ -165,7 +165,7 @@ def scene_of(folder: Path, place: int, seed: int | None, column: str | None) -> 
     return SavedScene.from_values(values, folder.name)
 
 
-def told(made: DrawnSweep, group: Group, seed: int) -> str:
+def told(made: DrawnSweep, group: CellRuns, seed: int) -> str:
     """What the sweep has of a run, in a sentence."""
     where = ", ".join(f"{axis} = {few_of(value)}" for axis, value in group.axes.items())
     said = f"Run of {made.name}: {where}, seed {seed}."

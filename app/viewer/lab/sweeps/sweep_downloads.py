@@ -5,10 +5,10 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from app.experiments.runs.reading import Kept
-from app.experiments.sweeps.conduct import SPEC
-from app.experiments.sweeps.pictures.draw import draw
-from app.experiments.sweeps.table import as_csv, wide, write_table
+from app.experiments.runs.store_reader import StoreReader
+from app.experiments.sweeps.pictures.sweep_picture import draw
+from app.experiments.sweeps.sweep_runner import SPEC
+from app.experiments.sweeps.sweep_table import as_csv, wide, write_table
 from worlds.input_error import InputError
 from worlds.text_file import read_text
 
@@ -20,7 +20,7 @@ def content(folder: Path, kind: str, column: str | None = None) -> tuple[str, by
     if kind == FILE:
         path = folder / SPEC
         return f"{folder.name}.toml", read_text(f"sweep {str(path)!r}", path).encode()
-    kept = Kept(folder)
+    kept = StoreReader(folder)
     if kind == "CSV":
         return f"{folder.name}.csv", as_csv(wide(kept)).encode()
     if kind not in (*TABLES, *PICTURES):

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from agents.catalogue import MODELS
-from app.experiments.sweeps.pictures.groups import Group, is_number
-from app.experiments.sweeps.pictures.lines import spans_decades
+from app.experiments.sweeps.pictures.cell_runs import CellRuns, is_number
+from app.experiments.sweeps.pictures.mean_lines import spans_decades
 from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, few_of, observable_of
 from app.viewer.lab.sweeps.sweep_request import AGENTS, numbers
 from app.viewer.measuring.observable_format import few, scale, words
@@ -203,7 +203,7 @@ def svg(height: float, title: str, parts: list[str]) -> str:
     )
 
 
-def link(shown: DrawnSweep, place: int, group: Group, inside: str) -> str:
+def link(shown: DrawnSweep, place: int, group: CellRuns, inside: str) -> str:
     """What a click opens a run of."""
     told = html.escape(told_of(shown, group))
     return (
@@ -212,7 +212,7 @@ def link(shown: DrawnSweep, place: int, group: Group, inside: str) -> str:
     )
 
 
-def told_of(shown: DrawnSweep, group: Group) -> str:
+def told_of(shown: DrawnSweep, group: CellRuns) -> str:
     """What is known of a cell, and what a click does."""
     where = ", ".join(
         f"{axis} = {few_of(value)}" for axis, value in group.axes.items() if axis in shown.axes
@@ -227,7 +227,7 @@ def told_of(shown: DrawnSweep, group: Group) -> str:
     return f"{said}. Click: open {what}"
 
 
-def signs(group: Group, x: float, foot: float) -> list[str]:
+def signs(group: CellRuns, x: float, foot: float) -> list[str]:
     """Marks of runs that gave up or failed."""
     made = []
     if group.gave_up:
@@ -261,7 +261,7 @@ def scale_key(shown: DrawnSweep, low: float, high: float) -> str:
     )
 
 
-def ends(group: Group) -> list[float]:
+def ends(group: CellRuns) -> list[float]:
     """The values that a curve has to have room for."""
     if not group.values:
         return []

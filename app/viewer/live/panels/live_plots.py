@@ -12,8 +12,8 @@ from viser import uplot
 
 from app.viewer.live.room_readings import RoomReadings
 from app.viewer.measuring.time_series import TimeSeries
-from app.viewer.panels.chart import DASH, NOTHING, Curve, Shown
-from app.viewer.panels.plot import Plot
+from app.viewer.panels.chart import DASH, NOTHING, ChartContents, ChartCurve
+from app.viewer.panels.plot_panel import Plot
 from app.viewer.panels.plotted import Line, Plotted, plot_csv
 from app.viewer.panels.sending import Sender
 from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, key
@@ -118,12 +118,12 @@ class LivePlot:
         self.ends = around([np.minimum(value, most) for value in found.values()], floor)
         entries = [(html.escape(name), curves[name].colour) for name in found]
         drawn = tuple(
-            Curve(curves[name].colour, value, f"{name} ({self.unit})", *curves[name].pen)
+            ChartCurve(curves[name].colour, value, f"{name} ({self.unit})", *curves[name].pen)
             for name, value in found.items()
         )
         title = f'<div class="fs-head">{html.escape(self.title)}, {self.unit}</div>'
         y = uplot.Scale(range=self.ends)
-        self.plot.show(Shown(title + key(entries), at, drawn, self.titles, y), key(entries))
+        self.plot.show(ChartContents(title + key(entries), at, drawn, self.titles, y), key(entries))
 
     def plotted(self) -> Plotted | None:
         """What it shows, to take home: the picture of the last minute, the table of all."""

@@ -7,8 +7,8 @@ from typing import Any
 
 from app.viewer.scene.shown.colouring import COLOURINGS, OWN
 from app.viewer.scene.shown.control import controls_of
-from app.viewer.scene.shown.look import AGENTS, RIBBON, Look
-from app.viewer.scene.shown.usual import Usual, turns
+from app.viewer.scene.shown.drawing_defaults import DrawingDefaults, turns
+from app.viewer.scene.shown.drawing_style import AGENTS, RIBBON, DrawingStyle
 
 CARS = "Cars"
 """What agents are here."""
@@ -31,10 +31,12 @@ FOR_CARS: dict[str, dict[str, Any]] = {
 """Those controls that mean something for real cars, and what is otherwise about each."""
 CONTROLS = {
     name: replace(one, **FOR_CARS[name], group=CARS if one.group == AGENTS else one.group)
-    for name, one in ((name, controls_of(Look)[name]) for name in FOR_CARS)
+    for name, one in ((name, controls_of(DrawingStyle)[name]) for name in FOR_CARS)
 }
 
 
-def usual(rate: float) -> Usual:
+def usual(rate: float) -> DrawingDefaults:
     """How a room is drawn at first whose loop runs so often (Hz)."""
-    return Usual(Look(colour=OWN, trails=RIBBON, trail_length=400), turns(1.0 / rate))
+    return DrawingDefaults(
+        DrawingStyle(colour=OWN, trails=RIBBON, trail_length=400), turns(1.0 / rate)
+    )

@@ -12,7 +12,7 @@ MARGIN = {2: 1.13, 3: 1.20}
 
 
 @dataclass(frozen=True)
-class View:
+class CameraView:
     """Where a camera stands and where it looks, on the display."""
 
     position: np.ndarray
@@ -44,7 +44,7 @@ _SIDE = {2: _Preset(-90.0, 14.0, 0.45), 3: _Preset(-90.0, 4.0, 0.75)}
 _CLOSE = {2: _Preset(-90.0, 58.0, 0.55), 3: _Preset(-118.0, 22.0, 0.60)}
 
 
-def view(name: str, dim: int, low: np.ndarray, high: np.ndarray, aspect: float) -> View:
+def view(name: str, dim: int, low: np.ndarray, high: np.ndarray, aspect: float) -> CameraView:
     """The preset `name` for a box from `low` to `high`, (3,), in a canvas of this aspect."""
     presets = {
         "top-down": _TOP_DOWN[dim],
@@ -59,7 +59,7 @@ def view(name: str, dim: int, low: np.ndarray, high: np.ndarray, aspect: float) 
 
 def _fitted(
     preset: _Preset, low: np.ndarray, high: np.ndarray, aspect: float, margin: float
-) -> View:
+) -> CameraView:
     """The nearest place along the preset's direction from which the whole box is in view."""
     azimuth, elevation = np.deg2rad(preset.azimuth), np.deg2rad(preset.elevation)
     back = np.array(
@@ -83,4 +83,4 @@ def _fitted(
         seen = (upwards - lift) / (distance - nearer)
         lift += 0.5 * distance * (float(np.max(seen)) + float(np.min(seen)))
     target = centre + lift * over
-    return View(target + distance * back, target, preset.fov)
+    return CameraView(target + distance * back, target, preset.fov)

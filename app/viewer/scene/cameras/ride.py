@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.viewer.scene.cameras.camera import View
-from app.viewer.scene.draw.picture import Picture
+from app.viewer.scene.cameras.camera import CameraView
+from app.viewer.scene.draw.drawn_frame import Picture
 from app.viewer.scene.draw.seam import nearest_image
 
 CATCH_UP, TURN = 0.10, 0.22
@@ -23,7 +23,7 @@ class Ride:
     """One browser's ride on the agent of one identity."""
 
     def __init__(
-        self, picture: Picture, row: int, aside: np.ndarray, side: int, before: View
+        self, picture: Picture, row: int, aside: np.ndarray, side: int, before: CameraView
     ) -> None:
         """`aside` (3,) is where the room of the flock `side` stands."""
         self.side, self.before = side, before
@@ -52,12 +52,12 @@ class Ride:
         self.view = self._look(picture, row, aside)
         return True
 
-    def _look(self, picture: Picture, row: int, aside: np.ndarray) -> View:
+    def _look(self, picture: Picture, row: int, aside: np.ndarray) -> CameraView:
         dim, length = picture.stage.dim, picture.length * float(picture.size[row])
         up = np.array([0.0, 0.0, 1.0])
         position = self._place + length * (OVER[dim] * up - BEHIND[dim] * self._ahead)
         position[2] = max(position[2], picture.stage.floor + aside[2] + ABOVE_FLOOR * length)
-        return View(position, self._place + AHEAD[dim] * length * self._ahead, FOV)
+        return CameraView(position, self._place + AHEAD[dim] * length * self._ahead, FOV)
 
 
 def straightened(heading: np.ndarray) -> np.ndarray:

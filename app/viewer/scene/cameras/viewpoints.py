@@ -10,12 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from viser import CameraHandle, ClientHandle, ViserServer
 
-from app.viewer.scene.cameras.camera import View, view
+from app.viewer.scene.cameras.camera import CameraView, view
 from app.viewer.scene.cameras.ride import Ride
-from app.viewer.scene.draw.picture import Picture
+from app.viewer.scene.draw.drawn_frame import Picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.paths.ribbons import risen
-from app.viewer.scene.shown.look import RIDE, STEP_OFF
+from app.viewer.scene.shown.drawing_style import RIDE, STEP_OFF
 
 GLIDE = 0.25
 """Time constant with which a following camera catches up, s."""
@@ -46,11 +46,11 @@ class Sight(NamedTuple):
 
 
 @dataclass
-class Stand:
+class SavedCamera:
     """Where a camera was put, to be put there again when its canvas changes its shape."""
 
     preset: str
-    view: View
+    view: CameraView
     aspect: float
     since: float
     shows: tuple[np.ndarray, np.ndarray]
@@ -94,7 +94,7 @@ class Viewpoints:
         """Client -> which of the flocks, and identity of the agent its camera follows."""
         self._riders: dict[int, Ride] = {}
         """Client -> the ride that it is on."""
-        self._stands: dict[int, Stand] = {}
+        self._stands: dict[int, SavedCamera] = {}
         """Client -> where its camera was put, unless a person moved it or it follows somebody."""
         self._sights: tuple[Sight, ...] = ()
         self._entered: tuple[Stage, int] | None = None
@@ -142,7 +142,7 @@ class Viewpoints:
         aspect = _aspect(client)
         wanted = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
         told = client.camera._state
-        stand = Stand(name, wanted, aspect, time.monotonic(), shows, run, told, leans)
+        stand = SavedCamera(name, wanted, aspect, time.monotonic(), shows, run, told, leans)
         self._keep(self._stands, client, stand)
         _set(client, wanted)
 
@@ -169,7 +169,7 @@ class Viewpoints:
             return
         self._forget(client)
         camera = client.camera
-        before = View(camera.position.copy(), camera.look_at.copy(), camera.fov)
+        before = CameraView(camera.position.copy(), camera.look_at.copy(), camera.fov)
         ride = Ride(self._sights[side].picture, row, self._sights[side].aside, side, before)
         _set(client, ride.view)
         self._keep(self._riders, client, ride)
@@ -373,7 +373,7 @@ def _aspect(client: ClientHandle) -> float:
     return float(np.clip(camera.image_width / tall, 0.3, 4.0))
 
 
-def _set(client: ClientHandle, wanted: View) -> None:
+def _set(client: ClientHandle, wanted: CameraView) -> None:
     with client.atomic():
         client.camera.up_direction = np.array([0.0, 0.0, 1.0])
         client.camera.fov = wanted.fov

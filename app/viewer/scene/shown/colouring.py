@@ -9,7 +9,7 @@ import numpy as np
 
 from app.viewer.scene.shown import own, palette
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.live import SIMULATED
+from app.viewer.scene.shown.live_cars import SIMULATED
 
 type Legend = list[tuple[str, str]]
 """What colours mean: (words, CSS colour)."""

@@ -11,12 +11,12 @@ import numpy as np
 from agents.inspection import Inspection
 from agents.state.crashes import Crashes
 from app.viewer.scene.shown.cars import Cars
-from app.viewer.scene.shown.live import Live
+from app.viewer.scene.shown.live_cars import Live
 from worlds.world import World
 
 
 @dataclass(frozen=True)
-class Progress:
+class MissionProgress:
     """How a mission stands at one tick."""
 
     goal: np.ndarray | None = None
@@ -56,7 +56,7 @@ class Frame:
     """Unit of time: ticks, or s."""
     room: tuple[np.ndarray, np.ndarray] | None = None
     """Corners (dim,) of the region in which the mission starts."""
-    progress: Progress = Progress()
+    progress: MissionProgress = MissionProgress()
     sees_points: bool = False
     """Whether boundary points are all that agents perceive of what is solid."""
     points: np.ndarray | None = None

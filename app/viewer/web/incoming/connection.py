@@ -14,11 +14,11 @@ from websockets.frames import CloseCode, Frame
 from websockets.http11 import Response
 from websockets.protocol import OPEN, Event
 
-from app.viewer.web.incoming.heard import Heard
+from app.viewer.web.incoming.client_addresses import ClientAddresses, address_of
 from app.viewer.web.incoming.kinds import CAMERA, LONGEST, Kind, kind_of
 from app.viewer.web.incoming.log import Log
+from app.viewer.web.incoming.message_notifier import MessageNotifier
 from app.viewer.web.incoming.messages import Messages
-from app.viewer.web.incoming.visitors import Visitors, address_of
 from app.viewer.web.incoming.waiting import Admission, in_turn
 from app.viewer.web.renders import Renders
 
@@ -40,11 +40,11 @@ class Connection(ServerConnection):
     def __init__(
         self,
         *args: Any,
-        visitors: Visitors,
+        visitors: ClientAddresses,
         log: Log,
         renders: Renders,
         kinds: Mapping[str, Kind],
-        heard: Heard,
+        heard: MessageNotifier,
         admission: Admission,
         **options: Any,
     ):

@@ -16,7 +16,7 @@ button begins."""
 BUTTONS = (viser.GuiButtonHandle, viser.GuiButtonGroupHandle)
 
 
-class Presses:
+class ButtonPresses:
     """The presses of every browser that is there; used by viser's thread."""
 
     def __init__(self) -> None:
@@ -33,7 +33,7 @@ class Presses:
 
 def guard(server: viser.ViserServer) -> None:
     """Look at all that browsers give to the controls of a server."""
-    presses = Presses()
+    presses = ButtonPresses()
     guard_controls(server.gui, presses)
 
     async def guard_own(client: viser.ClientHandle) -> None:
@@ -46,7 +46,7 @@ def guard(server: viser.ViserServer) -> None:
     server.on_client_disconnect(forget)
 
 
-def guard_controls(gui: viser.GuiApi, presses: Presses) -> None:
+def guard_controls(gui: viser.GuiApi, presses: ButtonPresses) -> None:
     """Clamp what browsers send before viser, callbacks and other browsers see it.
 
     What comes of a browser that is not there, or no more, is neither stored nor shown.

@@ -55,7 +55,7 @@ KNOWN = frozenset(messages.Message._subclass_from_type_string())
 """All kinds that viser knows."""
 
 
-class Unusable(ValueError):
+class UnusableMessage(ValueError):
     """A message that nobody can use; says why without a word of its content."""
 
 
@@ -73,20 +73,20 @@ def kind_of(data: bytes) -> str:
     try:
         return envelope.decode(data).type
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
-        raise Unusable("it is no message at all") from None
+        raise UnusableMessage("it is no message at all") from None
 
 
 def demand_shape(kind: str, data: bytes) -> None:
     """Look that viser will find what it expects in a message. Raises Unusable."""
     if len(data) > KINDS[kind].longest:
-        raise Unusable(f"its {len(data)} bytes are too many for its kind, {kind}")
+        raise UnusableMessage(f"its {len(data)} bytes are too many for its kind, {kind}")
     try:
         found = shape(kind).decode(data)
         sound = all(map(finite, msgspec.structs.astuple(found)))
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
         sound = False
     if not sound:
-        raise Unusable(f"it has not the shape of its kind, {kind}")
+        raise UnusableMessage(f"it has not the shape of its kind, {kind}")
 
 
 @cache

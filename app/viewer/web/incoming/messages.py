@@ -12,7 +12,7 @@ from app.viewer.web.incoming.kinds import (
     LARGEST,
     RENDER,
     Kind,
-    Unusable,
+    UnusableMessage,
     demand_shape,
     kind_of,
 )
@@ -68,7 +68,7 @@ class Messages:
             return False
         try:
             return self.judge(data)
-        except Unusable as why:
+        except UnusableMessage as why:
             self.log(str(why))
             self.drop(UNUSABLE)
             return False
@@ -76,12 +76,12 @@ class Messages:
     def judge(self, data: bytes | str) -> bool:
         """Whether a message is allowed now. Raises Unusable."""
         if isinstance(data, str):
-            raise Unusable("it is text")
+            raise UnusableMessage("it is text")
         kind = kind_of(data)
         limit = self.kinds.get(kind)
         if limit is None:
             if kind not in KNOWN:
-                raise Unusable("it is of no kind that there is")
+                raise UnusableMessage("it is of no kind that there is")
             return self.drop()
         if not (self.introduced or kind == CAMERA):
             return self.drop()

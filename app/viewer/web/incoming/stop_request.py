@@ -15,7 +15,7 @@ from http import HTTPStatus
 from websockets.datastructures import Headers
 from websockets.http11 import Request
 
-from app.viewer.web.origin import Allowed
+from app.viewer.web.origin import AllowedHost
 from app.viewer.web.serving.front import METHODS, refusal
 from app.viewer.web.serving.headers import secure
 
@@ -28,7 +28,7 @@ LONGEST = 8 * 1024
 
 
 @dataclass(frozen=True)
-class Answer:
+class StopReply:
     """What a request comes to."""
 
     status: HTTPStatus
@@ -48,7 +48,7 @@ class Answer:
         return line.encode() + headers.serialize() + body
 
 
-def answered(head: bytes, stops: bool, allow: tuple[Allowed, ...] = ()) -> Answer:
+def answered(head: bytes, stops: bool, allow: tuple[AllowedHost, ...] = ()) -> StopReply:
     """What to do with a request, of which `head` is all up to the empty line.
 
     `stops` says whether there is anything to stop here; `allow` are names by which it may be
@@ -59,15 +59,15 @@ def answered(head: bytes, stops: bool, allow: tuple[Allowed, ...] = ()) -> Answe
         method, path, version = first.decode("ascii").split(" ")
         found = http.client.parse_headers(io.BytesIO(rest))
     except (ValueError, http.client.HTTPException):
-        return Answer(HTTPStatus.BAD_REQUEST, "this is no request")
+        return StopReply(HTTPStatus.BAD_REQUEST, "this is no request")
     if method != "POST" or not version.startswith("HTTP/1."):
-        return Answer(HTTPStatus.METHOD_NOT_ALLOWED, NOT_ALLOWED)
+        return StopReply(HTTPStatus.METHOD_NOT_ALLOWED, NOT_ALLOWED)
     if path != PATH or not stops:
-        return Answer(HTTPStatus.NOT_FOUND, "there is nothing to stop here")
+        return StopReply(HTTPStatus.NOT_FOUND, "there is nothing to stop here")
     headers = Headers([(name, str(value)) for name, value in found.items()])
     refused = refusal(Request(path, headers), allow)
     if refused is not None:
-        return Answer(HTTPStatus(refused.status_code), refused.body.decode().strip())
+        return StopReply(HTTPStatus(refused.status_code), refused.body.decode().strip())
     if found.get_all(MARK) != [WORD]:
-        return Answer(HTTPStatus.FORBIDDEN, f"an emergency stop needs the header {MARK}: {WORD}")
-    return Answer(HTTPStatus.NO_CONTENT, stops=True)
+        return StopReply(HTTPStatus.FORBIDDEN, f"an emergency stop needs the header {MARK}: {WORD}")
+    return StopReply(HTTPStatus.NO_CONTENT, stops=True)

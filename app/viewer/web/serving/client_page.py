@@ -18,7 +18,7 @@ import numpy as np
 import viser
 import zstandard
 
-from app.beside import STATIC
+from app.package_files import STATIC
 from worlds.input_error import InputError
 
 ALPHABET = (

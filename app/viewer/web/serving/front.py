@@ -14,7 +14,7 @@ from http import HTTPStatus
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from app.viewer.web.origin import Allowed, authority, trusted
+from app.viewer.web.origin import AllowedHost, authority, trusted
 from app.viewer.web.serving.client_page import client_page
 from app.viewer.web.serving.headers import POLICY, policy, secure
 from app.viewer.web.serving.query import leads_elsewhere
@@ -48,7 +48,7 @@ class Front:
     def __init__(
         self,
         scripts: tuple[str, ...] = (),
-        allow: tuple[Allowed, ...] = (),
+        allow: tuple[AllowedHost, ...] = (),
         secret: str = "",
         framed_by: tuple[str, ...] = (),
     ):
@@ -137,7 +137,7 @@ def without(secret: str, path: str) -> str | None:
 
 
 def refusal(
-    request: Request, allow: tuple[Allowed, ...], invited: bool = False, framed: bool = False
+    request: Request, allow: tuple[AllowedHost, ...], invited: bool = False, framed: bool = False
 ) -> Response | None:
     """What a request gets that may not be answered; None for one that may.
 
@@ -166,7 +166,9 @@ def is_websocket(request: Request) -> bool:
     return request.headers.get("Upgrade", "").lower() == "websocket"
 
 
-def lines(request: Request, allow: tuple[Allowed, ...], invited: bool = False) -> tuple[str, ...]:
+def lines(
+    request: Request, allow: tuple[AllowedHost, ...], invited: bool = False
+) -> tuple[str, ...]:
     """Where the page that this request gets may open websockets, as its policy writes it.
 
     A proxy may have been reached by any allowed name, whatever it says as `Host`; one that was

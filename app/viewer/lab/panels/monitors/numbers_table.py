@@ -11,9 +11,9 @@ import viser
 from app.viewer.lab.panels.monitors.more_numbers import MoreNumbers
 from app.viewer.measuring.flock_numbers import numbers, rows
 from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.panels.large_window import Sheets
 from app.viewer.panels.plotted import file_stem, plot_csv
 from app.viewer.panels.sending import Sender
-from app.viewer.panels.sheet import Sheets
 from app.viewer.panels.style import block
 
 TABLE, CSV = "Table", "CSV"

@@ -13,8 +13,8 @@ from app.viewer.measuring.earlier_runs import EarlierRuns
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_curves import choices, worded
 from app.viewer.measuring.observable_format import told
-from app.viewer.panels.making import Making
-from app.viewer.panels.plot import Plot
+from app.viewer.panels.export_permit import ExportPermit
+from app.viewer.panels.plot_panel import Plot
 from app.viewer.panels.plotted import Plotted
 from app.viewer.panels.sending import Sender
 from app.viewer.scene.shown.frame import Frame
@@ -31,7 +31,7 @@ class LaboratoryPlots:
     A model brings its usual ones; what is chosen stays until another model comes.
     """
 
-    def __init__(self, server: viser.ViserServer, allowed: Making | None = None):
+    def __init__(self, server: viser.ViserServer, allowed: ExportPermit | None = None):
         gui = server.gui
         self.model: Model | None = None
         self.asked: tuple[Model, tuple[str, ...]] | None = None

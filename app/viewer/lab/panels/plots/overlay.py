@@ -26,7 +26,7 @@ from app.viewer.measuring.observable_format import scale, told, words
 from app.viewer.measuring.observable_history import ObservableHistory
 from app.viewer.measuring.observable_table import TICKS, table, titled, unit
 from app.viewer.measuring.run_conditions import TOLD, ConditionHistory, RunConditions
-from app.viewer.panels.chart import DASH, Curve, Shown
+from app.viewer.panels.chart import DASH, ChartContents, ChartCurve
 from app.viewer.panels.plotted import Line, Plotted, plot_csv
 from app.viewer.panels.style import BLUE, GREEN, key
 from app.viewer.run.paired_run import ratio
@@ -106,7 +106,7 @@ class Overlay:
         first = self.of[0]
         return (1.0, "tick") if first.unit == TICKS else (first.dt, f"time ({first.unit})")
 
-    def shown(self, names: tuple[str, ...], keyed: bool, changes: bool = True) -> Shown:
+    def shown(self, names: tuple[str, ...], keyed: bool, changes: bool = True) -> ChartContents:
         """What a chart of observables shows; `keyed` if its head tells them apart.
 
         `changes`: whether its head says what was changed in the runs of now.
@@ -121,22 +121,24 @@ class Overlay:
         found = [self.window(self.scaled(one, name), at[-1]) for one, name in under]
         at, now, old = over_earlier(at, now, found, whole=np.isinf(self.last))
         at, now, old = with_ticks(self.all_marks, at, now, old)
-        curves: list[Curve] = []
+        curves: list[ChartCurve] = []
         for (one, name), values in zip(under, old, strict=True):
             if np.isfinite(values).any():
                 colour = f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[one.age]):02x}"
                 label = f"{titled(name, self.models)}, {one.short}"
                 where = marks(one.course.history, one.each)
                 curves += [dots(colour, only_at(where, at, values))] * bool(len(where))
-                curves.append(Curve(colour, values, label, DOTS[one.age], THIN))
+                curves.append(ChartCurve(colour, values, label, DOTS[one.age], THIN))
         for (k, name), values in zip(pairs, now, strict=True):
             where = marks(self.histories[k], self.each[k])
             curves.append(dots(COLOURS[names.index(name)], only_at(where, at, values)))
         for (k, name), values in zip(pairs, now, strict=True):
             dash = DASH if k else ()
-            curves.append(Curve(COLOURS[names.index(name)], values, self.label(name, k), dash))
+            curves.append(ChartCurve(COLOURS[names.index(name)], values, self.label(name, k), dash))
         head = self.head(names, keyed, changes)
-        return Shown(head, at * lasts, tuple(curves), (title, self.axis(names)), axis(names))
+        return ChartContents(
+            head, at * lasts, tuple(curves), (title, self.axis(names)), axis(names)
+        )
 
     @property
     def all_marks(self) -> np.ndarray:
@@ -291,12 +293,12 @@ def only_at(some: np.ndarray, at: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.where(np.isin(at, some), values, np.nan)
 
 
-def dots(colour: str, values: np.ndarray) -> Curve:
+def dots(colour: str, values: np.ndarray) -> ChartCurve:
     """Marks on a curve, as a curve of dots without a label, which the mouse is told nothing of.
 
     It is there without any mark, too: a browser makes a chart anew that gets one more curve.
     """
-    return Curve(colour, values, dots=True)
+    return ChartCurve(colour, values, dots=True)
 
 
 def mark_points(some: np.ndarray, at: np.ndarray, values: np.ndarray, lasts: float) -> Points:

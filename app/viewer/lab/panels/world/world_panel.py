@@ -27,7 +27,7 @@ from app.viewer.panels.style import block
 from app.viewer.run.edits import ignoring_gone
 from app.viewer.run.simulation import Simulation
 from app.viewer.scene.marks.hands.handles import Drag, Marks
-from app.viewer.scene.marks.world.obstacles import drawn_height
+from app.viewer.scene.marks.world.obstacle_marks import drawn_height
 from app.viewer.web.values import show
 from worlds.obstacles import rectangle
 from worlds.world import World

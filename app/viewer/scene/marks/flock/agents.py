@@ -6,14 +6,14 @@ import numpy as np
 from viser import SceneApi
 
 from app.viewer.scene.draw.coarse import places, turned
-from app.viewer.scene.draw.picture import FEW_LEADERS, POINTS_BEYOND, Changes, Picture
+from app.viewer.scene.draw.drawn_frame import FEW_LEADERS, POINTS_BEYOND, Changes, Picture
 from app.viewer.scene.draw.shapes import dart
 from app.viewer.scene.marks.flock.birds import Birds
 from app.viewer.scene.marks.flock.fleet import Fleet
-from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.flock.flock_motion import FlockMotion
 from app.viewer.scene.marks.flock.ghosts import Ghosts
 from app.viewer.scene.shown import tone
-from app.viewer.scene.shown.look import SHADOWS_UP_TO
+from app.viewer.scene.shown.drawing_style import SHADOWS_UP_TO
 
 POINT_SIZE = {2: 0.6, 3: 0.28}
 """Size of a point as a multiple of the length of a dart, by dimension."""
@@ -22,7 +22,7 @@ POINT_SIZE = {2: 0.6, 3: 0.28}
 class Agents:
     """The flock's own nodes in the scene."""
 
-    def __init__(self, scene: SceneApi, root: str, flight: Flight) -> None:
+    def __init__(self, scene: SceneApi, root: str, flight: FlockMotion) -> None:
         self._birds = Birds(scene, root, flight)
         self._fleet = Fleet(scene, root)
         self._ghosts = Ghosts(scene, root)

@@ -7,11 +7,11 @@ from viser import BatchedMeshHandle, SceneApi
 
 from app.viewer.scene.draw.bird import SHOULDER, beaten, body, wings
 from app.viewer.scene.draw.coarse import places, turned
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
 from app.viewer.scene.draw.shapes import Mesh
-from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.flock.flock_motion import FlockMotion
 from app.viewer.scene.shown import tone
-from app.viewer.scene.shown.look import SHADOWS_UP_TO
+from app.viewer.scene.shown.drawing_style import SHADOWS_UP_TO
 
 SCALE = 1.15
 """Length of a bird as a multiple of a dart's, which is stouter."""
@@ -22,7 +22,7 @@ SHADE = 0.72
 class Birds:
     """What flies in space."""
 
-    def __init__(self, scene: SceneApi, root: str, flight: Flight) -> None:
+    def __init__(self, scene: SceneApi, root: str, flight: FlockMotion) -> None:
         self._flight = flight
         self._bodies = _add(scene, f"{root}/flock/birds/bodies", body())
         self._wings = _add(scene, f"{root}/flock/birds/wings", wings())

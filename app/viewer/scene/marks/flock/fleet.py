@@ -6,13 +6,13 @@ import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
 from app.viewer.scene.draw.attitude import attitude
-from app.viewer.scene.draw.car import HEIGHT, TREAD, WHEEL, cabin, hubs, hull, wheel
+from app.viewer.scene.draw.car_solid import HEIGHT, TREAD, WHEEL, cabin, hubs, hull, wheel
 from app.viewer.scene.draw.coarse import places, turned
-from app.viewer.scene.draw.picture import PALE, Changes, Picture
+from app.viewer.scene.draw.drawn_frame import PALE, Changes, Picture
 from app.viewer.scene.draw.shapes import Mesh
 from app.viewer.scene.shown import palette, tone
-from app.viewer.scene.shown.live import LOST, SIMULATED
-from app.viewer.scene.shown.look import SHADOWS_UP_TO
+from app.viewer.scene.shown.drawing_style import SHADOWS_UP_TO
+from app.viewer.scene.shown.live_cars import LOST, SIMULATED
 
 HUBS = hubs()
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw.car import HEIGHT, cabin, hull, outline
-from app.viewer.scene.draw.lines import add_lines, segments
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.car_solid import HEIGHT, cabin, hull, outline
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
+from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.marks.flock.fleet import add_cars, facing
 from app.viewer.scene.shown import palette, tone
-from app.viewer.scene.shown.live import SIMULATED
+from app.viewer.scene.shown.live_cars import SIMULATED
 
 OUTLINE = outline()
 INK = tone.single(palette.STATES[SIMULATED])

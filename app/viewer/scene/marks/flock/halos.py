@@ -6,7 +6,7 @@ import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
 from app.viewer.scene.draw.coarse import places, turned
-from app.viewer.scene.draw.picture import FEW_LEADERS, Changes, Picture
+from app.viewer.scene.draw.drawn_frame import FEW_LEADERS, Changes, Picture
 from app.viewer.scene.draw.shapes import Mesh, ball, ring, torus
 from app.viewer.scene.shown import palette, tone
 

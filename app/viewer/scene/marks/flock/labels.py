@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from viser import LabelHandle, SceneApi
 
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
 from app.viewer.scene.marks.flock.placing import box, uncrowded
-from app.viewer.scene.shown.look import NUMBERED_UP_TO
+from app.viewer.scene.shown.drawing_style import NUMBERED_UP_TO
 
 SMALL = 0.75
 """Size of a number."""

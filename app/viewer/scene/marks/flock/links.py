@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw.lines import add_lines, segments
-from app.viewer.scene.draw.picture import DIMMED, Changes, Picture
+from app.viewer.scene.draw.drawn_frame import DIMMED, Changes, Picture
+from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.draw.seam import split_at_seams
 from app.viewer.scene.shown import palette, tone
 

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from viser import LabelHandle, SceneApi
 
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
 from app.viewer.scene.marks.flock.placing import Sides, box
-from app.viewer.scene.marks.paths.past import INJECTED
-from app.viewer.scene.shown.live import LATE, LOST, SIMULATED, TRACKED
+from app.viewer.scene.marks.paths.trail_history import INJECTED
+from app.viewer.scene.shown.live_cars import LATE, LOST, SIMULATED, TRACKED
 
 MOST = 40
 """Of more cars only those that are late or lost are named, and no more of them."""
@@ -19,7 +19,7 @@ BESIDE, OVER = 0.8, 0.5
 its length: clear of the car and of the outline around it, from above and from the side."""
 
 
-class Named(NamedTuple):
+class CarLabel(NamedTuple):
     """A car whose name is written."""
 
     identity: int
@@ -56,7 +56,7 @@ class LiveLabels:
             ]
         return changes + hidden
 
-    def _below(self, picture: Picture, cars: list[Named]) -> list[bool]:
+    def _below(self, picture: Picture, cars: list[CarLabel]) -> list[bool]:
         """Whether the names stand below their cars."""
         frame, side = picture.frame, picture.stage.side
         return self._sides.below(
@@ -79,7 +79,7 @@ class LiveLabels:
         )
 
 
-def named(picture: Picture) -> list[Named]:
+def named(picture: Picture) -> list[CarLabel]:
     """The cars whose names are written: those that are drawn as cars, and the injected one."""
     live, frame = picture.live, picture.frame
     if live is None:
@@ -88,7 +88,7 @@ def named(picture: Picture) -> list[Named]:
     if len(rows) > MOST:
         rows = np.flatnonzero(live.are(LATE, LOST))[:MOST]
     cars = [
-        Named(
+        CarLabel(
             int(frame.ids[row]),
             words(live.names[row], live.states[row], float(live.ages[row])),
             picture.at[row] * [1.0, 1.0, 0.0],
@@ -96,7 +96,7 @@ def named(picture: Picture) -> list[Named]:
         for row in rows
     ]
     if frame.progress.goal is not None and picture.look.mission:
-        cars.append(Named(INJECTED, "injected car", picture.stage.shown(frame.progress.goal)))
+        cars.append(CarLabel(INJECTED, "injected car", picture.stage.shown(frame.progress.goal)))
     return cars
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw.lines import add_lines, segments
-from app.viewer.scene.draw.picture import Changes, Picture
-from app.viewer.scene.marks.world.mission import on_floor
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
+from app.viewer.scene.draw.line_segments import add_lines, segments
+from app.viewer.scene.marks.world.mission_marks import on_floor
 from app.viewer.scene.shown import palette, tone
-from app.viewer.scene.shown.live import LATE, LOST, STOPPED, TRACKED
+from app.viewer.scene.shown.live_cars import LATE, LOST, STOPPED, TRACKED
 
 CLEAR = 0.16
 """Distance of an outline from the car's sides, as a multiple of its length."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from viser import SceneApi
 
-from app.viewer.scene.draw.lines import add_lines, segments
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
+from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.draw.shapes import circle
-from app.viewer.scene.marks.world.mission import on_floor
+from app.viewer.scene.marks.world.mission_marks import on_floor
 from app.viewer.scene.shown import palette, tone
 
 RADIUS = 0.75

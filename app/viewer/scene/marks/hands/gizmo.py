@@ -9,7 +9,7 @@ import numpy as np
 from viser import SceneApi, TransformControlsEvent
 
 from app.viewer.scene.draw.attitude import nose
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
 from app.viewer.scene.draw.stage import Stage
 
 SETTLE = 0.25

@@ -13,11 +13,11 @@ import shapely
 from viser import SceneApi, TransformControlsEvent
 
 from app.viewer.editing.editor import has_heights
-from app.viewer.scene.draw.lines import add_lines, segments
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
+from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.draw.shapes import circle
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.marks.world.obstacles import drawn_height
+from app.viewer.scene.marks.world.obstacle_marks import drawn_height
 from app.viewer.scene.shown import palette, tone
 
 SETTLE = 0.35

@@ -6,12 +6,12 @@ import numpy as np
 from viser import LabelHandle, SceneApi
 
 from agents.inspection import Inspection
-from app.viewer.scene.draw.lines import add_lines, segments
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
+from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.draw.shapes import dashes
-from app.viewer.scene.marks.world.mission import ABOVE, on_floor
-from app.viewer.scene.marks.world.obstacles import drawn_height
-from app.viewer.scene.marks.world.points import on_rims
+from app.viewer.scene.marks.world.boundary_point_marks import on_rims
+from app.viewer.scene.marks.world.mission_marks import ABOVE, on_floor
+from app.viewer.scene.marks.world.obstacle_marks import drawn_height
 from app.viewer.scene.shown import palette, tone
 
 LONGEST, LENGTHS = 0.085, 3.5
@@ -22,7 +22,7 @@ SHAFT = 0.026
 """Radius of an arrow's shaft as a multiple of the strongest force's length."""
 
 
-class Reasons:
+class ReasonMarks:
     """Arrows, dots and words that follow `Frame.inspected`."""
 
     def __init__(self, scene: SceneApi, root: str = "", still: str | None = None) -> None:

@@ -10,16 +10,16 @@ import numpy as np
 from viser import SceneApi
 
 from app.viewer.scene.draw.attitude import attitude
-from app.viewer.scene.draw.lines import add_lines, segments
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
+from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.draw.seam import jumps
 from app.viewer.scene.draw.shapes import Mesh
-from app.viewer.scene.marks.paths.past import INJECTED, Past, thinned
 from app.viewer.scene.marks.paths.streaks import FAINTEST, STRONGEST, chosen
 from app.viewer.scene.marks.paths.time_scale import TimeScale
+from app.viewer.scene.marks.paths.trail_history import INJECTED, TrailHistory, thinned
 from app.viewer.scene.shown import palette, tone
-from app.viewer.scene.shown.look import RIBBON, RISING
-from app.viewer.scene.shown.usual import turns
+from app.viewer.scene.shown.drawing_defaults import turns
+from app.viewer.scene.shown.drawing_style import RIBBON, RISING
 
 MOST_AGENTS = 75
 PIECES = 1200
@@ -43,7 +43,7 @@ class Ribbons:
     """A band behind each agent, or of very many agents behind some."""
 
     def __init__(self, scene: SceneApi, root: str = "") -> None:
-        self._past = Past()
+        self._past = TrailHistory()
         self._pieces = scene.add_batched_meshes_simple(
             f"{root}/flock/ribbons/pieces",
             *tile(),

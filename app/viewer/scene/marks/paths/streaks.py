@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw.lines import add_lines, segments
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
+from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.draw.seam import jumps
-from app.viewer.scene.marks.paths.past import Past
+from app.viewer.scene.marks.paths.trail_history import TrailHistory
 from app.viewer.scene.shown import tone
 
 KNOTS = 16
@@ -27,7 +27,7 @@ class Streaks:
         self._old = add_lines(scene, f"{name}/old", thick, many_coloured=True)
         self._young = add_lines(scene, f"{name}/young", 1.8 * thick, many_coloured=True)
         self._tip = add_lines(scene, f"{name}/tip", 2.2 * thick, many_coloured=True)
-        self._past = Past()
+        self._past = TrailHistory()
 
     def hide(self) -> Changes:
         """Forget them, and draw nothing."""

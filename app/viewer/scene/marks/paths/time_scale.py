@@ -7,8 +7,8 @@ import math
 import numpy as np
 from viser import LabelHandle, SceneApi
 
-from app.viewer.scene.draw.lines import add_lines, segments
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
+from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.shown import palette, tone
 
 MOST = 5

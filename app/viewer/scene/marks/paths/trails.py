@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from viser import SceneApi
 
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
 from app.viewer.scene.marks.paths.streaks import Streaks, chosen
-from app.viewer.scene.shown.look import LINE
+from app.viewer.scene.shown.drawing_style import LINE
 
 MOST_AGENTS = 800
 

@@ -11,9 +11,9 @@ import numpy as np
 from viser import SceneApi
 
 from app.viewer.scene.draw.bird import TIP
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
 from app.viewer.scene.marks.flock.birds import SCALE, leftwards
-from app.viewer.scene.marks.flock.flight import Flight
+from app.viewer.scene.marks.flock.flock_motion import FlockMotion
 from app.viewer.scene.marks.paths.streaks import Streaks, chosen
 from app.viewer.scene.shown import palette
 
@@ -23,7 +23,7 @@ MOST_BIRDS = 300
 class Wake(Streaks):
     """Two thin lines behind each bird, or of very many birds behind some."""
 
-    def __init__(self, scene: SceneApi, root: str, flight: Flight) -> None:
+    def __init__(self, scene: SceneApi, root: str, flight: FlockMotion) -> None:
         super().__init__(scene, f"{root}/flock/wake", thick=0.7)
         self._flight = flight
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw.lines import add_lines, segments
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
+from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.draw.shapes import Mesh, box_edges
 from app.viewer.scene.marks.world.fence import ABOVE, fence
 from app.viewer.scene.shown import palette, tone

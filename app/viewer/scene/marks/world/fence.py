@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw.lines import add_lines, segments
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
+from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.draw.shapes import box_edges, dashes
 from app.viewer.scene.shown import palette, tone
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
 from app.viewer.scene.marks.flock.fleet import CarMeshes
 from app.viewer.scene.shown import palette
 

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from viser import ClientHandle
 
-from app.viewer.scene.draw.picture import Picture
+from app.viewer.scene.draw.drawn_frame import Picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.marks.world.in_the_way import InTheWay, Solids
-from app.viewer.scene.marks.world.obstacles import PIECES, Piece
+from app.viewer.scene.marks.world.obstacle_marks import PIECES, Piece
+from app.viewer.scene.marks.world.view_blockers import Solids, ViewBlockers
 from worlds.world import World
 
 EVERY = 0.2
@@ -27,7 +27,7 @@ GLASSY = 0.22
 """Opacity of what is in the way."""
 
 
-class Watched(NamedTuple):
+class FollowedAgent(NamedTuple):
     """An agent that a browser's camera follows."""
 
     client: ClientHandle
@@ -40,12 +40,12 @@ class Watched(NamedTuple):
 
 
 @dataclass
-class View:
+class BrowserView:
     """What one browser draws itself."""
 
     root: str
     drawn: tuple[World, Stage, frozenset[int]] | None = None
-    in_the_way: InTheWay = field(default_factory=InTheWay)
+    in_the_way: ViewBlockers = field(default_factory=ViewBlockers)
     pieces: tuple[Piece, ...] = ()
     hidden: list[Any] = field(default_factory=list)
 
@@ -82,11 +82,11 @@ class SeeThrough:
     """Looks a few times a second; costs nothing while nobody follows an agent."""
 
     def __init__(self) -> None:
-        self._views: dict[int, tuple[ClientHandle, View]] = {}
+        self._views: dict[int, tuple[ClientHandle, BrowserView]] = {}
         self._solids: dict[tuple[World, Stage], Solids] = {}
         self._due = 0.0
 
-    def look(self, watched: Callable[[], list[Watched]]) -> None:
+    def look(self, watched: Callable[[], list[FollowedAgent]]) -> None:
         """Let browsers see what they follow; who they are is asked only when it is time."""
         now = time.monotonic()
         if now < self._due:
@@ -103,14 +103,14 @@ class SeeThrough:
             if world.obstacles:
                 solids = known.get((world, stage)) or Solids(world, stage)
                 self._solids[world, stage] = solids
-                _, view = self._views.setdefault(number, (one.client, View(one.root)))
+                _, view = self._views.setdefault(number, (one.client, BrowserView(one.root)))
                 self._look(one, view, solids, now)
 
-    def _look(self, one: Watched, view: View, solids: Solids, now: float) -> None:
+    def _look(self, one: FollowedAgent, view: BrowserView, solids: Solids, now: float) -> None:
         picture = one.picture
         world, stage = picture.frame.world, picture.stage
         if view.drawn is not None and view.drawn[0] is not world:
-            view.in_the_way = InTheWay()
+            view.in_the_way = ViewBlockers()
         wide = WIDE * picture.length * float(picture.size[one.row]) / stage.scale
         eye, at = stage.unplaced(one.eye), stage.unplaced(picture.at[one.row])
         view.draw(one.client, world, stage, view.in_the_way.look(solids, eye, at, wide, now))

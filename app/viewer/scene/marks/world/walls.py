@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from viser import SceneApi
 
-from app.viewer.scene.draw.picture import Changes, Picture
+from app.viewer.scene.draw.drawn_frame import Changes, Picture
 from app.viewer.scene.draw.solids import border, panes, prism, rims
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette, tone

@@ -1,0 +1,105 @@
+"""Results at one value of the parameter, or near it: their mean and how far they spread."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.classroom.collect.hand_in import Point
+from app.experiments.sweeps.pictures.mean_lines import spans_decades
+from app.experiments.sweeps.replicates import half_width
+
+MOST_ALONE = 12
+"""Different values that are each a group, however few results there are of each."""
+MOST_BINS = 15
+
+
+@dataclass(frozen=True)
+class ResultGroup:
+    """Results that are taken together."""
+
+    value: float
+    """Of the parameter: theirs, or in the middle of theirs, its mean."""
+    low: float
+    high: float
+    """Between which theirs lie."""
+    results: tuple[float, ...]
+    """Of different runs: one that two students handed in counts once."""
+    gave_up: int = 0
+    """Runs in which it did not happen; they are in no mean."""
+    failed: int = 0
+
+    @property
+    def runs(self) -> int:
+        """Runs with a result."""
+        return len(self.results)
+
+    @property
+    def mean(self) -> float:
+        """Of the results; nan without any."""
+        return float(np.mean(self.results)) if self.results else math.nan
+
+    @property
+    def sd(self) -> float:
+        """Sample standard deviation (n - 1); nan below two results."""
+        return float(np.std(self.results, ddof=1)) if self.runs > 1 else math.nan
+
+    @property
+    def half(self) -> float:
+        """Half of the 95 % interval of the mean; nan below two results, and of equal ones."""
+        return half_width(self.results)
+
+
+def distinct(points: Sequence[Point]) -> list[Point]:
+    """The points without those whose run another has been already: they tell nothing new."""
+    found: dict[str, Point] = {}
+    for point in points:
+        found.setdefault(point.spec, point)
+    return list(found.values())
+
+
+def groups_of(points: Sequence[Point], given: bool) -> list[ResultGroup]:
+    """Points by the value of the parameter, rising; where values are free, near ones together.
+
+    `given`: whether students were given values: then each value is a group by itself.
+    """
+    runs = distinct(points)
+    values = sorted({point.value for point in runs})
+    if given or len(values) <= MOST_ALONE:
+        parts = [[point for point in runs if point.value == value] for value in values]
+    else:
+        parts = binned(runs, edges_of(values, len(runs)))
+    return [grouped(part) for part in parts if part]
+
+
+def edges_of(values: Sequence[float], runs: int) -> np.ndarray:
+    """Edges (bins + 1,) of bins of equal width, or of equal ratio where values span decades."""
+    bins = min(MOST_BINS, max(4, math.isqrt(runs)))
+    between = np.geomspace if spans_decades(list(values)) else np.linspace
+    return between(values[0], values[-1], bins + 1)
+
+
+def binned(points: Sequence[Point], edges: np.ndarray) -> list[list[Point]]:
+    """The points of each bin; the last one has its upper edge."""
+    parts: list[list[Point]] = [[] for _ in edges[1:]]
+    for point in points:
+        place = int(np.searchsorted(edges, point.value, side="right")) - 1
+        parts[min(max(place, 0), len(parts) - 1)].append(point)
+    return parts
+
+
+def grouped(points: Sequence[Point]) -> ResultGroup:
+    """Points as a group."""
+    values = [point.value for point in points]
+    middle = values[0] if min(values) == max(values) else float(np.mean(values))
+    return ResultGroup(
+        middle,
+        min(values),
+        max(values),
+        tuple(point.result for point in points if point.result is not None),
+        sum(point.status == "gave-up" for point in points),
+        sum(point.status == "failed" for point in points),
+    )

@@ -1,0 +1,160 @@
+"""A process that holds laboratories: it does what it is told on a line, until that ends.
+
+What it is told and what it answers is pickled: both ends are of one program. Every laboratory is
+bound to the loopback, at a port that the system chooses, and behind a secret that others who use
+the machine do not know.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import secrets
+import signal
+import socket
+import struct
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, BinaryIO
+
+from app.classroom.workers.laboratory_status import LaboratoryStatus, seen
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.scene_requests import SCRIPTS
+from app.viewer.run.allowance import Allowance
+from app.viewer.watching.watch_page import WatchPage
+from app.viewer.web.incoming.client_addresses import BEHIND_A_FRONT
+from app.viewer.web.server import open_server
+from app.viewer.web.serving.front import Front
+from worlds.input_error import InputError
+
+LENGTH = struct.Struct("!I")
+"""Stands before every message: its length, bytes."""
+HOST = "127.0.0.1"
+NICENESS = 10
+"""Of processes with students' flocks, which run without end: what somebody waits for, such as a
+result or a page, comes first where processors are busy."""
+ORIGIN = "the class"
+"""Where the scenes come from that it is given."""
+
+
+def read(line: BinaryIO) -> Any:
+    """The next message. Raises EOFError where there is none."""
+    head = line.read(LENGTH.size)
+    if len(head) < LENGTH.size:
+        raise EOFError
+    data = line.read(*LENGTH.unpack(head))
+    return pickle.loads(data)
+
+
+def packed(message: Any) -> bytes:
+    """A message as it goes over the line."""
+    data = pickle.dumps(message, -1)
+    return LENGTH.pack(len(data)) + data
+
+
+def lower_priority(niceness: int) -> None:
+    """Have others go before this process where processors are busy, if the system knows of that."""
+    if hasattr(os, "nice"):
+        os.nice(niceness)
+
+
+class Laboratories:
+    """The laboratories of one process, by the number of whose they are.
+
+    `allowance`: what each may take; None: everything.
+    """
+
+    def __init__(self, allowance: Allowance | None = None) -> None:
+        self.allowance = allowance
+        if allowance is not None:
+            lower_priority(NICENESS)
+        self.secret = secrets.token_hex(16)
+        self.all: dict[int, Laboratory] = {}
+        self.told: dict[int, Any] = {}
+        """Of which state of each the scene was told last."""
+
+    def at(self, port: int) -> str:
+        """Where the front of the class finds a port."""
+        return f"http://{HOST}:{port}/{self.secret}"
+
+    def open(self, whose: int, scene: str) -> str:
+        """Open one on a scene, or have it begin with that if it is open; where it is."""
+        opened = SavedScene.from_toml(scene, ORIGIN)
+        if whose in self.all:
+            self.all[whose].open(opened)
+        else:
+            front = Front(SCRIPTS, secret=self.secret)
+            server = open_server(HOST, 0, front, limits=BEHIND_A_FRONT)
+            self.all[whose] = Laboratory(
+                host=HOST, server=server, opened=opened, waits=True, allowance=self.allowance
+            )
+        return self.at(self.all[whose].port)
+
+    def watch(self, whose: int) -> str:
+        """Open the page of those who watch one; where it is."""
+        self.watching = WatchPage(
+            self.all[whose], "the teacher", HOST, secret=self.secret, limits=BEHIND_A_FRONT
+        )
+        return self.at(self.watching.port)
+
+    def close(self, whose: int) -> None:
+        """Close one."""
+        laboratory = self.all.pop(whose, None)
+        if laboratory is not None:
+            laboratory.close()
+
+    def scene(self, whose: int) -> str:
+        """What one runs now, TOML."""
+        return self.all[whose].now().to_toml()
+
+    def changed(self) -> dict[int, str]:
+        """The scenes of those that run something else than when this was asked last."""
+        found = {}
+        for whose, one in self.all.items():
+            state = one.simulation.state
+            now = state.run, state.spec, state.values, state.beside_values
+            if not state.busy and self.told.get(whose) != now:
+                self.told[whose] = now
+                found[whose] = one.now().to_toml()
+        return found
+
+    def seen(self) -> dict[int, LaboratoryStatus]:
+        """How all of them stand."""
+        return {whose: seen(one) for whose, one in self.all.items()}
+
+    def draw_at(self, pictures: float) -> None:
+        """Draw each so often a second at most."""
+        assert self.allowance is not None
+        self.allowance = replace(self.allowance, pictures=pictures)
+        for one in self.all.values():
+            one.drawing.rates = replace(one.drawing.rates, fastest=1.0 / pictures)
+
+    def pause(self, whose: int) -> None:
+        """Let one stand."""
+        self.all[whose].simulation.pause()
+
+    def go(self, whose: int) -> None:
+        """Let one run."""
+        self.all[whose].simulation.go()
+
+
+def serve(line: socket.socket, kind: Callable[..., Any], *given: Any) -> None:
+    """The process: have one of a kind do what is told, in order, until nobody tells any more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the command, which ends the line
+    doing, told = kind(*given), line.makefile("rb")
+    while True:
+        try:
+            number, name, asked = read(told)
+        except (EOFError, OSError):
+            os._exit(0)  # at once, whatever is being compiled
+        try:
+            answer = number, True, getattr(doing, name)(*asked)
+        except InputError as refusal:
+            answer = number, False, refusal
+        except Exception as error:
+            answer = number, False, RuntimeError(f"{type(error).__name__}: {error}")
+        try:
+            line.sendall(packed(answer))
+        except OSError:
+            os._exit(0)

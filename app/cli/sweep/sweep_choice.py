@@ -1,0 +1,227 @@
+"""Which sweep is meant: a file, options for the common case, or a folder that was run before."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from app.cli.length import demand_one_length, ticks_asked
+from app.results_folder import RESULTS
+from app.settings import assignment, names, numbers, value
+from worlds.input_error import InputError
+
+if TYPE_CHECKING:
+    from app.experiments.sweeps.checked_sweep import Sweep
+    from app.experiments.sweeps.given.key_locations import KeyLocations
+
+SPAN = re.compile(r"([^:]+):([^:]+)(?::([^:]+))?(?::(log|linear))?")
+Vary = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--vary",
+        help="An axis, NAME=FROM:TO:COUNT, NAME=FROM:TO:COUNT:log or NAME=A,B,C; may be repeated.",
+    ),
+]
+Fixed = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="A parameter or option of all runs, NAME=VALUE; may be repeated."),
+]
+Runs = Annotated[int | None, typer.Option(help="Runs of each cell. \\[default: 10]")]
+Ticks = Annotated[int | None, typer.Option(help="Ticks of a run. \\[default: 1000]")]
+Seconds = Annotated[
+    float | None,
+    typer.Option(
+        "--seconds", help="Instead of --ticks: time of a run, of a model that counts seconds."
+    ),
+]
+Observes = Annotated[str, typer.Option("--observe", help="Observables with commas.")]
+Over = Annotated[int | None, typer.Option(help="Take means over the last OVER ticks of each run.")]
+Until = Annotated[
+    str, typer.Option("--until", help="End a run where this holds: 'consistency >= 0.9984'.")
+]
+Hold = Annotated[int, typer.Option(help="Ticks for which --until has to hold.")]
+
+
+def sweep_asked(
+    what: str,
+    vary: list[str] | None,
+    fixed: list[str] | None,
+    runs: int | None,
+    ticks: int | None,
+    seconds: float | None,
+    observe: str,
+    over: int | None,
+    until: str,
+    hold: int,
+    tell: Any,
+) -> tuple[Sweep, Path]:
+    """The sweep and its folder, where no other is asked for. Raises InputError."""
+    from app.experiments.sweeps.checked_sweep import sweep_of
+    from app.experiments.sweeps.given.key_locations import KeyLocations
+
+    options = {
+        "--vary": vary, "--set": fixed, "--runs": runs, "--ticks": ticks, "--observe": observe,
+        "--over": over, "--until": until, "--seconds": seconds,
+    }  # fmt: skip
+    if says_all(what):
+        for name, given in options.items():
+            if given:
+                raise InputError(f"{name} cannot be given with {what}, which says it already")
+        return read_or_kept(what, tell)
+    if not vary:
+        raise InputError(
+            f"{what!r} is no FILE.toml and no folder of a sweep; for a model give --vary "
+            "NAME=FROM:TO:COUNT"
+        )
+    demand_one_length(ticks, seconds, least=1)
+    ticks = ticks if seconds is None else ticks_of(what, vary, fixed or [], seconds)
+    values, places = from_options(what, vary, fixed or [], runs, ticks, observe, over, until, hold)
+    made = sweep_of(values, KeyLocations("the command line", options=places), Path(), tell)
+    return made, RESULTS / "-".join([Path(what).stem, *made.axes])
+
+
+def ticks_of(model: str, vary: list[str], fixed: list[str], seconds: float) -> int | None:
+    """The ticks that so many seconds are in every run. Raises InputError."""
+    from agents.catalogue import model as find_model
+    from agents.models.declare import checked
+
+    varied = {setting.partition("=")[0].strip() for setting in vary}
+    for name in ("dt", "model"):
+        if name in varied:
+            raise InputError(
+                f"--seconds {seconds:g} is not the same ticks in every run with --vary {name}: "
+                "give --ticks"
+            )
+    one = find_model(model)
+    given = dict(assignment(setting) for setting in fixed)
+    own = {name: value for name, value in given.items() if name in one.parameters.model_fields}
+    dt = float(one.body.lasts(checked(one.parameters, own, "--set")))
+    return ticks_asked(None, seconds, one.name, one.body.unit, dt)
+
+
+def says_all(what: str) -> bool:
+    """Whether this is a file, or the folder of a sweep that was run before."""
+    return Path(what).suffix.lower() == ".toml" or is_sweep(folder_of(what))
+
+
+def read_or_kept(what: str, tell: Any) -> tuple[Sweep, Path]:
+    """The sweep of a file or of a folder, and its folder. Raises InputError."""
+    from app.experiments.sweeps.checked_sweep import read_sweep
+
+    if not says_all(what):
+        raise InputError(f"{what!r} is no FILE.toml and no folder of a sweep")
+    if Path(what).suffix.lower() == ".toml":
+        return read_sweep(Path(what), tell), RESULTS / Path(what).stem
+    return read_again(folder_of(what), tell), folder_of(what)
+
+
+def read_again(folder: Path, tell: Any) -> Sweep:
+    """The sweep of a folder that was run before. Raises InputError."""
+    from app.experiments.sweeps.checked_sweep import sweep_of
+
+    return sweep_of(*begun_in(folder), tell)
+
+
+def begun_in(folder: Path) -> tuple[dict[str, Any], KeyLocations, Path]:
+    """What the file in a folder says, where its keys are, where it was begun. Raises InputError."""
+    from app.experiments.runs.store_reader import StoreReader
+    from app.experiments.sweeps.given.key_locations import KeyLocations
+    from app.experiments.sweeps.sweep_runner import SPEC
+    from worlds.text_file import read_text, toml
+
+    path = folder / SPEC
+    text = read_text(f"sweep {str(path)!r}", path)
+    begun = Path(StoreReader(folder).state.get("from_folder", folder))
+    return toml(text, str(path)), KeyLocations(str(path), text), begun
+
+
+def from_options(
+    model: str,
+    vary: list[str],
+    fixed: list[str],
+    runs: int | None,
+    ticks: int | None,
+    observe: str,
+    over: int | None,
+    until: str,
+    hold: int,
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """What a file would say, and which option each key is from. Raises InputError."""
+    from app.experiments.sweeps.given.sweep_file import RunOptions
+
+    run: dict[str, Any] = {"model": model, "ticks": 1000 if ticks is None else ticks}
+    places = {"model": "MODEL", "ticks": "--ticks", "count": "--runs", "when": "--until"}
+    for setting in fixed:
+        name, given = assignment(setting)
+        places[name] = f"--set {setting}"
+        if name in RunOptions.model_fields:
+            run[name] = given
+        else:
+            run.setdefault("parameters", {})[name] = given
+    axes: dict[str, Any] = {}
+    for setting in vary:
+        name, axis = axis_of(setting)
+        places[name] = f"--vary {setting}"
+        axes[name] = axis
+    values: dict[str, Any] = {"run": run, "design": [{"kind": "grid", "axes": axes}]}
+    if runs is not None:
+        values["replicates"] = {"count": runs}
+    if until:
+        values["stop"] = {"when": until, "hold": hold}
+    observed = names(observe)
+    places |= {"observe": "--observe", "over": "--over"}
+    if observed:
+        values["observe"] = [
+            {"name": name} if over is None else {"name": name, "over": over} for name in observed
+        ]
+    elif over is not None:
+        raise InputError("--over needs --observe: of what is the mean to be taken?")
+    return values, places
+
+
+def axis_of(setting: str) -> tuple[str, Any]:
+    """Name and values of `--vary`. Raises InputError.
+
+    >>> axis_of("eta=0:6:4"), axis_of("agents=50,100")
+    (('eta', {'from': 0.0, 'to': 6.0, 'count': 4}), ('agents', [50, 100]))
+    """
+    name, equals, text = (part.strip() for part in setting.partition("="))
+    if not equals or not name or not text:
+        raise InputError(f"--vary {setting} is not of the form NAME=FROM:TO:COUNT or NAME=A,B,C")
+    if ":" not in text:
+        return name, [value(one) for one in names(text)]
+    found = SPAN.fullmatch(text)
+    try:
+        if found and found[3] is not None:
+            low, high = (numbers("--vary", found[k])[0] for k in (1, 2))
+            made: dict[str, Any] = {"from": low, "to": high, "count": int(found[3])}
+            return name, made | ({"scale": found[4]} if found[4] else {})
+    except ValueError:
+        pass
+    raise InputError(f"--vary {setting} is not of the form NAME=FROM:TO:COUNT, with :log if wanted")
+
+
+def folder_of(name: str) -> Path:
+    """The folder of a sweep by its path, or by its name in `results`."""
+    return Path(name) if Path(name).is_dir() else RESULTS / name
+
+
+def is_sweep(folder: Path) -> bool:
+    """Whether a folder has a store of runs."""
+    from app.experiments.runs.database import FILE
+
+    return (folder / FILE).is_file()
+
+
+def kept_sweep(name: str) -> Path:
+    """The folder of a sweep that was run, by name or path. Raises InputError."""
+    path = Path(name)
+    if path.suffix.lower() == ".toml" and not path.is_dir():
+        name = path.stem
+    folder = folder_of(name)
+    if not is_sweep(folder):
+        raise InputError(f"there is no sweep {name!r}: `flockscope sweep list` names what there is")
+    return folder

@@ -1,0 +1,193 @@
+"""What every part of the drawing needs of a frame, worked out once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from app.viewer.scene.draw.attitude import attitude
+from app.viewer.scene.draw.shapes import dart_length, spacing
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.drawing_style import DrawingStyle, agent_colours, as_birds
+from app.viewer.scene.shown.frame import Frame
+from app.viewer.scene.shown.live_cars import LOST, Live
+
+POINTS_BEYOND = 10_000
+"""More agents than this are drawn as points."""
+
+Changes = list[tuple[Any, str, Any]]
+"""Node handle, property, new value: collected first, then assigned in one go."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One frame on the display."""
+
+    frame: Frame
+    look: DrawingStyle
+    stage: Stage
+    at: np.ndarray
+    """Where each agent is drawn, (N, 3)."""
+    wxyz: np.ndarray
+    """Attitude of each agent, (N, 4)."""
+    colour: np.ndarray
+    """Colour of each agent, sRGB (N, 3)."""
+    length: float
+    """Length of a common agent."""
+    size: np.ndarray
+    """Length of each agent as a multiple of `length`, (N,)."""
+
+    @property
+    def as_birds(self) -> bool:
+        """Whether the agents are drawn as birds, which bank and beat their wings."""
+        return as_birds(self.frame, self.look)
+
+    @property
+    def as_cars(self) -> bool:
+        """Whether the agents are drawn as cars, true to scale: their size says what touches."""
+        return as_cars(self.frame)
+
+    @property
+    def live(self) -> Live | None:
+        """Of a room with real cars, drawn as such; None for a simulation."""
+        return self.frame.live if self.as_cars else None
+
+    @property
+    def backdrop(self) -> np.ndarray:
+        """What lies behind the agents: faint things are mixed with it."""
+        return palette.FLOOR if self.stage.dim == 2 else palette.FOG
+
+    @property
+    def leader(self) -> int | None:
+        """Row of the first information agent."""
+        rows = np.flatnonzero(self.frame.informed)
+        return int(rows[0]) if len(rows) else None
+
+    def mixed(self, colour: np.ndarray, share: float | np.ndarray) -> np.ndarray:
+        """`colour` with a `share` of the backdrop in it."""
+        return colour + share * (self.backdrop - colour)
+
+    @property
+    def inspected(self) -> int | None:
+        """Row of the inspected agent, if it is there."""
+        inspected = self.frame.inspected
+        if inspected is None or not 0 <= inspected.row < len(self.at):
+            return None
+        return int(inspected.row)
+
+
+LEADER_SIZE = {2: 1.75, 3: 2.2}
+"""Length of an information agent as a multiple of a common one, by dimension."""
+LEADER_LEAST = 0.045
+"""Length of an information agent as a multiple of the world's longest side, at least."""
+LEADER_LEAST_CLOSE = 0.02
+"""The same among agents that start close together."""
+FEW_LEADERS = 12
+"""More information agents than this keep a common size and wear no halo."""
+CLOSE = {2: 0.35, 3: 0.8}
+"""Length of an agent of a flock that starts close together, as a multiple of its mean spacing."""
+LEAST_LENGTH = 0.012
+"""Length of an agent of a close flock as a multiple of the world's longest side, at least."""
+LEAST_CAR = 0.022
+"""Length of a car as a multiple of the world's longest side, at least."""
+LYING = 0.09
+"""How high the middle of one that lies on the floor is, as a multiple of its length."""
+KEPT = 1.15
+"""Length of an agent in space as a multiple of the distance that they keep, at most; but not less
+than half of what it would be without."""
+INSPECTED_SIZE = 1.45
+DIMMED = 0.72
+PALE = 0.6
+"""Share of the floor in the colour of a car that is lost."""
+
+
+def as_cars(frame: Frame) -> bool:
+    """Whether a flock is drawn as cars: in a flat world, if it is one."""
+    return frame.cars is not None and frame.dim == 2
+
+
+def agent_length(frame: Frame, stage: Stage) -> float:
+    """Length of a common agent: as suits the box they fill, or the region in which they start.
+
+    A flock that starts close together stays so: its darts are small enough to be told apart, and
+    not too small to be seen.
+    """
+    count = len(frame.position)
+    if frame.room is None:
+        common = dart_length(count, stage.half)
+        kept = KEPT * frame.kept * stage.scale if stage.dim == 3 else np.inf
+        return float(np.clip(kept, 0.5 * common, common))
+    half = np.zeros(3)
+    half[: stage.dim] = 0.5 * stage.scale * (frame.room[1] - frame.room[0])
+    packed = min(CLOSE[stage.dim] * spacing(count, half), frame.reach * stage.scale)
+    return float(np.clip(packed, LEAST_LENGTH * stage.side, dart_length(count, stage.half)))
+
+
+def car_length(frame: Frame, stage: Stage) -> float:
+    """Length of a car: true to scale, unless it would be too small to see."""
+    assert frame.cars is not None
+    return max(frame.cars.length * stage.scale, LEAST_CAR * stage.side)
+
+
+def picture(frame: Frame, look: DrawingStyle, stage: Stage) -> Picture:
+    """Work out positions, attitudes, colours and sizes; agents hover just above a flat floor."""
+    count = len(frame.position)
+    driven = as_cars(frame)
+    common = car_length(frame, stage) if driven else agent_length(frame, stage)
+    length = common * float(np.clip(look.agent_size, 0.1, 10.0))
+    at = stage.shown(frame.position)
+    size = np.ones(count, dtype=np.float32)
+    if np.count_nonzero(frame.informed) <= FEW_LEADERS and not driven:
+        least = LEADER_LEAST if frame.room is None else LEADER_LEAST_CLOSE
+        size[frame.informed] = max(LEADER_SIZE[stage.dim], least * stage.side / length)
+    colour = agent_colours(frame, look)
+    down = frame.down
+    heading = laid(frame.heading, down)
+    made = Picture(frame, look, stage, at, attitude(heading), colour, length, size)
+    if made.live is not None:
+        lost = made.live.are(LOST)
+        colour[lost] = made.mixed(colour[lost], PALE)
+    if made.inspected is not None:
+        _single_out(made)
+        if driven:
+            size[:] = 1.0
+    if stage.dim == 2:
+        at[:, 2] = 0.22 * length * size
+    else:
+        at[down, 2] += LYING * length * size[down]
+    return made
+
+
+def laid(heading: np.ndarray, down: np.ndarray) -> np.ndarray:
+    """Headings (N, dim) with those level that have crashed, `down` (N,) bool."""
+    if heading.shape[1] == 2 or not down.any():
+        return heading
+    level = heading.copy()
+    level[down, 2] = 0.0
+    return level
+
+
+def _single_out(made: Picture) -> None:
+    """Enlarge the inspected agent, and its neighbours by weight; dim all others."""
+    inspected = made.frame.inspected
+    assert inspected is not None
+    near = inspected.neighbours
+    dimmed = made.mixed(made.colour, DIMMED)
+    kept = np.zeros(len(made.colour), dtype=bool)
+    kept[near] = True
+    kept[inspected.row] = True
+    kept |= made.frame.informed
+    made.colour[~kept] = dimmed[~kept]
+    if len(inspected.zone) and made.look.zones:
+        made.colour[near] = palette.by_zone(inspected.zone)
+    made.size[near] *= 1.0 + 0.35 * shares(inspected.weights)
+    made.size[inspected.row] *= INSPECTED_SIZE
+
+
+def shares(weights: np.ndarray) -> np.ndarray:
+    """Weights (M,) as shares of the largest, in [0, 1]; all 1 when they are all alike or zero."""
+    largest = float(np.max(weights, initial=0.0))
+    return np.asarray(weights) / largest if largest > 0.0 else np.ones(len(weights))

@@ -1,0 +1,203 @@
+"""What a person may choose about the drawing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED, Legend
+from app.viewer.scene.shown.control import chosen
+from app.viewer.scene.shown.frame import Frame
+
+TRAILS = OFF, LINE, RIBBON, RISING = ("off", "line", "ribbon", "rising in time")
+"""What an agent may leave behind it; what rises in time does so in flat worlds, else it is flat."""
+
+CAMERAS = ("top-down", "perspective", "side", "follow")
+"""The preset points of view."""
+
+RIDE, STEP_OFF = "ride along", "step off"
+"""A camera on a bird, and back to where the camera was."""
+
+BIRDS_UP_TO = 3_000
+"""More agents than this are darts in space too."""
+SHADOWS_UP_TO = 2_000
+"""More agents than this cast no shadows."""
+NUMBERED_UP_TO = 120
+"""Numbers are written beside at most this many agents; of more, beside the clicked one's
+neighbours."""
+
+GROUPS = AGENTS, WORLD, CAMERA = ("Agents", "World", "Camera")
+"""What the controls of the drawing are about."""
+
+
+def has_needed(colouring: str, frame: Frame, _look: object = None) -> bool:
+    """Whether a flock has what a colouring stands for."""
+    return COLOURINGS[colouring].needs(frame)
+
+
+def as_birds(frame: Frame, look: DrawingStyle) -> bool:
+    """Whether a flock is drawn as birds: in space, if they are not too many."""
+    return look.birds and may_be_birds(frame)
+
+
+def may_be_birds(frame: Frame, _look: object = None) -> bool:
+    """Whether a flock can be drawn as birds."""
+    return frame.dim == 3 and len(frame.ids) <= BIRDS_UP_TO
+
+
+def leaves_trails(frame: Frame, look: DrawingStyle) -> bool:
+    """Whether anything is drawn of where agents have been."""
+    return look.trails != OFF or (look.wake and as_birds(frame, look))
+
+
+def can_be_numbered(frame: Frame, _look: object = None) -> bool:
+    """Whether numbers can be written beside agents; names of real cars are written always."""
+    few = len(frame.ids) <= NUMBERED_UP_TO or frame.inspected is not None
+    return few and frame.live is None
+
+
+def has_way(frame: Frame, _look: object = None) -> bool:
+    """Whether there are waypoints or a goal."""
+    mission = frame.world.mission
+    return mission is not None and (mission.path is not None or mission.goal is not None)
+
+
+def is_fenced(frame: Frame, _look: object = None) -> bool:
+    """Whether there are cars in an open area."""
+    return frame.cars is not None and set(frame.world.edges) == {"open"}
+
+
+@dataclass(frozen=True)
+class DrawingStyle:
+    """How a frame is drawn, with how it is chosen, and where. Nothing in it changes the flock."""
+
+    colour: str = chosen(
+        "heading",
+        "Colour by",
+        "What an agent's colour means",
+        tuple(name for name in COLOURINGS if name != MEASURED),
+        group=AGENTS,
+        only={name: partial(has_needed, name) for name in COLOURINGS},
+    )
+    """One of `COLOURINGS`."""
+    measured: str = ""
+    """By which number agents are coloured, where `colour` is `MEASURED`."""
+    links: bool = chosen(False, "Links", "A line between agents that are neighbours", group=AGENTS)
+    trails: str = chosen(
+        OFF,
+        "Trail",
+        "Where each agent has been; rising in time: its way through space and time, time upwards, "
+        "in flat worlds",
+        TRAILS,
+        group=AGENTS,
+    )
+    wake: bool = chosen(
+        False,
+        "Wake",
+        "The lines that birds' wing tips leave behind them: left cool, right warm",
+        group=AGENTS,
+        applies=as_birds,
+    )
+    trail_length: int = chosen(
+        60,
+        "Trail length",
+        "How far back, ticks",
+        low=10,
+        high=5000,
+        step=10,
+        group=AGENTS,
+        applies=leaves_trails,
+    )
+    reach: bool = chosen(
+        False,
+        "Reach",
+        "The interaction radius around the clicked agent, or the information agent",
+        group=AGENTS,
+    )
+    zones: bool = chosen(
+        True,
+        "Zones",
+        "The clicked agent's field of view and zones; neighbours take the colour of their zone, "
+        "those it does not see are grey",
+        group=AGENTS,
+        applies=lambda frame, _: np.isfinite(frame.kept),
+    )
+    labels: bool = chosen(
+        False, "Numbers", "Each agent's number", group=AGENTS, applies=can_be_numbered
+    )
+    """In small flocks; where there are real cars their names are written always."""
+    birds: bool = chosen(
+        True,
+        "Birds",
+        "Birds that bank and beat their wings; off: darts",
+        group=AGENTS,
+        applies=may_be_birds,
+    )
+    agent_size: float = chosen(1.0, "Agent size", low=0.3, high=3.0, step=0.1, group=AGENTS)
+    """As a multiple of the size that suits their density."""
+    shadows: bool = chosen(
+        True,
+        "Shadows",
+        group=AGENTS,
+        applies=lambda frame, _: len(frame.ids) <= SHADOWS_UP_TO,
+    )
+    mission: bool = chosen(
+        True,
+        "Path & goal",
+        "The information agents' waypoints, and the goal that all agents seek",
+        group=WORLD,
+        applies=has_way,
+    )
+    start: bool = chosen(
+        True,
+        "Start region",
+        "Where the agents of a mission begin",
+        group=WORLD,
+        applies=lambda frame, _: frame.room is not None,
+    )
+    fence: bool = chosen(
+        True,
+        "Fence",
+        "Half a metre inside the edge of the area, where real cars are made to stop; simulated "
+        "ones are not",
+        group=WORLD,
+        applies=is_fenced,
+    )
+    points: bool = chosen(
+        False,
+        "Boundary points",
+        "Points along the obstacles' outlines: all that these agents perceive of them",
+        group=WORLD,
+        applies=lambda frame, _: frame.sees_points and frame.world.is_solid,
+    )
+
+    def __post_init__(self) -> None:
+        if self.colour not in COLOURINGS:
+            raise ValueError(f"colour = {self.colour!r} is not one of {', '.join(COLOURINGS)}")
+        if self.trails not in TRAILS:
+            raise ValueError(f"trails = {self.trails!r} is not one of {', '.join(TRAILS)}")
+
+
+def agent_colours(frame: Frame, look: DrawingStyle) -> np.ndarray:
+    """Colours (N, 3), sRGB in [0, 1]; information agents and predators
+    wear their own, and so do the crashed."""
+    colours = COLOURINGS[look.colour].colours(frame)
+    colours[np.asarray(frame.informed, dtype=bool)] = palette.LEADER
+    if frame.cars is not None:
+        colours[frame.cars.predator] = palette.LEADER
+    colours[frame.down] = palette.CRASHED
+    return colours
+
+
+def legend(look: DrawingStyle, frame: Frame) -> Legend:
+    """What the colours mean, but for headings, which a wheel explains."""
+    colouring = COLOURINGS[look.colour]
+    entries = colouring.legend(frame, look.measured)
+    if frame.informed.any() and not colouring.has_leader:
+        entries = [*entries, ("information agent", palette.css(palette.LEADER))]
+    if frame.cars is not None and frame.cars.predator.any():
+        entries = [*entries, ("predator", palette.css(palette.LEADER))]
+    return [*entries, ("crashed", palette.css(palette.CRASHED))] if frame.down.any() else entries

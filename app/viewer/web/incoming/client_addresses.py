@@ -1,0 +1,140 @@
+"""From where connections come: how many there are of each address, and how soon more may come."""
+
+from __future__ import annotations
+
+import ipaddress
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from app.viewer.web.incoming.rate_limit import RateLimit
+
+PATIENCE = 5.0
+"""Seconds that a connection may have to wait for its turn."""
+DEEPEST = 40.0
+"""What an address owes at most, in pages."""
+REMEMBERED = 4096
+"""Addresses that are remembered."""
+
+
+Rate = tuple[float, float]
+"""A second, and at once."""
+
+
+@dataclass(frozen=True)
+class ConnectionLimits:
+    """How many connections there may be, of all and of one address, and how soon more."""
+
+    open: int = 256
+    """Open connections in all."""
+    open_of_one: int = 128
+    """Open connections of one address: a class behind one router has one."""
+    requests: Rate = (50.0, 150.0)
+    """Connections of one address: a page loads about ten files."""
+    pages: Rate = (5.0, 40.0)
+    """Pages of one address that connect."""
+    messages: Rate = (1000.0, 2000.0)
+    """Messages of one address, over all its connections."""
+    price: float = 10.0
+    """What a connection that was cut off costs its address, in pages."""
+
+
+USUAL = ConnectionLimits()
+BEHIND_A_FRONT = ConnectionLimits(
+    open_of_one=USUAL.open,
+    requests=(500.0, 1500.0),
+    pages=(50.0, 200.0),
+    messages=(20_000.0, 40_000.0),
+    price=0.0,
+)
+"""Where all come through a front of our own, from one address: that bounds each of them itself."""
+
+
+def address_of(peer: Any) -> str:
+    """Where a connection comes from; of IPv6 the network of 64 bits, which one person has.
+
+    >>> address_of(("::ffff:10.0.0.7", 80, 0, 0)), address_of(("2001:db8::1:2", 80, 0, 0))
+    ('10.0.0.7', '2001:db8::/64')
+    """
+    try:
+        found = ipaddress.ip_address(str(peer[0]).partition("%")[0])
+    except (ValueError, TypeError, IndexError):
+        return "elsewhere"
+    if isinstance(found, ipaddress.IPv4Address):
+        return str(found)
+    if found.ipv4_mapped is not None:
+        return str(found.ipv4_mapped)
+    if found.is_loopback:
+        return str(found)
+    return str(ipaddress.ip_network((found, 64), strict=False))
+
+
+class ClientAddress:
+    """One address."""
+
+    def __init__(self, clock: Callable[[], float], limits: ConnectionLimits = USUAL):
+        self.open = 0
+        self.requests = RateLimit(*limits.requests, clock)
+        self.pages = RateLimit(*limits.pages, clock)
+        self.messages = RateLimit(*limits.messages, clock)
+
+    @property
+    def forgettable(self) -> bool:
+        """Whether it is as good as new."""
+        return not self.open and all(
+            limit.fill() >= limit.most for limit in (self.requests, self.pages, self.messages)
+        )
+
+
+class ClientAddresses:
+    """All addresses; any thread may use it."""
+
+    def __init__(
+        self, clock: Callable[[], float] = time.monotonic, limits: ConnectionLimits = USUAL
+    ):
+        self.clock = clock
+        self.limits = limits
+        self.lock = threading.Lock()
+        self.known: dict[str, ClientAddress] = {}
+        self.open = 0
+
+    def of(self, address: str) -> ClientAddress:
+        """An address; those that have long been quiet are forgotten."""
+        if address not in self.known and len(self.known) >= REMEMBERED:
+            self.known = {one: kept for one, kept in self.known.items() if not kept.forgettable}
+        return self.known.setdefault(address, ClientAddress(self.clock, self.limits))
+
+    def enter(self, address: str) -> float | None:
+        """Count a new connection; seconds until its turn, or None if it cannot be taken."""
+        with self.lock:
+            visitor = self.of(address)
+            if self.open >= self.limits.open or visitor.open >= self.limits.open_of_one:
+                return None
+            wait = visitor.requests.turn(PATIENCE)
+            if wait is not None:
+                visitor.open += 1
+                self.open += 1
+            return wait
+
+    def leave(self, address: str) -> None:
+        """A connection is gone."""
+        with self.lock:
+            self.of(address).open -= 1
+            self.open -= 1
+
+    def page(self, address: str) -> float | None:
+        """A page connects: seconds until its turn, or None if that would be too long."""
+        with self.lock:
+            return self.of(address).pages.turn(PATIENCE)
+
+    def cut(self, address: str) -> None:
+        """A connection was cut off: its address has to wait for the next."""
+        with self.lock:
+            self.of(address).pages.owe(self.limits.price, DEEPEST)
+
+    def messages(self, address: str) -> RateLimit:
+        """The limit that all connections of an address have in common; for one thread."""
+        with self.lock:
+            return self.of(address).messages
