@@ -73,7 +73,7 @@ class Flock(TickClock, Motion):
         spacing: least distance at the start between agents and of agents to obstacles and solid
         edges, length >= 0; the model's own may be None: bodies only start clear of what is solid.
 
-    Raises `flockscope.Refusal`, a ValueError, for anything unknown or out of range.
+    Raises `flockscope.InputError`, a ValueError, for anything unknown or out of range.
 
     >>> from flockscope import Flock
     >>> flock = Flock("hwvem", agents=100, size=4.962, rng=1, p1=0.1)

@@ -27,7 +27,7 @@ from app.live.sources.feed import Feed
 from app.live.sources.pose_source import Source
 from app.live.sources.source_address import Address
 from app.live.sources.source_catalogue import open_source
-from flockscope._renamed import old_names
+from flockscope._renamed import old_names as _old_names
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ __all__ = [
 ]
 
 
-old_name = old_names(
+_old_name = _old_names(
     sys.modules[__name__], {"Place": "LinkAddress", "Refusal": "InputError", "Wire": "SerialWire"}
 )
 
@@ -76,4 +76,4 @@ def __getattr__(name: str) -> Any:
         from app.live.recording.recording_replay import read
 
         return read
-    return old_name(name)
+    return _old_name(name)

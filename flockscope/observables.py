@@ -51,7 +51,7 @@ from agents.observables.per_group import (
 )
 from agents.observables.rotation import angular_momentum, centre
 from agents.observables.spread import gyration_radius, velocity_spread
-from flockscope._renamed import old_names
+from flockscope._renamed import old_names as _old_names
 
 __all__ = [
     "Correlation",
@@ -102,4 +102,4 @@ __all__ = [
     "velocity_spread",
 ]
 
-__getattr__ = old_names(sys.modules[__name__], {"LeftOut": "OmittedRowsWarning"})
+__getattr__ = _old_names(sys.modules[__name__], {"LeftOut": "OmittedRowsWarning"})

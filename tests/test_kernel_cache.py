@@ -14,7 +14,7 @@ from agents.engine.cache import kept
 
 PLUGIN = """
 from flockscope import MODELS
-from flockscope.rules import CONSTANT_SPEED, Model, Rule, Vicsek, Wish, compiled
+from flockscope.rules import CONSTANT_SPEED, Model, Rule, Vicsek, Decision, compiled
 from turning import turn
 
 @compiled
@@ -25,13 +25,13 @@ RULE = Rule("turner", "Turner", "Turns.", "x", "none", Vicsek, decide)
 MODELS["turner"] = Model(RULE, CONSTANT_SPEED)
 """
 HELPER = """
-from flockscope.rules import Wish, compiled
+from flockscope.rules import Decision, compiled
 
 {constant}
 
 @compiled
 def turn(me):
-    return Wish({x}, {y}, 0.0)
+    return Decision({x}, {y}, 0.0)
 """
 SCRIPT = """
 import plugin

@@ -53,7 +53,9 @@ def test_it_does_what_it_says_for_two_agents(fading):
 
 def test_what_the_page_proposes_to_try_with_it_comes_true(fading, monkeypatch):
     code = re.search(
-        r"```python\n(from flockscope.rules import Proof.*?)```", PAGE.read_text("utf-8"), re.DOTALL
+        r"```python\n(from flockscope.rules import LessonCheck.*?)```",
+        PAGE.read_text("utf-8"),
+        re.DOTALL,
     )
     found: dict = {}
     exec(code.group(1), found)

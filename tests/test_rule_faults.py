@@ -17,14 +17,14 @@ from worlds.compilation import compiled
 
 PAGE = Path(__file__).parents[1] / "docs" / "new-rule.md"
 SUM = "total += h"
-ANSWER = "return Wish(x / total, y / total, z / total)"
+ANSWER = "return Decision(x / total, y / total, z / total)"
 FAULTS = [
     ("p.fade)", "p.fad)", "no parameter 'fad', did you mean 'fade'?"),
     ("near.ux[j]", "near.uxx[j]", "near has no 'uxx', did you mean 'ux'?"),
     (SUM, "total += hh", "no name 'hh'"),
     ("math.exp(", "math.expo(", "module 'math' has no attribute 'expo'"),
-    (ANSWER, "return x, y, z", "it returns UniTuple(float64 x 3), but a Wish is needed"),
-    (ANSWER, "return Wish(x, y)", "'z'"),
+    (ANSWER, "return x, y, z", "it returns UniTuple(float64 x 3), but a Decision is needed"),
+    (ANSWER, "return Decision(x, y)", "'z'"),
     (SUM, "total += h; seen = [h]; total += seen[0]", "cannot make a list, an array"),
     (SUM, "total += h; breakpoint()", "'breakpoint' works in plain Python only"),
     (SUM, "total += own(h)", "'own' is not @compiled"),

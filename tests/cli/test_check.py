@@ -9,13 +9,13 @@ from cli.calling import call, refusal
 
 EAST = """
 import dataclasses
-from agents.engine.block import Wish
+from agents.engine.block import Decision
 from agents.rules.vicsek import VEM
 from worlds.compilation import compiled
 
 @compiled
 def decide(me, near, surroundings, p):
-    return Wish(1.0, 0.0, 0.0)
+    return Decision(1.0, 0.0, 0.0)
 
 RULE = dataclasses.replace(VEM, name="eastwards", decide=decide, dimensions=(2,), tries=())
 """

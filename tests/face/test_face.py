@@ -65,6 +65,22 @@ def test_a_name_that_is_not_promised_is_refused():
         _ = flockscope.live.Bird
 
 
+@pytest.mark.parametrize(
+    ("module", "old", "new"),
+    [
+        ("flockscope.rules", "Wish", "Decision"),
+        ("flockscope.rules", "Refusal", "InputError"),
+        ("flockscope.live", "Place", "LinkAddress"),
+        ("flockscope.observables", "LeftOut", "OmittedRowsWarning"),
+        ("flockscope.worlds", "Refusal", "InputError"),
+        ("flockscope", "Refusal", "InputError"),
+    ],
+)
+def test_an_old_name_still_works_and_tells_the_new_one(module, old, new):
+    with pytest.warns(FutureWarning, match=rf"\.{old} is called {new} now"):
+        assert getattr(import_module(module), old) is getattr(import_module(module), new)
+
+
 def run(code, **more):
     """Run Python in a process of its own."""
     return subprocess.run(

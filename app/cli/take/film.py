@@ -177,7 +177,7 @@ def film(
         tell(f"flockscope: the film ends at tick {plan.ticks[-1]}: {left} more make no picture")
     span = plan.ticks[-1] - plan.ticks[0]
     apart = span / max(len(plan.ticks) - 1, 1)
-    asked_of = Work(
+    asked_of = FilmJob(
         taken_at(plan.ticks), plan, out, size, colour, renderer,
         aim_of(camera, follow, turn, max(plan.fps * apart, 1e-9), span),
         Plots(wanted, plan.ticks[0] * dt, plan.ticks[-1] * dt) if wanted else None,
@@ -213,7 +213,7 @@ def film(
 
 
 @dataclass(frozen=True)
-class Work:
+class FilmJob:
     """A film that is to be made."""
 
     taken: Iterator[Snapshot]
@@ -228,17 +228,17 @@ class Work:
     quiet: bool
 
 
-def write_film(work: Work, went_on: Callable[[int], None]) -> str:
+def write_film(job: FilmJob, went_on: Callable[[int], None]) -> str:
     """Make a film; who has drawn it. Raises InputError."""
     from app.viewer.pictures.film_writer import Encoder, pictures, seen_pictures
 
     with (
-        browser(work.renderer, work.quiet) as window,
-        Encoder(work.out, work.size, work.plan.fps, work.overwrite) as encoder,
+        browser(job.renderer, job.quiet) as window,
+        Encoder(job.out, job.size, job.plan.fps, job.overwrite) as encoder,
     ):
-        more = work.size, work.colour, work.aim, work.plots
-        made = pictures(work.taken, *more) if window is None else seen_pictures(
-            work.taken, window, *more
+        more = job.size, job.colour, job.aim, job.plots
+        made = pictures(job.taken, *more) if window is None else seen_pictures(
+            job.taken, window, *more
         )  # fmt: skip
         for done, picture in enumerate(made, start=1):
             encoder.add(picture)
@@ -246,13 +246,13 @@ def write_film(work: Work, went_on: Callable[[int], None]) -> str:
     return PLAIN if window is None else BROWSER
 
 
-def write_page(work: Work, went_on: Callable[[int], None]) -> str:
+def write_page(job: FilmJob, went_on: Callable[[int], None]) -> str:
     """Make an HTML file that plays; what it is played by. Raises InputError."""
     from app.viewer.pictures.player import page_of
     from worlds.file_writer import writing
 
-    page = page_of(work.taken, len(work.plan.ticks), work.plan.fps, work.colour, work.aim, went_on)
-    with writing("--out", work.out, work.overwrite, (PAGE,)) as file:
+    page = page_of(job.taken, len(job.plan.ticks), job.plan.fps, job.colour, job.aim, went_on)
+    with writing("--out", job.out, job.overwrite, (PAGE,)) as file:
         file.write(page)
     return PAGE[1:]
 
