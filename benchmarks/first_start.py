@@ -31,7 +31,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 ROUNDS = 9
 COMMAND = [sys.executable, "-m", "flockscope"]
-PATIENCE = 900.0
+TIMEOUT = 900.0
 """Seconds that a page may take to be served."""
 CHILD = """
 import sys, time
@@ -121,7 +121,7 @@ def until_served(clone: Path, surroundings: dict[str, str]) -> None:
             address = next(
                 found[0] for line in process.stdout if (found := re.search(r"http://\S+:\d+", line))
             )
-            with urllib.request.urlopen(address, timeout=PATIENCE) as answer:
+            with urllib.request.urlopen(address, timeout=TIMEOUT) as answer:
                 assert b"<html" in answer.read()
         finally:
             os.killpg(process.pid, signal.SIGKILL)

@@ -30,7 +30,7 @@ from websockets.sync.client import connect
 from agents.catalogue import MODELS
 from benchmarks.stream import CAMERA
 
-PATIENCE = 300.0
+TIMEOUT = 300.0
 """Longest time until a run is compiled, s."""
 STATUS, WAITS = "fs-status", "fs-compiling"
 """What the page says of the run, and has within it while that is not compiled."""
@@ -59,7 +59,7 @@ def start(model: str, cache: str) -> Start:
         stderr=subprocess.DEVNULL,
     )
     try:
-        wait_for_page(port, begun + PATIENCE)
+        wait_for_page(port, begun + TIMEOUT)
         return watch(port, server.pid, begun, time.monotonic())
     finally:
         server.terminate()
@@ -90,8 +90,8 @@ def watch(port: int, process: int, begun: float, answered: float) -> Start:
     kind: Any = f"viser-v{viser.__version__}"
     with connect(f"ws://localhost:{port}", subprotocols=[kind], max_size=None) as page:
         page.send(msgspec.msgpack.encode(CAMERA))
-        while time.monotonic() < begun + PATIENCE:
-            for name, updates in told(page.recv(timeout=PATIENCE)):
+        while time.monotonic() < begun + TIMEOUT:
+            for name, updates in told(page.recv(timeout=TIMEOUT)):
                 places = updates.get("batched_positions")
                 if places and began.setdefault(name, places) != places and not moving:
                     moving, worked = time.monotonic() - begun, cpu(process)

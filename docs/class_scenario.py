@@ -36,7 +36,7 @@ NAMES = (
     "Mateo", "Nina",
 )  # fmt: skip
 DESK, PHONE = (1440, 900), (390, 844)
-PATIENCE = 120.0
+TIMEOUT = 120.0
 """Seconds for what may have to be compiled, on a busy machine."""
 AT_ONCE = 6
 """Programs that enter, or hand in, at a time."""
@@ -46,7 +46,7 @@ Kept = Callable[[Any, str], None]
 """Keeps a page as it is now under a name."""
 
 
-def until(holds: Callable[[], Any], seconds: float = PATIENCE) -> Any:
+def until(holds: Callable[[], Any], seconds: float = TIMEOUT) -> Any:
     """What holds, as soon as it does. Raises TimeoutError."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
@@ -154,7 +154,7 @@ class Scenario:
             has_touch=size == PHONE,
         )
         page = context.new_page()
-        page.set_default_timeout(1000 * PATIENCE)
+        page.set_default_timeout(1000 * TIMEOUT)
         return page
 
     def shown(self) -> dict[str, Any]:
@@ -277,7 +277,7 @@ class Scenario:
             coming.value.save_as(folder / "class.zip")
             self.teacher.get_by_role("button", name="End the class for all").click()
             self.students[0].get_by_text("This class is over for you.").wait_for()
-            self.ours.process.wait(PATIENCE)
+            self.ours.process.wait(TIMEOUT)
 
     @contextmanager
     def looking(self) -> Iterator[None]:

@@ -31,7 +31,7 @@ HERE = Path(__file__).parent / "review"
 DESK, PHONE = (1440, 900), (390, 844)
 SMALLER = 0.75
 """How large a picture is stored, as a share of the page."""
-PATIENCE = 180_000
+TIMEOUT = 180_000
 """Milliseconds for what may have to be compiled."""
 
 
@@ -43,7 +43,7 @@ class Sight:
         self.page = browser.new_page(
             viewport={"width": size[0], "height": size[1]}, color_scheme=theme
         )
-        self.page.set_default_timeout(PATIENCE)
+        self.page.set_default_timeout(TIMEOUT)
         self.page.goto(served.address)
         self.page.get_by_text("Software WebGL").wait_for()
         self.page.locator(".mantine-Notification-closeButton").first.click()

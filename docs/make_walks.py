@@ -26,7 +26,7 @@ HIGH, GAP = 540, 12
 """Height of a picture on a sheet, and what is between two, pixels."""
 WIDE, TALL = 1440, 900
 """The window in which a walk is walked, pixels."""
-PATIENCE = 240_000
+TIMEOUT = 240_000
 """Milliseconds for what may have to be compiled."""
 
 
@@ -40,7 +40,7 @@ class Walk:
     def open(self, address: str) -> None:
         """Open the page, and put away the word of the browser that it draws without a GPU."""
         self.page.goto(address)
-        self.page.get_by_text("Software WebGL").wait_for(timeout=PATIENCE)
+        self.page.get_by_text("Software WebGL").wait_for(timeout=TIMEOUT)
         self.page.locator(".mantine-Notification-closeButton").first.click()
 
     def press(self, name: str) -> None:
@@ -58,7 +58,7 @@ class Walk:
 
     def take(self, act: Callable[[], None]) -> Path:
         """Do what gives a file, and keep that."""
-        with self.page.expect_download(timeout=PATIENCE) as coming:
+        with self.page.expect_download(timeout=TIMEOUT) as coming:
             act()
         kept = self.folder / coming.value.suggested_filename
         coming.value.save_as(kept)
@@ -67,8 +67,8 @@ class Walk:
 
     def running(self) -> None:
         """Wait until what the page shows runs, compiled."""
-        self.page.get_by_text("running").first.wait_for(timeout=PATIENCE)
-        self.page.locator(".fs-compiling").wait_for(state="detached", timeout=PATIENCE)
+        self.page.get_by_text("running").first.wait_for(timeout=TIMEOUT)
+        self.page.locator(".fs-compiling").wait_for(state="detached", timeout=TIMEOUT)
 
     def taking(self) -> Any:
         """The sheet of what can be taken along, opened: its parts."""
@@ -129,7 +129,7 @@ class Served:
 
     def find(self, what: str) -> str:
         """The first piece of what it prints that fits a pattern, as soon as it is there."""
-        end = time.monotonic() + PATIENCE / 1000
+        end = time.monotonic() + TIMEOUT / 1000
         while time.monotonic() < end and self.process.poll() is None:
             if found := re.search(what, "".join(self.said)):
                 return found[0]
@@ -200,13 +200,13 @@ def roboticist(walk: Walk) -> None:
     with Served("live", "lab", "--record", str(walk.folder / "drives")) as lab:
         code = lab.find(r"(?<=with the code )\d{6}")
         walk.open(lab.address)
-        page.get_by_text("Ready to be armed").wait_for(timeout=PATIENCE)
+        page.get_by_text("Ready to be armed").wait_for(timeout=TIMEOUT)
         walk.look("room")
         walk.press("Arm …")
         page.locator(".mantine-Modal-body input").fill(code)
         walk.look("asked")
         walk.press("Arm")
-        page.locator(".fs-running").wait_for(timeout=PATIENCE)
+        page.locator(".fs-running").wait_for(timeout=TIMEOUT)
         page.wait_for_timeout(8000)
         walk.look("drives")
         page.locator(".fs-stop").click()
@@ -217,7 +217,7 @@ def roboticist(walk: Walk) -> None:
         walk.tab("Record")
         walk.press("Stop recording")
         walk.press("Show this recording")
-        page.get_by_text("Time, s", exact=True).first.wait_for(timeout=PATIENCE)
+        page.get_by_text("Time, s", exact=True).first.wait_for(timeout=TIMEOUT)
         page.wait_for_timeout(8000)
         walk.look("replayed")
 

@@ -9,7 +9,7 @@ from typing import Any
 from app.cli.terminal import make_console
 from worlds.number_text import duration
 
-PATIENCE = 2.0
+TIMEOUT = 2.0
 """Seconds of work without a bar."""
 LINE_EVERY = 30.0
 """Seconds between two lines where stderr is not a terminal."""
@@ -36,7 +36,7 @@ class Progress:
         """Tell the share done, in [0, 1], and the seconds left, by default in proportion."""
         now = time.monotonic()
         spent = now - self.begun
-        if self.quiet or spent < PATIENCE:
+        if self.quiet or spent < TIMEOUT:
             return
         if left is None:
             left = spent * (1.0 - share) / max(share, 1e-9)

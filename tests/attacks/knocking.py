@@ -15,11 +15,11 @@ from tests.attacks.raw import PROTOCOL
 from tests.classroom.running import Person
 
 
-def knock(port: int, sent: bytes, patience: float = 20.0) -> bytes:
-    """What comes back for these bytes, until the other side closes or `patience` s are over."""
+def knock(port: int, sent: bytes, timeout: float = 20.0) -> bytes:
+    """What comes back for these bytes, until the other side closes or `timeout` s are over."""
     found = b""
     with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 5.0) as line:
-        line.settimeout(patience)
+        line.settimeout(timeout)
         line.sendall(sent)
         while part := line.recv(65536):
             found += part

@@ -329,10 +329,10 @@ def test_what_goes_wrong_is_told_in_few_lines_without_a_secret(tmp_path, count):
         for path in (f"/{code}", f"/{key}", f"/{code}/x"):
             for junk in (b"\x16\x03\x01\x02\x00", b"\r\n\r\nXX / YY\r\n\r\n", b"\x00" * 100):
                 sent = request(f"GET {path} HTTP/1.1").replace(b"Connection: close\r\n", b"")
-                knock(ours.port, sent + junk, patience=1.0)
+                knock(ours.port, sent + junk, timeout=1.0)
             referred = f"Referer: http://localhost:{ours.port}{path}"
             knock(ours.port, request("GET / HTTP/1.1", referred))
-            knock(ours.port, upgrade("/", referred, protocol="nonsense"), patience=1.0)
+            knock(ours.port, upgrade("/", referred, protocol="nonsense"), timeout=1.0)
         errors = ours.stop()
     assert code not in errors
     assert key not in errors

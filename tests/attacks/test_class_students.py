@@ -221,7 +221,7 @@ def test_websockets_of_another_kind_are_refused(ours, teacher, ada, eve, count):
         upgrade("/", cookie, "Origin: http://evil.example"),
     )
     for sent in kinds:
-        answer = knock(ours.port, sent, patience=5.0)
+        answer = knock(ours.port, sent, timeout=5.0)
         assert status(answer) in (400, 403, 429), (sent, answer[:300])
     serves(ada, teacher)
     count(websockets=len(kinds))

@@ -10,7 +10,7 @@ from websockets.exceptions import InvalidMessage
 
 from app.viewer.web.incoming.client_addresses import (
     BEHIND_A_FRONT,
-    PATIENCE,
+    TIMEOUT,
     USUAL,
     ClientAddresses,
 )
@@ -182,7 +182,7 @@ def test_pages_that_come_all_at_once_are_let_in_one_after_the_other_or_refused(c
     waits = [known.page("10.0.0.7") for _ in range(200)]
     rate, burst = USUAL.pages
     taken = [wait for wait in waits if wait is not None]
-    assert len(taken) == burst + rate * PATIENCE
+    assert len(taken) == burst + rate * TIMEOUT
     assert waits[: len(taken)] == taken
     assert taken == sorted(taken)
     count(connections=len(waits), refused=len(waits) - len(taken))

@@ -35,7 +35,7 @@ def test_a_class_with_a_certificate_is_served_encrypted_alone(tmp_path):
         with ada.connect() as line:
             assert line.recv(timeout=BUSY)
         for sent in (request(f"GET /{ours.code} HTTP/1.1"), upgrade("/"), b"\x16\x03\x01\x00"):
-            answer = knock(ours.port, sent, patience=15.0)
+            answer = knock(ours.port, sent, timeout=15.0)
             assert b"HTTP" not in answer
             assert ours.code.encode() not in answer
         errors = ours.stop()

@@ -78,12 +78,12 @@ def test_the_time_of_a_request_is_counted_from_when_the_worker_turns_to_it():
     async def asked():
         worker = await WorkerProcess(lambda _: None, Tasks).begin()
         try:
-            await worker.ask("echo", "it is there", patience=BUSY)
-            each = [worker.ask("sleep", 1.5, patience=5.0) for _ in range(4)]
+            await worker.ask("echo", "it is there", timeout=BUSY)
+            each = [worker.ask("sleep", 1.5, timeout=5.0) for _ in range(4)]
             await asyncio.gather(*each)  # six seconds in all
             assert await worker.ask("echo", "and on time") == "and on time"
             with pytest.raises(WorkerLostError):
-                await worker.ask("sleep", BUSY, patience=0.5)
+                await worker.ask("sleep", BUSY, timeout=0.5)
         finally:
             worker.process.kill()
             await worker.close()
@@ -99,7 +99,7 @@ def test_a_task_that_is_ended_takes_no_other_with_it(ends, how):
             asked = ["echo", ends, "echo", ends, "echo"]
             given = [(name, *(["x"] if name == "echo" else [])) for name in asked]
             found = await asyncio.gather(
-                *(process.do(*one, patience=BUSY) for one in given), return_exceptions=True
+                *(process.do(*one, timeout=BUSY) for one in given), return_exceptions=True
             )
         finally:
             await process.close()

@@ -27,7 +27,7 @@ from app.live.recording.recording_writer import TABLES, RecordingWriter
 from cli.calling import PROGRAM, call, refusal, start
 from worlds.input_error import InputError
 
-PATIENCE = 60.0
+TIMEOUT = 60.0
 
 
 @pytest.fixture
@@ -119,7 +119,7 @@ def test_a_check_of_a_room_in_software_sees_its_cars(room, options):
     if not options:
         text = path.read_text().replace('link = "dry"', 'link = "simulated"')
         path.write_text(text.replace("optitrack:192.168.1.5?up=y", "simulated"))
-    made = call("live", "check", path, "--json", "--within", PATIENCE, *options)
+    made = call("live", "check", path, "--json", "--within", TIMEOUT, *options)
     assert made.exit_code == 0, made.stderr
     found = json.loads(made.stdout)
     assert found["amiss"] == []
@@ -130,7 +130,7 @@ def test_a_check_of_a_room_in_software_sees_its_cars(room, options):
 
 def driven(*words, record=None):
     """The summary of a run that armed: a busy machine takes its time to see both cars."""
-    for seconds in (8, 20, PATIENCE):
+    for seconds in (8, 20, TIMEOUT):
         to = () if record is None else ("--record", record / f"{seconds:g} s")
         made = call(*words, *to, "--arm", "--json", "--seconds", seconds)
         assert made.exit_code == 0
@@ -239,7 +239,7 @@ class Screen:
 
     def reads(self, words):
         """Read until it says these words."""
-        ends = time.monotonic() + PATIENCE
+        ends = time.monotonic() + TIMEOUT
         while words not in self.text:
             assert time.monotonic() < ends, self.text[-500:]
             try:
@@ -268,7 +268,7 @@ def test_keys_arm_stop_reset_and_leave():
         screen.reads("emergency stop reset; not armed (terminal)")
         screen.press("q")
         screen.reads("ticks of")
-        assert screen.process.wait(PATIENCE) == 0
+        assert screen.process.wait(TIMEOUT) == 0
     finally:
         screen.process.kill()
         os.close(screen.end)
@@ -279,7 +279,7 @@ def test_a_signal_leaves_with_the_summary():
     try:
         assert json.loads(process.stdout.readline())["kind"] == "unseen"
         process.send_signal(signal.SIGTERM)
-        out, _ = process.communicate(timeout=PATIENCE)
+        out, _ = process.communicate(timeout=TIMEOUT)
     finally:
         process.kill()
     assert process.returncode == 0

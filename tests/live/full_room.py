@@ -19,7 +19,7 @@ from live.natnet_emulator import Body, NatNetEmulator
 NOISE_XY, NOISE_YAW = 0.0005, 0.005
 STANDS = 0.05
 """m/s below which a car stands."""
-PATIENCE = 20.0
+TIMEOUT = 20.0
 TEXT = """title = "a whole room"
 source = "{source}"
 link = "{link}"
@@ -120,7 +120,7 @@ class FullRoom:
         self.status()
         return [event.kind for event in self.operator.events[since:]]
 
-    def until(self, what, within=PATIENCE):
+    def until(self, what, within=TIMEOUT):
         """Seconds until something is so; fails if it takes too long."""
         began = time.monotonic()
         while not what():

@@ -26,7 +26,7 @@ from app.live.links.link import RUN
 ROOT = Path(__file__).parents[2]
 BEGINS = 90.0
 """Seconds until the cars drive, on a machine that is very busy."""
-PATIENCE = 60.0
+TIMEOUT = 60.0
 STANDS = 0.05
 """m/s below which a car stands."""
 ROOM = """title = "a room with a log"
@@ -188,7 +188,7 @@ class LoggedRoom:
         assert self.process.stdout is not None
         self.loop = int(self.process.stdout.readline())
 
-    def until(self, what, within=PATIENCE):
+    def until(self, what, within=TIMEOUT):
         """Wait until something is so; fails if it takes too long."""
         ends = time.monotonic() + within
         while not what():

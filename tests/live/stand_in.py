@@ -26,7 +26,7 @@ CAMERA = {
     "look_at": [0.0, 0.0, 0.0],
     "up_direction": [0.0, 1.0, 0.0],
 }
-PATIENCE = 20.0
+TIMEOUT = 20.0
 """Seconds that a control may take to appear."""
 LITTLE = 4096
 """Bytes of each buffer between the page and a browser that takes nothing."""
@@ -110,7 +110,7 @@ class StandIn:
 
     def set(self, label: str, value: Any) -> None:
         """Give the control with a label a value, as soon as that can be done."""
-        until(lambda: self.can(label), PATIENCE)
+        until(lambda: self.can(label), TIMEOUT)
         self.say(type="GuiUpdateMessage", uuid=self.found(label), updates={"value": value})
 
     def press(self, label: str) -> None:

@@ -77,7 +77,7 @@ def test_only_the_newest_frames_are_kept():
 
 
 def test_a_source_that_hangs_as_it_connects_is_given_up_and_ended():
-    with Feed(Stub("hung before it connects"), patience=1.5) as feed:
+    with Feed(Stub("hung before it connects"), timeout=1.5) as feed:
         process = feed.process_id
         until(lambda: not feed.alive)
         assert feed.trouble == (
@@ -266,10 +266,10 @@ def test_what_a_library_prints_does_not_reach_the_terminal(capfd):
     assert tuple(capfd.readouterr()) == ("", "")
 
 
-@pytest.mark.parametrize("patience", [0.0, -1.0, 601.0, float("nan")])
-def test_a_patience_that_is_none_is_refused(patience):
-    with pytest.raises(InputError, match=r"patience = .* is outside"):
-        Feed(Stub(), patience)
+@pytest.mark.parametrize("timeout", [0.0, -1.0, 601.0, float("nan")])
+def test_a_timeout_that_is_none_is_refused(timeout):
+    with pytest.raises(InputError, match=r"timeout = .* is outside"):
+        Feed(Stub(), timeout)
 
 
 def test_closing_twice_is_no_matter_and_leaves_no_process():
@@ -290,7 +290,7 @@ def test_a_child_whose_parent_is_killed_leaves(how):
         from tests.live.stub_sources import Stub
         if __name__ == "__main__":
             if {how!r} == "holding the interpreter":
-                feed = Feed(Stub({how!r}), patience=4.0)
+                feed = Feed(Stub({how!r}), timeout=4.0)
                 time.sleep(1.5)
             else:
                 feed = Feed(Stub({how!r}))

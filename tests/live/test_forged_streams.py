@@ -355,7 +355,7 @@ def test_a_server_that_is_none_is_given_up_in_one_line(system, greeting):
             if system == "vicon"
             else MotionCapture("qualisys", "127.0.0.1", options={"port": str(server.port - 1)})
         )
-        with Feed(source, patience=6.0) as feed:
+        with Feed(source, timeout=6.0) as feed:
             until(server.met.is_set, WITHIN)
             until(lambda: feed.trouble or feed.state == "waiting", WITHIN)
             assert feed.latest() is None
@@ -369,7 +369,7 @@ def test_a_server_that_is_none_is_given_up_in_one_line(system, greeting):
 def test_a_vrpn_server_that_is_none_gives_no_body(greeting):
     with (
         VrpnEmulator({}, greeting or vrpn.COOKIE[:7]) as server,
-        Feed(MotionCapture("vrpn", server.host), patience=6.0) as feed,
+        Feed(MotionCapture("vrpn", server.host), timeout=6.0) as feed,
     ):
         until(lambda: feed.trouble or feed.since(20), WITHIN)
         assert feed.last_seen() == {}

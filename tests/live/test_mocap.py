@@ -121,7 +121,7 @@ def test_a_frozen_stream_is_fresh_but_stands_still_within_its_noise():
 def test_a_server_that_does_not_answer_is_given_up_in_one_line():
     with NatNetEmulator(standing, mute=True) as server:
         began = time.monotonic()
-        with Feed(optitrack(server), patience=4.0) as feed:
+        with Feed(optitrack(server), timeout=4.0) as feed:
             assert feed.latest() is None
             with pytest.raises(InputError) as refused:
                 feed.first(10.0)
@@ -134,8 +134,8 @@ def test_a_server_that_does_not_answer_is_given_up_in_one_line():
     assert feed.state == "failed"
 
 
-def test_a_system_that_refuses_says_so_before_the_patience_is_over():
-    with Feed(MotionCapture("qualisys", "127.0.0.1"), patience=60.0) as feed:
+def test_a_system_that_refuses_says_so_before_the_timeout():
+    with Feed(MotionCapture("qualisys", "127.0.0.1"), timeout=60.0) as feed:
         until(lambda: not feed.alive)
     assert feed.trouble.startswith("qualisys at 127.0.0.1 (z up, m): Error connecting QTM")
 

@@ -25,7 +25,7 @@ from tests.viewer.waiting import until as wait_until
 from worlds.input_error import InputError
 
 ROOT = Path(__file__).parents[2]
-PATIENCE = 30.0
+TIMEOUT = 30.0
 
 
 class Cars:
@@ -44,7 +44,7 @@ class Cars:
         port = self.socket.getsockname()[1]
         return LAB.replace('link = "dry"', f'link = "udp:127.0.0.1:{port}"')
 
-    def listen(self, until, within=PATIENCE):
+    def listen(self, until, within=TIMEOUT):
         """Hear until something is so; fails if that takes too long."""
         ends = time.monotonic() + within
         while not until():
@@ -91,7 +91,7 @@ def arm(operator, cars):
 
 
 def wait_for(what):
-    ends = time.monotonic() + PATIENCE
+    ends = time.monotonic() + TIMEOUT
     while not what():
         assert time.monotonic() < ends, "this did not come about"
         time.sleep(0.01)
@@ -251,7 +251,7 @@ def test_a_recording_is_finished_when_the_operator_closes(cars, tmp_path):
 
 def happened(operator, kind, count):
     """Wait until there have been so many events of a kind; the last of them."""
-    ends = time.monotonic() + PATIENCE
+    ends = time.monotonic() + TIMEOUT
     while len(found := [event for event in operator.events if event.kind == kind]) < count:
         assert time.monotonic() < ends, f"{kind} did not happen"
         operator.status()

@@ -33,7 +33,7 @@ with open("seen", "wb") as file:
 os.kill(os.getppid(), signal.SIGINT)
 """
 """Stands for a browser: keeps the page and presses Ctrl-C."""
-PATIENCE = 300.0
+TIMEOUT = 300.0
 
 
 @pytest.fixture
@@ -61,7 +61,7 @@ def shell(checkout, tmp_path):
             input=given,
             capture_output=True,
             text=True,
-            timeout=PATIENCE,
+            timeout=TIMEOUT,
         )
 
     return run

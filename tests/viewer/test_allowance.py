@@ -174,7 +174,7 @@ def test_a_flock_that_runs_as_fast_as_it_goes_takes_no_more_than_its_share(speed
 def test_while_nobody_looks_it_goes_on_with_few_frames(simulation):
     simulation.run_at(20.0).result(10)
     simulation.be_seen(False)
-    until(lambda: simulation.pace.patience > 0.0, 10)
+    until(lambda: simulation.pace.timeout > 0.0, 10)
     frames, began, tick = [], time.monotonic(), simulation.frame.tick
     while time.monotonic() < began + 4.0:
         if not frames or simulation.frame is not frames[-1]:
@@ -185,7 +185,7 @@ def test_while_nobody_looks_it_goes_on_with_few_frames(simulation):
     simulation.be_seen(True)
     last = simulation.frame
     until(lambda: simulation.frame is not last, 1.0)
-    assert simulation.pace.patience == 0.0
+    assert simulation.pace.timeout == 0.0
 
 
 @pytest.mark.usefixtures("browser")
@@ -278,7 +278,7 @@ def test_without_an_allowance_everything_is_as_it_was():
         simulation.be_seen(False)
         simulation.setup(at_home("vem", agents=1000)).result(10)
         until(lambda: run_of(simulation) >= 1000, 20)
-        assert simulation.pace.patience == 0.0
+        assert simulation.pace.timeout == 0.0
         assert simulation.keeping.wait == 0.0
     finally:
         simulation.close()

@@ -14,7 +14,7 @@ from app.live.recording.recording_replay import replay
 from app.viewer.live.session import Session
 from tests.viewer.waiting import until
 
-PATIENCE = 120.0
+TIMEOUT = 120.0
 """Seconds for what may have to be compiled first, on a machine that is busy."""
 AGAIN = 0.5
 """Seconds between two attempts to arm."""
@@ -42,7 +42,7 @@ def until_driven(session, condition):
             session.ask("arm", "browser 1")
         return status.arm == "armed" and condition()
 
-    until(happens, PATIENCE, str([event.words for event in session.events[-5:]]))
+    until(happens, TIMEOUT, str([event.words for event in session.events[-5:]]))
 
 
 def gone(pid):

@@ -46,12 +46,12 @@ class Page:
             self.renders.take(number, messages.GetRenderResponseMessage(payload, name))
 
 
-def ask(answer, size=(80, 60), patience=5.0, **more):
+def ask(answer, size=(80, 60), timeout=5.0, **more):
     """What is got of a browser that answers so."""
     renders = Renders()
     page = Page(renders, answer, **more)
     try:
-        return renders.ask(page, size, EYE, exact=True, patience=patience), page.asked[0]
+        return renders.ask(page, size, EYE, exact=True, timeout=timeout), page.asked[0]
     finally:
         assert renders.awaited == {}
 
@@ -85,14 +85,14 @@ def test_what_is_no_such_picture_is_refused(payload, why):
 
 def test_a_browser_that_never_answers_is_not_waited_for():
     with pytest.raises(InputError, match=r"nothing in 0\.3 s"):
-        ask(lambda _: (None, 3), patience=0.3)
+        ask(lambda _: (None, 3), timeout=0.3)
     with pytest.raises(InputError, match="has gone"):
         ask(lambda _: (None, 3), there=False)
 
 
 def test_another_browser_cannot_answer():
     with pytest.raises(InputError, match="nothing in"):
-        ask(lambda _: (pictured((80, 60)), 4), patience=0.3)
+        ask(lambda _: (pictured((80, 60)), 4), timeout=0.3)
 
 
 def test_only_what_is_asked_for_comes_in_and_only_once():
@@ -114,5 +114,5 @@ def test_only_what_is_asked_for_comes_in_and_only_once():
 
     renders = Renders()
     with pytest.raises(InputError, match="cannot draw"):
-        renders.ask(Page(renders, answer), (80, 60), EYE, patience=5.0)
+        renders.ask(Page(renders, answer), (80, 60), EYE, timeout=5.0)
     assert allowed == [False, True, False]

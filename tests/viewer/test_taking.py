@@ -63,7 +63,7 @@ def laboratory():
 def page(laboratory, monkeypatch):
     """One that is connected; what it is asked to draw is one colour."""
 
-    def draw(_client, size, eye=None, exact=False, patience=0.0):  # noqa: ARG001 - as it is called
+    def draw(_client, size, eye=None, exact=False, timeout=0.0):  # noqa: ARG001 - as it is called
         return np.broadcast_to(np.array(SCENE, np.uint8), (size[1], size[0], 3))
 
     monkeypatch.setattr(renders_of(laboratory.server), "ask", draw)

@@ -72,12 +72,12 @@ class ClassEntrance:
         given = await form_of(request)
         if request.path == "/teach":
             if not self.classroom.is_key(given.get("key", "")):
-                self.demand_patience(request)
+                self.limit_tries(request)
             cookie = self.classroom.admit_teacher(given.get("key", ""))
             return self.let_in(request, "teacher", cookie, "class")
         code = plain(given.get("code", ""))
         if not same(code, self.classroom.code):
-            self.demand_patience(request)
+            self.limit_tries(request)
         elif not self.joins.take():
             raise web.HTTPTooManyRequests(text="many come in at once: try again in a moment\n")
         try:
@@ -104,10 +104,10 @@ class ClassEntrance:
 
     def turn_away(self, request: web.Request) -> web.Response:
         """What a stranger is answered."""
-        self.demand_patience(request)
+        self.limit_tries(request)
         return web.Response(status=403, text=STRANGER)
 
-    def demand_patience(self, request: web.Request) -> None:
+    def limit_tries(self, request: web.Request) -> None:
         """Bound how often strangers try."""
         if len(self.strangers) >= MOST_ADDRESSES:
             self.strangers = {

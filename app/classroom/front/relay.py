@@ -21,7 +21,7 @@ from app.viewer.web.incoming.kinds import CAMERA, LARGEST, UnusableMessage, kind
 
 HEARTBEAT = 30.0
 """Seconds between two looks whether a page that says nothing is there still."""
-PATIENCE = 10.0
+TIMEOUT = 10.0
 """Seconds for a laboratory to answer."""
 MOST_ANSWER = 64 * 1024 * 1024
 """Bytes of an answer that is passed on: films are some megabytes."""
@@ -59,7 +59,7 @@ class Relay:
 
     def __init__(self) -> None:
         self.session = aiohttp.ClientSession(
-            timeout=aiohttp.ClientTimeout(total=None, connect=PATIENCE, sock_connect=PATIENCE),
+            timeout=aiohttp.ClientTimeout(total=None, connect=TIMEOUT, sock_connect=TIMEOUT),
             connector=aiohttp.TCPConnector(limit=0),
             auto_decompress=False,
             cookie_jar=aiohttp.DummyCookieJar(),

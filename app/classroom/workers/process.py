@@ -13,7 +13,7 @@ from typing import Any
 from app.classroom.workers import laboratory_worker
 from app.classroom.workers.laboratory_worker import LENGTH, packed
 
-PATIENCE = 20.0
+TIMEOUT = 20.0
 """Seconds that a worker has for one request, from when it turns to it."""
 
 
@@ -92,10 +92,10 @@ class WorkerProcess:
         if not self.closing:
             self.ended(self)
 
-    async def ask(self, name: str, *given: Any, patience: float = PATIENCE) -> Any:
+    async def ask(self, name: str, *given: Any, timeout: float = TIMEOUT) -> Any:
         """What the worker answers, once it has begun. Raises Gone, and whatever it refuses.
 
-        `patience`: seconds that it may take, from when it turns to this request: it answers in
+        `timeout`: seconds that it may take, from when it turns to this request: it answers in
         order, so the time that others take before is not counted.
         """
         if self.is_gone:
@@ -103,22 +103,22 @@ class WorkerProcess:
         number = next(self.numbers)
         future = self.waiting[number] = asyncio.get_running_loop().create_future()
         try:
-            async with asyncio.timeout(patience):
+            async with asyncio.timeout(timeout):
                 await self.begun.wait()
             # Not drained: a worker that is busy with others reads nothing, which counts for nobody.
             self.writer.write(packed((number, name, given)))
-            return await self.answer_of(future, patience)
+            return await self.answer_of(future, timeout)
         except (OSError, TimeoutError):
             raise WorkerLostError from None
         finally:
             self.waiting.pop(number, None)
 
-    async def answer_of(self, future: asyncio.Future[Any], patience: float) -> Any:
+    async def answer_of(self, future: asyncio.Future[Any], timeout: float) -> Any:
         """What comes within so many seconds of the answer to the request before. Raises Gone."""
         clock = asyncio.get_running_loop().time
         asked = clock()
         while not future.done():
-            left = max(asked, self.answered) + patience - clock()
+            left = max(asked, self.answered) + timeout - clock()
             if left <= 0.0:
                 raise WorkerLostError
             await asyncio.wait({future}, timeout=left)

@@ -37,16 +37,16 @@ class TaskProcess:
         self.busy = False
         self.tasks: set[asyncio.Task[Any]] = set()
 
-    async def do(self, name: str, *given: Any, patience: float = TASK, rank: float = 0.0) -> Any:
+    async def do(self, name: str, *given: Any, timeout: float = TASK, rank: float = 0.0) -> Any:
         """What the process answers. Raises Gone if it ended, TimeUp if because of this task's time,
         and whatever it refuses.
 
         Of those who wait the least `rank` is next, and of one rank who came first. Whoever waits no
         more leaves the task to its end: the process is at it.
         """
-        return await finish(self.tasks, self.in_turn(name, given, patience, rank))
+        return await finish(self.tasks, self.in_turn(name, given, timeout, rank))
 
-    async def in_turn(self, name: str, given: tuple[Any, ...], patience: float, rank: float) -> Any:
+    async def in_turn(self, name: str, given: tuple[Any, ...], timeout: float, rank: float) -> Any:
         """Wait for the process, and have it do a task."""
         if self.busy:
             turn = asyncio.get_running_loop().create_future()
@@ -55,7 +55,7 @@ class TaskProcess:
         self.busy = True
         try:
             worker = await self.ready()
-            return await worker.ask(name, *given, patience=patience)
+            return await worker.ask(name, *given, timeout=timeout)
         except WorkerLostError:
             if await self.end():
                 raise TimeUp from None
@@ -77,7 +77,7 @@ class TaskProcess:
         if self.worker is None or self.worker.is_gone:
             self.worker = await WorkerProcess(lambda _: None, *self.what).begin()
             if self.first:
-                await self.worker.ask(*self.first, patience=TASK)
+                await self.worker.ask(*self.first, timeout=TASK)
         return self.worker
 
     async def end(self) -> bool:

@@ -11,7 +11,7 @@ from app.cli.sweep.status import Name
 from app.cli.sweep.sweep_choice import kept_sweep
 from worlds.input_error import InputError
 
-PATIENCE = 30.0
+TIMEOUT = 30.0
 """Seconds to wait for it."""
 
 
@@ -27,11 +27,11 @@ def stop(
     if not is_taken(folder):
         raise InputError(f"no process runs {str(folder)!r}")
     (folder / STOP).touch()
-    end = time.monotonic() + PATIENCE
+    end = time.monotonic() + TIMEOUT
     while is_taken(folder):
         if time.monotonic() > end:
             raise InputError(
-                f"{str(folder)!r} has not stopped within {PATIENCE:g} s: it was asked to"
+                f"{str(folder)!r} has not stopped within {TIMEOUT:g} s: it was asked to"
             )
         time.sleep(0.1)
     if not quiet:

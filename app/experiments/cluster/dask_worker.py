@@ -22,7 +22,7 @@ from app.experiments.workers.processes import Processes
 from app.experiments.workers.run_executors import Task
 from worlds.input_error import InputError
 
-PATIENCE = 30.0
+TIMEOUT = 30.0
 """Seconds after which a process that is asked for nothing ends."""
 IDLE: dict[str, list[Processes]] = {}
 """Processes that wait for the next chunk, by the job that they are for."""
@@ -103,4 +103,4 @@ def taken(job: str, beginning: bytes, limit: float | None) -> Processes:
                 processes.__exit__()
         if IDLE.get(job):
             return IDLE[job].pop()
-    return Processes(pickle.loads(beginning), 1, limit=limit, patience=PATIENCE)
+    return Processes(pickle.loads(beginning), 1, limit=limit, timeout=TIMEOUT)

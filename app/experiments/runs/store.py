@@ -34,7 +34,7 @@ from worlds.input_error import InputError
 EVERY = 0.25
 """Seconds between two commits."""
 LOCK = ".lock"
-PATIENCE = 0.2
+TIMEOUT = 0.2
 """Seconds to wait for the lock: who looks whether it is taken has it for a moment."""
 
 
@@ -239,7 +239,7 @@ def locked(folder: Path) -> FileLock:
     """The folder's lock, which a process that dies lets go. Raises InputError if another has it."""
     lock = FileLock(folder / LOCK)
     try:
-        lock.acquire(timeout=PATIENCE)
+        lock.acquire(timeout=TIMEOUT)
     except Timeout:
         raise InputError(
             f"{str(folder)!r} is being written by another process: wait for it, or stop it with "

@@ -122,7 +122,7 @@ def cores() -> int:
 class Processes:
     """So many processes of this machine, which make the runs of one job.
 
-    `job` is pickled to each of them. `limit`: seconds that a run may take. `patience`: seconds
+    `job` is pickled to each of them. `limit`: seconds that a run may take. `timeout`: seconds
     after which a process that is asked for nothing ends. `tell` hears of one that stands still.
     Leaving it ends the processes at once.
     """
@@ -133,12 +133,12 @@ class Processes:
         workers: int,
         nice: int = 0,
         limit: float | None = None,
-        patience: float | None = None,
+        timeout: float | None = None,
         tell: Callable[[str], None] | None = None,
     ):
         self.tell = tell or print_line
         self.beginning = job if isinstance(job, WorkerSetup) else WorkerSetup.of(job, nice)
-        self.beginning = replace(self.beginning, patience=patience)
+        self.beginning = replace(self.beginning, timeout=timeout)
         self.workers = workers
         self.limit = math.inf if limit is None else limit
         self.processes: list[Process] = []

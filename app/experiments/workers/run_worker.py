@@ -36,7 +36,7 @@ class WorkerSetup:
     """Files of rules, which the process is to know too."""
     place: str = ""
     """The file in which it keeps how many runs it has begun, and its signs of life."""
-    patience: float | None = None
+    timeout: float | None = None
     """Seconds after which it ends if it is asked for nothing; None: never."""
 
     @classmethod
@@ -67,7 +67,7 @@ def serve() -> None:
     while True:
         done: list[Outcome] = []
         told = time.monotonic()
-        for payload, seed in next_of(asked, beginning.patience):
+        for payload, seed in next_of(asked, beginning.timeout):
             count += 1
             begun[:8] = count.to_bytes(8, "little")
             done.append(made(job, payload, seed))
@@ -91,11 +91,11 @@ def show_life(place: mmap.mmap) -> None:
 
 
 def next_of(
-    asked: queue.SimpleQueue[list[tuple[Any, int]]], patience: float | None
+    asked: queue.SimpleQueue[list[tuple[Any, int]]], timeout: float | None
 ) -> list[tuple[Any, int]]:
     """The runs that are asked for next; the process ends if there are none for too long."""
     try:
-        return asked.get(timeout=patience)
+        return asked.get(timeout=timeout)
     except queue.Empty:
         os._exit(PATIENT)
 

@@ -18,7 +18,7 @@ from app.live.sources.feed import Feed
 from app.live.sources.pose_source import Source
 from app.live.sources.source_catalogue import open_source
 
-PATIENCE = 90.0
+TIMEOUT = 90.0
 """Seconds that the source of emulated cars may take to begin."""
 Opener = Callable[[Lab], "LoopComponents"]
 """Opens source, link and driver in the process of the loop: a function of a module."""
@@ -54,7 +54,7 @@ def open_ends(lab: Lab, driver: Driver) -> LoopComponents:
     """The source and the link of a laboratory, open, with this driver. Raises InputError."""
     source, link = source_and_link(lab)
     try:
-        feed = Feed(source, PATIENCE) if kind_of(lab.source) == SIMULATED else Feed(source)
+        feed = Feed(source, TIMEOUT) if kind_of(lab.source) == SIMULATED else Feed(source)
         return LoopComponents(feed, link, driver)
     except BaseException:
         link.close()

@@ -24,7 +24,7 @@ from app.live.operating.loop_process import LoopReply, NumberedRequest, serve
 from app.live.operating.recorder import RecordRequest
 from worlds.input_error import InputError
 
-PATIENCE = 180.0
+TIMEOUT = 180.0
 """Seconds that the process may take to begin: the first time a rule is compiled."""
 GRACE = 30.0
 """Seconds that it has to finish its recording, once the cars are stopped, before it is ended."""
@@ -76,11 +76,11 @@ class Operator:
     def begin(self) -> None:
         """Wait until the loop runs. Raises InputError with what it says if it cannot."""
         try:
-            if self.line.poll(PATIENCE):
+            if self.line.poll(TIMEOUT):
                 answer: LoopReply = self.line.recv()
                 self.trouble = answer.trouble
             else:
-                self.trouble = f"the control loop did not begin within {PATIENCE:g} s"
+                self.trouble = f"the control loop did not begin within {TIMEOUT:g} s"
         except (EOFError, OSError):
             self.trouble = "the control loop ended before it began"
         if self.trouble:

@@ -33,7 +33,7 @@ type Message = (
 )
 
 
-def serve(source: Source, line: Connection, patience: float) -> None:
+def serve(source: Source, line: Connection, timeout: float) -> None:
     """Send through `line` that the source is connected, its frames, its trouble and its end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which ends us
     silence()
@@ -41,7 +41,7 @@ def serve(source: Source, line: Connection, patience: float) -> None:
     threading.Thread(target=_heed, args=(line, stop), daemon=True).start()
     to_parent = _ToParent(line)
     threading.Thread(target=_beat, args=(to_parent,), daemon=True).start()
-    outcome = _outcome(source, stop, to_parent, patience)
+    outcome = _outcome(source, stop, to_parent, timeout)
     with suppress(OSError):  # the parent is gone
         to_parent.send(outcome)
 
@@ -80,10 +80,10 @@ def silence() -> None:
     os.close(nowhere)
 
 
-def _outcome(source: Source, stop: threading.Event, line: _ToParent, patience: float) -> Message:
+def _outcome(source: Source, stop: threading.Event, line: _ToParent, timeout: float) -> Message:
     """Pass on the frames until there are no more; how that came about."""
     try:
-        frames = _connected(source, stop, patience)
+        frames = _connected(source, stop, timeout)
         line.send(("connected", None))
         for frame in frames:
             line.send(("frame", frame))
@@ -94,14 +94,14 @@ def _outcome(source: Source, stop: threading.Event, line: _ToParent, patience: f
     return ("ended", None)
 
 
-def _connected(source: Source, stop: threading.Event, patience: float) -> Iterator[MocapFrame]:
+def _connected(source: Source, stop: threading.Event, timeout: float) -> Iterator[MocapFrame]:
     """Its frames, once it is connected.
 
     Should it hang while it holds the interpreter, and the parent be gone, then nothing but a clock
     that is none of Python's can end this process.
     """
     with open(os.devnull, "w") as nowhere:
-        faulthandler.dump_traceback_later(patience + 2.0, exit=True, file=nowhere)
+        faulthandler.dump_traceback_later(timeout + 2.0, exit=True, file=nowhere)
         try:
             return source.frames(stop)
         finally:

@@ -52,7 +52,7 @@ class LastSeen:
 class Feed:
     """The frames of a source, from a child process that starts at once.
 
-    No method but `first` and `close` ever waits. `patience` is how many seconds the source has to
+    No method but `first` and `close` ever waits. `timeout` is how many seconds the source has to
     connect, the start of the process included; one that hangs longer is ended.
 
     A source that was connected, or whose process was killed, is opened again after a pause if it
@@ -60,11 +60,11 @@ class Feed:
     as it connects for the first time was asked for wrongly, and fails for good.
     """
 
-    def __init__(self, source: Source, patience: float = 10.0) -> None:
-        if not 0.0 < patience <= 600.0:
-            raise InputError(f"patience = {patience:g} s is outside (0, 600]")
+    def __init__(self, source: Source, timeout: float = 10.0) -> None:
+        if not 0.0 < timeout <= 600.0:
+            raise InputError(f"timeout = {timeout:g} s is outside (0, 600]")
         self.source = source
-        self.patience = patience
+        self.timeout = timeout
         self.trouble = ""
         """What went wrong, in one line; empty while all is well."""
         self._state: State = "connecting"
@@ -87,12 +87,12 @@ class Feed:
     def _open(self) -> None:
         """Start a child that opens the source. Raises OSError if no process can be started."""
         spawn = multiprocessing.get_context("spawn")
-        deadline = time.monotonic() + self.patience
+        deadline = time.monotonic() + self.timeout
         line, theirs = spawn.Pipe(duplex=True)
         with theirs:
             process = spawn.Process(
                 target=serve,
-                args=(self.source, theirs, self.patience),
+                args=(self.source, theirs, self.timeout),
                 name=f"flockscope {self.source.name}",
                 daemon=True,
             )
@@ -272,7 +272,7 @@ class Feed:
         with self._ending:
             self._kill()
         if self._state == "connecting":
-            self._fail(f"no connection within {self.patience:g} s, given up")
+            self._fail(f"no connection within {self.timeout:g} s, given up")
         else:
             self._fail(f"no frame and no sign of life for {SILENT:g} s, ended")
 

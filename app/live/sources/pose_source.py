@@ -29,7 +29,7 @@ class Source(Protocol):
     def frames(self, stop: threading.Event) -> Iterator[MocapFrame]:
         """Connect, then return what gives the frames as they come.
 
-        It runs in a child process and may block: while it connects for the patience of the
+        It runs in a child process and may block: while it connects for the timeout of the
         `Feed`, between frames for ever. `received` is read from `time.monotonic()` as soon as a
         frame is there, and numbers rise. It ends when `stop` is set or when there is no more.
 

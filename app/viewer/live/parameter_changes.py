@@ -15,7 +15,7 @@ from app.live.control.arm import OperatorRequest
 from app.live.control.loop_events import Event
 from worlds.input_error import InputError
 
-PATIENCE = 2.0
+TIMEOUT = 2.0
 """Seconds that the loop has to answer."""
 MOST = 8
 """Changes that may wait: a limit on how fast browsers can make requests."""
@@ -58,7 +58,7 @@ class ParameterChanges:
     def begin(self, name: str, value: Any, cause: str) -> ParameterChange:
         """A change whose request is to be sent now. Raises InputError if too many wait already."""
         request = OperatorRequest("tune", cause, json.dumps({name: value}))
-        change = ParameterChange(request, f"{name} = {value}", value, self.clock() + PATIENCE)
+        change = ParameterChange(request, f"{name} = {value}", value, self.clock() + TIMEOUT)
         with self.lock:
             if len(self.waiting) >= MOST:
                 raise InputError(f"{change.words} is too much at once: {MOST} changes wait already")

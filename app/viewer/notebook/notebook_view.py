@@ -30,7 +30,7 @@ from worlds.input_error import InputError
 
 LEAST, MOST = 240, 4000
 """Height of a frame, pixels."""
-PATIENCE = 30.0
+TIMEOUT = 30.0
 """Time that the laboratory has to say how its flock is, s."""
 
 open_views: list[NotebookView] = []
@@ -97,9 +97,9 @@ class NotebookView:
 
         answer: Future[InMemoryFlock] = simulation.tell(taken)
         try:
-            return answer.result(PATIENCE)
+            return answer.result(TIMEOUT)
         except TimeoutError:
-            raise InputError(f"the laboratory does not answer within {PATIENCE:g} s") from None
+            raise InputError(f"the laboratory does not answer within {TIMEOUT:g} s") from None
 
     def close(self) -> None:
         """Stop it; its flock can still be taken from `flock`."""

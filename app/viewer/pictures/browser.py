@@ -211,8 +211,8 @@ class Browser:
             self.is_new = False
             self.server.flush()
             time.sleep(SETTLES)
-            renders.ask(client, (LEAST, LEAST), RenderCamera.of(client.camera), patience=DRAWS)
-        return renders.ask(client, size, eye_of(view), exact=True, patience=DRAWS)
+            renders.ask(client, (LEAST, LEAST), RenderCamera.of(client.camera), timeout=DRAWS)
+        return renders.ask(client, size, eye_of(view), exact=True, timeout=DRAWS)
 
     def close(self) -> None:
         """End it, and take its profile away."""

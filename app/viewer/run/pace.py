@@ -18,7 +18,7 @@ class Pace:
         """`answer` is the longest time to spend in one call of the flock, s."""
         self.speed = speed
         self.answer = answer
-        self.patience = 0.0
+        self.timeout = 0.0
         """For how long ticks that are due may wait for others, s: many at once cost less."""
         self.cost = answer
         """Seconds per tick, as measured."""
@@ -36,7 +36,7 @@ class Pace:
         """Time until the next tick is due, s."""
         if math.isinf(self.speed):
             return 0.0
-        return max(0.0, self.due + self.patience - now)
+        return max(0.0, self.due + self.timeout - now)
 
     def ticks_due(self, now: float) -> int:
         """Ticks to run now; a run that cannot keep up does not try to catch up."""
@@ -49,7 +49,7 @@ class Pace:
             return 0
         ticks = min(most, 1 + int((now - self.due) * self.speed))
         self.due += ticks / self.speed
-        if self.due < now - 0.25 - self.patience:
+        if self.due < now - 0.25 - self.timeout:
             self.due = now
         return ticks
 

@@ -103,7 +103,7 @@ class SimulationLimits:
         if self.allowance is None:
             return Pace(speed)
         pace = Pace(speed, min(ANSWER, self.allowance.share / self.allowance.pictures))
-        pace.patience = 0.0 if self.seen else BATCH
+        pace.timeout = 0.0 if self.seen else BATCH
         return pace
 
     def look(self) -> None:

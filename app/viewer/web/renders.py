@@ -26,7 +26,7 @@ from worlds.input_error import InputError
 
 LEAST, MOST = 64, 3840
 """Pixels of a side."""
-PATIENCE = 15.0
+TIMEOUT = 15.0
 """Seconds that a browser has to answer; one whose window is not in front draws nothing."""
 LOOK = 0.2
 """Seconds between two looks whether it is there still."""
@@ -102,7 +102,7 @@ class Renders:
         size: tuple[int, int],
         eye: RenderCamera | None = None,
         exact: bool = False,
-        patience: float = PATIENCE,
+        timeout: float = TIMEOUT,
     ) -> np.ndarray:
         """What a browser draws, (height, width, 3) uint8; from its own camera unless `eye` says.
 
@@ -129,24 +129,24 @@ class Renders:
             )
             client._websock_connection.queue_message(request)
             client.flush()
-            return opened(self.wait(client, wanted, patience), size)
+            return opened(self.wait(client, wanted, timeout), size)
         finally:
             with self.lock:
                 del self.awaited[name]
 
-    def wait(self, client: viser.ClientHandle, wanted: PendingPicture, patience: float) -> bytes:
+    def wait(self, client: viser.ClientHandle, wanted: PendingPicture, timeout: float) -> bytes:
         """What the browser sends. Raises InputError."""
-        until = time.monotonic() + patience
+        until = time.monotonic() + timeout
         while True:
             try:
-                return wanted.answer.result(min(LOOK, patience))
+                return wanted.answer.result(min(LOOK, timeout))
             except Late:
                 pass
             if client.client_id not in client._viser_server._connected_clients:
                 raise InputError("the browser has gone")
             if time.monotonic() > until:
                 raise InputError(
-                    f"the browser has drawn nothing in {patience:g} s: is its window in front?"
+                    f"the browser has drawn nothing in {timeout:g} s: is its window in front?"
                 )
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from app.viewer.web.incoming.rate_limit import RateLimit
 
-PATIENCE = 5.0
+TIMEOUT = 5.0
 """Seconds that a connection may have to wait for its turn."""
 DEEPEST = 40.0
 """What an address owes at most, in pages."""
@@ -112,7 +112,7 @@ class ClientAddresses:
             visitor = self.of(address)
             if self.open >= self.limits.open or visitor.open >= self.limits.open_of_one:
                 return None
-            wait = visitor.requests.turn(PATIENCE)
+            wait = visitor.requests.turn(TIMEOUT)
             if wait is not None:
                 visitor.open += 1
                 self.open += 1
@@ -127,7 +127,7 @@ class ClientAddresses:
     def page(self, address: str) -> float | None:
         """A page connects: seconds until its turn, or None if that would be too long."""
         with self.lock:
-            return self.of(address).pages.turn(PATIENCE)
+            return self.of(address).pages.turn(TIMEOUT)
 
     def cut(self, address: str) -> None:
         """A connection was cut off: its address has to wait for the next."""
