@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from app.cli.refusals import REFUSED
+from app.cli.error_messages import REFUSED
 from app.cli.rule_option import Rules, by_name, first_of
 from worlds.input_error import InputError
 

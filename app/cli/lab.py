@@ -14,8 +14,8 @@ from agents.flock_world import find_world
 from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
 from app.cli.file_argument import is_file
-from app.cli.given import Asked, demand_parameters, given, named, with_options
 from app.cli.rule_option import Rules, by_name, first_of
+from app.cli.run_arguments import Asked, demand_parameters, given, named, with_options
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.stop_signals import StopSignals, leave
 from app.settings import assignment

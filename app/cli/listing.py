@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from app.cli.choices import KINDS, WIDE, Rows, names, rows, show
-from app.cli.one_thing import in_words, things_called
+from app.cli.list_details import in_words, things_called
 from app.cli.rule_option import Rules, by_name
 
 

@@ -9,7 +9,7 @@ import threading
 from types import FrameType
 from typing import Any
 
-from app.cli.refusals import INTERRUPTED
+from app.cli.error_messages import INTERRUPTED
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 

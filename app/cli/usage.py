@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from app.cli.refusals import REFUSED, one_line, told
+from app.cli.error_messages import REFUSED, one_line, told
 from worlds.input_error import InputError, nearest, needed, shortened, suggestion
 
 USAGE_ERROR: type[Exception] = typer.BadParameter.__bases__[0]

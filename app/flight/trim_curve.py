@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 from agents.flight.trim import Trim, trim
-from app.flight.flight_report import as_value
 from app.flight.request import SPEED, Request
+from app.flight.trim_report import as_value
 from worlds.input_error import InputError
 
 

@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 from agents.flock import Flock
 from app.classroom.class_file.archive import MOST_ENTRIES, OPENED, PICTURE
 from app.classroom.class_file.class_file_reader import load, opened
-from app.classroom.class_file.saving import packed, save
+from app.classroom.class_file.class_file_writer import packed, save
 from app.classroom.class_file.state import ClassState, SavedStudent
 from app.classroom.collect.class_table import points_from_csv, to_csv
-from app.classroom.collect.collection import Collection, InitialScene
+from app.classroom.collect.collection import Collection, StudentAssignment
 from app.classroom.collect.hand_in import hand_in
 from app.classroom.collect.question import question_of
 from app.classroom.names import same, student_name
@@ -118,7 +118,7 @@ def test_classes_of_any_names_come_back(texts, seats, draw):
         for name in names.values()
     }  # fmt: skip
     found = Collection(ORDER, given={
-        name: InitialScene(
+        name: StudentAssignment(
             draw.draw(st.sampled_from(ORDER.values)), draw.draw(st.integers(0, 2**62))
         )
         for name in names.values()
@@ -154,13 +154,13 @@ def test_a_full_disk_leaves_the_file_that_was_there(state, tmp_path):
     [("class.txt", "ends in .zip"), ("nowhere/class.zip", "there is no folder"), (".", "a folder")],
 )
 def test_a_place_that_takes_no_class_is_refused_first(state, tmp_path, monkeypatch, name, said):
-    monkeypatch.setattr("app.classroom.class_file.saving.packed", None)
+    monkeypatch.setattr("app.classroom.class_file.class_file_writer.packed", None)
     with pytest.raises(InputError, match=said):
         save(state, tmp_path / name)
 
 
 def test_a_fault_while_it_is_made_leaves_nothing(state, tmp_path, monkeypatch):
-    monkeypatch.setattr("app.classroom.class_file.saving.picture", lambda *_: 1 // 0)
+    monkeypatch.setattr("app.classroom.class_file.class_file_writer.picture", lambda *_: 1 // 0)
     with pytest.raises(ZeroDivisionError):
         save(state, tmp_path / "class.zip")
     assert not list(tmp_path.iterdir())

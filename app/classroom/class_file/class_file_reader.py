@@ -9,7 +9,7 @@ from typing import Any
 
 from agents.spec import LARGEST_SEED, Spec
 from app.classroom.class_file.archive import ClassArchive, content_of
-from app.classroom.class_file.saving import FORMAT
+from app.classroom.class_file.class_file_writer import FORMAT
 from app.classroom.class_file.state import (
     MOST_QUESTIONS,
     MOST_STUDENTS,
@@ -17,7 +17,7 @@ from app.classroom.class_file.state import (
     SavedStudent,
 )
 from app.classroom.collect.class_table import points_from_csv
-from app.classroom.collect.collection import MOST_GIVEN, Collection, InitialScene
+from app.classroom.collect.collection import MOST_GIVEN, Collection, StudentAssignment
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question, question_from_toml, titled
 from app.classroom.names import same, student_name
@@ -105,7 +105,7 @@ def questions_of(
         key = text_of(row.get("file"), r"[^/]+")
         entry = f"questions/{key}.toml"
         question = question_from_toml(pack.text(entry), scene.spec, f"{entry} of {pack.name}")
-        given: dict[str, InitialScene] = {}
+        given: dict[str, StudentAssignment] = {}
         for one in tables(row, "given", MOST_GIVEN, OF_GIVEN):
             name = checked_name(one.get("student"))
             if name in given:
@@ -115,7 +115,7 @@ def questions_of(
     return made
 
 
-def given_of(row: Mapping[str, Any], question: Question) -> InitialScene:
+def given_of(row: Mapping[str, Any], question: Question) -> StudentAssignment:
     """What a student was given. Raises InputError."""
     value, seed = row.get("value"), row.get("seed")
     if value is not None and (isinstance(value, bool) or value not in question.values):
@@ -126,7 +126,7 @@ def given_of(row: Mapping[str, Any], question: Question) -> InitialScene:
         raise InputError("given: value is missing (class.toml)")
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
         raise InputError(f"given: seed = {shortened(seed)} is no seed (class.toml)")
-    return InitialScene(None if value is None else float(value), seed)
+    return StudentAssignment(None if value is None else float(value), seed)
 
 
 def points_of(key: str, question: Question, pack: ClassArchive) -> list[Point]:

@@ -27,7 +27,7 @@ MOST_GIVEN = 1_000
 
 
 @dataclass(frozen=True)
-class InitialScene:
+class StudentAssignment:
     """What a student begins with."""
 
     value: float | None
@@ -57,10 +57,10 @@ class Collection:
 
     question: Question
     points: list[Point] = field(default_factory=list)
-    given: dict[str, InitialScene] = field(default_factory=dict)
+    given: dict[str, StudentAssignment] = field(default_factory=dict)
     """By student."""
 
-    def give(self, student: str) -> InitialScene:
+    def give(self, student: str) -> StudentAssignment:
         """The value and the seed of a student, always the same ones. Raises InputError.
 
         Of the values the one that fewest have, in an order that covers the range early.
@@ -76,7 +76,7 @@ class Collection:
             order = [values[k] for k in spread_order(len(values))]
             value = min(order, key=lambda one: held[one])
         seed = 1 + max((one.seed for one in self.given.values()), default=0)
-        self.given[student] = InitialScene(value, seed)
+        self.given[student] = StudentAssignment(value, seed)
         return self.given[student]
 
     def take_back(self, student: str) -> None:

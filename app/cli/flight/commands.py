@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.cli.flight.aircraft_options import aircraft
+from app.cli.flight.aircraft_list import aircraft
 from app.cli.flight.payload import payload
 from app.cli.flight.simulate import simulate
 from app.cli.flight.sweep import sweep

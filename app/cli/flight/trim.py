@@ -34,8 +34,8 @@ def trim(
     asked = request(frequency, twist, settings)
     demand_folder("--out", out, ("beat.csv", *picture_files("beat", pictures)), overwrite)
     from agents.flight.trim import trim as search
-    from app.flight.flight_report import as_value, lines
     from app.flight.flight_sheet import beat_columns, write_sheet
+    from app.flight.trim_report import as_value, lines
 
     with Progress("flight trim", quiet) as progress:
         made = search(asked.aircraft, speed, frequency=frequency, twist=asked.twist, at=progress.at)

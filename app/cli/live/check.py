@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from app.cli.error_messages import refuse
 from app.cli.live import recording_check
 from app.cli.live.live_options import LinkName, SourceName
 from app.cli.outcome_table import as_json
-from app.cli.refusals import refuse
 from app.cli.rule_option import Rules
 from worlds.input_error import InputError
 

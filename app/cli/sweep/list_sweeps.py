@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from app.cli.error_messages import one_line
 from app.cli.outcome_table import as_json
-from app.cli.refusals import one_line
 from app.cli.sweep.sweep_choice import is_sweep
 from app.results_folder import RESULTS
 

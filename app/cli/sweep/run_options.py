@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from app.cli.error_messages import INTERRUPTED
 from app.cli.outcome_table import tell
 from app.cli.progress import Progress
-from app.cli.refusals import INTERRUPTED
 from app.cli.stop_signals import StopSignals
 from app.settings import at_least
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.given import Asked, with_options
+from app.cli.error_messages import INTERRUPTED
 from app.cli.length import demand_one_length, ticks_asked
 from app.cli.outcome_table import as_json, tell, tell_written
 from app.cli.progress import Progress
-from app.cli.refusals import INTERRUPTED
 from app.cli.rule_option import Rules
+from app.cli.run_arguments import Asked, with_options
 from app.cli.stop_signals import StopSignals
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of

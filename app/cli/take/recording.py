@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from app.cli.error_messages import visible
 from app.cli.outcome_table import as_json, tell_written
-from app.cli.refusals import visible
 from worlds.extra import demand_parquet
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError

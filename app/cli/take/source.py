@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.cli.given import Asked, named
 from app.cli.outcome_table import tell
 from app.cli.rule_option import by_name, first_of
 from app.cli.run import built
+from app.cli.run_arguments import Asked, named
 from app.experiments.workers.kernels import compile_loop
 from worlds.input_error import InputError
 

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
+from app.cli.error_messages import REFUSED
 from app.cli.outcome_table import as_json
-from app.cli.refusals import REFUSED
 from app.cli.world.world_file import given_world, size_text
 from worlds.number_text import counted
 
