@@ -1,4 +1,4 @@
-"""Bad input is refused with one line: the thing, the value, what is allowed, where it came from."""
+"""An input error is one line: the thing, the value, what is allowed, where it came from."""
 
 from __future__ import annotations
 

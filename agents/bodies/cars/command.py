@@ -43,7 +43,7 @@ def throttle_for(wheel, p):
 
 
 @compiled
-def patience(me, p, base):
+def time_stuck(me, p, base):
     """Time (s) for which a car has been stuck; it counts from -BACKS up to 0 while it backs out.
 
     One that looks ahead stands of its own will, which is counted too, and backs out when it likes.
@@ -61,7 +61,7 @@ def patience(me, p, base):
 def command(me, near, surroundings, want, p, base, out):
     """The wheel angle (rad) and throttle (share of full, below 0 backwards) for this frame."""
     wheel = wheel_for(me, want, p)
-    time = patience(me, p, base)
+    time = time_stuck(me, p, base)
     out[base + STUCK] = time
     if p.yields > 0.0:
         return yielded(me, near, surroundings, wheel, throttle_for(wheel, p), time, p, base)
