@@ -45,7 +45,7 @@ EXACT = 1e-9
 ROUGH, NEAR = 1e-6, 1e-3
 """Tolerance of the integration while more than this is left of the demands."""
 ITERATIONS = 14
-PATIENCE = 3
+STALLED_STEPS = 3
 """Iterations without coming nearer after which a search is given up."""
 STEP = 1e-6
 STRIDES = np.array([0.3, 0.3, 1.0, 1.0, 1.0, 0.3])
@@ -257,7 +257,7 @@ def newton(
                 return (now, left) if now[0] > 0.0 else None
             relative = RELATIVE if left < NEAR else ROUGH
             nearest.append(min(left, nearest[-1]))
-            if len(nearest) > PATIENCE and left > nearest[-1 - PATIENCE]:
+            if len(nearest) > STALLED_STEPS and left > nearest[-1 - STALLED_STEPS]:
                 return None
             step = np.linalg.solve((made[1:] - made[0]).T / STEP, -made[0])
         except (InputError, np.linalg.LinAlgError):
