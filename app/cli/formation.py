@@ -45,7 +45,7 @@ def spacing(
     json_asked: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """The wing-tip spacing at which a bird saves most beside another, and (2.8) of the thesis."""
+    """Print the wing-tip spacing at which a bird saves most, and (2.8) of the thesis."""
     demand("--core", core, 0.0, 1.0)
     demand("--behind", behind, -20.0, math.inf)
     demand("--above", above, -20.0, 20.0)
@@ -102,7 +102,7 @@ def vee(
     json_asked: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """What a V of birds saves, placed exactly and with jitter: percent and joules per metre."""
+    """Print what a V of birds saves, exact and with jitter: percent and joules per metre."""
     if not 1 <= birds <= 200:
         raise InputError(f"--birds {birds} is not allowed: a whole number from 1 to 200 is needed")
     at_least("--draws", draws, 1, MOST_DRAWS)
@@ -235,7 +235,7 @@ def tell(
 
 
 formation = grouped(
-    "Formation flight: what birds save by each other's upwash.",
+    "Say what birds save by each other's upwash.",
     {
         "spacing": spacing,
         "vee": vee,

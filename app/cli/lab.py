@@ -187,7 +187,9 @@ def serve(laboratory: Any, stopping: StopSignals) -> None:
         announce(laboratory.host, laboratory.port, "Ctrl-C stops it", "press every button")
         ready = laboratory.simulation.ready.wait(0.8)
         if not ready or laboratory.simulation.state.compiling is not None:
-            typer.echo("compiling, this once: a preview is shown meanwhile ...", err=True)
+            typer.echo(
+                "compiling (first run only); you see a preview until it is ready ...", err=True
+            )
         while not stopping.asked:
             time.sleep(LOOK)
     finally:

@@ -23,7 +23,7 @@ def listing(
     rule: Rules = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Show what there is to choose from: all names, one kind of things, or one thing."""
+    """List all names, one kind of things, or one thing in full."""
     made = rows(brought=bool(rule))
     if what is None:
         typer.echo(json.dumps(made) if as_json else "\n".join(overview(made)))

@@ -29,34 +29,34 @@ COMMANDS = {
     "class": Entry(
         ".classroom",
         "classroom",
-        "A class: students with flocks of their own, one code on the wall.",
+        "Open a class: each student has a flock, by one code.",
     ),
     "run": Entry(".run", "run", "Run a flock and print what is observed at its end."),
     "paper": Entry(".paper", "paper", "Repeat a table or a figure of a paper."),
-    "sweep": Entry(".sweep.commands", "sweep", "Many runs over parameters, kept whatever happens."),
-    "sensitivity": Entry(".sensitivity", "sensitivity", "Which parameter matters, from a sweep."),
-    "optimise": Entry(".optimise", "optimise", "The best values of parameters, by a search."),
-    "live": Entry(
-        ".live.commands", "live", "Real cars: check a laboratory, drive, replay, emulate."
+    "sweep": Entry(
+        ".sweep.commands", "sweep", "Make many runs over parameters; every run is kept."
     ),
+    "sensitivity": Entry(
+        ".sensitivity", "sensitivity", "Say which parameter matters, from a sweep."
+    ),
+    "optimise": Entry(".optimise", "optimise", "Search for the best values of parameters."),
+    "live": Entry(".live.commands", "live", "Drive real cars: check, run, replay, emulate."),
     "flight": Entry(
-        ".flight.commands", "flight", "A flapping-wing aircraft: trim, sweep over speed, fly."
+        ".flight.commands", "flight", "Fly a flapping-wing aircraft: trim, sweep, load."
     ),
-    "world": Entry(
-        ".world.commands", "world", "Worlds: list, draw, check, read from drawings, make."
-    ),
-    "formation": Entry(".formation", "formation", "Formation flight: what birds save by upwash."),
-    "list": Entry(".listing", "listing", "Models, worlds, observables, papers, lessons."),
-    "check": Entry(".check", "check", "Check a model: what every model keeps to."),
-    "warm": Entry(".warm", "warm", "Compile models ahead, so that nobody waits for them."),
-    "cite": Entry(".cite", "cite", "The papers that a model comes from, as BibTeX."),
+    "world": Entry(".world.commands", "world", "List, draw, check, import and make worlds."),
+    "formation": Entry(".formation", "formation", "Say what birds save in formation flight."),
+    "list": Entry(".listing", "listing", "List models, worlds, observables, papers, lessons."),
+    "check": Entry(".check", "check", "Check that a model keeps to what every model does."),
+    "warm": Entry(".warm", "warm", "Compile models in advance."),
+    "cite": Entry(".cite", "cite", "Print the papers of a model as BibTeX."),
     "recording": Entry(
-        ".take.recording", "recording", "What a recording holds, and its numbers as CSV."
+        ".take.recording", "recording", "Show what a recording holds; write it as CSV."
     ),
     "picture": Entry(
-        ".take.picture", "picture", "A picture of a flock in its world, with legend and scale."
+        ".take.picture", "picture", "Draw a flock in its world, with legend and scale."
     ),
-    "film": Entry(".take.film", "film", "A film of a flock in its world: MP4, WebM or GIF."),
+    "film": Entry(".take.film", "film", "Film a flock in its world: MP4, WebM or GIF."),
     "recover": Entry(".recover", "recover", "Save the recording of a run that was killed."),
 }
 

@@ -48,7 +48,7 @@ def optimise(
     json_asked: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Search the values of parameters for which a measure is least or most.
+    """Search for the values of parameters that make a measure least or most.
 
     The best is told on seeds that the search has not seen, beside the default, with what ties with
     it. The same call goes on after any stop: the search is begun again and takes what it has seen

@@ -17,7 +17,7 @@ def recover(
     ],
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Make a recording of what a killed run has left in its .part file, or in its folder."""
+    """Save the recording of a killed run from its .part file, or its folder."""
     if file.is_dir():
         from app.cli.live.recover import recover as recover_live
 

@@ -46,7 +46,7 @@ def sensitivity(
     json_asked: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Make the runs of a sweep that are not there yet, and say which of its axes matters most.
+    """Make the missing runs of a sweep. Say which of its axes matters most.
 
     FILE.toml is that of a sweep, with one design of kind saltelli, for Sobol's indices, or morris,
     for elementary effects. What is measured is a mean over seeds that all cells have in common.

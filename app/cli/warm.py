@@ -29,7 +29,7 @@ def warm(
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
 ) -> None:
-    """Compile models and what is measured of them, each in its own world.
+    """Compile models in advance, with what is measured of them, each in its own world.
 
     What is compiled is kept on this machine, and is done anew only for another version.
     """

@@ -36,7 +36,7 @@ def check(
     hold: Hold = 1,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Check every cell of a sweep, and say how many runs it has and what they will take.
+    """Check every cell of a sweep. Print how many runs it has and how long they take.
 
     The first ticks of some cells are timed; nothing is kept.
     """

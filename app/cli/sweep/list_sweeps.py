@@ -17,7 +17,7 @@ def list_sweeps(
     folder: Annotated[Path, typer.Option("--in", help="Where to look.")] = RESULTS,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """The sweeps that were begun, and how far each is."""
+    """List sweeps and their progress."""
     from app.experiments.sweeps.sweep_status import status_of
 
     there = sorted(folder.iterdir()) if folder.is_dir() else []

@@ -89,7 +89,7 @@ def run(
     json_asked: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Make the runs of a sweep that are not there yet; the same call goes on after any stop.
+    """Make the missing runs of a sweep. Call it again to go on after a stop.
 
     The exit code is 3 if any run failed or was killed: `flockscope sweep show` names them.
     """

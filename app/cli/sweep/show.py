@@ -27,7 +27,7 @@ def show(
     seed: Annotated[int | None, typer.Option(help="A seed: print this run as a spec.")] = None,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Means and intervals cell by cell, and the runs that failed.
+    """Show the mean and interval of each cell, and the runs that failed.
 
     With --cell and --seed it prints the spec of that run: `flockscope run FILE.toml` repeats it.
     """

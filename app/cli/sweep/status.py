@@ -17,7 +17,7 @@ def status(
     name: Name,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """How many runs are done, how fast the rest comes, and what failed."""
+    """Show how many runs are done, how long the rest takes, and what failed."""
     from app.experiments.sweeps.sweep_status import status_of
 
     value = status_of(kept_sweep(name))

@@ -33,7 +33,7 @@ def recording(
     ] = False,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """What a recording holds: its run, its ticks, its world, its columns with units."""
+    """Show what a recording holds: run, ticks, world, columns with units."""
     demand_parquet(f"reading {str(file)!r}")
     if csv is not None:
         demand_writable("--csv", csv, overwrite, (".csv",))

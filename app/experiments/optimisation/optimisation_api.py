@@ -100,7 +100,7 @@ def optimise(
     tell: Callable[[str], Any] | None = None,
     **words: Any,
 ) -> Optimum:
-    """Search the values of parameters for which a measure is least or most.
+    """Search for the values of parameters that make a measure least or most.
 
     Parameters
     ----------
