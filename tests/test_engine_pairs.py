@@ -106,6 +106,25 @@ def test_lanes_are_eight_numbers(x, y):
     np.testing.assert_allclose(table, expected, rtol=1e-15, atol=1e-9)
 
 
+@numba.njit
+def in_place(x, out):
+    """Every operator that changes its left side."""
+    a, b = load(x, 0), load(x, WIDTH)
+    total = a + b
+    total += a
+    total -= 2.0 * b
+    total *= a
+    total /= b
+    store(out, 0, total)
+
+
+def test_lanes_are_changed_in_place_as_numbers_are():
+    x, out = np.arange(1.0, 2 * WIDTH + 1.0), np.zeros(WIDTH)
+    in_place(x, out)
+    a, b = x[:WIDTH], x[WIDTH:]
+    np.testing.assert_allclose(out, (a + b + a - 2.0 * b) * a / b, rtol=1e-14, atol=1e-14)
+
+
 @pytest.mark.parametrize("function", [where, vector_lanes.words, vector_lanes.as_float])
 def test_what_works_on_lanes_works_on_one_number(function):
     given = (True, 2.0, 3.0) if function is where else (2,)

@@ -94,6 +94,15 @@ def cast_truths(context, builder, given, wanted, value):  # noqa: ARG001
     return value if given == wanted else builder.uitofp(value, wanted.vector)
 
 
+IN_PLACE: dict[Any, Any] = {
+    operator.add: operator.iadd,
+    operator.sub: operator.isub,
+    operator.mul: operator.imul,
+    operator.truediv: operator.itruediv,
+}
+"""numba does not fall back from `x += y` to `x = x + y` for types of ours."""
+
+
 def operation(symbol: Any, answer: Eight, *kinds: Eight) -> Callable:
     """Have an operator or a function take eight values of these kinds; wraps what builds it."""
 
@@ -113,11 +122,12 @@ def operation(symbol: Any, answer: Eight, *kinds: Eight) -> Callable:
                         return None
                 return signature(answer, *kinds)
 
-        infer_global(symbol)(LaneTemplate)
+        for one in (symbol, IN_PLACE.get(symbol, symbol)):
+            infer_global(one)(LaneTemplate)
 
-        @lower_builtin(symbol, *kinds)
-        def lower(context: Any, builder: Any, sig: Any, values: Any) -> Any:  # noqa: ARG001
-            return build(builder, *values)
+            @lower_builtin(one, *kinds)
+            def lower(context: Any, builder: Any, sig: Any, values: Any) -> Any:  # noqa: ARG001
+                return build(builder, *values)
 
         return build
 
