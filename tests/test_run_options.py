@@ -29,10 +29,10 @@ exec(compile(text.replace(mark, {NEW!r}), found.origin, "exec"), spec.__dict__)
 
 from agents import Flock
 from app.cli.main import load
-from app.experiments.experiment_file import Row, Sweep
+from app.experiments.experiment_file import PaperRow, PaperSweep
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.run.run_preset import at_home
-from app.viewer.run.simulation_state import State
+from app.viewer.run.simulation_state import SimulationState
 
 OPTIONS, Spec = spec.OPTIONS, spec.Spec
 assert {{"gait", "loud", "activation", "agents"}} <= OPTIONS.keys()
@@ -56,7 +56,7 @@ class Gui:
 
 
 gui = Gui()
-panel = SetupPanel(gui, State(at_home("vem", gait="trot")))
+panel = SetupPanel(gui, SimulationState(at_home("vem", gait="trot")))
 for name, option in OPTIONS.items():
     for command in ("run", "lab"):
         [made] = [one for one in load(command).params if one.name == name]
@@ -64,7 +64,7 @@ for name, option in OPTIONS.items():
     assert name in Spec.model_fields
     assert option.help in gui.made[option.title].hint, name
 for name in spec.Options.model_fields:
-    assert name in Row.model_fields and name in Sweep.model_fields, name
+    assert name in PaperRow.model_fields and name in PaperSweep.model_fields, name
 
 assert (gui.made["Gait"].value, gui.made["Loud"].value) == ("trotting", False)
 gui.made["Gait"].value, gui.made["Loud"].value = "walking", True
@@ -74,7 +74,7 @@ flock = Flock("vem", agents=3, gait="trot", loud=True)
 assert (flock.options.gait, flock.options.loud) == ("trot", True)
 again = Spec.from_toml(flock.spec.to_toml())
 assert again == flock.spec and again.gait == "trot"
-assert Row(model="vem", agents=3, gait="trot").chosen == {{"gait": "trot"}}
+assert PaperRow(model="vem", agents=3, gait="trot").chosen == {{"gait": "trot"}}
 try:
     Flock("vem", gait="trott")
 except ValueError as error:

@@ -7,13 +7,13 @@ import sys
 
 CLOSING = """
 import os, signal, threading
-from app.cli.stop_signals import Stopping
+from app.cli.stop_signals import StopSignals
 
 def interrupt():
     os.kill(os.getpid(), signal.SIGINT)
     threading.Event().wait(60)
 
-with Stopping(at_once="stopped; go on with: again"):
+with StopSignals(at_once="stopped; go on with: again"):
     try:
         interrupt()
     finally:

@@ -151,8 +151,8 @@ def test_another_process_reads_while_one_writes(tmp_path):
         store.add(cell, 2, Outcome("ok", {"k": 2}))
         ask = f"""
             from pathlib import Path
-            from app.experiments.runs.store_reader import Kept
-            kept = Kept(Path({str(tmp_path)!r}))
+            from app.experiments.runs.store_reader import StoreReader
+            kept = StoreReader(Path({str(tmp_path)!r}))
             print(kept.counts["ok"], kept.state["progress"]["rate"])
         """
         said = subprocess.run(

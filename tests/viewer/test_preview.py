@@ -242,8 +242,8 @@ def test_a_preview_is_the_compiled_run_up_to_rounding():
 PARENT = """
 import sys, time
 from agents.flock import Flock
-from app.viewer.run.kernel_compiler import Compiling
-made = Compiling([Flock("guarded", rng=1)])
+from app.viewer.run.kernel_compiler import KernelCompiler
+made = KernelCompiler([Flock("guarded", rng=1)])
 while made.process is None:
     time.sleep(0.01)
 print(made.process.pid, flush=True)

@@ -212,8 +212,8 @@ class Store:
         rows, series, told = self.rows, self.series, self.told
         self.rows, self.series, self.told = [], [], {}
         with guarded(self.path):
-            self.connection.execute("BEGIN IMMEDIATE")
-            try:
+            try:  # an interrupt may come as soon as the transaction has begun
+                self.connection.execute("BEGIN IMMEDIATE")
                 self.connection.executemany(self._insert, rows)
                 self.connection.executemany(
                     "INSERT OR REPLACE INTO series VALUES (?, ?, ?, ?, ?)", series

@@ -51,9 +51,11 @@ class CompileEstimate:
     def words(self, now: float) -> str:
         """How much longer it may take, for people.
 
-        >>> Estimate(0.0, 8.0, True).words(3.2), CompileEstimate(0.0, 8.0, True).words(9.0)
+        >>> later = CompileEstimate(0.0, 8.0, True)
+        >>> later.words(3.2), later.words(9.0)
         ('about 5 s more', 'any moment now')
-        >>> Estimate(0.0, 15.0, False).words(1.0), CompileEstimate(0.0, 15.0, False).words(16.0)
+        >>> first = CompileEstimate(0.0, 15.0, False)
+        >>> first.words(1.0), first.words(16.0)
         ('usually some 15 s', 'longer than usual')
         """
         left = self.expected - (now - self.began)

@@ -44,7 +44,7 @@ def allowed(text: str) -> AllowedHost:
     port.
 
     >>> allowed("hub.example.org:8443")
-    Allowed(name='hub.example.org', port=8443)
+    AllowedHost(name='hub.example.org', port=8443)
     """
     wrong = InputError(
         f"--allow-host {text!r} is not a host name with an optional port, "

@@ -141,7 +141,7 @@ def comparison(text: str) -> ObservableBound:
     """A comparison of an observable with a number. Raises InputError.
 
     >>> comparison("mean-neighbours >= 3")
-    Comparison(name='mean-neighbours', sign='>=', bound=3.0)
+    ObservableBound(name='mean-neighbours', sign='>=', bound=3.0)
     """
     found = COMPARISON.fullmatch(text[:LONGEST])
     try:

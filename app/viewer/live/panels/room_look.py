@@ -12,10 +12,14 @@ from app.viewer.scene.shown.drawing_style import AGENTS, RIBBON, DrawingStyle
 
 CARS = "Cars"
 """What agents are here."""
+OF_CARS = [name for name, colouring in COLOURINGS.items() if colouring.of_cars]
 FOR_CARS: dict[str, dict[str, Any]] = {
     "colour": {
         "hint": "What a car's colour means; its state is the outline around it",
-        "choices": tuple(name for name, one in COLOURINGS.items() if one.of_cars),
+        "choices": (
+            OWN,
+            *(name for name, one in COLOURINGS.items() if one.of_cars and name != OWN),
+        ),
         "only": {},
     },
     "trails": {
