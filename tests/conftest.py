@@ -74,6 +74,8 @@ EXHAUSTIVE = (
 )
 """What takes all models, a real browser, every printed command, an attack, a whole class, or
 minutes: three quarters of the time of all tests. `.ci/run` runs it after the rest."""
+DEFAULT = "not installed and not exhaustive"
+"""The marks that `pyproject.toml` asks for."""
 FEW = 8
 """Examples that hypothesis draws at most for a test, if what is quick is run."""
 DEAR = (
@@ -157,6 +159,26 @@ def is_quick(path: Path) -> bool:
         return False
     inside = path.relative_to(HERE).parts
     return not inside or inside[0] in QUICK or (len(inside) == 1 and not path.is_dir())
+
+
+def names_files(config) -> bool:
+    """Whether files are named on the command line."""
+    told = getattr(config, "workerinput", None)
+    if told is not None:
+        return told["names_files"]
+    return config.args_source == pytest.Config.ArgsSource.ARGS
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node):
+    """Tell a process of xdist, whose own arguments always name files."""
+    node.workerinput["names_files"] = names_files(node.config)
+
+
+def pytest_configure(config):
+    """Leave nothing out of files that are named on the command line."""
+    if config.option.markexpr == DEFAULT and names_files(config):
+        config.option.markexpr = "not installed"
 
 
 def pytest_ignore_collect(collection_path, config):
