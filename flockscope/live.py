@@ -27,7 +27,7 @@ from app.live.sources.feed import Feed
 from app.live.sources.pose_source import Source
 from app.live.sources.source_address import Address
 from app.live.sources.source_catalogue import open_source
-from flockscope._renamed import old_names as _old_names
+from flockscope._old_names import old_names as _old_names
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:

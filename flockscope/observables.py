@@ -51,7 +51,7 @@ from agents.observables.per_group import (
 )
 from agents.observables.rotation import angular_momentum, centre
 from agents.observables.spread import gyration_radius, velocity_spread
-from flockscope._renamed import old_names as _old_names
+from flockscope._old_names import old_names as _old_names
 
 __all__ = [
     "Correlation",

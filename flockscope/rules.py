@@ -28,7 +28,7 @@ from agents.models.model import Model
 from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.terms.sums import mean_heading, of_pairs, sum_of
 from agents.rules.vicsek import VEM, Vicsek
-from flockscope._renamed import old_names as _old_names
+from flockscope._old_names import old_names as _old_names
 from worlds.compilation import compiled
 from worlds.input_error import InputError
 from worlds.queries.surroundings import nearest_surface

@@ -13,7 +13,7 @@ from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is i
 # isort: split
 import sys
 
-from flockscope._renamed import old_names as _old_names
+from flockscope._old_names import old_names as _old_names
 from worlds.checks import Problem, demand_sound, problems
 from worlds.generators import generate
 from worlds.input_error import InputError

@@ -78,3 +78,15 @@ class StubSimulator:
 
     def close(self):
         self.closed = True
+
+
+class Undeclared:
+    """A plug-in's source of before `longest_gap`; its frames stop."""
+
+    name = "undeclared"
+
+    def describe(self):
+        return "undeclared"
+
+    def frames(self, stop):
+        return Stub("hung between frames").frames(stop)

@@ -17,7 +17,7 @@ from app.live.sources import feed as feed_module
 from app.live.sources import simulated_source
 from app.live.sources.feed import KEPT, Feed
 from app.live.sources.simulated_source import SimulatedSource
-from tests.live.stub_sources import Stub, StubSimulator
+from tests.live.stub_sources import Stub, StubSimulator, Undeclared
 from tests.live.waiting import HandClock, until
 from worlds.input_error import InputError
 
@@ -215,6 +215,13 @@ def test_a_source_that_is_silent_for_long_is_left_alone(monkeypatch):
     with Feed(Stub("hung between frames")) as feed:
         feed.first(WITHIN)
         until(lambda: feed.latest().age(time.monotonic()) > 6.0, WITHIN)
+        assert (feed.state, feed.trouble) == ("streaming", "")
+
+
+def test_a_source_that_declares_no_longest_gap_is_left_alone():
+    with Feed(Undeclared()) as feed:
+        feed.first(WITHIN)
+        until(lambda: feed.latest().age(time.monotonic()) > 2.5, WITHIN)  # signs of life came
         assert (feed.state, feed.trouble) == ("streaming", "")
 
 

@@ -8,6 +8,7 @@ goes on dying: a stranger's datagram may end a library, but not the tracking.
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import threading
 import time
@@ -255,9 +256,10 @@ class Feed:
 
     def _demand_frames(self) -> None:
         """Have the source opened again if its frames have stopped for too long."""
-        if time.monotonic() - self._newest > self.source.longest_gap:
+        longest = getattr(self.source, "longest_gap", math.inf)  # older plug-ins have none
+        if time.monotonic() - self._newest > longest:
             self._pause = PAUSE  # the wait for frames is pause enough
-            self._fail(f"no frame for {self.source.longest_gap:g} s")
+            self._fail(f"no frame for {longest:g} s")
 
     def _fail(self, text: str, crashed: bool = False) -> None:
         """Note what went wrong; whether it is opened again depends on how far it had come."""

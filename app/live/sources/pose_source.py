@@ -23,7 +23,8 @@ class Source(Protocol):
     @property
     def longest_gap(self) -> float:
         """Seconds without a frame after which its connection is taken for lost, and opened again;
-        infinite where frames may lie as far apart as they like, as in a recording."""
+        infinite where frames may lie as far apart as they like, as in a recording, and for a
+        source that has no such attribute."""
         ...
 
     def frames(self, stop: threading.Event) -> Iterator[MocapFrame]:
