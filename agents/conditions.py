@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from agents.engine.message_past import MessageDelays
-from agents.engine.wind import NO_WIND
+from agents.engine.noise import NO_WIND
 from agents.option import between, option
 from worlds.input_error import InputError
 

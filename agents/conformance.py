@@ -16,16 +16,15 @@ from typing import Any, Literal
 import numpy as np
 
 from agents.flock import Flock
-from agents.models.declare import declared
+from agents.models.declare import declared, demand_proposed
 from agents.models.model import Model
 from agents.models.model_calls import ModelCodeError
-from agents.models.proposed_range import demand_proposed
 from agents.models.tries import LessonStep
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import OPTIONS
-from worlds.extra import demand_parquet
 from worlds.input_error import InputError
 from worlds.obstacles import Disc
+from worlds.plug_ins import demand_parquet
 from worlds.world import World
 
 AGENTS, TICKS = 12, 5

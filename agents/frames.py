@@ -14,7 +14,7 @@ from agents.parquet import BATCH, MOST_NUMBERS, ParquetTable
 from agents.record import arrays_of
 from agents.snapshot import Snapshot
 from agents.spec import Spec
-from agents.state.state_checks import LARGEST, demand_usable
+from agents.state.agent_rows import LARGEST, demand_usable
 from worlds.input_error import InputError
 from worlds.world import World
 

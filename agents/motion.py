@@ -13,7 +13,7 @@ from agents.conditions import Wind, messages, ticks_back
 from agents.engine.arrays import NEVER, Arrays, Context, EngineStopCondition, WorldContext
 from agents.engine.cells import Space
 from agents.engine.compiled_loop import delayed_module, is_compiled, loop_module, turns_module
-from agents.engine.noise import ANGULAR, VECTORIAL
+from agents.engine.noise import ANGULAR, NO_WIND, VECTORIAL
 from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.runner import (
     SPLIT_FROM,
@@ -22,15 +22,13 @@ from agents.engine.runner import (
     SequentialEngine,
     SynchronousEngine,
 )
-from agents.engine.wind import NO_WIND
 from agents.models.declare import as_floats, checked
 from agents.models.model import Model
 from agents.models.model_calls import call
 from agents.observables.consistency import DESIRED, HOLD, is_consistent, until_consistent
 from agents.snapshot import FlockState, Snapshot
 from agents.spec import Options
-from agents.state.agent_rows import with_past
-from agents.state.stray_agents import StrayAgents, stray
+from agents.state.agent_rows import StrayAgents, stray, with_past
 from worlds.compilation import DISABLED
 from worlds.input_error import InputError
 from worlds.memory import demand_memory
@@ -231,7 +229,7 @@ class Motion(FlockState):
         """Put the running flock among other obstacles, edges or another mission.
 
         Raises InputError if the world has other dimensions; nothing then changes. Agents stay where
-        they are: see `worlds.queries.clearance` for those that an obstacle has come upon.
+        they are: see `worlds.queries.surface` for those that an obstacle has come upon.
         """
         if world.dim != self.world.dim:
             raise InputError(f"a {self.world.dim}-D flock cannot go on in a {world.dim}-D world")

@@ -23,10 +23,10 @@ from agents.part_stream import PartStream
 from agents.snapshot import Snapshot
 from agents.spec import Spec
 from agents.state.agent_rows import no_crashes
-from worlds.extra import demand_parquet
 from worlds.file_writer import demand_writable, writing
 from worlds.input_error import InputError
 from worlds.number_text import counted
+from worlds.plug_ins import demand_parquet
 from worlds.world import World
 
 KEY = b"flockscope"

@@ -19,7 +19,7 @@ from agents.parquet import ParquetTable, demand_format
 from agents.record import FORMAT, KEY, PAST, SHEET, described, table_writer
 from agents.snapshot import Snapshot
 from agents.spec import Spec, whole
-from agents.state.state_checks import LARGEST
+from agents.state.agent_rows import LARGEST
 from worlds.checks import demand_sound
 from worlds.file_writer import writing
 from worlds.input_error import InputError, demand_line, shortened, unknown

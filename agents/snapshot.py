@@ -11,11 +11,8 @@ from agents.engine.arrays import Arrays
 from agents.models.declare import Parameters
 from agents.models.model import Model
 from agents.observables.array_checks import is_finite, leave_out, whole_rows
-from agents.observables.components import groups_within
-from agents.observables.layers import layers
-from agents.observables.neighbours import links, nearest_links
-from agents.state.agent_rows import chosen
-from agents.state.crashes import Crashes, active, crashes
+from agents.observables.neighbours import groups_within, layers, links, nearest_links
+from agents.state.agent_rows import Crashes, active, chosen, crashes
 from worlds.input_error import InputError, unknown
 from worlds.mission import along_route
 from worlds.world import World

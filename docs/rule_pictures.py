@@ -15,7 +15,7 @@ from rule_scenes import Scene, flock_of, scene_of
 
 from agents import Flock
 from agents.models.model import Model
-from agents.observables.applicability import in_a_corridor
+from agents.observables.catalogue import in_a_corridor
 from app.worlds.colours import FLOOR, GOAL, INK, LOOK, PALE, PATH, SOLID, SOLID_EDGE
 from app.worlds.footprint import footprint
 from app.worlds.plan import edges, fill, floor

@@ -15,11 +15,9 @@ from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is i
 import sys
 
 from agents.observables.array_checks import OmittedRowsWarning
-from agents.observables.components import groups_within
 from agents.observables.consistency import consistency, convergence_time
 from agents.observables.correlation import Correlation, correlation, correlation_length
 from agents.observables.energy import furthest, hamiltonian
-from agents.observables.fluctuations import binder, susceptibility
 from agents.observables.following import (
     keep_following,
     least_clearances,
@@ -35,21 +33,29 @@ from agents.observables.formation import (
     vee,
     vee_saved,
 )
-from agents.observables.groups import algebraic_connectivity, group_labels, group_sizes
-from agents.observables.lanes import lane_order
-from agents.observables.layers import layer_histogram, layers
-from agents.observables.neighbours import links, mean_neighbours, nearest_neighbour, separation
-from agents.observables.observable import Observable, Range, Table
-from agents.observables.of_agents import OfAgents
-from agents.observables.order import polarisation
-from agents.observables.per_group import (
+from agents.observables.groups import (
+    algebraic_connectivity,
     angular_momenta,
     centres,
+    group_labels,
+    group_sizes,
     group_table,
     polarisations,
     size_histogram,
 )
-from agents.observables.rotation import angular_momentum, centre
+from agents.observables.lanes import lane_order
+from agents.observables.neighbours import (
+    groups_within,
+    layer_histogram,
+    layers,
+    links,
+    mean_neighbours,
+    nearest_neighbour,
+    separation,
+)
+from agents.observables.observable import Observable, Range, Table
+from agents.observables.of_agents import OfAgents
+from agents.observables.order import angular_momentum, binder, centre, polarisation, susceptibility
 from agents.observables.spread import gyration_radius, velocity_spread
 from flockscope._old_names import old_names as _old_names
 

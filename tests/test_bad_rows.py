@@ -16,18 +16,15 @@ from agents.observables import (
     consistency,
     correlation,
     energy,
-    fluctuations,
     following,
     formation,
     groups,
     neighbours,
     order,
-    per_group,
-    rotation,
     spread,
 )
 from agents.observables.array_checks import OmittedRowsWarning
-from agents.observables.components import groups_within
+from agents.observables.neighbours import groups_within
 from tests.left_out import quietly
 
 P = model("boundary-points").parameters()
@@ -70,29 +67,29 @@ WHOLE = {
     "polarisation": lambda t: order.polarisation(t.heading),
     "consistency": lambda t: consistency.consistency(t.heading),
     "consistency with a vector": lambda t: consistency.consistency(t.heading, np.eye(t.dim)[0]),
-    "centre": lambda t: rotation.centre(t.position, *t.box),
-    "angular momentum": lambda t: rotation.angular_momentum(t.position, t.heading, *t.box),
+    "centre": lambda t: order.centre(t.position, *t.box),
+    "angular momentum": lambda t: order.angular_momentum(t.position, t.heading, *t.box),
     "correlation length": lambda t: correlation.correlation_length(t.position, t.velocity, *t.box),
     "correlation": lambda t: correlation.correlation(t.position, t.velocity, *t.box),
     "bin width": lambda t: correlation.bin_width(t.position, *t.box),
     "mean neighbours": lambda t: neighbours.mean_neighbours(t.position, 3.0, *t.box),
     "number of links": lambda t: len(neighbours.links(t.position, 3.0, *t.box)),
     "tree": lambda t: neighbours.tree(t.position, *t.box).data,
-    "means": lambda t: per_group.means(t.label, t.velocity),
-    "polarisations": lambda t: per_group.polarisations(t.label, t.heading),
-    "centres": lambda t: per_group.centres(t.label, t.position, *t.box),
-    "angular momenta": lambda t: per_group.angular_momenta(t.label, t.position, t.heading, *t.box),
+    "means": lambda t: groups.means(t.label, t.velocity),
+    "polarisations": lambda t: groups.polarisations(t.label, t.heading),
+    "centres": lambda t: groups.centres(t.label, t.position, *t.box),
+    "angular momenta": lambda t: groups.angular_momenta(t.label, t.position, t.heading, *t.box),
     "group table": lambda t: [
         list(row.values())
-        for row in per_group.group_table(t.label, t.position, t.heading, *t.box).values()
+        for row in groups.group_table(t.label, t.position, t.heading, *t.box).values()
     ],
     "energy": lambda t: energy.hamiltonian(
         t.position, t.velocity, np.zeros((2, t.dim)), t.position + 0.5, P
     ),
     "gyration radius": lambda t: spread.gyration_radius(t.position, *t.box),
     "velocity spread": lambda t: spread.velocity_spread(t.velocity),
-    "susceptibility": lambda t: fluctuations.susceptibility(t.series[:, 0], 30),
-    "binder": lambda t: fluctuations.binder(t.series[:, 0]),
+    "susceptibility": lambda t: order.susceptibility(t.series[:, 0], 30),
+    "binder": lambda t: order.binder(t.series[:, 0]),
 }
 """One number, or one row for each group, of all agents."""
 BY_ROW = {
@@ -188,9 +185,9 @@ def test_a_masked_number_is_no_number():
 
 def test_of_a_group_of_which_nobody_is_left_nothing_is_known():
     heading = np.array([[1.0, 0.0], [math.nan, 0.0], [0.0, 1.0]])
-    found, _ = quietly(per_group.polarisations, [0, 1, 2], heading)
+    found, _ = quietly(groups.polarisations, [0, 1, 2], heading)
     np.testing.assert_array_equal(found, [1.0, math.nan, 1.0])
-    table, _ = quietly(per_group.group_table, [2, 0, 1], heading, heading, [1, 1], [False, False])
+    table, _ = quietly(groups.group_table, [2, 0, 1], heading, heading, [1, 1], [False, False])
     assert table[0]["agents"] == 0
     assert math.isnan(table[0]["polarisation"])
 
@@ -199,9 +196,7 @@ def test_who_is_in_no_group_is_not_measured():
     tracks = Tracks(5, 12, 3, True)
     tracks.position[4] = math.nan
     label, _ = quietly(groups_within, tracks.position, 3.0, *tracks.box)
-    found, said = quietly(
-        per_group.group_table, label, tracks.position, tracks.heading, *tracks.box
-    )
+    found, said = quietly(groups.group_table, label, tracks.position, tracks.heading, *tracks.box)
     assert said == []
     assert sum(row["agents"] for row in found.values()) == 11
     assert groups.group_sizes(label).sum() == 11

@@ -12,7 +12,7 @@ from oracles import couzin
 
 from agents import Flock, catalogue
 from agents.bodies.car import driving
-from agents.bodies.cars.chassis import separation
+from agents.bodies.car_commands import separation
 from agents.rules import vicsek
 from worlds.input_error import InputError
 from worlds.mission import mission

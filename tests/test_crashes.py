@@ -8,7 +8,7 @@ from oracles.solids import box, sphere
 from oracles.zones import touching
 
 from agents import Flock
-from agents.engine.crash_motion import GRAVITY
+from agents.engine.solid_collision import GRAVITY
 from agents.member import Member
 from worlds.input_error import InputError
 from worlds.obstacles import Box, Sphere

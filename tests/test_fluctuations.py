@@ -10,8 +10,7 @@ from oracles import order_over_groups as naive
 from oracles.scenes import unit_vectors
 
 from agents import Flock
-from agents.observables.fluctuations import binder, susceptibility
-from agents.observables.order import polarisation
+from agents.observables.order import binder, polarisation, susceptibility
 from agents.series import Follower, follow, needed
 from worlds.input_error import InputError
 

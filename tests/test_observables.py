@@ -16,7 +16,7 @@ from oracles.topology import EDGES
 from scipy.sparse.csgraph import laplacian
 
 from agents import Flock
-from agents.observables import components, consistency, groups, layers, neighbours, order
+from agents.observables import consistency, groups, neighbours, order
 
 SOME = settings(max_examples=100, deadline=None, derandomize=True)
 
@@ -126,7 +126,7 @@ def test_links_and_what_follows_from_them(where):
     labels = groups.group_labels(len(touch), links)
     assert labels.tolist() == [ranked.index(g) for g in label]
     assert list(groups.group_sizes(labels)) == sorted(sizes, reverse=True)
-    unlisted = components.groups_within(
+    unlisted = neighbours.groups_within(
         where.position, where.r, np.array(where.size), images(where)
     )
     assert unlisted.tolist() == labels.tolist()
@@ -137,10 +137,12 @@ def test_links_and_what_follows_from_them(where):
     mean = neighbours.mean_neighbours(where.position, where.r, np.array(where.size), images(where))
     assert mean == pytest.approx(naive.mean_neighbours(touch), abs=1e-12)
 
-    layer = layers.layers(links, where.informed)
+    layer = neighbours.layers(links, where.informed)
     assert layer.tolist() == topology.layers(touch, where.informed).tolist()
     counted = naive.layer_histogram(layer)
-    assert layers.layer_histogram(layer) == {k + 1: c for k, c in enumerate(counted.tolist()) if c}
+    assert neighbours.layer_histogram(layer) == {
+        k + 1: c for k, c in enumerate(counted.tolist()) if c
+    }
 
 
 @SOME
@@ -165,7 +167,7 @@ def test_links_of_lattices(edges, dim):
         mean = neighbours.mean_neighbours(x, 1.0, box, wraps)
         assert mean == pytest.approx(naive.mean_neighbours(touch))
         for r in (1.0, 0.999, math.sqrt(dim)):
-            label = components.groups_within(x, r, box, wraps)
+            label = neighbours.groups_within(x, r, box, wraps)
             touch = topology.contact(x, r, size, edges)
             assert label.max() + 1 == len(naive.groups(touch)[1])
 
@@ -174,17 +176,17 @@ def test_links_of_lattices(edges, dim):
 def test_agents_on_one_spot_are_groups_of_their_own_until_another_is_near(n):
     box, plain = np.ones(2), np.zeros(2, bool)
     x = np.ones((n, 2))
-    assert components.groups_within(x, 1.0, box, plain).tolist() == list(range(n))
+    assert neighbours.groups_within(x, 1.0, box, plain).tolist() == list(range(n))
     x = np.concatenate([x, [[1.5, 1.0]]])
-    assert components.groups_within(x, 1.0, box, plain).tolist() == [0] * (n + 1)
-    assert components.groups_within(x, 0.0, box, plain).tolist() == list(range(n + 1))
+    assert neighbours.groups_within(x, 1.0, box, plain).tolist() == [0] * (n + 1)
+    assert neighbours.groups_within(x, 0.0, box, plain).tolist() == list(range(n + 1))
 
 
 def test_groups_far_apart_and_crowded_groups_are_found():
     rng = np.random.default_rng(8)
     crowds = [rng.normal(size=(n, 3)) for n in (200, 300, 100)]
     x = np.concatenate([crowds[0], crowds[1] + 1e9, crowds[2] - 1e9])
-    label = components.groups_within(x, 8.0, np.ones(3), np.zeros(3, bool))
+    label = neighbours.groups_within(x, 8.0, np.ones(3), np.zeros(3, bool))
     assert label.tolist() == [1] * 200 + [0] * 300 + [2] * 100
 
 

@@ -13,16 +13,15 @@ from test_rotation import mill
 
 from agents import Flock
 from agents.observables import neighbours
-from agents.observables.groups import group_labels
-from agents.observables.order import polarisation
-from agents.observables.per_group import (
+from agents.observables.groups import (
     angular_momenta,
     centres,
+    group_labels,
     group_table,
     polarisations,
     size_histogram,
 )
-from agents.observables.rotation import angular_momentum, centre
+from agents.observables.order import angular_momentum, centre, polarisation
 
 SIZE, OPEN = np.array([40.0, 40.0]), np.zeros(2, bool)
 

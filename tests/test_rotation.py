@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents import Flock
-from agents.observables.rotation import angular_momentum, centre
+from agents.observables.order import angular_momentum, centre
 
 OPEN2, OPEN3 = np.zeros(2, bool), np.zeros(3, bool)
 

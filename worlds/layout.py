@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from worlds.checks import demand_sound
-from worlds.generators.random_obstacles import random_obstacles
+from worlds.generators.generate import random_obstacles
 from worlds.input_error import BREAKS, InputError, shortened, unknown
 from worlds.mission import mission
 from worlds.number_text import counted

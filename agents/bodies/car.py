@@ -11,9 +11,7 @@ import math
 from dataclasses import replace
 from typing import Any, Literal
 
-from agents.bodies.cars.chassis import is_stopped, nearest_car, nearest_solid, rolled, wheelbase
-from agents.bodies.cars.command import command, received, sent
-from agents.bodies.cars.signals import (
+from agents.bodies.car_commands import (
     FRESH,
     PACE,
     QUEUE,
@@ -23,6 +21,14 @@ from agents.bodies.cars.signals import (
     STOPS,
     STUCK,
     WORDS,
+    command,
+    is_stopped,
+    nearest_car,
+    nearest_solid,
+    received,
+    rolled,
+    sent,
+    wheelbase,
 )
 from agents.bodies.tracking import Tracking
 from agents.engine.block import BodyMove

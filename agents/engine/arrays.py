@@ -25,7 +25,7 @@ class Arrays(NamedTuple):
     shape (K, N)."""
     crash_record: np.ndarray
     """Of agents that can crash the tick at which they did, or -1, what they touched, and where;
-    (N, 2 + dim), or no rows at all. See `agents.state.crashes`."""
+    (N, 2 + dim), or no rows at all. See `agents.state.agent_rows`."""
     past: np.ndarray
     """The flock as it stood at the last ticks, where messages take time, else no ticks: position,
     heading, speed and signals; (N, ticks, 2 dim + 1 + K), that of tick k at k modulo ticks."""

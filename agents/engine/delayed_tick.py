@@ -12,20 +12,21 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from agents.engine.cell_neighbourhood import around, nearest_images
 from agents.engine.cells import (
+    around,
     cell_of,
     count_rows,
     fill_slots,
+    nearest_images,
     number_of,
     place_rows,
     plan,
     share_slots,
 )
-from agents.engine.crash_motion import fall
 from agents.engine.message_past import FURTHEST, age_of, note_present, off_place
 from agents.engine.nearest_agents import all_images
 from agents.engine.noise import tick_key
+from agents.engine.solid_collision import fall
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import set_goal
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from agents.engine.block import adjacent
-from agents.engine.cell_neighbourhood import around
+from agents.engine.cells import around
 from worlds.compilation import compiled
 
 UNKNOWN = math.inf

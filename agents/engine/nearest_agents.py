@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.cell_neighbourhood import copy_run
-from agents.engine.cells import number_of
+from agents.engine.cells import copy_run, number_of
 from worlds.compilation import compiled
 
 SURE = 1.0 - 1e-9

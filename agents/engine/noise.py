@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from agents.engine.block import BodyMove, Decision
 from agents.engine.vector_lanes import as_float, exponent, mantissa, power_of_two, where, words
 from worlds.compilation import compiled
 
@@ -203,4 +204,52 @@ def turned(ux, uy, uz, eta, key, agent, dim):
         along * ux + p * (1.0 + sign * ux * ux * a) + q * b,
         along * uy + p * sign * b + q * (sign + uy * uy * a),
         along * uz - p * sign * ux - q * uy,
+    )
+
+
+# From a rule's wish to the wanted heading: the noise, and what keeps a heading.
+
+KEEP = 1e-12
+"""A wish shorter than this has no direction: the heading is kept."""
+
+
+@compiled
+def headed(me, wish, noise, eta, dim):
+    """The wanted heading, a unit Wish: the wish with its noise; without a wish, the old one."""
+    x, y, z = wish.x, wish.y, wish.z
+    if noise == VECTORIAL and eta > 0.0:
+        lost = x * x + y * y + z * z < KEEP * KEEP
+        ex, ey, ez = random_direction(me.key, me.id, dim)
+        x = where(lost, me.ux, x) + eta * ex
+        y = where(lost, me.uy, y) + eta * ey
+        z = where(lost, me.uz, z) + eta * ez
+    length = math.sqrt(x * x + y * y + z * z)
+    lost = length < KEEP
+    length = where(lost, 1.0, length)
+    x = where(lost, me.ux, x / length)
+    y = where(lost, me.uy, y / length)
+    z = where(lost, me.uz, z / length)
+    if noise != VECTORIAL and eta > 0.0:
+        x, y, z = turned(x, y, z, eta, me.key, me.id, dim)
+    return Decision(x, y, z)
+
+
+# Wind: it carries all agents along in each tick, beside their own motion.
+
+NO_WIND = np.empty((0, 3))
+"""No wind."""
+
+
+@compiled
+def carried(moved, context, tick):
+    """Where the wind of a tick has taken an agent that has moved so."""
+    wind, at = context.wind, tick - context.since
+    return BodyMove(
+        moved.x + wind[at, 0],
+        moved.y + wind[at, 1],
+        moved.z + wind[at, 2],
+        moved.ux,
+        moved.uy,
+        moved.uz,
+        moved.speed,
     )

@@ -11,18 +11,20 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from agents.engine.block import Me
-from agents.engine.cell_neighbourhood import around, fill_block, nearest_images
 from agents.engine.cells import (
+    around,
     cell_of,
     count_rows,
+    fill_block,
     fill_slots,
+    nearest_images,
     number_of,
     place_rows,
     share_slots,
 )
-from agents.engine.crash_motion import fall
 from agents.engine.nearest_agents import all_images
 from agents.engine.noise import tick_key
+from agents.engine.solid_collision import fall
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import set_goal
 

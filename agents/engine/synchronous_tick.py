@@ -17,26 +17,24 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from agents.engine.block import Me, NeighbourBlock
-from agents.engine.cell_neighbourhood import fill_block, nearest_images
 from agents.engine.cells import (
     FAR,
     count_rows,
+    fill_block,
     fill_slots,
     into_box,
+    nearest_images,
     number_of,
     place_rows,
     plan,
     share_slots,
 )
-from agents.engine.crash_motion import crash, fall
 from agents.engine.flat import ones, zeros
-from agents.engine.heading_noise import headed
 from agents.engine.nearest_agents import all_images, covered, fill_all, rank, width_for
-from agents.engine.noise import tick_key
-from agents.engine.solid_collision import PASSES, held
+from agents.engine.noise import carried, headed, tick_key
+from agents.engine.solid_collision import PASSES, crash, fall, held
 from agents.engine.tick_phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
 from agents.engine.waypoint_heading import guided
-from agents.engine.wind import carried
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import points_within, set_goal
 

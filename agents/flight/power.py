@@ -6,10 +6,20 @@ from typing import NamedTuple
 
 import numpy as np
 
+from agents.flight.air_forces import tail_air
 from agents.flight.aircraft import Aircraft
-from agents.flight.flight_motion import THETA, Controls, FlightTrack, Q, U, W, X, Z, accelerations
-from agents.flight.kane import hinge_torques
-from agents.flight.tail import tail_air
+from agents.flight.flight_motion import (
+    THETA,
+    Controls,
+    FlightTrack,
+    Q,
+    U,
+    W,
+    X,
+    Z,
+    accelerations,
+    hinge_torques,
+)
 
 
 class FlightForces(NamedTuple):

@@ -16,7 +16,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.optimize import root
 
+from agents.flight.air_forces import Flapping
 from agents.flight.aircraft import Aircraft, demand_possible
 from agents.flight.flight_motion import (
     MOVING,
@@ -27,12 +29,84 @@ from agents.flight.flight_motion import (
     X,
     Z,
     integrate,
+    level,
 )
-from agents.flight.glide import glide
-from agents.flight.kinematics import Flapping
-from agents.flight.power import FlightHistory, history
-from agents.flight.stability import monodromy, multipliers
+from agents.flight.power import FlightHistory, history, readings
 from worlds.input_error import InputError
+
+# Stability of a periodic flight: Floquet's multipliers.
+
+MULTIPLIER_STEP = 1e-5
+"""Difference of the state, m/s, rad/s and rad, by which the derivative is taken."""
+
+
+def monodromy(craft: Aircraft, controls: Controls, start: np.ndarray) -> np.ndarray:
+    """What a wing beat makes of a small difference in u, w, q, theta and the slowed inflows.
+
+    `start` is the state (SIZE,) at the beginning of a beat; returns a matrix in the order of
+    `motion.MOVING`, taken by central differences. Raises InputError.
+    """
+    moves = MULTIPLIER_STEP * np.eye(start.size)[MOVING]
+    starts = np.concatenate((start + moves, start - moves))
+    beat = controls.flapping.period
+    ends = integrate(craft, controls, starts, beat, np.array([beat]))[0][:, MOVING]
+    return (ends[: len(moves)] - ends[len(moves) :]).T / (2.0 * MULTIPLIER_STEP)
+
+
+def multipliers(matrix: np.ndarray) -> np.ndarray:
+    """Floquet's multipliers of a monodromy matrix, complex, the largest first.
+
+    A flight is stable where all are inside of the unit circle.
+
+    >>> multipliers(np.diag([0.1, -0.5]))
+    array([-0.5+0.j,  0.1+0.j])
+    """
+    found = np.linalg.eigvals(matrix)
+    return found[np.argsort(-np.abs(found), kind="stable")]
+
+
+# Flight with wings held still, towed level: the drag that flapping must make up for.
+
+
+@dataclass(frozen=True)
+class Glide:
+    """Steady level flight at a speed, the wings held flat and a tow rope along the flight."""
+
+    speed: float
+    """m/s."""
+    pitch: float
+    """Angle of attack, rad."""
+    tail: float
+    """rad, nose up."""
+    drag: float
+    """Pull of the rope, N."""
+    state: np.ndarray
+    """(SIZE,)."""
+
+
+def glide(craft: Aircraft, speed: float) -> Glide:
+    """The glide in which lift is weight and nothing pitches. Raises InputError if there is none.
+
+    >>> made = glide(Aircraft(), 4.0)
+    >>> f"{Aircraft().weight / made.drag:.1f}"
+    '7.2'
+    """
+
+    def felt(unknown: np.ndarray):
+        pitch, tail = unknown
+        controls = Controls(Flapping(0.0, 0.0), float(tail))
+        return readings(craft, controls, 0.0, level(speed, float(pitch)))
+
+    def left(unknown: np.ndarray) -> list[float]:
+        made = felt(unknown)
+        return [made.lift / craft.weight - 1.0, made.pitching / craft.weight]
+
+    made = root(left, np.array([0.1, -0.05]), tol=1e-12)
+    if not made.success or not np.abs(made.x).max() < 0.7:
+        raise InputError(f"the aircraft cannot glide at {speed:g} m/s: its wings stall")
+    pitch, tail = (float(one) for one in made.x)
+    return Glide(speed, pitch, tail, -float(felt(made.x).thrust), level(speed, pitch))
+
 
 SPEEDS = (2.0, 15.0)
 """Speeds that may be asked for, m/s."""
@@ -125,7 +199,7 @@ class Trim:
 
     @cached_property
     def multipliers(self) -> np.ndarray:
-        """Floquet's multipliers, complex, the largest first (see `agents.flight.stability`)."""
+        """Floquet's multipliers, complex, the largest first (see `agents.flight.trim`)."""
         return multipliers(monodromy(self.aircraft, self.controls, self.state))
 
     @property

@@ -18,8 +18,15 @@ from agents.engine.block import seen
 from agents.engine.cache import reached
 from agents.engine.layer_search import UNKNOWN
 from agents.engine.solid_collision import BOUNCES, PASSES, SLIDES, STOPS
-from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats, declared
-from agents.models.proposed_range import still_proposed
+from agents.models.declare import (
+    Body,
+    Parameters,
+    Rule,
+    Symmetry,
+    as_floats,
+    declared,
+    still_proposed,
+)
 from agents.models.tries import LessonStep
 
 NEIGHBOURS, NUMBER = "neighbours", "k"

@@ -5,24 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-from agents.observables import (
-    consistency,
-    fluctuations,
-    lanes,
-    of_flocks,
-    order,
-    rotation,
-    spread,
-)
-from agents.observables.applicability import (
-    among_solids,
-    can_crash,
-    in_a_corridor,
-    led,
-    led_along_a_path,
-    on_its_way,
-    saves,
-)
+from agents.observables import consistency, lanes, of_flocks, order, spread
+from agents.observables.groups import size_histogram
 from agents.observables.observable import (
     COUNT,
     LENGTH,
@@ -33,9 +17,50 @@ from agents.observables.observable import (
     Table,
     over_a_run,
 )
-from agents.observables.per_group import size_histogram
+from agents.observables.of_flocks import SAVED
 from worlds.input_error import unknown
 from worlds.plug_ins import plug_ins
+
+# Which flocks an observable says something of: each takes a flock in its world.
+
+
+def among_solids(flock) -> bool:
+    """Whether there is anything to run into."""
+    return flock.world.is_solid
+
+
+def in_a_corridor(flock) -> bool:
+    """Whether its world is flat, goes on for ever along x and ends along y."""
+    world = flock.world
+    return world.dim == 2 and bool(world.wraps[0] and not world.wraps[1])
+
+
+def on_its_way(flock) -> bool:
+    """Whether its mission has an end: a goal, or that of a path."""
+    mission = flock.world.mission
+    return mission is not None and (mission.goal is not None or mission.path is not None)
+
+
+def led(flock) -> bool:
+    """Whether there are information agents."""
+    return bool(flock.informed.any())
+
+
+def led_along_a_path(flock) -> bool:
+    """Whether there are information agents that have a path to follow."""
+    mission = flock.world.mission
+    return mission is not None and mission.path is not None and led(flock)
+
+
+def can_crash(flock) -> bool:
+    """Whether agents that touch something crash."""
+    return flock.can_crash
+
+
+def saves(flock) -> bool:
+    """Whether its bodies measure what they save by each other's upwash."""
+    return SAVED in flock.model.columns
+
 
 ORDER = [
     Observable(
@@ -63,7 +88,7 @@ ORDER = [
         "How much the flock mills about its centre",
         "1",
         SHARE,
-        lambda flock: rotation.angular_momentum(
+        lambda flock: order.angular_momentum(
             flock.position, flock.heading, flock.world.size, flock.world.images
         ),
         quick=True,
@@ -101,14 +126,14 @@ ORDER = [
         "Variance of the polarisation over a run, times N",
         "1",
         Range(0.0, limit="N / 4"),
-        fluctuations.susceptibility,
+        order.susceptibility,
     ),
     over_a_run(
         "binder",
         "Binder's cumulant of the polarisation over a run",
         "1",
         Range(high=2.0 / 3.0, limit="2/3"),
-        lambda series, _: fluctuations.binder(series),
+        lambda series, _: order.binder(series),
     ),
 ]
 NEIGHBOURS = [

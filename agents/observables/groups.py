@@ -9,7 +9,18 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, laplacian
 from scipy.sparse.linalg import eigsh
 
-from agents.observables.array_checks import integers, labels_of, pairs
+from agents.observables.array_checks import (
+    box,
+    integers,
+    labels_of,
+    numbers,
+    pairs,
+    same_length,
+    together,
+    units,
+    vectors,
+)
+from agents.observables.order import outward, rounding
 
 DENSE_UP_TO = 400
 """Agents up to which the Laplacian's eigenvalues are found by the dense method."""
@@ -82,3 +93,136 @@ def algebraic_connectivity(n: int, links: np.ndarray, dim: int = 2) -> float:
     else:
         values = eigsh(matrix, k=2, which="SA", v0=start, tol=1e-10)[0]
     return float(max(0.0, np.sort(values)[1]))
+
+
+# Order within each connected group, and how large the groups are.
+#
+# Labels are int (N,), the group of each agent, 0..G-1, as `groups_within` and `group_labels` have
+# them; -1 is an agent in none. Rows of which a number is missing are left out, with a warning; a
+# group of which nobody stays has nan. What is no such array raises InputError.
+
+
+def in_groups(labels: np.ndarray, **arrays: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The size of each group (G,), and labels and arrays of those in a group that are numbers."""
+    label = labels_of(labels)
+    same_length(labels=label, **arrays)
+    if label.size and label.min() < 0:
+        inside = label >= 0
+        label, arrays = label[inside], {name: array[inside] for name, array in arrays.items()}
+    groups = int(label.max(initial=-1)) + 1
+    stay, *whole = together(**arrays)
+    label = label if stay is None else label[stay]
+    return np.bincount(label, minlength=groups), label, *whole
+
+
+def averaged(size: np.ndarray, labels: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The mean of values (N, K) over each group, (G, K), of groups of these sizes (G,)."""
+    columns = [np.bincount(labels, column, len(size)) for column in values.T]
+    sums = np.stack(columns, axis=1)
+    shares = np.full(sums.shape, np.nan)
+    return np.divide(sums, size[:, None], out=shares, where=size[:, None] > 0)
+
+
+def means(labels: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """The mean of values (N, K) over each group, (G, K)."""
+    size, label, values = in_groups(labels, values=numbers("values", values, axes=2))
+    return averaged(size, label, values)
+
+
+def polarisations(labels: np.ndarray, heading: np.ndarray) -> np.ndarray:
+    """Polarisation of each group, (G,), in [0, 1]: the length of its mean heading.
+
+    Parameters
+    ----------
+    labels: int (N,), the group of each agent.
+    heading: (N, dim) unit vectors.
+
+    >>> east, west = [1.0, 0.0], [-1.0, 0.0]
+    >>> polarisations(np.array([0, 0, 1]), np.array([east, west, west])).tolist()
+    [0.0, 1.0]
+    """
+    size, label, heading = in_groups(labels, heading=vectors("heading", heading))
+    return lengths(averaged(size, label, units(heading)))
+
+
+def lengths(mean: np.ndarray) -> np.ndarray:
+    """Lengths of mean unit vectors (G, dim), at most 1 whatever the rounding; (G,)."""
+    return np.minimum(1.0, np.linalg.norm(mean, axis=1))
+
+
+def centres(labels: np.ndarray, position: np.ndarray, size, images) -> np.ndarray:
+    """The centre of each group, (G, dim), length; along axes with images the mean on the circle.
+
+    `position` is (N, dim), `size` (dim,) the sides of the box > 0, `images` (dim,) bool.
+    """
+    agents, label, position = in_groups(labels, position=vectors("position", position))
+    return middles(agents, label, position, *box(size, images, position.shape[1]))
+
+
+def middles(agents, label, position, size, images) -> np.ndarray:
+    """`centres` of groups of these many agents, of arrays that are checked."""
+    turn = 2.0 * np.pi * position / size
+    sine, cosine = averaged(agents, label, np.sin(turn)), averaged(agents, label, np.cos(turn))
+    around = np.arctan2(sine, cosine) % (2.0 * np.pi) / (2.0 * np.pi) * size
+    return np.where(images, around, averaged(agents, label, position))
+
+
+def angular_momenta(
+    labels: np.ndarray, position: np.ndarray, heading: np.ndarray, size, images
+) -> np.ndarray:
+    """Angular momentum of each group about its own centre, (G,), in [0, 1].
+
+    As `agents.observables.order.angular_momentum`, for every group: `labels` int (N,),
+    `position` (N, dim), length, `heading` (N, dim), unit vectors, `size` (dim,) > 0, `images`
+    (dim,) bool. A lone agent has 0.
+    """
+    position, heading = vectors("position", position), vectors("heading", heading)
+    agents, label, position, heading = in_groups(labels, position=position, heading=heading)
+    return momenta(agents, label, position, units(heading), *box(size, images, position.shape[1]))
+
+
+def momenta(agents, label, position, heading, size, images) -> np.ndarray:
+    """`angular_momenta` of groups of these many agents, of arrays that are checked."""
+    apart = position - middles(agents, label, position, size, images)[label]
+    apart = apart - np.where(images, size * np.round(apart / size), 0.0)
+    apart[agents[label] == 1] = 0.0
+    largest = np.zeros(len(agents))
+    np.maximum.at(largest, label, np.max(np.abs(position), axis=1, initial=0.0))
+    along = outward(apart, rounding(agents, largest, size, images)[label, None])
+    if position.shape[1] == 2:
+        turning = (along[:, 0] * heading[:, 1] - along[:, 1] * heading[:, 0])[:, None]
+    else:
+        turning = np.cross(along, heading)
+    return lengths(averaged(agents, label, turning))
+
+
+def size_histogram(labels: np.ndarray) -> dict[int, int]:
+    """How many groups have each size that occurs, largest size first.
+
+    >>> size_histogram(np.array([0, 0, 0, 1, 2]))
+    {3: 1, 1: 2}
+    """
+    size = group_sizes(labels)
+    value, count = np.unique(size[size > 0], return_counts=True)
+    return {int(v): int(c) for v, c in zip(value[::-1], count[::-1], strict=True)}
+
+
+def group_table(
+    labels: np.ndarray, position: np.ndarray, heading: np.ndarray, size, images
+) -> dict[int, dict[str, float]]:
+    """Agents, polarisation and angular momentum of each group, by its label.
+
+    `labels` is int (N,), 0 for the largest group as `group_labels` has it; `position` (N, dim),
+    length, `heading` (N, dim), unit vectors, `size` (dim,) > 0, `images` (dim,) bool.
+    """
+    position, heading = vectors("position", position), vectors("heading", heading)
+    agents, label, position, heading = in_groups(labels, position=position, heading=heading)
+    columns = (
+        agents,
+        lengths(averaged(agents, label, units(heading))),
+        momenta(agents, label, position, heading, *box(size, images, position.shape[1])),
+    )
+    return {
+        group: {"agents": int(n), "polarisation": float(phi), "angular-momentum": float(m)}
+        for group, (n, phi, m) in enumerate(zip(*columns, strict=True))
+    }

@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from agents.observables import correlation, groups, layers, neighbours, per_group
+from agents.observables import correlation, groups, neighbours
 from agents.observables.formation import INDUCED
-from worlds.queries.clearance import clearance
+from worlds.queries.surface import clearance
 
 SAVED = "saved"
 """The measure of a body that tells the share of its induced drag an agent saves."""
@@ -72,7 +72,7 @@ def layer_histogram(flock) -> dict[int, int]:
     n = len(flock.ids)
     if n and not flock.informed.any():
         return {n + 1: n}
-    return layers.layer_histogram(flock.layers())
+    return neighbours.layer_histogram(flock.layers())
 
 
 def number_of_groups(flock) -> int:
@@ -88,7 +88,7 @@ def largest_group(flock) -> int:
 def group_polarisation(flock) -> float:
     """Polarisation of the largest group; nan for an empty flock."""
     label = flock.group_labels()
-    return float(per_group.polarisations(label, flock.heading)[0]) if len(label) else math.nan
+    return float(groups.polarisations(label, flock.heading)[0]) if len(label) else math.nan
 
 
 def group_angular_momentum(flock) -> float:
@@ -98,15 +98,13 @@ def group_angular_momentum(flock) -> float:
         return math.nan
     first = label == 0
     where, heading = flock.position[first], flock.heading[first]
-    return float(
-        per_group.angular_momenta(label[first], where, heading, world.size, world.images)[0]
-    )
+    return float(groups.angular_momenta(label[first], where, heading, world.size, world.images)[0])
 
 
 def group_table(flock) -> dict[int, dict[str, float]]:
     """Agents, polarisation and angular momentum of each group, by its label, largest first."""
     label, world = flock.group_labels(), flock.world
-    return per_group.group_table(label, flock.position, flock.heading, world.size, world.images)
+    return groups.group_table(label, flock.position, flock.heading, world.size, world.images)
 
 
 def correlation_length(flock) -> float:

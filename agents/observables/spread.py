@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from agents.observables.array_checks import box, together, vectors
-from agents.observables.rotation import middle
+from agents.observables.order import middle
 
 
 def gyration_radius(position: np.ndarray, size: np.ndarray, images: np.ndarray) -> float:

@@ -93,7 +93,7 @@ def course(series: Series) -> dict[str, Any]:
 
 def crash_list(flock: Flock) -> list[dict[str, Any]]:
     """Who has crashed, when, where and against what, in the order of ticks."""
-    from agents.state.crashes import CAUSES
+    from agents.state.agent_rows import CAUSES
 
     found = flock.crashes
     return [

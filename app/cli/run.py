@@ -20,10 +20,10 @@ from app.cli.run_stretches import run_ticks
 from app.cli.stray_agent_check import StrayAgentCheck
 from app.experiments.workers.kernels import compile_loop
 from app.settings import at_least, names
-from worlds.extra import demand_parquet
 from worlds.file_writer import demand_apart, demand_writable, write_text
 from worlds.input_error import InputError
 from worlds.number_text import counted
+from worlds.plug_ins import demand_parquet
 
 if TYPE_CHECKING:
     from agents import Flock

@@ -8,7 +8,7 @@ import typer
 
 if TYPE_CHECKING:
     from agents import Flock
-    from agents.state.stray_agents import StrayAgents
+    from agents.state.agent_rows import StrayAgents
 
 ASTRAY = 4
 """Exit code of a run in which an agent was inside an obstacle or beyond a solid edge."""

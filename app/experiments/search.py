@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
-from worlds.extra import demand
+from worlds.plug_ins import demand
 
 Algorithm = Literal["ga", "pso", "cma", "nsga2"]
 ALGORITHMS: tuple[Algorithm, ...] = get_args(Algorithm)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def towing_power(made: Trim) -> float | None:
     """Drag of the aircraft with still wings times its speed, W; None where still wings stall."""
-    from agents.flight.glide import glide
+    from agents.flight.trim import glide
 
     try:
         return glide(made.aircraft, made.speed).drag * made.speed

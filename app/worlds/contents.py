@@ -10,7 +10,7 @@ import shapely
 
 from app.worlds.footprint import footprint
 from worlds.queries.boundary import boundary_points
-from worlds.queries.solid_outlines import solids
+from worlds.queries.outlines import solids
 from worlds.world import World
 
 

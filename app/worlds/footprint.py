@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from worlds.queries.solid_outlines import outlines, spheres
+from worlds.queries.outlines import outlines, spheres
 from worlds.world import World
 
 FAR = 1e9

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from app.worlds.colours import GOAL, PATH, START
-from worlds.mission import Goal, Mission, Path, StartRegion
+from worlds.mission import Goal, Mission, StartRegion
+from worlds.mission import Path as MissionPath
 from worlds.world import World
 
 AGENTS = 100
@@ -65,7 +66,7 @@ def draw_start(axes: Any, start: StartRegion, dim: int, seen: list[int]) -> Any:
     return Patch(facecolor=START + "30", edgecolor=START, label=f"start{of}")
 
 
-def draw_path(axes: Any, path: Path, seen: list[int]) -> Any:
+def draw_path(axes: Any, path: MissionPath, seen: list[int]) -> Any:
     """Waypoints, joined by a line, with the circles within which the next one is taken."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Circle

@@ -7,7 +7,7 @@ import pytest
 from experiments.small import small
 
 from agents import Flock
-from agents.state.stray_agents import StrayAgents
+from agents.state.agent_rows import StrayAgents
 from app.experiments.experiment_runner import conduct
 from app.experiments.runs.store_reader import StoreReader
 from app.experiments.sweeps.sweep_table import wide

@@ -5,7 +5,7 @@ import importlib.util
 import pytest
 
 from cli.calling import call, refusal
-from worlds import extra
+from worlds import plug_ins
 
 INSTALL = (
     "needs the package pyarrow, which is not installed: install the extra parquet: "
@@ -17,7 +17,9 @@ INSTALL = (
 def without_parquet(monkeypatch):
     """As if pyarrow were not installed."""
     found = importlib.util.find_spec
-    monkeypatch.setattr(extra, "find_spec", lambda name: None if name == "pyarrow" else found(name))
+    monkeypatch.setattr(
+        plug_ins, "find_spec", lambda name: None if name == "pyarrow" else found(name)
+    )
 
 
 @pytest.mark.parametrize(

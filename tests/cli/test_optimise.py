@@ -8,7 +8,7 @@ import pytest
 
 from app.experiments.runs.store_reader import StoreReader, readable
 from cli.calling import call, refusal, start, wait_until
-from worlds import extra
+from worlds import plug_ins
 
 FILE = """
 title = "Calm"
@@ -102,7 +102,9 @@ def test_failed_runs_give_code_3(tmp_path, file):
 @pytest.mark.parametrize(("algorithm", "package"), [("ga", "pymoo"), ("cma", "cma")])
 def test_a_package_that_is_missing_is_named(tmp_path, file, monkeypatch, algorithm, package):
     found = importlib.util.find_spec
-    monkeypatch.setattr(extra, "find_spec", lambda name: None if name == package else found(name))
+    monkeypatch.setattr(
+        plug_ins, "find_spec", lambda name: None if name == package else found(name)
+    )
     file.write_text(FILE.replace('"ga"', f'"{algorithm}"'))
     line = refusal("optimise", file, "--out", tmp_path / "a", "--quiet")
     assert f"needs the package {package}, which is not installed: install the extra exp" in line

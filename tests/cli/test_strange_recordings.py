@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agents import Flock, frames, parquet, parquet_footer, parquet_thrift
+from agents import Flock, frames, parquet, parquet_footer
 from agents.record import KEY
 from agents.recording import Recording
 from cli import thrift_tree
@@ -273,7 +273,7 @@ def test_a_footer_that_cannot_be_is_one_line(table, tmp_path, changed):
 
 def test_a_footer_of_more_structs_than_are_kept_is_refused(table, tmp_path, monkeypatch):
     path = written(table, tmp_path / "run.parquet", row_group_size=1)
-    monkeypatch.setattr(parquet_thrift, "MOST_STRUCTS", 200)
+    monkeypatch.setattr(parquet_footer, "MOST_STRUCTS", 200)
     with pytest.raises(InputError, match="its footer cannot be read"):
         Recording(path)
     monkeypatch.undo()

@@ -369,7 +369,7 @@ def test_a_table_that_cannot_be_is_refused_with_its_line(tmp_path):
 
 def test_without_the_extra_a_line_says_so(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("worlds.extra.find_spec", lambda _: None)
+    monkeypatch.setattr("worlds.plug_ins.find_spec", lambda _: None)
     asked = ("vem", "--vary", "eta=0:6:3", "--cluster", "slurm", "--dry-run")
     assert "install the extra cluster" in refusal("sweep", "run", *asked)
 

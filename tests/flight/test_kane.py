@@ -5,9 +5,9 @@ import pytest
 from oracles import flight_masses as masses
 from scipy.integrate import solve_ivp
 
+from agents.flight.air_forces import Flapping, swing
 from agents.flight.aircraft import GRAVITY, Aircraft
-from agents.flight.kane import CORRECTED, PRINTED, forcing, hinge_torques, inertia
-from agents.flight.kinematics import Flapping, swing
+from agents.flight.flight_motion import CORRECTED, PRINTED, forcing, hinge_torques, inertia
 
 CRAFT = Aircraft(wing_mass=0.05)
 BEAT = Flapping(0.5, 0.3, 1.7, phase=0.4)

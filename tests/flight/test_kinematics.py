@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from agents.flight.kinematics import Flapping, swing
+from agents.flight.air_forces import Flapping, swing
 
 
 def test_quarters_of_a_beat_are_exact():

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from oracles import flight_section as paper
 from scipy.integrate import solve_ivp
 
+from agents.flight.air_forces import Flow, felt, loads, separated, slowing
 from agents.flight.aircraft import Aircraft
-from agents.flight.section import Flow, felt, loads, separated, slowing
 
 CRAFT = Aircraft()
 CHORD, RATIO = CRAFT.chord, CRAFT.aspect_ratio

@@ -7,10 +7,8 @@ import pytest
 
 from agents.flight.aircraft import Aircraft
 from agents.flight.flight_motion import MOVING, THETA, Q, U, W, X, Z, fly
-from agents.flight.glide import glide
 from agents.flight.power import readings
-from agents.flight.stability import monodromy
-from agents.flight.trim import trim
+from agents.flight.trim import glide, monodromy, trim
 from worlds.input_error import InputError
 
 READING = {3.0: 0.55, 3.5: 0.49, 4.0: 0.53, 5.0: 0.71, 6.0: 0.95}

@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 from oracles.flight_wing import across, tail_forces, wing_forces
 
+from agents.flight.air_forces import SHARE, STRIPS, Flapping, tail_air, wing_air
 from agents.flight.aircraft import Aircraft
-from agents.flight.kinematics import Flapping
-from agents.flight.strips import SHARE, STRIPS, wing_air
-from agents.flight.tail import tail_air
 
 TIME = 0.31
 

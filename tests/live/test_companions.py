@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents.bodies.cars.chassis import separation
+from agents.bodies.car_commands import separation
 from agents.catalogue import cars_by
 from agents.flock import Flock
 from app.live.control.arm import OperatorRequest

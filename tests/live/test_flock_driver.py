@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from agents.bodies.cars.signals import SIGNALS
+from agents.bodies.car_commands import SIGNALS
 from agents.catalogue import cars_by
 from agents.flock import Flock
 from app.live.control.injected_target import InjectedTarget

@@ -13,7 +13,7 @@ from agents.engine.arrays import Arrays
 from agents.models.declare import Parameters, checked, parameter
 from agents.snapshot import Snapshot
 from agents.spec import Spec
-from agents.state.crashes import Crashes
+from agents.state.agent_rows import Crashes
 from app.viewer.run.kernel_compiler import CompileEstimate
 from app.viewer.run.run_preset import at_home
 from worlds.input_error import InputError

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.state.crashes import Crashes
+from agents.state.agent_rows import Crashes
 from app.viewer.scene.draw.bird import TIP
 from app.viewer.scene.marks.flock.birds import SCALE
 from app.viewer.scene.marks.flock.crash_marks import FADES, MOST, CrashMarks

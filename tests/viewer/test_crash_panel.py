@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from agents.state.crashes import Crashes
+from agents.state.agent_rows import Crashes
 from app.viewer.lab.panels.monitors.crash_lists import LATEST, counted, listed
 
 

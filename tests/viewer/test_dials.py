@@ -12,8 +12,7 @@ import pytest
 import viser
 
 from agents.catalogue import MODELS
-from agents.models.declare import Parameters, declared, parameter
-from agents.models.proposed_range import is_wide, still_proposed
+from agents.models.declare import Parameters, declared, is_wide, parameter, still_proposed
 from app.viewer.panels.dials import Dials, decimals, step_of, stops, widened
 from app.viewer.panels.parameters import add_control
 from app.viewer.web.server import admit_browsers, close_server, open_server

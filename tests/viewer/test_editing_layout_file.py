@@ -20,7 +20,7 @@ from app.viewer.lab.panels.world.plan_questions import with_answer
 from worlds.input_error import InputError
 from worlds.mission import Goal, Mission
 from worlds.obstacles import Disc
-from worlds.readers.plan_question import PlanQuestion
+from worlds.readers.drawing_contents import PlanQuestion
 from worlds.world import World
 
 WORLD = World(

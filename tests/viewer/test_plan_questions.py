@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from app.viewer.lab.panels.world.plan_questions import PlanQuestions
-from worlds.readers.plan_question import PlanChoice, PlanQuestion
+from worlds.readers.drawing_contents import PlanChoice, PlanQuestion
 
 QUESTION = PlanQuestion(
     "house.wkt: it is <all>: give --solid A",

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from agents.inspection import Inspection, Shell
-from agents.state.crashes import Crashes
+from agents.state.agent_rows import Crashes
 from app.viewer.lab.panels.agent.card import folds, head
 from app.viewer.scene.draw.drawn_frame import picture
 from app.viewer.scene.draw.stage import Stage

@@ -5,8 +5,7 @@ import shapely
 from hypothesis import assume
 
 from worlds.obstacles import Disc, Ring, Union
-from worlds.queries.arc_outlines import sources
-from worlds.queries.solid_outlines import circles, solids
+from worlds.queries.outlines import circles, solids, sources
 
 CORNERS = 2**13
 SHALLOW = 1.0 / 32.0

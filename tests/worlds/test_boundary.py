@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from worlds.mission import Goal, Mission
 from worlds.obstacles import Box, Disc, Ring, Sphere
 from worlds.queries.boundary import seen_from
-from worlds.queries.solid_outlines import solids
+from worlds.queries.outlines import solids
 from worlds.queries.survey import survey
 from worlds.world import World
 from worlds.world_rotation import turned, turned_places

@@ -11,7 +11,7 @@ from pyproj import Geod
 from worlds.input_error import InputError
 from worlds.readers import open_drawing, read_geometry
 from worlds.readers.degrees import question_of_degrees
-from worlds.readers.plan_question import PlanQuestion
+from worlds.readers.drawing_contents import PlanQuestion
 
 GEOD = Geod(ellps="WGS84")
 RING = [[8.65, 49.87], [8.6513, 49.8702], [8.651, 49.871], [8.65, 49.871], [8.65, 49.87]]
@@ -120,7 +120,7 @@ def test_what_cannot_be_projected_is_refused(plan, ring, options, words):
 
 def test_the_extra_is_named_where_it_is_missing(plan, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyproj", None)
-    monkeypatch.setattr("worlds.extra.find_spec", lambda _: None)
+    monkeypatch.setattr("worlds.plug_ins.find_spec", lambda _: None)
     with pytest.raises(InputError, match=r"needs the package pyproj.*uv sync --extra maps"):
         read_geometry(plan(), degrees=True)
 

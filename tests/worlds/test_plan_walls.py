@@ -10,7 +10,7 @@ from ezdxf import units
 from worlds.input_error import InputError
 from worlds.obstacles import Ring
 from worlds.readers import read_geometry, world_around
-from worlds.readers.plan_question import PlanQuestion
+from worlds.readers.drawing_contents import PlanQuestion
 from worlds.readers.roles import guess
 
 HALL = [(0, 0), (24, 0), (24, 7), (0, 7)]

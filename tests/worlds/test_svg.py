@@ -9,8 +9,7 @@ import shapely
 from worlds.input_error import InputError
 from worlds.obstacles import Disc
 from worlds.readers import read_geometry
-from worlds.readers.drawing_contents import MOST_ITEMS
-from worlds.readers.plan_question import PlanQuestion
+from worlds.readers.drawing_contents import MOST_ITEMS, PlanQuestion
 
 HEAD = (
     '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '

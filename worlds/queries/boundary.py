@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from worlds.queries.arc_outlines import MOST_SWEEP, OutlineRing, Solid, apart, edge_rows
+from worlds.queries.outlines import MOST_SWEEP, OutlineRing, Solid, apart, edge_rows
 from worlds.world import World
 
 HIDDEN = 1e-9

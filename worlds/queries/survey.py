@@ -2,19 +2,220 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from worlds.input_error import InputError
 from worlds.mission import Goal, Mission
-from worlds.queries.arc_outlines import MOST_SWEEP, Solid, chorded, corner_rows, edge_rows
 from worlds.queries.boundary import boundary_points, sorted_points
-from worlds.queries.cell_listing import Chunks, list_solids
-from worlds.queries.solid_outlines import solids, spheres
+from worlds.queries.outlines import (
+    MOST_SWEEP,
+    Solid,
+    chorded,
+    corner_rows,
+    edge_rows,
+    solids,
+    spheres,
+)
 from worlds.queries.surroundings import Surroundings
 from worlds.world import World
+
+# Which solids, and which of their edges, can be nearest to a place in each cell of the plan.
+
+CELLS_PER_CHUNK = 32
+CELLS_PER_BALL = 64
+MOST_CELLS = 2**15
+LEAST_CELLS = 2**8
+MOST_ENTRIES = 2**16
+"""About how many solids all cells together may list."""
+WIDER = 1.0 + 1e-6
+"""Cells are taken larger by this factor, so that rounding never hides an edge."""
+
+
+class Chunks(NamedTuple):
+    """Runs of consecutive edges of one outline that are listed together, (C,) each."""
+
+    first: np.ndarray
+    last: np.ndarray
+    """One past the last edge."""
+    solid: np.ndarray
+    """The outline that they belong to, ascending."""
+    line: np.ndarray
+    """The edges as a shapely line."""
+
+
+class Listing(NamedTuple):
+    """The cells of the surroundings, see `worlds.queries.surroundings.Surroundings`."""
+
+    left: float
+    front: float
+    inverse: float
+    columns: int
+    rows: int
+    cell_start: np.ndarray
+    entry_solid: np.ndarray
+    entry_least: np.ndarray
+    entry_run: np.ndarray
+    run: np.ndarray
+
+
+class Cells(NamedTuple):
+    """Square cells over the plan."""
+
+    left: float
+    front: float
+    side: float
+    columns: int
+    rows: int
+
+    @property
+    def half(self) -> float:
+        """Half a cell's diagonal."""
+        return self.side * math.sqrt(0.5) * WIDER
+
+    def centres(self) -> np.ndarray:
+        """The cells' centres, row after row, (columns * rows, 2)."""
+        x = self.left + (np.arange(self.columns) + 0.5) * self.side
+        y = self.front + (np.arange(self.rows) + 0.5) * self.side
+        return np.column_stack([np.tile(x, self.rows), np.repeat(y, self.columns)])
+
+
+class Pairs(NamedTuple):
+    """Cells and the solids listed in them, (L,) each."""
+
+    cell: np.ndarray
+    solid: np.ndarray
+    least: np.ndarray
+    """Lower bound of the solid's signed distance to any place in the cell."""
+
+
+def list_solids(
+    solids: list[shapely.Polygon], ball: np.ndarray, chunks: Chunks, reach: float, slack: float
+) -> Listing:
+    """List outlines, and spheres (S, 4) after them, in the cells within `reach` of them.
+
+    With d the distance from a cell's centre to a solid and h half its diagonal, all edges of the
+    solid within d + 2 h are listed: no other can be nearest to a place in the cell. Polygons and
+    chunks may be up to `slack` (length) away from the outlines that they stand for.
+    """
+    nothing = np.empty(0, np.int32)
+    if not solids and not len(ball):
+        start = np.zeros(1, np.int64)
+        return Listing(
+            0.0, 0.0, 0.0, 0, 0, start, nothing, np.empty(0), start.copy(), nothing.reshape(0, 2)
+        )
+    outlines = np.array(solids, object)
+    cells = lay_cells(outlines, ball, len(chunks.first), reach)
+    centres = shapely.points(cells.centres())
+    tree = shapely.STRtree(centres)
+    flat, hits = near_outlines(tree, outlines, chunks, cells, reach, slack)
+    round_ = near_balls(tree, ball, len(solids), cells, reach)
+    cell, solid, least = (np.concatenate(both) for both in zip(flat, round_, strict=True))
+    order = np.lexsort((solid, least, cell))
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    owner, run = runs(rank[hits[0]], hits[1], chunks)
+    number = cells.columns * cells.rows
+    return Listing(
+        cells.left,
+        cells.front,
+        1.0 / cells.side,
+        cells.columns,
+        cells.rows,
+        starts(cell, number),
+        solid[order].astype(np.int32),
+        np.ascontiguousarray(least[order]),
+        starts(owner, len(order)),
+        run,
+    )
+
+
+def lay_cells(outlines: np.ndarray, ball: np.ndarray, chunks: int, reach: float) -> Cells:
+    """Square cells over all places within reach of a solid, more of them where there are more."""
+    round_ = np.column_stack([ball[:, :2] - ball[:, 3:], ball[:, :2] + ball[:, 3:]])
+    bounds = np.concatenate([shapely.bounds(outlines).reshape(-1, 4), round_])
+    bounds += np.array([-reach, -reach, reach, reach]) * WIDER
+    low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
+    width, depth = high - low
+    each = (bounds[:, 2:] - bounds[:, :2]).prod(axis=1).sum() / (width * depth)
+    number = CELLS_PER_CHUNK * chunks + CELLS_PER_BALL * len(ball)
+    number = min(max(number, LEAST_CELLS), MOST_CELLS, max(MOST_ENTRIES / each, LEAST_CELLS))
+    side = max(math.sqrt(width * depth / number), max(width, depth) / number)
+    columns, rows = max(1, math.ceil(width / side)), max(1, math.ceil(depth / side))
+    return Cells(float(low[0]), float(low[1]), float(side), columns, rows)
+
+
+def near_outlines(
+    tree: shapely.STRtree,
+    outlines: np.ndarray,
+    chunks: Chunks,
+    cells: Cells,
+    reach: float,
+    slack: float,
+) -> tuple[Pairs, tuple[np.ndarray, np.ndarray]]:
+    """The outlines within reach of each cell; and pairs of (one of these, chunk to look at)."""
+    half = cells.half
+    shapely.prepare(outlines)
+    solid, cell = tree.query(outlines, predicate="dwithin", distance=reach + half + slack)
+    order = np.argsort(solid, kind="stable")
+    solid, cell = solid[order], cell[order]
+    centre = tree.geometries[cell]
+    first = np.searchsorted(chunks.solid, np.arange(len(outlines) + 1))
+    number = np.diff(first)
+    single = np.flatnonzero(number[solid] == 1)
+    away = np.empty(len(solid))
+    away[single] = shapely.distance(chunks.line[first[solid[single]]], centre[single])
+    found = [(single, first[solid[single]])]
+    of_solid = np.searchsorted(solid, np.arange(len(outlines) + 1))
+    for body in np.flatnonzero(number > 1):
+        of = slice(of_solid[body], of_solid[body + 1])
+        own = shapely.STRtree(chunks.line[first[body] : first[body + 1]])
+        (asked, _), apart = own.query_nearest(centre[of], return_distance=True, all_matches=False)
+        away[of][asked] = apart
+        further = away[of] + 2.0 * (half + slack)
+        which, hit = own.query(centre[of], predicate="dwithin", distance=further)
+        found.append((which + of.start, hit + first[body]))
+    inside = shapely.intersects(outlines[solid], centre)
+    least = np.where(inside, -away, away) - half - slack
+    which, hit = (np.concatenate(column) for column in zip(*found, strict=True))
+    return Pairs(cell, solid, least), (which, hit)
+
+
+def near_balls(
+    tree: shapely.STRtree, ball: np.ndarray, first: int, cells: Cells, reach: float
+) -> Pairs:
+    """The spheres within reach of each cell of the plan; they are numbered from `first` on."""
+    middle = shapely.points(ball[:, :2])
+    far = ball[:, 3] + reach + cells.half
+    which, cell = tree.query(middle, predicate="dwithin", distance=far)
+    away = shapely.distance(middle[which], tree.geometries[cell]) - ball[which, 3]
+    return Pairs(cell, which + first, away - cells.half)
+
+
+def runs(owner: np.ndarray, chunk: np.ndarray, chunks: Chunks) -> tuple[np.ndarray, np.ndarray]:
+    """The edges of listed chunks as runs, chunks that follow each other joined.
+
+    Returns the owner of each run, ascending, and its first and one past its last edge, (R, 2).
+    """
+    order = np.lexsort((chunk, owner))
+    owner, chunk = owner[order], chunk[order]
+    new = np.ones(len(owner), bool)
+    new[1:] = (owner[1:] != owner[:-1]) | (chunk[1:] != chunk[:-1] + 1)
+    first = np.flatnonzero(new)
+    last = np.append(first[1:], len(owner))[: len(first)] - 1
+    edges = np.column_stack([chunks.first[chunk[first]], chunks.last[chunk[last]]])
+    return owner[first], np.ascontiguousarray(edges, np.int32).reshape(-1, 2)
+
+
+def starts(owner: np.ndarray, number: int) -> np.ndarray:
+    """Where the rows of each of `number` owners begin when sorted by owner, int64 (number + 1,)."""
+    count = np.bincount(owner, minlength=number)
+    return np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
+
 
 CHUNK = 4
 """Most edges of one outline that are listed together."""

@@ -9,11 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from worlds.extra import demand
 from worlds.input_error import InputError
-from worlds.readers.drawing_contents import MOST_CORNERS, DrawingContents, Item
+from worlds.plug_ins import demand
+from worlds.readers.drawing_contents import (
+    MOST_CORNERS,
+    DrawingContents,
+    Item,
+    PlanChoice,
+    PlanQuestion,
+)
 from worlds.readers.drawn_shapes import Bounds, DrawnCurve, Point, Shape, StrayPoint, at, bounds_of
-from worlds.readers.plan_question import PlanChoice, PlanQuestion
 from worlds.readers.roles import IGNORE, LayerRole
 
 WIDEST = 1.0

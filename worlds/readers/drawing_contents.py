@@ -6,7 +6,7 @@ import stat
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from worlds.input_error import InputError
 from worlds.readers.drawn_shapes import Shape
@@ -93,3 +93,25 @@ def demand_file(path: Path) -> None:
 def layers_of(items: list[Item]) -> tuple[str, ...]:
     """The layers of items, each once, in the order of the file."""
     return tuple(dict.fromkeys(item.layer for item in items))
+
+
+# Questions that a drawing leaves open: one line to read, and the choices that answer it.
+
+
+@dataclass(frozen=True)
+class PlanChoice:
+    """An answer: what a person reads, and what it adds to the call of `read_geometry`."""
+
+    label: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+    """Keywords; `roles` are added to those that are given."""
+    thickness: bool = False
+    """Whether it needs a thickness of walls beside."""
+
+
+class PlanQuestion(InputError):
+    """A drawing that may mean two things; its text says how the command line answers it."""
+
+    def __init__(self, line: str, choices: tuple[PlanChoice, ...]) -> None:
+        super().__init__(line)
+        self.choices = choices

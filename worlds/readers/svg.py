@@ -32,7 +32,7 @@ from worlds.readers.drawing_contents import (
     bytes_of,
 )
 from worlds.readers.drawn_shapes import Point, Shape, StrayPoint, area, circle, demand_finite, line
-from worlds.readers.dxf_outlines import MOST_OUTLINES, STEP, nested
+from worlds.readers.dxf import MOST_OUTLINES, STEP, nested
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 GROUPMODE = "{http://www.inkscape.org/namespaces/inkscape}groupmode"

@@ -23,18 +23,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from agents.engine.block import BodyMove, Me, NeighbourBlock, OtherAgent
-from agents.engine.cell_neighbourhood import axis_cells, wrapped
-from agents.engine.cells import FAR, into_box, number_of, plan, share_slots
+from agents.engine.cells import FAR, axis_cells, into_box, number_of, plan, share_slots, wrapped
 from agents.engine.flat import ones, zeros
-from agents.engine.heading_noise import headed
-from agents.engine.noise import tick_key
+from agents.engine.noise import carried, headed, tick_key
 from agents.engine.pairs.cell_sort import cell_at, count_places, fill_slots, order_cells, put_back
 from agents.engine.pairs.term_sums import added, keep_sums, no_sums, sums_of
 from agents.engine.pairs.thread_barrier import BAD, NEXT, STOP, add, meet, read
 from agents.engine.solid_collision import PASSES, held
 from agents.engine.vector_lanes import WIDTH, is_any, load, store
 from agents.engine.waypoint_heading import guided
-from agents.engine.wind import carried
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import set_goal
 

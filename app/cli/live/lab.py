@@ -11,7 +11,7 @@ import typer
 
 from app.cli.rule_option import Rules
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
-from worlds.extra import demand_parquet
+from worlds.plug_ins import demand_parquet
 
 if TYPE_CHECKING:
     from app.viewer.live.page import LivePage

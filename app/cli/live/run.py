@@ -11,8 +11,8 @@ from app.cli.length import demand_one_length
 from app.cli.live.live_options import LinkName, Seconds, SourceName, Ticks
 from app.cli.outcome_table import as_json
 from app.cli.rule_option import Rules
-from worlds.extra import demand_parquet
 from worlds.input_error import InputError
+from worlds.plug_ins import demand_parquet
 
 if TYPE_CHECKING:
     from app.live.laboratory.lab_file import Lab

@@ -9,10 +9,10 @@ import typer
 
 from app.cli.error_messages import visible
 from app.cli.outcome_table import as_json, tell_written
-from worlds.extra import demand_parquet
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError
 from worlds.number_text import counted
+from worlds.plug_ins import demand_parquet
 
 if TYPE_CHECKING:
     from app.live.recording.recording_replay import StoredRecording

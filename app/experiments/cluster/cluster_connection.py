@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import platformdirs
 
 from app.experiments.cluster.cluster_options import Cluster
-from worlds.extra import demand
 from worlds.input_error import InputError
+from worlds.plug_ins import demand
 
 if TYPE_CHECKING:
     from distributed import Client, Security

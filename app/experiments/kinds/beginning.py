@@ -9,7 +9,7 @@ import numpy as np
 
 from agents.observables.order import polarisation
 from app.experiments.kinds.kind_settings import RARE, SHARE, Measure, Number, Settings
-from worlds.queries.clearance import clearance
+from worlds.queries.surface import clearance
 
 if TYPE_CHECKING:
     from agents import Flock

@@ -15,8 +15,8 @@ import numpy as np
 
 from app.experiments.sweeps.given.designs import problem, unit_sample
 from app.experiments.sweeps.given.sweep_file import Morris, Saltelli
-from worlds.extra import demand
 from worlds.input_error import InputError
+from worlds.plug_ins import demand
 
 RESAMPLES = 1000
 """Draws with which intervals are found."""

@@ -11,9 +11,9 @@ from app.experiments.runs.database import FIXED
 from app.experiments.runs.store_reader import StoreReader
 from app.experiments.sweeps.making.measures import HEADS
 from app.experiments.sweeps.sweep_cells import spec_of
-from worlds.extra import demand
 from worlds.file_writer import csv_text, writing
 from worlds.input_error import InputError, shortened
+from worlds.plug_ins import demand
 
 Columns = dict[str, list[Any]]
 ENDINGS = (".csv", ".parquet", ".pq")

@@ -12,8 +12,8 @@ from typing import Any
 from app.live.link_address import LinkAddress
 from app.live.links.link import LinkLost
 from app.live.links.stall_detector import StallDetector
-from worlds.extra import install
 from worlds.input_error import InputError
+from worlds.plug_ins import install
 
 LEAST_BAUD, MOST_BAUD = 300, 4_000_000
 BITS = 10

@@ -17,8 +17,8 @@ from app.live.link_address import LinkAddress
 from app.live.links.command_frame import encode, size
 from app.live.links.link import CarLink
 from app.live.links.wire import LEAST_BAUD, MOST_BAUD, SerialWire, open_wire, take_port, why
-from worlds.extra import install
 from worlds.input_error import InputError
+from worlds.plug_ins import install
 
 BAUD = 57600
 API = 9

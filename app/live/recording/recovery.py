@@ -12,8 +12,8 @@ from app.live.links.firmware import WATCHDOG
 from app.live.links.link import EMERGENCY, RUN
 from app.live.recording.recording_writer import EVERY, TABLES
 from app.live.recording.stream import finish
-from worlds.extra import demand_parquet
 from worlds.input_error import InputError
+from worlds.plug_ins import demand_parquet
 
 END = "end"
 """The kind of the event that the loop writes when it has told the cars to stop and leaves."""

@@ -10,7 +10,7 @@ from typing import Any
 
 from agents.part_stream import PartStream
 from agents.record import KEY
-from worlds.extra import demand_parquet
+from worlds.plug_ins import demand_parquet
 
 LONGEST = 2**20
 """Bytes of a text in a table: events keep what was asked, whatever a browser sent."""

@@ -18,8 +18,8 @@ from typing import Any
 from app.live.control.pose import MocapFrame, Sighting
 from app.live.sources.axes import Axes
 from app.live.sources.source_address import AXES, Address
-from worlds.extra import demand
 from worlds.input_error import InputError, unknown
+from worlds.plug_ins import demand
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,7 @@ from worlds.checks import demand_sound
 from worlds.input_error import InputError, unknown
 from worlds.layout import layout_names, world_from_layout
 from worlds.readers import read_geometry, world_around
-from worlds.readers.plan_question import PlanChoice, PlanQuestion
+from worlds.readers.drawing_contents import PlanChoice, PlanQuestion
 from worlds.readers.read import READERS
 from worlds.text_file import toml
 from worlds.world import World

@@ -15,7 +15,7 @@ from agents.observables.following import spread_bound
 from agents.observables.groups import group_sizes
 from agents.observables.observable import SERIES
 from agents.snapshot import Snapshot
-from agents.state.crashes import Crashes
+from agents.state.agent_rows import Crashes
 from app.viewer.measuring.background_worker import BackgroundWorker
 from app.viewer.measuring.density_limits import refuse_too_many_links
 from app.viewer.measuring.minimum_distances import MinimumDistances

@@ -15,8 +15,7 @@ from typing import Any
 
 import viser
 
-from agents.models.declare import DeclaredParameter
-from agents.models.proposed_range import Range, above, below, is_wide
+from agents.models.declare import DeclaredParameter, Range, above, below, is_wide
 
 FEWEST, MOST = 20, 200
 """Steps of a linear slider."""

@@ -20,9 +20,9 @@ from app.viewer.pictures.picture_camera import USUAL, Camera, CameraRequest
 from app.viewer.pictures.picture_sheet import Sheet
 from app.viewer.pictures.plots import Plots
 from app.viewer.pictures.shot import Shot, look_of, shot
-from worlds.extra import demand
 from worlds.file_writer import writing
 from worlds.input_error import InputError
+from worlds.plug_ins import demand
 
 EVEN = "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white"
 """These codecs take an even number of pixels only."""

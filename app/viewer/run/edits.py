@@ -22,7 +22,7 @@ from app.viewer.run.simulation_limits import SimulationLimits
 from app.viewer.run.simulation_state import SimulationState
 from worlds.input_error import InputError
 from worlds.obstacles import Disc
-from worlds.readers.plan_question import PlanQuestion
+from worlds.readers.drawing_contents import PlanQuestion
 from worlds.world import World
 
 Change = Callable[[Editor], Editor]

@@ -11,7 +11,7 @@ import numpy as np
 
 from agents.engine.cache import is_at_hand
 from agents.flock import Flock
-from agents.state.stray_agents import StrayAgents
+from agents.state.agent_rows import StrayAgents
 from app.viewer.measuring.density_limits import refuse_too_dense
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.run.frame_builder import FrameBuilder, FrameRequest

@@ -19,7 +19,7 @@ from app.experiments.pictures.missions.mission_scene import (
     extent,
     show_box,
 )
-from worlds.queries.clearance import clearance
+from worlds.queries.surface import clearance
 
 SETUP = np.array([8.0, 4.6])
 DETAIL = np.array([2.4, 1.38])

@@ -28,8 +28,8 @@ from app.experiments.sweeps.given.sweep_file import (
 )
 from app.settings import value as read_value
 from app.strict_table import Value
-from worlds.extra import demand
 from worlds.input_error import InputError
+from worlds.plug_ins import demand
 from worlds.text_file import read_text
 
 WHOLE = ("agents", "informed", "dim")

@@ -12,8 +12,7 @@ from typing import Any
 import viser
 
 from agents.catalogue import MODELS
-from agents.models.declare import DeclaredParameter
-from agents.models.proposed_range import is_wide
+from agents.models.declare import DeclaredParameter, is_wide
 from agents.observables.catalogue import OBSERVABLES, usual_charts
 from app.viewer.lab.sweeps import sweep_limits
 from app.viewer.lab.sweeps.laboratory_sweeps import SweepPanelState, Sweeps

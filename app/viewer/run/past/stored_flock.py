@@ -17,9 +17,9 @@ from agents.snapshot import Snapshot
 from agents.spec import Spec
 from app.viewer.editing.layout_file import demand_few, demand_small, plain_name
 from app.viewer.run.run_preset import MOST_AGENTS, lively_speed
-from worlds.extra import demand_parquet
 from worlds.input_error import InputError, unknown
 from worlds.layout import layout_names
+from worlds.plug_ins import demand_parquet
 from worlds.world import World
 
 PARQUET = b"PAR1"

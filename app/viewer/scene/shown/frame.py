@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from agents.inspection import Inspection
-from agents.state.crashes import Crashes
+from agents.state.agent_rows import Crashes
 from app.viewer.scene.shown.cars import Cars
 from app.viewer.scene.shown.live_cars import Live
 from worlds.world import World

@@ -10,7 +10,7 @@ import numpy as np
 from agents.inspection import UNSEEN, Inspection
 from agents.models.model import whole
 from agents.observables.of_agents import ON_ITS_WAY
-from agents.state.crashes import CAUSES, Crashes
+from agents.state.agent_rows import CAUSES, Crashes
 from app.viewer.measuring import observable_format
 from app.viewer.panels.style import table
 from app.viewer.run.frame_builder import SAVED

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
-from agents.state.crashes import CAUSES, Crashes
+from agents.state.agent_rows import CAUSES, Crashes
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.panels.style import block
 

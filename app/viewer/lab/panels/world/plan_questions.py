@@ -12,8 +12,8 @@ from viser._gui_handles import GuiModalHandle
 
 from app.viewer.panels.style import block
 from app.viewer.run.simulation import Simulation
-from worlds.readers.plan_question import PlanChoice, PlanQuestion
-from worlds.readers.wall_lines import THICK
+from worlds.readers.drawing_contents import PlanChoice, PlanQuestion
+from worlds.readers.join import THICK
 
 Ask = Callable[[PlanQuestion], None]
 THINNEST, THICKEST = 0.01, 5.0

@@ -14,7 +14,7 @@ from app.viewer.scene.draw.shapes import ball
 from app.viewer.scene.draw.solids import joined, prism, rims, uprights
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette, tone
-from worlds.queries.clearance import footprints
+from worlds.queries.surface import footprints
 from worlds.world import World
 
 TALLEST = 0.05

@@ -9,7 +9,7 @@ import shapely
 
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.world.obstacle_marks import drawn_height
-from worlds.queries.clearance import footprints
+from worlds.queries.surface import footprints
 from worlds.world import World
 
 LOOSE = 1.5
