@@ -29,8 +29,7 @@ from classroom import Class, Student, do, teach
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.scene_address import packed
+from app.viewer.gallery.saved_scene import SavedScene, packed
 from app.viewer.run.run_preset import at_home
 
 AGENTS = 300

@@ -20,9 +20,9 @@ import numpy as np
 from agents.flock import Flock
 from agents.record import Recorder
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.run.past.stored_flock import StoredFlock, stored
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
+from app.viewer.run.stored_flock import StoredFlock, stored
 from benchmarks.stream import Reader
 
 TICKS = 600

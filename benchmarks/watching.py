@@ -35,8 +35,8 @@ def serve(agents: int, pipe: Connection) -> None:
     """The laboratory; answers every message of the pipe with processor time, s, and the tick."""
     from app.viewer.lab.laboratory import Laboratory
     from app.viewer.run.run_preset import at_home
-    from app.viewer.watching.own_marks import AgentSelection
     from app.viewer.watching.watch_page import WatchPage
+    from app.viewer.watching.watcher import AgentSelection
 
     start = at_home("hwvem", agents=agents, parameters={"eta": 0.3})
     laboratory = Laboratory(start, port=0, speed=SPEED)

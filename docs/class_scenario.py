@@ -24,8 +24,7 @@ import segno
 from PIL import Image
 from websockets.exceptions import WebSocketException
 
-from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.scene_address import packed
+from app.viewer.gallery.saved_scene import SavedScene, packed
 from tests.classroom.running import Person, Running, roster
 
 NAMES = (

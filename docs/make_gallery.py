@@ -24,8 +24,7 @@ from rule_scenes import Scene, flock_of, scene_of
 from agents import Flock
 from agents.catalogue import MODELS
 from app.viewer.gallery.scene_collection import PICTURES, built_in, scene_names
-from app.worlds.colours import LOOK
-from app.worlds.plan import draw_plan
+from app.worlds.world_picture import LOOK, draw_plan
 from worlds.generators import drawn
 from worlds.layout import layout_names, world
 

@@ -16,9 +16,20 @@ from rule_scenes import Scene, flock_of, scene_of
 from agents import Flock
 from agents.models.model import Model
 from agents.observables.catalogue import in_a_corridor
-from app.worlds.colours import FLOOR, GOAL, INK, LOOK, PALE, PATH, SOLID, SOLID_EDGE
-from app.worlds.footprint import footprint
-from app.worlds.plan import edges, fill, floor
+from app.worlds.world_picture import (
+    FLOOR,
+    GOAL,
+    INK,
+    LOOK,
+    PALE,
+    PATH,
+    SOLID,
+    SOLID_EDGE,
+    edges,
+    fill,
+    floor,
+    footprint,
+)
 
 DART = np.array([[0.62, 0.0], [-0.42, 0.40], [-0.24, 0.0], [-0.42, -0.40]])
 """Outline of an agent of length 1 that heads along +x."""

@@ -14,7 +14,7 @@ from matplotlib.patches import Circle, Rectangle
 
 from agents import Flock
 from agents.engine.vector_lanes import WIDTH
-from app.worlds.colours import INK, LOOK, PALE
+from app.worlds.world_picture import INK, LOOK, PALE
 
 HERE = Path(__file__).parent / "pictures"
 LANE, CELL, MET = "#d1495b", "#dbe7f3", "#2f6f9f"

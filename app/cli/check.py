@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from app.cli.error_messages import REFUSED
-from app.cli.rule_option import Rules, by_name, first_of
+from app.cli.terminal import REFUSED
+from app.cli.usage import Rules, by_name, first_of
 from worlds.input_error import InputError
 
 

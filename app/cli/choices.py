@@ -175,7 +175,7 @@ ARTICLES = {
 }
 
 
-def show(made: dict[str, Rows]) -> None:
+def show_tables(made: dict[str, Rows]) -> None:
     """Print tables for people."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.cli.file_argument import is_file
+from app.cli.progress import StopSignals, leave
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port
-from app.cli.stop_signals import StopSignals, leave
 from app.experiments.workers.processes import cores
 from app.results_folder import RESULTS
 from app.viewer.web.addresses import LOOPBACK

@@ -33,7 +33,7 @@ def is_file(name: str | None) -> bool:
 def file_argument(name: str) -> FileArgument:
     """What a file is, as `flockscope lab` opens it too. Raises InputError for what it cannot be."""
     from app.viewer.gallery.file_opener import demand_kind, head_of
-    from app.viewer.run.past.stored_flock import PARQUET
+    from app.viewer.run.stored_flock import PARQUET
 
     head = head_of(name)
     demand_kind(name, head)

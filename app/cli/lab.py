@@ -14,10 +14,10 @@ from agents.flock_world import find_world
 from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
 from app.cli.file_argument import is_file
-from app.cli.rule_option import Rules, by_name, first_of
+from app.cli.progress import StopSignals, leave
 from app.cli.run_arguments import Asked, demand_parameters, given, named, with_options
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
-from app.cli.stop_signals import StopSignals, leave
+from app.cli.usage import Rules, by_name, first_of
 from app.settings import assignment
 from app.viewer.run.run_preset import at_home
 from app.viewer.web.origin import allowed
@@ -25,7 +25,7 @@ from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from app.viewer.gallery.saved_scene import SavedScene
-    from app.viewer.run.past.stored_flock import StoredFlock
+    from app.viewer.run.stored_flock import StoredFlock
 
 NOISE = 0.3
 """Noise that keeps the picture alive, rad, for models that would have none."""

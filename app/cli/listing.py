@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from app.cli.choices import KINDS, WIDE, Rows, names, rows, show
+from app.cli.choices import KINDS, WIDE, Rows, names, rows, show_tables
 from app.cli.list_details import in_words, things_called
-from app.cli.rule_option import Rules, by_name
+from app.cli.usage import Rules, by_name
 
 
 def listing(
@@ -31,7 +31,7 @@ def listing(
         if as_json:
             typer.echo(json.dumps(made[what]))
         else:
-            show({what: made[what]})
+            show_tables({what: made[what]})
     else:
         found = things_called(what, made)
         if as_json:

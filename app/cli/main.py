@@ -11,8 +11,7 @@ import typer
 from typer.core import TyperCommand
 from typer.main import get_command
 
-from app.cli.error_messages import told
-from app.cli.terminal import guard_streams
+from app.cli.terminal import guard_streams, told
 from app.cli.usage import CommandGroup, OneCommand
 
 

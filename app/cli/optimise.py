@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.outcome_table import as_json, tell, tell_written
-from app.cli.sweep.run_options import (
+from app.cli.sweep.run import (
     BROKEN,
     AsJson,
     Drawn,
@@ -147,7 +147,7 @@ def report(
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from app.cli.sweep.show import plain
+    from app.cli.sweep.commands import plain
 
     table = Table(
         "", *study.default, *answer.goals, box=SIMPLE_HEAD,

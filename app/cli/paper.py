@@ -11,12 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.error_messages import INTERRUPTED
-from app.cli.outcome_table import as_json, tell_written
-from app.cli.progress import Progress
-from app.cli.stop_signals import StopSignals
-from app.cli.stray_agent_check import ASTRAY
-from app.cli.terminal import make_console
+from app.cli.outcome_table import ASTRAY, as_json, tell_written
+from app.cli.progress import Progress, StopSignals
+from app.cli.terminal import INTERRUPTED, make_console
 from app.results_folder import demand_folder, picture_files
 from app.settings import at_least, names, whole_numbers
 from worlds.input_error import InputError

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
+import threading
 import time
-from typing import Any
+from collections.abc import Callable
+from contextlib import ExitStack
+from types import FrameType
+from typing import TYPE_CHECKING, Any
 
-from app.cli.terminal import make_console
+from app.cli.terminal import INTERRUPTED, make_console
 from worlds.number_text import duration
+
+if TYPE_CHECKING:
+    from agents import Flock
+    from agents.record import Recorder
 
 TIMEOUT = 2.0
 """Seconds of work without a bar."""
@@ -69,3 +79,113 @@ def make_bar() -> Any:
         console=make_console(stderr=True),
         transient=True,
     )
+
+
+# Ctrl-C and SIGTERM: ask a run to stop where it can, so that what it has done is kept.
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+class StopSignals:
+    """While entered, the first signal sets `asked`; a second one interrupts at once.
+
+    With `at_once`, the first one interrupts too, SIGTERM like Ctrl-C, and a second one ends the
+    process with this line: what an interrupt breaks off while it is being closed cannot be closed
+    any more, and would say so in a traceback. Processes of ours end with the one that began them.
+    """
+
+    def __init__(self, at_once: str = ""):
+        self.asked = False
+        self.at_once = at_once
+        self.before: dict[signal.Signals, Any] = {}
+
+    def __enter__(self) -> StopSignals:
+        try:
+            self.before = {one: signal.signal(one, self.take) for one in SIGNALS}
+        except ValueError:  # only the main thread receives signals
+            self.before = {}
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        interrupted = bool(self.asked and self.at_once)
+        for one, handler in self.before.items():
+            # Another one while the interpreter ends is to end it, without a traceback.
+            signal.signal(one, signal.SIG_DFL if interrupted else handler)
+
+    def take(self, _number: int, _frame: FrameType | None) -> None:
+        """Take a signal."""
+        if self.asked and self.at_once:
+            shown = "\n\x1b[?25h" if os.isatty(2) else ""  # below a bar, which hides the cursor
+            os.write(2, f"{shown}{self.at_once}\n".encode())  # `print` may be interrupted in itself
+            os._exit(INTERRUPTED)
+        interrupts = self.asked or self.at_once
+        self.asked = True
+        if interrupts:
+            raise KeyboardInterrupt
+
+
+def leave() -> None:
+    """End the process, which is done, even while one of its threads compiles.
+
+    In the usual farewell LLVM takes away what that thread stands on: it would crash, or hang.
+    """
+    if threading.active_count() > 1:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(0)
+
+
+# Running a flock in short stretches, so that it can be watched, recorded and stopped.
+
+SHORT, LONG = 0.05, 0.2
+"""Seconds between which a stretch is kept."""
+
+
+def run_ticks(
+    flock: Flock,
+    ticks: int,
+    progress: Progress,
+    recorder: Recorder | None = None,
+    every: int = 1,
+    look: Callable[[], None] = lambda: None,
+    over: int = 0,
+    check: Callable[[], None] = lambda: None,
+) -> bool:
+    """Run ticks, recording the first, every `every`-th and the last; False if asked to stop.
+
+    A recording is whole in either case. `look` is called after each of the last `over` ticks, and
+    `check` after each stretch.
+    Raises InputError if the recording cannot be written.
+    """
+    with StopSignals() as stopping, ExitStack() as stack:
+        write: Callable[[], None] = lambda: None  # noqa: E731
+        if recorder is not None:
+            write = stack.enter_context(recorder).write
+        first, last = flock.tick, flock.tick + ticks
+        write()
+        written = flock.tick
+        stretch = 1
+        while flock.tick < last and not stopping.asked:
+            until_frame = every - (flock.tick - first) % every
+            until_looked_at = max(1, last - over - flock.tick) if over else ticks
+            n = min(stretch, last - flock.tick, until_frame if recorder else ticks, until_looked_at)
+            begun = time.monotonic()
+            flock.run(n)
+            check()
+            if flock.tick > last - over:
+                look()
+            stretch = next_stretch(stretch, time.monotonic() - begun)
+            if recorder and ((flock.tick - first) % every == 0 or flock.tick == last):
+                write()
+                written = flock.tick
+            progress.at((flock.tick - first) / ticks, text=f"tick {flock.tick}")
+        if written != flock.tick:
+            write()
+        return flock.tick == last
+
+
+def next_stretch(stretch: int, seconds: float) -> int:
+    """Ticks of the next stretch, from how long the last one took."""
+    if seconds < SHORT:
+        return 2 * stretch
+    return max(1, stretch // 2) if seconds > LONG else stretch

@@ -19,7 +19,7 @@ def recover(
 ) -> None:
     """Save the recording of a killed run from its .part file, or its folder."""
     if file.is_dir():
-        from app.cli.live.recover import recover as recover_live
+        from app.cli.live.commands import recover as recover_live
 
         recover_live(file, as_json)
         return

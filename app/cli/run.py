@@ -9,15 +9,22 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from app.cli.error_messages import INTERRUPTED
 from app.cli.file_argument import STATE, demand_alone, file_argument, is_file, shown_beside
-from app.cli.length import Seconds, Ticks, demand_one_length, ticks_asked
-from app.cli.outcome_table import as_json, outcome, show, tell, tell_written
-from app.cli.progress import Progress
-from app.cli.rule_option import Rules, by_name, first_of
-from app.cli.run_arguments import Asked, given, named, set_by, with_options
-from app.cli.run_stretches import run_ticks
-from app.cli.stray_agent_check import StrayAgentCheck
+from app.cli.outcome_table import StrayAgentCheck, as_json, outcome, show, tell, tell_written
+from app.cli.progress import Progress, run_ticks
+from app.cli.run_arguments import (
+    Asked,
+    Seconds,
+    Ticks,
+    demand_one_length,
+    given,
+    named,
+    set_by,
+    ticks_asked,
+    with_options,
+)
+from app.cli.terminal import INTERRUPTED
+from app.cli.usage import Rules, by_name, first_of
 from app.experiments.workers.kernels import compile_loop
 from app.settings import at_least, names
 from worlds.file_writer import demand_apart, demand_writable, write_text

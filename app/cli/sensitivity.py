@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.outcome_table import as_json, tell, tell_written
-from app.cli.sweep.run_options import (
+from app.cli.sweep.run import (
     BROKEN,
     AsJson,
     Drawn,

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from app.cli.rule_option import Rules, by_name
+from app.cli.usage import Rules, by_name
 
 
 def by_names(models: list[str] | None) -> list[str] | None:

@@ -3,14 +3,109 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from agents.flight.trim import Trim, trim
+from app.results_folder import make_folder
+from app.settings import assignment
+from worlds.file_writer import csv_text, write_text
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
+    from agents.flight.aircraft import Aircraft
     from agents.flight.trim import Trim
+
+# What a flight command is asked for, checked before anything is computed.
+
+SPEED, FREQUENCY, TWIST = 3.5, 1.5, 20.0
+"""Of the flight that the reading of the thesis measured: m/s, Hz, deg."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """A flight that is asked for."""
+
+    aircraft: Aircraft
+    frequency: float
+    """Hz."""
+    twist: float
+    """Of the wing tip, rad."""
+
+
+def within(option: str, value: float, low: float, high: float, unit: str) -> float:
+    """The value, if it is in [low, high]. Raises InputError naming the option."""
+    if not low <= value <= high:
+        raise InputError(f"{option} {value:g} {unit} is outside [{low:g}, {high:g}] {unit}")
+    return value
+
+
+def asked_speed(option: str, speed: float) -> float:
+    """A speed in m/s that a trim takes. Raises InputError."""
+    from agents.flight.trim import SPEEDS
+
+    return within(option, speed, *SPEEDS, "m/s")
+
+
+def request(frequency: float, twist: float, settings: list[str] | None) -> Request:
+    """The aircraft with its settings, and how its wings beat (Hz, deg). Raises InputError."""
+    from agents.flight.aircraft import Aircraft, demand_possible
+    from agents.flight.trim import FREQUENCIES, TWISTS
+    from agents.models.declare import checked
+
+    within("--frequency", frequency, *FREQUENCIES, "Hz")
+    within("--twist", twist, math.degrees(TWISTS[0]), math.degrees(TWISTS[1]), "deg")
+    given = dict(assignment(setting) for setting in settings or [])
+    craft = checked(Aircraft, given, "--set")
+    assert isinstance(craft, Aircraft)
+    demand_possible(craft, "--set")
+    return Request(craft, frequency, math.radians(twist))
+
+
+# Columns of numbers as a CSV file.
+
+
+def write_sheet(path: Path, columns: Mapping[str, Sequence[Any]]) -> None:
+    """Write columns of one length under their names; None stays empty. Raises InputError."""
+    rows = (
+        ["" if one is None else f"{float(one):.9g}" for one in row]
+        for row in zip(*columns.values(), strict=True)
+    )
+    make_folder(path.parent)
+    write_text("table", path, csv_text(columns, rows))
+
+
+def beat_columns(beat: Any, frequency: float) -> dict[str, Any]:
+    """Columns of one wing beat or more, angles in degrees; `beat` is a `History`."""
+    import numpy as np
+
+    made = {"time_s": beat.time, "beats": beat.time * frequency}
+    for name, unit in COLUMNS.items():
+        values = getattr(beat, name)
+        made[f"{name}_{unit}"] = np.degrees(values) if unit.startswith("deg") else values
+    return made
+
+
+COLUMNS = {
+    "distance": "m",
+    "height": "m",
+    "speed": "m_per_s",
+    "climb": "m_per_s",
+    "pitch": "deg",
+    "pitch_rate": "deg_per_s",
+    "attack": "deg",
+    "flap": "deg",
+    "twist": "deg",
+    "lift": "N",
+    "thrust": "N",
+    "power": "W",
+    "separated": "share",
+}
+"""Columns of a `History` and their units."""
 
 
 def towing_power(made: Trim) -> float | None:
@@ -71,3 +166,47 @@ def lines(value: dict[str, Any]) -> list[str]:
         f"  multipliers        |mu| = {', '.join(f'{abs(one):.3f}' for one in first)}   {fading}"
     )
     return made
+
+
+# Trims over speed.
+
+
+def swept(
+    asked: Request, speeds: list[float], at: Callable[[float], None]
+) -> tuple[list[dict[str, Any]], list[float]]:
+    """Values of the trims at speeds (m/s, rising), and the speeds without a level flight.
+
+    Each is searched from its neighbour nearer to the usual speed. Raises InputError if there is no
+    flight at all.
+    """
+    middle = min(speeds, key=lambda speed: abs(speed - SPEED))
+    order = [one for one in speeds if one >= middle]
+    order += [one for one in reversed(speeds) if one < middle]
+    found: dict[float, Trim] = {}
+    rows: dict[float, dict[str, Any]] = {}
+    missing = []
+    for done, speed in enumerate(order):
+        near = min(found, key=lambda other: abs(other - speed), default=None)
+
+        def share(part: float, done: int = done) -> None:
+            at((done + part) / len(order))
+
+        try:
+            found[speed] = trim(
+                asked.aircraft,
+                speed,
+                frequency=asked.frequency,
+                twist=asked.twist,
+                near=None if near is None else found[near],
+                at=share,
+            )
+        except InputError:
+            missing.append(speed)
+            continue
+        rows[speed] = as_value(found[speed])
+    if not rows:
+        raise InputError(
+            f"no level flight was found at any speed of {', '.join(f'{one:g}' for one in speeds)}"
+            " m/s: try other speeds, or another frequency or twist"
+        )
+    return [rows[speed] for speed in sorted(rows)], sorted(missing)

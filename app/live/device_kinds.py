@@ -1,7 +1,7 @@
 """The texts of sources and links: their kinds, and the names under which they are chosen.
 
 A text is `kind:place?option=value`. One that begins with `simulated` means emulated cars, whose
-source and link go together; `app.live.emulation.emulated_source` opens it.
+source and link go together; `app.live.emulation.emulated_cars` opens it.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from app.worlds.footprint import footprint
+from app.worlds.world_picture import footprint
 from worlds.queries.boundary import boundary_points
 from worlds.queries.outlines import solids
 from worlds.world import World

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.scene_address import packed
+from app.viewer.gallery.saved_scene import SavedScene, packed
 from app.viewer.gallery.scene_collection import built_in
 from app.viewer.run.run_preset import at_home
 from tests.browser.window import COMPILED, is_compiled

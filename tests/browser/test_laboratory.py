@@ -10,7 +10,7 @@ import pytest
 import viser
 
 from agents.catalogue import MODELS
-from app.viewer.lab.panels.guide.try_runner import is_done, now
+from app.viewer.lab.panels.model_guide import is_done, now
 from tests.browser.conftest import START
 from tests.browser.window import COMPILED, Window, is_compiled
 from tests.viewer.waiting import until

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 from viser import uplot
 
-from app.viewer.lab.panels.plots.overlay import COLOURS
+from app.viewer.lab.panels.laboratory_plots import COLOURS
 from app.viewer.panels.chart import ChartContents, ChartCurve
 from tests.viewer.waiting import until
 

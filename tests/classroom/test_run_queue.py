@@ -20,8 +20,7 @@ from app.classroom.student import Role
 from app.classroom.workers.measuring import MadeRun, ProcessorTimeLimit
 from app.classroom.workers.process import WorkerLostError, WorkerProcess
 from app.classroom.workers.task_process import TaskProcess, TimeUp
-from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.scene_address import packed
+from app.viewer.gallery.saved_scene import SavedScene, packed
 from app.viewer.run.run_preset import at_home
 from tests.classroom.running import BUSY, roster, running
 from tests.classroom.small import SCENE

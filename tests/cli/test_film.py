@@ -27,8 +27,8 @@ from app.viewer.pictures.browser import GUARD, find_browser
 from app.viewer.pictures.film_writer import Encoder, pictures
 from app.viewer.pictures.picture_camera import Camera, CameraRequest
 from app.viewer.pictures.picture_sheet import Sheet
+from app.viewer.pictures.plane import Plots
 from app.viewer.pictures.player import HOLDS
-from app.viewer.pictures.plots import Plots
 from app.viewer.pictures.shot import look_of, shot
 from app.viewer.pictures.space_picture import CameraAxes
 from cli.calling import call, refusal, start, wait_until

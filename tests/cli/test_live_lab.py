@@ -6,10 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.cli.live.console import SessionConsole
-from app.cli.live.lab import lab
-from app.cli.stop_signals import StopSignals
-from app.live.control.loop_events import Event
+from app.cli.live.lab import SessionConsole, lab
+from app.cli.progress import StopSignals
+from app.live.control.loop_status import Event
 from worlds.input_error import InputError
 
 

@@ -14,9 +14,8 @@ import pytest
 
 from agents import part_stream
 from agents.record import KEY
-from app.live.recording.recording_writer import TABLES
+from app.live.recording.recording_writer import LONGEST, TABLES, RecordingStream
 from app.live.recording.recovery import recover as recover_tables
-from app.live.recording.stream import LONGEST, RecordingStream
 from cli.calling import call, refusal
 from worlds.input_error import InputError
 

@@ -75,10 +75,10 @@ def place(tmp_path, monkeypatch):
         "app.cli.live.lab.serve", "app.cli.live.run.conduct", "app.cli.live.check.look_at_devices",
         "app.live.operating.flock_driver.FlockDriver",
         "app.cli.formation.trimmed", "app.flight.compared_flight.flown",
-        "app.flight.trim_curve.swept", "app.flight.load.carried", "agents.flight.trim.trim",
+        "app.flight.trim_report.swept", "app.flight.load.carried", "agents.flight.trim.trim",
         "app.worlds.world_picture.draw_world",
-        "app.formation.files.table", "agents.observables.formation.vee_saved",
-        "app.cli.live.emulate.emulate", "webbrowser.open", "app.cli.take.source.compile_loop",
+        "app.formation.formation_pictures.table", "agents.observables.formation.vee_saved",
+        "app.cli.live.commands.emulate", "webbrowser.open", "app.cli.take.source.compile_loop",
     ):  # fmt: skip
         monkeypatch.setattr(thing, stop)
     return tmp_path

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from cli.calling import call, refusal
 
-from app.flight.beat_picture import averaged
 from app.flight.compared_flight import pushes
+from app.flight.flight_pictures import averaged
 
 
 def rows(path):

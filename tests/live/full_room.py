@@ -8,11 +8,10 @@ import random
 import time
 
 from app.live.control.arm import OperatorRequest
-from app.live.emulation.emulated_cars import EmulatedCars, Terminal
-from app.live.emulation.plant import EmulatedPlant
+from app.live.emulation.emulated_cars import EmulatedCars, EmulatedPlant, Terminal
 from app.live.laboratory.lab_file import lab_from_toml
 from app.live.links.firmware import Firmware
-from app.live.operating.lab_opener import open_driven
+from app.live.operating.lab_choices import open_driven
 from app.live.operating.operator import Operator
 from live.natnet_emulator import Body, NatNetEmulator
 

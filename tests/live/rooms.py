@@ -13,7 +13,7 @@ from app.live.laboratory.lab_file import Lab, lab_from_toml
 from app.live.links.firmware import WATCHDOG
 from app.live.links.link import RUN
 from app.live.links.link_catalogue import open_link
-from app.live.operating.loop_components import LoopComponents, open_ends
+from app.live.operating.loop_process import LoopComponents, open_ends
 
 LAB = """title = "a room"
 source = "mock:"

@@ -17,11 +17,9 @@ from agents.catalogue import cars_by
 from agents.flock import Flock
 from app.live.control.arm import OperatorRequest
 from app.live.control.car_control import CarControl
-from app.live.control.driver import CompanionDriver
-from app.live.control.pose import MocapFrame, Pose, seen, unseen
+from app.live.control.pose import CompanionDriver, MocapFrame, Pose, seen, unseen
 from app.live.links.link import RUN, STOP
-from app.live.operating.companions import APART
-from app.live.operating.flock_driver import FlockDriver, world_of
+from app.live.operating.flock_driver import APART, FlockDriver, world_of
 from live.rooms import lab
 from live.test_flock_driver import PERFECT, SQUASHING, naive, text_of
 from worlds.input_error import InputError

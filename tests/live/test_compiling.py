@@ -13,8 +13,8 @@ from cli.calling import call
 from agents.motion import Motion
 from app.live.laboratory.example import example
 from app.live.operating.flock_driver import COMPILING, FlockDriver
-from app.viewer.live.banner import banner_of
-from app.viewer.live.session_state import SessionState
+from app.viewer.live.panels.state_panel import banner_of
+from app.viewer.live.session_requests import SessionState
 
 ROOT = Path(__file__).parents[2]
 WORDS = COMPILING.format("squashing-cars")

@@ -12,10 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.live.control.injected_target import INJECTED
-from app.live.control.tracking_area import TrackingArea
+from app.live.control.pose import TrackingArea
 from app.live.device_kinds import name_of
-from app.live.laboratory.lab_file import lab_from_toml, read_lab
-from app.live.laboratory.toml_lines import line_of
+from app.live.laboratory.lab_file import lab_from_toml, line_of, read_lab
 from live.rooms import LAB, lab
 from worlds.input_error import InputError
 

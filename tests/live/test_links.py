@@ -20,7 +20,7 @@ from app.live.links.chain import encode_chain
 from app.live.links.command_frame import CommandFrame, Decoder, encode
 from app.live.links.link import EMERGENCY, RUN, STOP, LinkLost, shortage
 from app.live.links.link_catalogue import open_link
-from app.live.links.stall_detector import MOST_IN_A_ROW
+from app.live.links.wire import MOST_IN_A_ROW
 from live.chain_cars import chain_of
 from worlds import plug_ins
 from worlds.input_error import InputError

@@ -12,9 +12,8 @@ from app.live.control.arm import OperatorRequest
 from app.live.control.car_control import CarControl
 from app.live.control.control_loop import MOST_REQUESTS, PARTING, STATUS_EVERY, Loop
 from app.live.control.injected_target import InjectedTarget
-from app.live.control.loop_durations import KEPT as SPANS
-from app.live.control.loop_durations import Durations
-from app.live.control.loop_events import KEPT, Event, Events
+from app.live.control.loop_status import DURATIONS_KEPT as SPANS
+from app.live.control.loop_status import EVENTS_KEPT, Durations, Event, Events
 from app.live.control.pose import MocapFrame, Pose, seen
 from app.live.links.link import EMERGENCY, RUN, STOP
 from live.rooms import LAB, Steady, lab
@@ -359,10 +358,10 @@ def test_the_hand_moves_the_injected_car_of_the_loop():
 
 def test_events_are_kept_up_to_a_number():
     log = Events()
-    log.add(*(Event(k, 0.0, "run", "") for k in range(KEPT + 10)))
+    log.add(*(Event(k, 0.0, "run", "") for k in range(EVENTS_KEPT + 10)))
     count, kept = log.since(0)
-    assert (count, len(kept), kept[0].tick) == (KEPT + 10, KEPT, 10)
-    assert log.since(KEPT + 10) == (KEPT + 10, [])
+    assert (count, len(kept), kept[0].tick) == (EVENTS_KEPT + 10, EVENTS_KEPT, 10)
+    assert log.since(EVENTS_KEPT + 10) == (EVENTS_KEPT + 10, [])
 
 
 def test_a_summary_is_of_the_last_spans():

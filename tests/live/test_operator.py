@@ -19,7 +19,7 @@ from app.live.links.command_frame import Decoder
 from app.live.links.link import EMERGENCY, RUN, STOP
 from app.live.operating.operator import Operator
 from app.live.recording.recording_replay import read, replay
-from app.viewer.live.recordings_folder import is_finished
+from app.viewer.live.room_replay import is_finished
 from live.rooms import LAB, Steady, crawling, lab, named, refusing
 from tests.viewer.waiting import until as wait_until
 from worlds.input_error import InputError

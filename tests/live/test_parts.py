@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.live.control.loop_events import Event, Events
+from app.live.control.loop_status import Event, Events
 from app.live.laboratory.lab_file import lab_from_toml
 from app.live.laboratory.recording_parts import MB, RESERVE, RecordingLimits, parts_of
 from app.live.recording.recording_replay import read, replay

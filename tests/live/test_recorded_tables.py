@@ -10,7 +10,7 @@ import pytest
 from agents import parquet
 from app.live.control.pose import Pose, seen, unseen
 from app.live.sources.axes import Axes
-from app.live.sources.recorded_frames import RecordedFrame
+from app.live.sources.pose_source import RecordedFrame
 from app.live.sources.recorded_source import RecordedSource
 from tests.live.recordings import HEADER, ROWS, csv_of
 from worlds.input_error import InputError

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.live.control.loop_events import Events
+from app.live.control.loop_status import Events
 from app.live.laboratory.recording_parts import RecordingLimits
 from app.live.operating.recorder import LoopRecorder, RecordRequest
 from live.rooms import LAB

@@ -8,9 +8,8 @@ from cli.calling import call, refusal
 from pyarrow.csv import read_csv
 
 from agents.record import KEY
-from app.live.recording.recording_columns import COLUMNS
 from app.live.recording.recording_replay import read
-from app.live.recording.recording_writer import TABLES
+from app.live.recording.recording_writer import COLUMNS, TABLES
 from live.test_live_record import record
 from worlds.input_error import InputError
 from worlds.layout import world_from_layout

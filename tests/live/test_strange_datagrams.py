@@ -17,7 +17,7 @@ import pytest
 from app.live.control.arm import OperatorRequest
 from app.live.laboratory.example import FILE
 from app.live.laboratory.lab_file import lab_from_toml
-from app.viewer.live.banner import banner_of
+from app.viewer.live.panels.state_panel import banner_of
 from live.full_room import FullRoom
 from live.natnet_emulator import FRAME, message
 from live.opened_page import opened

@@ -17,8 +17,7 @@ from app.live.control.pose import Pose, seen, unseen
 from app.live.sources.axes import NOSES, UNITS, UPS
 from app.live.sources.feed import Feed
 from app.live.sources.mocap import SYSTEMS
-from app.live.sources.pose_table import COLUMNS
-from app.live.sources.recorded_source import SUFFIXES, RecordedSource
+from app.live.sources.recorded_source import COLUMNS, SUFFIXES, RecordedSource
 from app.live.sources.source_catalogue import OPENERS, open_source
 from tests.live.natnet_emulator import free_port
 from worlds.input_error import InputError

@@ -11,7 +11,7 @@ from itertools import count
 from app.live.control.pose import MocapFrame, Pose, seen
 from app.live.laboratory.lab_file import Lab
 from app.live.links.link_catalogue import open_link
-from app.live.operating.loop_components import LoopComponents
+from app.live.operating.loop_process import LoopComponents
 from live.rooms import ROUND, Steady
 
 MOST_BYTES = 100_000

@@ -9,9 +9,8 @@ import numpy as np
 
 from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.shown.cars import Cars
 from app.viewer.scene.shown.drawing_style import DrawingStyle
-from app.viewer.scene.shown.frame import Frame, MissionProgress
+from app.viewer.scene.shown.frame import Cars, Frame, MissionProgress
 from tests.viewer.test_scene_worlds import Stand
 from worlds.mission import Goal, Mission
 from worlds.world import World

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.live_cars import Live
+from app.viewer.scene.shown.frame import Frame, Live
 from tests.viewer.fleet import AREA, frame, known
 
 STATES = ("tracked", "late", "lost", "simulated", "simulated")

@@ -10,11 +10,8 @@ from types import SimpleNamespace
 
 from agents.catalogue import cars_by
 from app.live.control.arm import OperatorRequest
-from app.live.control.driver import Companion
-from app.live.control.loop_durations import DurationSummary
-from app.live.control.loop_events import Event
-from app.live.control.loop_status import CarStatus, Status
-from app.live.control.pose import Pose
+from app.live.control.loop_status import CarStatus, DurationSummary, Event, Status
+from app.live.control.pose import Companion, Pose
 from app.live.links.link import EMERGENCY, RUN, STOP
 from worlds.input_error import InputError
 

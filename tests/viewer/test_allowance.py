@@ -20,10 +20,9 @@ from websockets.sync.client import connect
 
 from agents.spec import Spec
 from app.viewer.editing.forms import disc
-from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.scene_address import packed
+from app.viewer.gallery.saved_scene import SavedScene, packed
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.panels.export_permit import ExportPermit
+from app.viewer.panels.sending import ExportPermit
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation

@@ -6,11 +6,11 @@ import threading
 
 import pytest
 
-from app.cli.live.console import SessionConsole
-from app.cli.stop_signals import StopSignals
-from app.viewer.live.arming_code import DIGITS, TRIES, ArmingCode
-from app.viewer.live.banner import banner_of
+from app.cli.live.lab import SessionConsole
+from app.cli.progress import StopSignals
 from app.viewer.live.panels.log_panel import as_csv
+from app.viewer.live.panels.state_panel import banner_of
+from app.viewer.live.session import DIGITS, TRIES, ArmingCode
 from tests.viewer.live_sessions import Sessions, told
 from tests.viewer.waiting import until
 

@@ -15,7 +15,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.spec import Spec
 from app.cli.lab import parameters
-from app.viewer.lab.panels.monitors.comparison_table import compared
+from app.viewer.lab.panels.flock_monitors import compared
 from app.viewer.lab.panels.setup import NOBODY, SetupPanel, differs
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.paired_run import PairedRun, companion, named, pace_note, ratio, shared_by

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from agents.state.agent_rows import Crashes
-from app.viewer.scene.draw.bird import TIP
-from app.viewer.scene.marks.flock.birds import SCALE
-from app.viewer.scene.marks.flock.crash_marks import FADES, MOST, CrashMarks
-from app.viewer.scene.marks.flock.flock_motion import FlockMotion
-from app.viewer.scene.marks.paths.wake import Wake
+from app.viewer.scene.draw.agent_meshes import TIP
+from app.viewer.scene.marks.agents import SCALE, FlockMotion
+from app.viewer.scene.marks.flock_marks import FADES, MOST_CRASHES, CrashMarks
+from app.viewer.scene.marks.trails import Wake
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from tests.viewer.sky import Clock, frame, heading, shown
 from tests.viewer.test_scene_worlds import Stand, draw
@@ -74,8 +73,8 @@ def test_a_mark_stands_where_it_crashed_and_fades():
 def test_of_very_many_crashes_the_latest_are_marked():
     scene = Stand()
     marks = CrashMarks(scene)
-    places = np.random.default_rng(1).random((3 * MOST, 3)) * 20.0
-    one = frame([heading(0.0)], 10_000, crashes=crashed(places, list(range(3 * MOST))))
+    places = np.random.default_rng(1).random((3 * MOST_CRASHES, 3)) * 20.0
+    one = frame([heading(0.0)], 10_000, crashes=crashed(places, list(range(3 * MOST_CRASHES))))
     draw(marks, shown(one))
-    drawn = scene.there("/flock/crashes").points.reshape(MOST, -1, 3).mean(axis=1)
-    assert drawn == pytest.approx(shown(one).stage.shown(places[-MOST:]), abs=1e-5)
+    drawn = scene.there("/flock/crashes").points.reshape(MOST_CRASHES, -1, 3).mean(axis=1)
+    assert drawn == pytest.approx(shown(one).stage.shown(places[-MOST_CRASHES:]), abs=1e-5)

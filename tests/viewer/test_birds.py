@@ -9,14 +9,12 @@ from hypothesis import strategies as st
 
 from agents import Flock
 from app.viewer.run.frame_builder import FrameBuilder
-from app.viewer.scene.draw.attitude import attitude, nose, rolled
-from app.viewer.scene.draw.bird import SHOULDER, TIP, beaten, body, wings
-from app.viewer.scene.draw.coarse import OF_LENGTH
+from app.viewer.scene.draw.agent_meshes import SHOULDER, TIP, beaten, body, wings
+from app.viewer.scene.draw.attitude import OF_LENGTH, attitude, nose, rolled
 from app.viewer.scene.draw.drawn_frame import KEPT, POINTS_BEYOND
 from app.viewer.scene.drawing import AGENT_BYTES, BIRD_BYTES, load
-from app.viewer.scene.marks.flock.birds import SCALE, leftwards, upwards
-from app.viewer.scene.marks.flock.flock_motion import FLAT, FOLDED, FlockMotion
-from app.viewer.scene.parts import Parts
+from app.viewer.scene.marks.agents import FLAT, FOLDED, SCALE, FlockMotion, leftwards, upwards
+from app.viewer.scene.scene import Parts
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.drawing_style import BIRDS_UP_TO, DrawingStyle
 from tests.viewer.sky import STEP, Clock, frame, heading, shown

@@ -14,8 +14,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.inspection import Inspection
 from agents.models.model import whole
-from app.viewer.lab.panels.agent.card import FIRST, ON_ITS_WAY, facts, folds, head
-from app.viewer.lab.panels.agent.inspector import Inspector
+from app.viewer.lab.panels.inspector import FIRST, ON_ITS_WAY, Inspector, facts, folds, head
 from app.viewer.run.frame_builder import FrameBuilder
 from app.viewer.run.run_preset import at_home
 from app.viewer.scene.shown.frame import Frame

@@ -13,21 +13,18 @@ from hypothesis import strategies as st
 from agents import Flock
 from agents.models.declare import Vehicle
 from app.viewer.run.frame_builder import FrameBuilder
-from app.viewer.scene.draw.car_solid import AXLES, TRACK, TREAD, WHEEL, cabin, hubs, hull, wheel
+from app.viewer.scene.draw.agent_meshes import AXLES, TRACK, TREAD, WHEEL, cabin, hubs, hull, wheel
 from app.viewer.scene.draw.drawn_frame import LEAST_CAR
-from app.viewer.scene.marks.flock.agents import Agents
-from app.viewer.scene.marks.flock.crash_marks import RADIUS_CAR
-from app.viewer.scene.marks.flock.fleet import wheels
-from app.viewer.scene.marks.flock.flock_motion import FlockMotion
-from app.viewer.scene.marks.flock.labels import name
-from app.viewer.scene.marks.flock.stuck import RADIUS, StuckMarks
-from app.viewer.scene.marks.world.fence import INSIDE, Fence, fence
-from app.viewer.scene.marks.world.injected import InjectedCar, along_route
-from app.viewer.scene.marks.world.mission_marks import MissionMarks
-from app.viewer.scene.shown import palette, tone
-from app.viewer.scene.shown.cars import cars
+from app.viewer.scene.marks.agents import Agents, FlockMotion
+from app.viewer.scene.marks.area import INSIDE, Fence, fence
+from app.viewer.scene.marks.car_outlines import RADIUS, StuckMarks
+from app.viewer.scene.marks.fleet import wheels
+from app.viewer.scene.marks.flock_marks import RADIUS_CAR
+from app.viewer.scene.marks.labels import name
+from app.viewer.scene.marks.mission_marks import InjectedCar, MissionMarks, along_route
+from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
-from app.viewer.scene.shown.frame import MissionProgress
+from app.viewer.scene.shown.frame import MissionProgress, cars
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_geometry import rotated
 from tests.viewer.test_scene_worlds import Stand, draw
@@ -98,7 +95,7 @@ def test_a_flock_of_cars_is_drawn_as_cars_and_any_other_as_before():
         np.array([[-1.25, 0.625, 0.0], [0.0, 0.625, 0.0], [1.25, 0.625, 0.0]])
     )
     assert hulls.batched_scales[0, :2] == pytest.approx([0.22 * 1.25, 0.12 * 1.25])
-    assert hulls.batched_colors.tolist() == tone.lit(shown(frame()).colour).tolist()
+    assert hulls.batched_colors.tolist() == palette.lit(shown(frame()).colour).tolist()
     assert len(node(scene, "/cars/wheels").batched_positions) == 12
 
 

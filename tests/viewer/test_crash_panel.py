@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agents.state.agent_rows import Crashes
-from app.viewer.lab.panels.monitors.crash_lists import LATEST, counted, listed
+from app.viewer.lab.panels.flock_monitors import LATEST, counted, listed
 
 
 def crashes_at(*ticks: int) -> Crashes:

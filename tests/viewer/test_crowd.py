@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 
 from agents.flock import Flock
-from app.viewer.measuring.density_limits import (
-    expected_pairs,
-    refuse_too_dense,
-    refuse_too_many_links,
-)
+from app.viewer.measuring.time_series import expected_pairs, refuse_too_dense, refuse_too_many_links
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock

@@ -9,8 +9,7 @@ import time
 import numpy as np
 import pytest
 
-from app.viewer.scene.draw.attitude import attitude
-from app.viewer.scene.draw.coarse import FINE, OF_LENGTH, ROUND, places, turned
+from app.viewer.scene.draw.attitude import FINE, OF_LENGTH, ROUND, attitude, places, turned
 from app.viewer.scene.drawing import REST, Drawing, Rates, period
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from tests.viewer.waiting import until

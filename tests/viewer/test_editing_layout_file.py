@@ -16,7 +16,7 @@ from app.viewer.editing.layout_file import (
     layout_of,
     plain_name,
 )
-from app.viewer.lab.panels.world.plan_questions import with_answer
+from app.viewer.lab.panels.plan_questions import with_answer
 from worlds.input_error import InputError
 from worlds.mission import Goal, Mission
 from worlds.obstacles import Disc

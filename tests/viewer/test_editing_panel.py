@@ -10,9 +10,9 @@ import pytest
 
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.setup import differs
-from app.viewer.lab.panels.world.world_controls import BOX, DISC, POLYGON, SELECT
+from app.viewer.lab.panels.world_panel import BOX, DISC, POLYGON, SELECT
 from app.viewer.run.run_preset import at_home
-from app.viewer.scene.marks.hands.handles import Drag
+from app.viewer.scene.marks.handles import Drag
 from app.viewer.web.values import show
 from tests.viewer.waiting import until
 from worlds.world import World

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.viewer.editing.click_target import floor_place, obstacle_hit
+from app.viewer.editing.free_places import floor_place, obstacle_hit
 from worlds.obstacles import Box, Disc, Ring, Sphere
 from worlds.world import World
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.viewer.scene.draw.attitude import nose
-from app.viewer.scene.marks.flock.flock_motion import (
+from app.viewer.scene.marks.agents import (
     AMPLITUDE,
     DIHEDRAL,
     GLIDING,
@@ -14,7 +14,7 @@ from app.viewer.scene.marks.flock.flock_motion import (
     NIMBLE,
     STEEPEST,
     FlockMotion,
-    turned,
+    turned_left,
 )
 from tests.viewer.sky import STEP, Clock, frame, heading, shown
 from tests.viewer.test_scene_geometry import rotated
@@ -39,7 +39,7 @@ def bank(wxyz: np.ndarray) -> float:
 def test_turning_left_is_above_nought_and_at_most_a_right_angle():
     before = np.array([heading(0.0), heading(1.0), heading(3.0), heading(0.0, 0.5 * np.pi)])
     after = np.array([heading(0.2), heading(0.7), heading(3.0 + np.pi), heading(0.0)])
-    assert turned(before, after) == pytest.approx([0.2, -0.3, 0.0, 0.0], abs=1e-9)
+    assert turned_left(before, after) == pytest.approx([0.2, -0.3, 0.0, 0.0], abs=1e-9)
 
 
 @pytest.mark.parametrize("rate", [-1.0, -0.3, 0.3, 1.0])

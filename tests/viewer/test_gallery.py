@@ -13,9 +13,14 @@ from hypothesis import strategies as st
 from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.spec import Spec
-from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.scene_address import PACKED, packed, unpacked
-from app.viewer.gallery.scene_code import command_line, python
+from app.viewer.gallery.saved_scene import (
+    PACKED,
+    SavedScene,
+    command_line,
+    packed,
+    python,
+    unpacked,
+)
 from app.viewer.gallery.scene_collection import (
     FIRST,
     GROUPS,

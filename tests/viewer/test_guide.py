@@ -10,8 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 from agents.catalogue import MODELS
-from app.viewer.lab.panels.guide.model_guide import about
-from app.viewer.lab.panels.guide.try_runner import TryRunner, is_done, lesson, where
+from app.viewer.lab.panels.model_guide import TryRunner, about, is_done, lesson, where
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation_state import SimulationState
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from agents.flight.trim import trim
-from app.viewer.measuring.energy_savings import EnergySavings, trimmed
+from app.viewer.measuring.flock_numbers import EnergySavings, trimmed
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.run.run_preset import at_home
 from tests.viewer.stub_flock import StubFlock

@@ -17,8 +17,8 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.panels.hotkeys import KEYS
 from app.viewer.panels.parameters import worded
+from app.viewer.panels.shell import KEYS
 from app.viewer.run.run_preset import at_home
 from app.viewer.scene.drawing import FASTEST, SLOWEST, period
 from tests.live.stand_in import CAMERA

@@ -9,12 +9,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.viewer.scene.marks.flock.live_labels import BESIDE, MOST, LiveLabels, age_text, words
-from app.viewer.scene.marks.flock.placing import AFRESH as STAY
-from app.viewer.scene.marks.flock.placing import Sides, chosen_sides, uncrowded
+from app.viewer.scene.marks.labels import AFRESH as STAY
+from app.viewer.scene.marks.labels import (
+    BESIDE,
+    MOST,
+    LiveLabels,
+    Sides,
+    age_text,
+    chosen_sides,
+    uncrowded,
+    words,
+)
 from app.viewer.scene.shown.debounce import HOLD, REFRESH, Debounce
 from app.viewer.scene.shown.drawing_style import DrawingStyle
-from app.viewer.scene.shown.live_cars import Live
+from app.viewer.scene.shown.frame import Live
 from tests.viewer.fleet import frame, known, shown
 from tests.viewer.live_fleet import live, live_frame
 from tests.viewer.test_scene_worlds import Stand, draw

@@ -13,22 +13,19 @@ import numpy as np
 import pytest
 
 from agents.catalogue import cars_by
-from app.live.control.loop_events import Event
+from app.live.control.loop_status import Event
 from app.live.control.pose import Pose
 from app.live.control.safety import StopReason
 from app.live.laboratory.example import example
 from app.live.links.link import RUN
-from app.viewer.live.banner import MOVES, banner_of
-from app.viewer.live.drag_handle import DragHandle
 from app.viewer.live.loop_connection import notice_of
 from app.viewer.live.panels.live_plots import WINDOW, LivePlots, colours
 from app.viewer.live.panels.log_panel import COLUMNS, as_csv, listed
 from app.viewer.live.panels.room_monitors import cars, numbers
 from app.viewer.live.panels.room_panel import injected, limited
-from app.viewer.live.panels.state_panel import banner_html
-from app.viewer.live.room_frame import Setting, frame_of
-from app.viewer.live.room_readings import RoomReadings
-from app.viewer.live.session_state import SessionState
+from app.viewer.live.panels.state_panel import MOVES, banner_html, banner_of
+from app.viewer.live.room_frame import RoomReadings, Setting, frame_of
+from app.viewer.live.session_requests import DragHandle, SessionState
 from app.viewer.scene.shown import palette
 from app.viewer.web.server import admit_browsers, close_server, open_server
 from tests.viewer.stub_operator import car_status, companion, status_at

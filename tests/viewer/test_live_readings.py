@@ -9,7 +9,7 @@ import pytest
 
 from app.live.control.injected_target import Injection
 from app.live.control.pose import Pose
-from app.viewer.live.room_readings import EVERY, RoomReadings, behind, least_distance, phase_lags
+from app.viewer.live.room_frame import EVERY, RoomReadings, behind, least_distance, phase_lags
 from app.viewer.measuring.time_series import POINTS
 from tests.viewer.stub_operator import car_status, companion, status_at
 

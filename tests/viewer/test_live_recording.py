@@ -6,17 +6,14 @@ import math
 
 import pytest
 
-from app.live.control.car_control import ControlStep
-from app.live.control.driver import Companion
-from app.live.control.pose import MocapFrame, Pose, Sighting
+from app.live.control.car_control import ControlStep, TickRecord
+from app.live.control.pose import Companion, MocapFrame, Pose, Sighting
 from app.live.control.safety import SafetyDecision
-from app.live.control.tick_record import TickRecord
 from app.live.laboratory.example import example
 from app.live.links.link import RUN, STOP
 from app.live.recording.recording_writer import RecordingWriter
-from app.viewer.live.banner import banner_of
-from app.viewer.live.recordings_folder import listed, on_shelf
-from app.viewer.live.room_replay import RoomReplay
+from app.viewer.live.panels.state_panel import banner_of
+from app.viewer.live.room_replay import RoomReplay, listed, on_shelf
 from tests.viewer.live_sessions import armed, told
 from tests.viewer.waiting import until
 from worlds.input_error import InputError

@@ -9,22 +9,18 @@ import numpy as np
 import pytest
 import viser
 
-from app.viewer.scene.draw.car_solid import hull, outline
-from app.viewer.scene.marks.flock.agents import Agents
-from app.viewer.scene.marks.flock.flock_motion import FlockMotion
-from app.viewer.scene.marks.flock.labels import Labels
-from app.viewer.scene.marks.flock.live_outlines import CLEAR, LiveOutlines
-from app.viewer.scene.marks.flock.live_outlines import THICK as STATE_LINES
-from app.viewer.scene.marks.flock.stuck import StuckMarks
-from app.viewer.scene.marks.world.area import THICK, CaptureArea, frame_mesh
-from app.viewer.scene.marks.world.fence import INSIDE, Fence, fence
-from app.viewer.scene.marks.world.injected import InjectedCar
-from app.viewer.scene.parts import Parts
-from app.viewer.scene.scene import Scene
-from app.viewer.scene.shown import palette, tone
+from app.viewer.scene.draw.agent_meshes import hull, outline
+from app.viewer.scene.marks.agents import Agents, FlockMotion
+from app.viewer.scene.marks.area import INSIDE, THICK, CaptureArea, Fence, fence, frame_mesh
+from app.viewer.scene.marks.car_outlines import CLEAR, LiveOutlines, StuckMarks
+from app.viewer.scene.marks.car_outlines import THICK as STATE_LINES
+from app.viewer.scene.marks.labels import Labels
+from app.viewer.scene.marks.mission_marks import InjectedCar
+from app.viewer.scene.scene import Parts, Scene
+from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import COLOURINGS, OWN, outlines
 from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
-from app.viewer.scene.shown.live_cars import Live
+from app.viewer.scene.shown.frame import Live
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.live_fleet import STATES, live, live_frame, nobody
 from tests.viewer.test_scene_geometry import rotated
@@ -130,11 +126,11 @@ def test_a_lost_car_is_pale_as_a_whole_and_no_other_is():
     scene = Stand()
     draw(Agents(scene, "", FlockMotion()), shown(live_frame()))
     cabins, wheels = node(scene, "/cars/cabins"), node(scene, "/cars/wheels")
-    dark = tone.lit(palette.GLASS[None])[0].tolist()
+    dark = palette.lit(palette.GLASS[None])[0].tolist()
     assert cabins.batched_colors[:2].tolist() == [dark, dark]
     assert np.all(cabins.batched_colors[2] > cabins.batched_colors[0])
     assert np.all(wheels.batched_colors[8:] > wheels.batched_colors[:1])
-    assert wheels.batched_colors[:8].tolist() == [tone.lit(palette.TYRE[None])[0].tolist()] * 8
+    assert wheels.batched_colors[:8].tolist() == [palette.lit(palette.TYRE[None])[0].tolist()] * 8
 
 
 def test_an_outline_of_its_state_is_around_each_real_car():
@@ -149,7 +145,7 @@ def test_an_outline_of_its_state_is_around_each_real_car():
         assert away.max(axis=(0, 1)) == pytest.approx(half)
         assert np.all((away > half - CLEAR * one.length - 1e-6).any(axis=-1))
         assert lines.points[:, 1] == pytest.approx(np.roll(lines.points[:, 0], -1, axis=0))
-        assert tuple(lines.colors) == tone.single(palette.STATES[state])
+        assert tuple(lines.colors) == palette.single(palette.STATES[state])
     assert not node(scene, "/stopped").visible
     draw(part, seen(live(states=("tracked", "stopped", "late", "simulated", "simulated"))))
     there = {state: node(scene, f"/{state}").visible for state in STATE_LINES}
@@ -198,7 +194,7 @@ def test_the_edge_of_the_area_says_what_the_laboratory_may_do():
         assert part.draw(seen(live(arm=arm))) == []
     assert len(drawn) == 3
     assert THICK["emergency"] > THICK["armed"] > THICK["safe"]
-    red, *others = tone.single(palette.ARMS["emergency"])
+    red, *others = palette.single(palette.ARMS["emergency"])
     assert red > 2 * max(others)
 
 
@@ -225,7 +221,7 @@ def test_what_is_beyond_the_fence_is_tinted():
     draw(part, seen(live(), DrawingStyle(fence=False)))
     assert not tint.there
     draw(part, seen(live(arm="emergency")))
-    assert scene.there("/world/area/beyond").color == tone.single(palette.ARMS["emergency"])
+    assert scene.there("/world/area/beyond").color == palette.single(palette.ARMS["emergency"])
     assert len(frame_mesh(np.ones(2), np.zeros(2), np.ones(2), 0.0)[0]) == 8
 
 

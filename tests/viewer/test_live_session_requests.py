@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from app.viewer.live import parameter_changes
+from app.viewer.live import loop_connection
 from app.viewer.live.loop_connection import GONE
 from tests.viewer.live_sessions import armed, told
 from tests.viewer.waiting import until
@@ -56,7 +56,7 @@ def test_a_value_that_is_not_allowed_does_not_reach_the_loop(enter, operators, n
 
 
 def test_a_change_without_an_answer_is_given_up(enter, operators, monkeypatch):
-    monkeypatch.setattr(parameter_changes, "TIMEOUT", 0.1)
+    monkeypatch.setattr(loop_connection, "TIMEOUT", 0.1)
     session = enter()
     operators.last.mute = True
     with pytest.raises(InputError, match=r"beta = 2.5 has no answer from the control loop"):

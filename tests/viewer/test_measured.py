@@ -11,7 +11,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
-from app.viewer.lab.panels.monitors.bars import size_bars
+from app.viewer.lab.panels.flock_monitors import size_bars
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_format import cards, offered, scale, told, unit
 from app.viewer.run.run_preset import at_home

@@ -13,16 +13,15 @@ from agents.flock import Flock
 from agents.inspection import Inspection
 from agents.observables.neighbours import nearest_neighbour
 from agents.spec import Spec
-from app.viewer.lab.panels.agent.card import signal_facts
-from app.viewer.lab.panels.monitors.flock_monitors import (
-    headed,
-    mission_numbers,
-    mission_title,
-    numbers,
-)
+from app.viewer.lab.panels.flock_monitors import headed, mission_numbers, mission_title, numbers
+from app.viewer.lab.panels.inspector import signal_facts
 from app.viewer.lab.panels.setup import differs
-from app.viewer.measuring.flock_readings import FlockReadings, arrived
-from app.viewer.measuring.minimum_distances import MOST_AGENTS, MinimumDistances
+from app.viewer.measuring.flock_readings import (
+    MOST_AGENTS,
+    FlockReadings,
+    MinimumDistances,
+    arrived,
+)
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameBuilder, FrameRequest
 from app.viewer.run.run_preset import at_home, home, lively_speed, titled, world_titles

@@ -7,10 +7,10 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from app.viewer.scene.shown import own, palette
+from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import OWN
 from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
-from app.viewer.scene.shown.oklch import decoded
+from app.viewer.scene.shown.palette import decoded
 from tests.viewer.fleet import frame, known, shown
 
 LMS = np.array(
@@ -48,14 +48,14 @@ def nearest(lab: np.ndarray) -> float:
 
 
 def test_twelve_colours_can_be_told_apart_and_from_the_injected_car():
-    assert len(own.COLOURS) == 12
-    assert nearest(seen(np.vstack([own.COLOURS, palette.GOAL]))) > 0.1
+    assert len(palette.COLOURS) == 12
+    assert nearest(seen(np.vstack([palette.COLOURS, palette.GOAL]))) > 0.1
 
 
 @pytest.mark.parametrize("eye", [BLIND_TO_RED, BLIND_TO_GREEN], ids=["red", "green"])
 def test_the_first_eight_can_be_told_apart_without_seeing_red_or_green(eye):
-    assert nearest(seen(own.COLOURS[:8], eye)) > 0.065
-    assert nearest(seen(own.COLOURS, eye)) > 0.04
+    assert nearest(seen(palette.COLOURS[:8], eye)) > 0.065
+    assert nearest(seen(palette.COLOURS, eye)) > 0.04
 
 
 @pytest.mark.parametrize("ground", GROUNDS.values(), ids=list(GROUNDS))
@@ -64,25 +64,25 @@ def test_each_stands_out_from_either_ground(ground):
         return decoded(colour) @ [0.2126, 0.7152, 0.0722]
 
     behind = luminance(palette.srgb(ground))
-    for colour in own.COLOURS:
+    for colour in palette.COLOURS:
         dark, light = sorted((luminance(colour), behind))
         assert (light + 0.05) / (dark + 0.05) >= 3.0
 
 
 def test_a_colour_is_the_identity_s_and_stays_when_others_go():
-    colours = own.by_identity(np.arange(1, 13))
+    colours = palette.by_identity(np.arange(1, 13))
     assert len(np.unique(colours, axis=0)) == 12
-    assert own.by_identity(np.array([4, 9])) == pytest.approx(colours[[3, 8]])
+    assert palette.by_identity(np.array([4, 9])) == pytest.approx(colours[[3, 8]])
 
 
 def test_a_car_that_is_called_by_a_colour_has_it_and_no_other_has():
     names = ("car 1", "blue", "Purple one", "Bluebell", "red", "blue 2")
-    colours = {name: palette.css(one) for name, one in own.by_name(names).items()}
+    colours = {name: palette.css(one) for name, one in palette.by_name(names).items()}
     assert colours["blue"] == palette.css(palette.OWN["blue"])
     assert colours["Purple one"] == palette.css(palette.OWN["plum"])
     assert colours["red"] == palette.css(palette.OWN["red"])
     assert len(set(colours.values())) == len(names)
-    many = own.by_name([f"car {k}" for k in range(20)])
+    many = palette.by_name([f"car {k}" for k in range(20)])
     assert len({palette.css(one) for one in many.values()}) == 12
 
 
@@ -90,7 +90,7 @@ def test_in_a_simulation_the_key_names_each_car_but_those_that_wear_another_colo
     hunts = known(predator=np.array([False, True, False]))
     one, look = frame(cars=hunts), DrawingStyle(colour=OWN)
     made = shown(one, look).colour
-    assert made[[0, 2]] == pytest.approx(own.by_identity(np.array([1, 3])))
+    assert made[[0, 2]] == pytest.approx(palette.by_identity(np.array([1, 3])))
     assert made[1] == pytest.approx(palette.LEADER)
     assert legend(look, one) == [
         ("car 1", palette.css(made[0])),

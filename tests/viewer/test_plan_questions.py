@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.viewer.lab.panels.world.plan_questions import PlanQuestions
+from app.viewer.lab.panels.plan_questions import PlanQuestions
 from worlds.readers.drawing_contents import PlanChoice, PlanQuestion
 
 QUESTION = PlanQuestion(

@@ -15,16 +15,13 @@ from viser import uplot
 
 from agents.flock import Flock
 from agents.spec import Spec
-from app.viewer.lab.panels.monitors.numbers_table import NumbersTable, tabled
-from app.viewer.lab.panels.plots.overlay import Overlay
-from app.viewer.measuring.earlier_runs import KEPT, EarlierRuns
-from app.viewer.measuring.flock_numbers import Number, numbers
+from app.viewer.lab.panels.laboratory_plots import Overlay
+from app.viewer.lab.panels.numbers_table import NumbersTable, tabled
+from app.viewer.measuring.flock_numbers import KEPT, EarlierRuns, Number, numbers
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.observable_curves import over_earlier, thinned
-from app.viewer.measuring.observable_history import ObservableHistory
+from app.viewer.measuring.observable_curves import ObservableHistory, over_earlier, thinned
 from app.viewer.measuring.run_conditions import MOST, ConditionHistory, RunConditions, Stretch
-from app.viewer.panels.chart import Chart, ChartContents, ChartCurve
-from app.viewer.panels.plotted import KINDS
+from app.viewer.panels.chart import KINDS, Chart, ChartContents, ChartCurve
 from app.viewer.panels.sending import Sender
 from app.viewer.run.paired_run import companion
 from app.viewer.web.server import admit_browsers, close_server, open_server

@@ -134,7 +134,7 @@ def test_a_flock_that_is_too_large_for_a_preview_stands_and_the_page_says_for_ho
 
 
 def test_a_preview_whose_ticks_take_too_long_stands(simulate, monkeypatch):
-    monkeypatch.setattr("app.viewer.run.preview.SLOWEST", -1.0)
+    monkeypatch.setattr("app.viewer.run.kernel_compiler.SLOWEST", -1.0)
     simulation = simulate(agents=5)
     until(lambda: simulation.stands)
     assert not simulation.state.preview

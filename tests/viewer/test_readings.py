@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from agents.catalogue import MODELS
-from app.viewer.lab.panels.monitors.bars import layer_bars
+from app.viewer.lab.panels.flock_monitors import layer_bars
+from app.viewer.measuring.background_worker import WorkThrottle
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.work_throttle import WorkThrottle
-from app.viewer.panels.notation import equation_svg, plain
-from app.viewer.run.pace import ANSWER, Pace
+from app.viewer.panels.dials import equation_svg, plain
 from app.viewer.run.run_preset import at_home
+from app.viewer.run.simulation_limits import ANSWER, Pace
 from tests.viewer.stub_flock import StubFlock
 
 

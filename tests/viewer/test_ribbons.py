@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 
 from agents.models.declare import Vehicle
 from app.viewer.scene.draw.drawn_frame import Picture
-from app.viewer.scene.marks.paths.ribbons import INJECTED, LAID, RISE, Ribbons, heights, walkers
-from app.viewer.scene.marks.paths.trail_history import TrailHistory, thinned
+from app.viewer.scene.marks.ribbons import INJECTED, LAID, RISE, Ribbons, heights, walkers
+from app.viewer.scene.marks.trails import TrailHistory, thinned
 from app.viewer.scene.shown import palette
-from app.viewer.scene.shown.drawing_defaults import turns
-from app.viewer.scene.shown.drawing_style import TRAILS, DrawingStyle
+from app.viewer.scene.shown.drawing_style import TRAILS, DrawingStyle, turns
 from app.viewer.scene.shown.frame import MissionProgress
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_worlds import Stand, draw

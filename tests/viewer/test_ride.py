@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from agents.inspection import Inspection
-from app.viewer.scene.cameras.camera import CameraView
-from app.viewer.scene.cameras.ride import BEHIND, STEEPEST, Ride, straightened
+from app.viewer.scene.cameras.camera import BEHIND, STEEPEST, CameraView, Ride, straightened
 from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
 from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage

@@ -9,10 +9,9 @@ import pytest
 import viser
 
 from app.viewer.scene.cameras.viewpoints import extent, whole
-from app.viewer.scene.comparison_nodes import ROOT, meant, offset, over, room, sights
 from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.scene import Scene
+from app.viewer.scene.scene import ROOT, Scene, meant, offset, over, room, sights
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
 from worlds.world import World

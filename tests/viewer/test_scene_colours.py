@@ -6,15 +6,14 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 
-from app.viewer.panels.monitors import Monitors
-from app.viewer.panels.wheel import all_round, upwards, wheel
+from app.viewer.panels.monitors import Monitors, all_round, upwards, wheel
 from app.viewer.scene.draw.drawn_frame import picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.shown import palette, tone
+from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
 from app.viewer.scene.shown.drawing_style import DrawingStyle, agent_colours, legend
 from app.viewer.scene.shown.frame import Frame, Inspection
-from app.viewer.scene.shown.oklch import decoded, encoded, oklch
+from app.viewer.scene.shown.palette import decoded, encoded, oklch
 from worlds.world import World
 
 
@@ -155,7 +154,7 @@ def aces(linear: np.ndarray) -> np.ndarray:
 
 def test_unlit_colours_come_back_through_the_browsers_tone_curve():
     meant = np.array([palette.EDGE, palette.LINK, [0.5, 0.5, 0.5], [0.3, 0.45, 0.6]])
-    seen = encoded(np.clip(aces(tone.unlit(meant) / 255.0), 0.0, 1.0))
+    seen = encoded(np.clip(aces(palette.unlit(meant) / 255.0), 0.0, 1.0))
     assert seen == pytest.approx(meant, abs=0.02)
 
 

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image, ImageDraw
 
 from app.viewer.scene.draw.attitude import attitude, nose
-from app.viewer.scene.draw.seam import jumps, nearest_image, split_at_seams
+from app.viewer.scene.draw.line_segments import jumps, nearest_image, split_at_seams
 from app.viewer.scene.draw.shapes import (
     ball,
     box_edges,

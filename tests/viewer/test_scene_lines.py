@@ -11,13 +11,11 @@ from app.viewer.scene.cameras.camera import view
 from app.viewer.scene.draw.drawn_frame import picture
 from app.viewer.scene.draw.line_segments import segments
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.marks.flock.labels import anchor
-from app.viewer.scene.marks.flock.links import sample
-from app.viewer.scene.marks.hands.gizmo import checked
-from app.viewer.scene.marks.paths.streaks import chosen
-from app.viewer.scene.marks.paths.trail_history import carried
-from app.viewer.scene.marks.paths.trails import Trails
-from app.viewer.scene.marks.world.world_box import floor_under, left_the_box
+from app.viewer.scene.marks.flock_marks import sample
+from app.viewer.scene.marks.gizmo import checked
+from app.viewer.scene.marks.labels import anchor
+from app.viewer.scene.marks.trails import Trails, carried, chosen
+from app.viewer.scene.marks.world_box import floor_under, left_the_box
 from app.viewer.scene.picking import picked
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.colouring import COLOURINGS

@@ -10,8 +10,7 @@ import pytest
 from PIL import Image
 
 from agents.catalogue import MODELS
-from app.viewer.gallery.saved_scene import LARGEST, SavedScene, read_scene
-from app.viewer.gallery.scene_address import packed
+from app.viewer.gallery.saved_scene import LARGEST, SavedScene, packed, read_scene
 from app.viewer.gallery.scene_collection import built_in, cards
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.setup import NOBODY

@@ -13,11 +13,15 @@ from agents.inspection import Inspection
 from app.viewer.scene.cameras.viewpoints import extent
 from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.marks.inspected.reasons import ReasonMarks, arrows, remembered
-from app.viewer.scene.marks.world.boundary_point_marks import BoundaryPointMarks
-from app.viewer.scene.marks.world.mission_marks import MissionMarks
-from app.viewer.scene.marks.world.obstacle_marks import Obstacles, drawn_height, the_changed
-from app.viewer.scene.marks.world.walls import Walls
+from app.viewer.scene.marks.inspection_marks import ReasonMarks, arrows, remembered
+from app.viewer.scene.marks.mission_marks import MissionMarks
+from app.viewer.scene.marks.obstacle_marks import (
+    BoundaryPointMarks,
+    Obstacles,
+    drawn_height,
+    the_changed,
+)
+from app.viewer.scene.marks.world_box import Walls
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame, MissionProgress
 from tests.viewer.test_solids import is_closed, volume

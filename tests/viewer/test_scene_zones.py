@@ -9,17 +9,16 @@ import pytest
 
 from agents.inspection import Inspection, Shell
 from agents.state.agent_rows import Crashes
-from app.viewer.lab.panels.agent.card import folds, head
+from app.viewer.lab.panels.inspector import folds, head
 from app.viewer.scene.draw.drawn_frame import picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.marks.inspected.inspection_marks import InspectionMarks
-from app.viewer.scene.marks.inspected.sectors import arc, arcs, cone, dome, sector, spokes
-from app.viewer.scene.marks.inspected.zone_marks import ZoneMarks
+from app.viewer.scene.marks.inspection_marks import InspectionMarks
+from app.viewer.scene.marks.zone_marks import ZoneMarks, arc, arcs, cone, dome, sector, spokes
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import MOST_SAVED
 from app.viewer.scene.shown.drawing_style import DrawingStyle, agent_colours, legend
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.oklch import decoded
+from app.viewer.scene.shown.palette import decoded
 from tests.viewer.test_scene_worlds import Stand, draw
 from worlds.world import World
 

@@ -14,10 +14,17 @@ from hypothesis import strategies as st
 
 from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.marks.world import see_through
-from app.viewer.scene.marks.world.obstacle_marks import Obstacles, drawn_height
-from app.viewer.scene.marks.world.see_through import EVERY, GLASSY, FollowedAgent, SeeThrough
-from app.viewer.scene.marks.world.view_blockers import LASTS, Solids, ViewBlockers
+from app.viewer.scene.marks import see_through
+from app.viewer.scene.marks.obstacle_marks import Obstacles, drawn_height
+from app.viewer.scene.marks.see_through import (
+    EVERY,
+    GLASSY,
+    LASTS,
+    FollowedAgent,
+    SeeThrough,
+    Solids,
+    ViewBlockers,
+)
 from app.viewer.scene.shown.drawing_style import RIDE
 from tests.viewer.sky import Clock
 from tests.viewer.test_ride import Browser, Server

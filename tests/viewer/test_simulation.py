@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from app.viewer.lab.panels.agent.card import facts
+from app.viewer.lab.panels.inspector import facts
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation

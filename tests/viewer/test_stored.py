@@ -18,8 +18,8 @@ from agents.parquet import ParquetTable
 from agents.record import KEY
 from app.sandboxed_reader import read_in_sandbox
 from app.viewer.gallery.file_opener import opened
-from app.viewer.run.past import stored_flock as limits
-from app.viewer.run.past.stored_flock import REWRITE, StoredFlock, stored
+from app.viewer.run import stored_flock as limits
+from app.viewer.run.stored_flock import REWRITE, StoredFlock, stored
 from worlds.input_error import InputError
 
 

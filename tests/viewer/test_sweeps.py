@@ -24,10 +24,14 @@ from app.experiments.sweeps.sweep_table import wide
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.sweep_panel import status
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps, demand_from_page
-from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, scene_of, shown, typical
-from app.viewer.lab.sweeps.sweep_downloads import content
-from app.viewer.lab.sweeps.sweep_limits import MOST_CELLS, words
-from app.viewer.lab.sweeps.sweep_request import AGENTS, Axis, SweepRequest
+from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, content, scene_of, shown, typical
+from app.viewer.lab.sweeps.sweep_request import (
+    AGENTS,
+    MOST_CELLS,
+    Axis,
+    SweepRequest,
+    describe_limits,
+)
 from app.viewer.lab.sweeps.sweep_svg import picture
 from app.viewer.run.run_preset import at_home
 from tests.viewer.http_client import ask
@@ -125,7 +129,7 @@ def test_what_is_too_much_or_nonsense_is_refused_before_anything_is_made(tmp_pat
 
 
 def test_the_bound_is_said_on_the_page(laboratory):
-    assert f"{MOST_CELLS} cells" in words()
+    assert f"{MOST_CELLS} cells" in describe_limits()
     laboratory.sweep.runs.value = 100
     laboratory.sweep.second.choose("v0")
     laboratory.sweep.first.count.value = laboratory.sweep.second.count.value = 50

@@ -13,9 +13,9 @@ import pytest
 from imageio_ffmpeg import count_frames_and_secs
 from PIL import Image
 
-from app.viewer.lab import film_recorder, picture_exporter
+from app.viewer.lab import picture_exporter
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.pictures.browser_scene import darkened
+from app.viewer.pictures.browser import darkened
 from app.viewer.run.run_preset import at_home
 from app.viewer.web.server import renders_of
 from tests.viewer.http_client import ask
@@ -136,7 +136,7 @@ def test_a_film_lasts_as_long_as_it_was_watched(laboratory, page, tmp_path):
     name, made = page.files.pop()
     (tmp_path / name).write_bytes(made)
     frames, _ = count_frames_and_secs(str(tmp_path / name))
-    assert frames == pytest.approx(film_recorder.FPS * seconds, abs=15)
+    assert frames == pytest.approx(picture_exporter.FPS * seconds, abs=15)
 
 
 def test_a_page_that_plays_holds_the_frames(laboratory, page):
@@ -204,7 +204,7 @@ def test_discarded_is_discarded(laboratory, page):
 
 
 def test_a_film_ends_by_itself(laboratory, page, monkeypatch):
-    monkeypatch.setattr(film_recorder, "LONGEST", 0.4)
+    monkeypatch.setattr(picture_exporter, "LONGEST", 0.4)
     wanted(laboratory, page, do="film", kind="gif", size="400x320")
     until(lambda: page.files, 30)
 

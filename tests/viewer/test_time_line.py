@@ -13,10 +13,10 @@ from agents.record import Recorder
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.measuring.time_series import TimeSeries
 from app.viewer.run.frame_builder import FrameRequest
-from app.viewer.run.past.checkpoint_history import CheckpointHistory, RunCheckpoint
-from app.viewer.run.past.stored_flock import stored
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
+from app.viewer.run.stored_flock import stored
+from app.viewer.run.time_line import CheckpointHistory, RunCheckpoint
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
 from worlds.obstacles import Disc

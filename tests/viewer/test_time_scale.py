@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 
 from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
 from app.viewer.scene.draw.drawn_frame import Picture
-from app.viewer.scene.marks.paths.ribbons import RISE, Ribbons, heights, risen
-from app.viewer.scene.marks.paths.time_scale import MOST, marks
+from app.viewer.scene.marks.ribbons import MOST, RISE, Ribbons, heights, marks, risen
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from tests.viewer.fleet import frame, shown
 from tests.viewer.live_fleet import live_frame

@@ -14,18 +14,18 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.spec import Spec
 from app.viewer.lab.panels.flock_view import FlockView
-from app.viewer.live.panels.room_look import CONTROLS
-from app.viewer.live.panels.room_look import usual as usual_of_room
+from app.viewer.live.panels.room_panel import CONTROLS
+from app.viewer.live.panels.room_panel import usual as usual_of_room
 from app.viewer.panels.view import ViewPanel
 from app.viewer.run.frame_builder import FrameBuilder
 from app.viewer.run.run_preset import at_home, usual_of
 from app.viewer.scene.shown.control import controls_of
-from app.viewer.scene.shown.drawing_defaults import TURNS
 from app.viewer.scene.shown.drawing_style import (
     AGENTS,
     BIRDS_UP_TO,
     CAMERA,
     NUMBERED_UP_TO,
+    TURNS,
     WORLD,
     DrawingStyle,
 )

@@ -14,10 +14,8 @@ from app.viewer.lab.scene_requests import GALLERY, OPEN, TAKE
 from app.viewer.measuring.observable_format import QUICK
 from app.viewer.run.frame_builder import FrameBuilder, FrameRequest, WatchPageRequest
 from app.viewer.run.run_preset import at_home
-from app.viewer.watching.own_marks import AgentSelection
-from app.viewer.watching.own_plots import ALWAYS, MOST, wanted
-from app.viewer.watching.run_description import standing, values
-from app.viewer.watching.watch_page import LOOKED_AT, WatchPage
+from app.viewer.watching.watch_page import LOOKED_AT, WatchPage, standing, values
+from app.viewer.watching.watcher import ALWAYS, MOST, AgentSelection, wanted
 from tests.live.stand_in import StandIn
 from tests.viewer.http_client import ask
 from tests.viewer.stub_flock import StubFlock

@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 
 from agents.flock import Flock
 from agents.spec import Spec
+from app.viewer.run.flock_run import allowed, in_order, radii, stopped
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.paired_run import PairedRun, companion
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
-from app.viewer.run.zone_order import allowed, in_order, radii, stopped
 from worlds.input_error import InputError
 
 

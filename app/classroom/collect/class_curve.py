@@ -23,8 +23,7 @@ from app.experiments.sweeps.given.key_locations import KeyLocations
 from app.experiments.sweeps.pictures.cell_runs import groups_of, is_number, varied
 from app.experiments.sweeps.sweep_table import places_of, spec_at
 from app.viewer.lab.sweeps.stored_sweeps import MOST_SHOWN, named_in
-from app.viewer.lab.sweeps.sweep_limits import demand
-from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, run_table
+from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, demand, run_table
 from worlds.input_error import InputError
 from worlds.world import World
 

@@ -18,7 +18,7 @@ from app.classroom.collect.result_groups import ResultGroup
 from app.experiments.pictures.experiment_picture import LOOK
 from app.experiments.sweeps.pictures.mean_lines import CENSORED, COLOURS, FAILED
 from app.figure import save_figure
-from app.viewer.panels.notation import plain
+from app.viewer.panels.dials import plain
 from worlds.input_error import unknown
 
 Format = Literal["svg", "png", "pdf"]

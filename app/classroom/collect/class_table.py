@@ -19,7 +19,7 @@ from app.classroom.collect.result_groups import ResultGroup
 from app.classroom.names import student_name
 from app.experiments.runs.run_outcome import Status
 from app.experiments.sweeps.sweep_table import as_csv
-from app.viewer.panels.notation import plain
+from app.viewer.panels.dials import plain
 from worlds.file_writer import unguarded_cell
 from worlds.input_error import InputError, shortened
 

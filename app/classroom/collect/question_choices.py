@@ -18,7 +18,7 @@ from agents.spec import Spec
 from app.classroom.collect.question import Question, question_of
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
 from app.viewer.measuring.observable_format import words
-from app.viewer.panels.notation import plain
+from app.viewer.panels.dials import plain
 from worlds.input_error import InputError
 
 How = Literal["final", "over", "until"]

@@ -2,13 +2,121 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
 from app.cli.live.check import check
-from app.cli.live.emulate import emulate
 from app.cli.live.lab import lab
-from app.cli.live.recover import recover
-from app.cli.live.replay import replay
+from app.cli.live.live_options import Seconds, Ticks
 from app.cli.live.run import run
+from app.cli.outcome_table import as_json
 from app.cli.usage import grouped
+from worlds.number_text import counted
+
+# `flockscope live emulate`: a laboratory in software, to try everything without hardware.
+
+
+def emulate(
+    file: Annotated[
+        Path | None, typer.Argument(help="The laboratory's file. \\[default: an example]")
+    ] = None,
+    arm: Annotated[bool, typer.Option("--arm", help="Arm once every car is seen.")] = False,
+    record: Annotated[
+        Path | None, typer.Option(help="Record poses, commands and events in this new folder.")
+    ] = None,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="UDP port that the cars hear; 0: a free one.")
+    ] = 0,
+    seconds: Seconds = None,
+    ticks: Ticks = None,
+    json_asked: Annotated[
+        bool, typer.Option("--json", help="Print events and summary as lines of JSON.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Only the summary.")] = False,
+) -> None:
+    """Drive emulated cars: the laboratory's file, with cars and cameras in software.
+
+    Loop, safety, frames on the link and the firmware's watchdog are those of real cars.
+    """
+    from app.cli.live.run import conduct, lasting
+    from app.live.device_kinds import SIMULATED
+    from app.live.operating.lab_choices import laboratory, open_driven
+
+    link = f"{SIMULATED}?port={port}" if port else SIMULATED
+    lab = laboratory(file).lab.altered(str(file or "the example"), source=SIMULATED, link=link)
+    conduct(lab, open_driven, arm, record, lasting(lab, seconds, ticks), json_asked, quiet)
+
+
+# `flockscope live replay`: does a recording give the same commands again?
+
+DIFFERS = 1
+"""Exit code where a command comes out differently."""
+
+
+def replay(
+    folder: Annotated[Path, typer.Argument(help="Folder of the recording.")],
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Replay a live recording: the same rule behind the same safety, to the bit.
+
+    Exit code 1 if a command comes out differently.
+    """
+    from app.live.operating.flock_driver import FlockDriver
+    from app.live.recording.recording_replay import replay as replayed
+
+    made = replayed(folder, FlockDriver)
+    if json_asked:
+        typer.echo(
+            as_json(
+                {
+                    "folder": str(folder),
+                    "ticks": made.ticks,
+                    "commands": made.commands,
+                    "same": not made.differs,
+                    "differs": made.differs,
+                }
+            )
+        )
+    else:
+        outcome = f"differs: {made.differs}" if made.differs else "the same to the bit"
+        typer.echo(f"{counted(made.ticks, 'tick')}, {counted(made.commands, 'command')}: {outcome}")
+    if made.differs:
+        raise typer.Exit(DIFFERS)
+
+
+# `flockscope live recover`: the tables of a live recording whose process was killed.
+
+
+def recover(
+    folder: Annotated[Path, typer.Argument(help="Folder of the recording.")],
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Make the tables of a live recording whose process was killed.
+
+    Says what the cars were told last, and whether that was to stop.
+    """
+    from app.live.recording.recovery import ending
+    from app.live.recording.recovery import recover as recovered
+
+    rows = recovered(folder)
+    last = ending(folder)
+    if json_asked:
+        made = {"folder": str(folder), "rows": rows, "ending": None}
+        if last is not None:
+            made["ending"] = asdict(last) | {
+                "told_to_stop": last.told_to_stop,
+                "words": last.words(),
+            }
+        typer.echo(as_json(made))
+    else:
+        typer.echo(
+            "recovered: " + ", ".join(f"{counted(n, 'row')} of {name}" for name, n in rows.items())
+        )
+        typer.echo(last.words() if last is not None else "nothing was sent that is recorded")
+
 
 live = grouped(
     "Real cars in a room with motion capture: check, drive, replay, or emulate it all.",

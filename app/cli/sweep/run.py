@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import shlex
+import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from app.cli.outcome_table import as_json, tell
+from app.cli.progress import Progress, StopSignals
 from app.cli.sweep.clusters import (
     Account,
     Cores,
@@ -21,18 +25,6 @@ from app.cli.sweep.clusters import (
     Walltime,
     cluster_asked,
     in_words,
-)
-from app.cli.sweep.run_options import (
-    BROKEN,
-    AsJson,
-    Limit,
-    Nice,
-    Quiet,
-    RetryFailed,
-    Workers,
-    carried_out,
-    demand_sound,
-    warn,
 )
 from app.cli.sweep.sweep_choice import (
     Fixed,
@@ -46,6 +38,7 @@ from app.cli.sweep.sweep_choice import (
     Vary,
     sweep_asked,
 )
+from app.cli.terminal import INTERRUPTED
 from app.settings import at_least
 from worlds.number_text import counted, duration
 
@@ -53,6 +46,87 @@ if TYPE_CHECKING:
     from app.experiments.cluster.cluster_options import Cluster
     from app.experiments.sweeps.checked_sweep import Sweep
     from app.experiments.sweeps.sweep_runner import SweepReport
+
+# What all commands that make runs have in common: their options, and how they are carried out.
+
+MOST_WORKERS = 1024
+BROKEN = 3
+"""Exit code if any run failed or was killed."""
+Workers = Annotated[int | None, typer.Option(help="Processes. \\[default: cores]")]
+Nice = Annotated[int, typer.Option(help="How far the processes give way to others, 0 to 19.")]
+RetryFailed = Annotated[
+    bool, typer.Option("--retry-failed", help="Make runs that failed or were killed again.")
+]
+Limit = Annotated[int | None, typer.Option(help="Runs to make now, at most.")]
+Drawn = Annotated[
+    Path | None,
+    typer.Option(help="PNG, SVG or PDF by its ending. \\[default: two beside the runs]"),
+]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Replace the file that --picture names.")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")]
+
+
+def demand_sound(workers: int | None, nice: int, limit: int | None) -> None:
+    """Refuse numbers that cannot be. Raises InputError."""
+    at_least("--workers", workers, 1, MOST_WORKERS)
+    at_least("--nice", nice, 0, 19)
+    at_least("--limit", limit, 1)
+
+
+@contextmanager
+def under_way(folder: Path, quiet: bool) -> Iterator[Progress]:
+    """A bar while runs are made; after Ctrl-C a line tells how to go on."""
+    again = f"flockscope {shlex.join(sys.argv[1:])}"
+    stopped = f"flockscope: stopped; finished runs are in {folder}; go on with: {again}"
+    try:
+        with StopSignals(at_once=stopped), Progress(folder.name, quiet) as progress:
+            yield progress
+    except KeyboardInterrupt:
+        tell(stopped)
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def warn(sweep: Sweep) -> None:
+    """Warn of worlds that are not those of the papers."""
+    from app.experiments.sweeps.estimate import other_worlds
+
+    for line in other_worlds(sweep):
+        tell(f"flockscope: {line}")
+
+
+def carried_out(
+    sweep: Sweep,
+    folder: Path,
+    workers: int | None,
+    nice: int,
+    retry: bool,
+    limit: int | None,
+    quiet: bool,
+    cluster: Cluster | None = None,
+) -> SweepReport:
+    """Carry out the sweep."""
+    from app.experiments.sweeps.sweep_runner import conduct
+    from app.experiments.workers.processes import cores
+
+    if cluster is not None and not quiet:
+        from app.cli.sweep.clusters import in_words
+
+        tell(in_words(cluster, bool(sweep.file.record)))
+    with under_way(folder, quiet) as progress:
+        return conduct(
+            sweep,
+            folder,
+            workers=workers or cores(),
+            nice=nice,
+            retry=retry,
+            limit=limit,
+            cluster=cluster,
+            tell=None if quiet else tell,
+            at=progress.at,
+        )
 
 
 def run(
@@ -149,7 +223,7 @@ def report(
     quiet: bool,
 ) -> None:
     """Print what has come of it."""
-    from app.cli.sweep.show import summary_of
+    from app.cli.sweep.commands import summary_of
     from app.experiments.runs.store_reader import StoreReader
 
     kept = StoreReader(folder)
@@ -181,3 +255,69 @@ def report(
         tell(f"not all runs are made; go on with: flockscope sweep run {shlex.quote(str(folder))}")
     if files:
         tell("written: " + ", ".join(map(str, files)))
+
+
+# `flockscope sweep check`: all cells checked, and what they will take; nothing is run.
+
+
+def check(
+    what: Annotated[str, typer.Argument(help="FILE.toml, or a MODEL with --vary.")],
+    vary: Vary = None,
+    fixed: Fixed = None,
+    runs: Runs = None,
+    ticks: Ticks = None,
+    seconds: Seconds = None,
+    observe: Observes = "",
+    over: Over = None,
+    until: Until = "",
+    hold: Hold = 1,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Check every cell of a sweep. Print how many runs it has and how long they take.
+
+    The first ticks of some cells are timed; nothing is kept.
+    """
+    at_least("--runs", runs, 1)
+    from app.experiments.sweeps.estimate import estimate, other_worlds
+    from app.experiments.workers.processes import cores
+
+    sweep, _ = sweep_asked(
+        what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, None
+    )
+    made = estimate(sweep)
+    warnings = other_worlds(sweep)
+    if json_asked:
+        value = made.value | {
+            "title": sweep.title,
+            "axes": sweep.axes,
+            "columns": sweep.making.columns,
+            "warnings": warnings,
+            "cores": cores(),
+        }
+        typer.echo(as_json(value))
+        return
+    more = f" to {made.most_runs}" if made.most_runs > made.runs else ""
+    least = duration(made.seconds / cores())
+    typer.echo(
+        f"{sweep.title}: {counted(made.cells, 'cell')}, {made.runs}{more} runs of "
+        f"{sweep.making.ticks} ticks{' at most' if sweep.making.until else ''}"
+    )
+    typer.echo(
+        f"about {least} on {counted(cores(), 'core')}"
+        f"{' if no run ends before' if sweep.making.until else ''}, {size(made.bytes)} on disk"
+    )
+    typer.echo(f"measured: {', '.join(sweep.making.columns) or 'series only'}")
+    for line in warnings:
+        typer.echo(f"flockscope: {line}", err=True)
+
+
+def size(count: int) -> str:
+    """Bytes for people.
+
+    >>> size(900), size(2_500_000)
+    ('1 kB', '2.5 MB')
+    """
+    for unit, scale in (("GB", 1e9), ("MB", 1e6)):
+        if count >= scale:
+            return f"{count / scale:.1f} {unit}"
+    return f"{max(1, round(count / 1e3))} kB"

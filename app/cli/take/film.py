@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.error_messages import INTERRUPTED
-from app.cli.length import demand_one_length, ticks_asked
 from app.cli.outcome_table import as_json, tell, tell_written
-from app.cli.progress import Progress
-from app.cli.rule_option import Rules
-from app.cli.run_arguments import Asked, with_options
-from app.cli.stop_signals import StopSignals
+from app.cli.progress import Progress, StopSignals
+from app.cli.run_arguments import Asked, demand_one_length, ticks_asked, with_options
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
+from app.cli.terminal import INTERRUPTED
+from app.cli.usage import Rules
 from app.settings import at_least, names
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError
@@ -28,7 +26,7 @@ if TYPE_CHECKING:
     from agents.recording import Recording
     from agents.snapshot import Snapshot
     from app.viewer.pictures.picture_camera import CameraRequest
-    from app.viewer.pictures.plots import Plots
+    from app.viewer.pictures.plane import Plots
 
 LAST = 300
 """Tick at which the film of a run ends, unless another is asked for."""
@@ -132,7 +130,7 @@ def film(
     who watches. What `flockscope run` takes to say which run it is, this takes too.
     """
     from app.viewer.pictures.film_writer import CODECS, demand_film
-    from app.viewer.pictures.plots import Plots
+    from app.viewer.pictures.plane import Plots
 
     at_least("--from", first, 0)
     at_least("--to", last, first)

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.error_messages import INTERRUPTED
 from app.cli.outcome_table import as_json, tell_written
-from app.cli.progress import Progress
-from app.cli.rule_option import Rules
+from app.cli.progress import Progress, run_ticks
 from app.cli.run_arguments import Asked, with_options
-from app.cli.run_stretches import run_ticks
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
+from app.cli.terminal import INTERRUPTED
+from app.cli.usage import Rules
 from app.settings import at_least
 from worlds.file_writer import demand_writable, writing
 from worlds.input_error import InputError

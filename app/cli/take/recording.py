@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.error_messages import visible
 from app.cli.outcome_table import as_json, tell_written
+from app.cli.terminal import visible
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError
 from worlds.number_text import counted
@@ -95,8 +95,8 @@ def of_live_run(
     folder: Path, table: str | None, csv: Path | None, overwrite: bool, json_asked: bool
 ) -> None:
     """The same of a recording of real cars, a folder of tables. Raises InputError."""
-    from app.live.recording.recording_columns import columns_of
     from app.live.recording.recording_replay import read
+    from app.live.recording.recording_writer import columns_of
 
     recorded = read(folder)
     if table is not None:
@@ -124,7 +124,7 @@ def of_live_run(
 
 def about(recorded: StoredRecording) -> dict[str, Any]:
     """What a recording of real cars holds, as JSON has it."""
-    from app.live.recording.recording_columns import columns_of, described
+    from app.live.recording.recording_writer import columns_of, described
 
     return {
         "recording": str(recorded.folder),

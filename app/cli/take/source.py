@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.cli.outcome_table import tell
-from app.cli.rule_option import by_name, first_of
 from app.cli.run import built
 from app.cli.run_arguments import Asked, named
+from app.cli.usage import by_name, first_of
 from app.experiments.workers.kernels import compile_loop
 from worlds.input_error import InputError
 

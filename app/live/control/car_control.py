@@ -11,10 +11,18 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from app.live.control.arm import OperatorRequest
-from app.live.control.driver import Companion, CompanionDriver, Driver, NoFreeSpace, TunableDriver
-from app.live.control.loop_events import Event
-from app.live.control.pose import MocapFrame, Pose, Sighting
+from app.live.control.arm import OperatorRequest, State
+from app.live.control.loop_status import Event
+from app.live.control.pose import (
+    Companion,
+    CompanionDriver,
+    Driver,
+    MocapFrame,
+    NoFreeSpace,
+    Pose,
+    Sighting,
+    TunableDriver,
+)
 from app.live.control.safety import Command, Safety, SafetyDecision, StopReason
 from app.live.links.link import RUN
 from worlds.input_error import InputError
@@ -157,3 +165,23 @@ class CarControl:
             happened("run" if running else "stop", "the cars run" if running else "the cars stop")
         self.reasons = reasons
         self.running = running
+
+
+# One tick of the control loop as it is recorded: its inputs and its outputs.
+
+
+@dataclass(frozen=True)
+class TickRecord:
+    """A tick. It and those before it hold all inputs that its commands depend on."""
+
+    tick: int
+    now: float
+    """`time.monotonic()` at its beginning, s; the time for which its commands are computed."""
+    frames: tuple[MocapFrame, ...]
+    """Those that arrived since the last tick; the last of them is used."""
+    injected: Pose | None
+    step: ControlStep
+    arm: State
+    events: tuple[Event, ...]
+    latency: float | None
+    """Seconds from the arrival of the newest frame to its commands; None without a new frame."""

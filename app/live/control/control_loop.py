@@ -15,14 +15,11 @@ from contextlib import suppress
 from typing import Protocol
 
 from app.live.control.arm import UNDOING, OperatorRequest
-from app.live.control.car_control import CarControl, ControlStep
+from app.live.control.car_control import CarControl, ControlStep, TickRecord
 from app.live.control.injected_target import InjectedTarget
-from app.live.control.loop_durations import Durations
-from app.live.control.loop_events import Event, Events
-from app.live.control.loop_status import Status, cars_of
+from app.live.control.loop_status import Durations, Event, Events, Status, cars_of
 from app.live.control.pose import MocapFrame, Pose
 from app.live.control.safety import Command, SafetyDecision
-from app.live.control.tick_record import TickRecord
 from app.live.links.firmware import WATCHDOG
 from app.live.links.link import EMERGENCY, STOP, CarLink
 

@@ -8,8 +8,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from app.live.control.pose import Pose, Sighting
-from app.live.control.tracking_area import TrackingArea
+from app.live.control.pose import Pose, Sighting, TrackingArea
 from app.strict_table import StrictTable
 from worlds.input_error import InputError
 

@@ -24,10 +24,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from app.live.control.arm import Arm, OperatorRequest
-from app.live.control.pose import MocapFrame, Sighting
+from app.live.control.pose import MocapFrame, Sighting, TrackingArea
 from app.live.control.pose_tracker import PoseTracker
 from app.live.control.safety_limits import CarLimits, SafetyLimits
-from app.live.control.tracking_area import TrackingArea
 from app.live.control.travel import Standstill, Travel
 from app.live.links.link import EMERGENCY, RUN, STOP
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,21 +15,148 @@ from pydantic import Field, ValidationError, model_validator
 
 from app.live.control.control_loop import RATE
 from app.live.control.injected_target import INJECTED, Injection
+from app.live.control.pose import TrackingArea
 from app.live.control.safety import Safety
 from app.live.control.safety_limits import CarLimits, SafetyLimits
-from app.live.control.tracking_area import TrackingArea
-from app.live.device_kinds import DRY, FILE, RECORDED, kind_of
-from app.live.laboratory.lab_file_conflict import (
-    LabFileConflict,
-    demand_choices,
-    demand_matching_ends,
+from app.live.device_kinds import (
+    BUILT_IN_NAMES,
+    DRY,
+    FILE,
+    RECORDED,
+    SIMULATED,
+    demand_name,
+    kind_of,
+    name_of,
+    port_of,
 )
 from app.live.laboratory.recording_parts import RecordingLimits
-from app.live.laboratory.toml_lines import line_of
 from app.live.links.command_frame import LEAST_ADDRESS, MOST_ADDRESS, MOST_CARS
+from app.live.links.link_catalogue import known_link
+from app.live.sources.source_catalogue import known_source
 from app.strict_table import StrictTable, Value
 from worlds.input_error import InputError, needed, shortened, unknown
 from worlds.text_file import read_text, toml
+
+# On which line of a TOML file something stands: `tomllib` gives values without their lines.
+
+KeyPath = tuple[str, ...]
+
+
+def line_of(text: str, keys: Sequence[str]) -> int | None:
+    """The line (from 1) that sets a key, given the keys that lead to it.
+
+    Where nothing sets it, the table that lacks it; None if that cannot be found either.
+
+    >>> line_of("title = 'a'\\n[cars.red]\\naddress = 1", ["cars", "red", "address"])
+    3
+    >>> line_of("title = 'a'\\n[cars.red]\\nspeed = 1", ["cars", "red", "address"])
+    2
+    """
+    best, found = 0, None
+    for number, path in settings(text):
+        if len(path) > best and tuple(keys[: len(path)]) == path:
+            best, found = len(path), number
+    return found
+
+
+def settings(text: str) -> Iterator[tuple[int, KeyPath]]:
+    """What each line sets, as the keys that lead to it; tables within braces too."""
+    table: KeyPath = ()
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.lstrip().startswith("["):
+            paths = list(paths_of(parsed(line)))
+            if paths:
+                table = paths[-1]
+                yield number, table
+            continue
+        key, equals, _ = line.partition("=")
+        if equals:
+            # a value that goes on in the next lines cannot be parsed by itself; its key can
+            for path in paths_of(parsed(line) or parsed(f"{key} = 0")):
+                yield number, (*table, *path)
+
+
+def parsed(line: str) -> dict[str, Any]:
+    """One line as TOML; empty if it is none by itself."""
+    try:
+        return tomllib.loads(line)
+    except tomllib.TOMLDecodeError:
+        return {}
+
+
+def paths_of(values: dict[str, Any]) -> Iterator[KeyPath]:
+    """All keys of nested tables, the outer ones first."""
+    for key, value in values.items():
+        yield (key,)
+        if isinstance(value, dict):
+            for path in paths_of(value):
+                yield (key, *path)
+
+
+# Checks that the sources and links of a laboratory's file fit together, by their texts alone.
+
+KNOWN = {"sources": known_source, "links": known_link}
+
+
+class LabFileConflict(ValueError):
+    """Values of a laboratory's file that contradict each other, and the keys that lead to them."""
+
+    def __init__(self, words: str, *keys: str):
+        super().__init__(words)
+        self.keys = keys
+
+
+def fitted(demand: Callable[[str], object], text: str, *keys: str) -> None:
+    """Demand something of a text at these keys. Raises Misfit where `demand` raises InputError."""
+    try:
+        demand(text)
+    except InputError as refused:
+        raise LabFileConflict(str(refused), *keys) from None
+
+
+def demand_matching_ends(source: str, link: str, follows_body: bool) -> None:
+    """Source and link are both simulated, or neither is; a simulated injected car has no body.
+
+    Raises Misfit.
+    """
+    if kind_of(source) != SIMULATED:
+        if kind_of(link) == SIMULATED:
+            raise LabFileConflict(
+                f"link = {link!r} needs source = {SIMULATED!r}, not {source!r}", "link"
+            )
+        return
+    if source != SIMULATED:
+        raise LabFileConflict(
+            f"source = {source!r} is of software and has no place: {SIMULATED}", "source"
+        )
+    if kind_of(link) not in (SIMULATED, DRY):
+        raise LabFileConflict(
+            f"source = {SIMULATED!r} needs link = {SIMULATED!r} or {DRY!r}, not {link!r}", "link"
+        )
+    if kind_of(link) == SIMULATED:
+        fitted(port_of, link, "link")
+    if follows_body:
+        raise LabFileConflict(
+            'injected.path = "body" cannot be emulated: use "circle", "hand" or "none" there',
+            "injected",
+            "path",
+        )
+
+
+def demand_choices(table: str, own: str, others: Mapping[str, str]) -> None:
+    """The names of what may be chosen differ, and their texts are those of sources or links.
+
+    `table` is `sources` or `links`, `own` the one that the file begins with. Raises Misfit.
+    """
+    names = [name_of(own), *BUILT_IN_NAMES.values()]
+    for name, text in others.items():
+        fitted(partial(demand_name, others=names), name, table, name)
+        names.append(name)
+        if kind_of(text) == SIMULATED:
+            words = f"{text!r} can be chosen anyway, as {BUILT_IN_NAMES[SIMULATED]!r}"
+            raise LabFileConflict(words, table, name)
+        fitted(KNOWN[table], text, table, name)
+
 
 MOST_SIMULATED = 32
 """Simulated cars beside real ones: with more, a tick would not be done in time."""

@@ -65,7 +65,7 @@ def known_link(text: str) -> LinkAddress:
     """The parts of a text. Raises InputError if it is none of a link, or there is no such kind.
 
     The kind `simulated` is opened together with its source, by
-    `app.live.emulation.emulated_source`.
+    `app.live.emulation.emulated_cars`.
     """
     place = read_place(text)
     if place.kind not in LINKS and not place.kind.endswith(FILE):

@@ -14,7 +14,19 @@ from agents.catalogue import cars_by, obedient
 from app.live.device_kinds import BUILT_IN_NAMES, DRY, SIMULATED, kind_of, name_of
 from app.live.laboratory.example import example
 from app.live.laboratory.lab_file import Lab, read_lab
+from app.live.operating.flock_driver import FlockDriver
+from app.live.operating.loop_process import LoopComponents, open_ends
 from worlds.input_error import InputError, unknown
+
+# A laboratory driven by its rule; apart from `ends`, as importing rules takes long.
+
+
+def open_driven(lab: Lab) -> LoopComponents:
+    """Source and link of a laboratory, real or emulated, with its rule as driver.
+
+    Raises InputError.
+    """
+    return open_ends(lab, FlockDriver(lab))
 
 
 @dataclass(frozen=True)

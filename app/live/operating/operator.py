@@ -16,11 +16,9 @@ from contextlib import suppress
 from pathlib import Path
 
 from app.live.control.arm import UNDOING, OperatorRequest
-from app.live.control.loop_events import Events
-from app.live.control.loop_status import Status
+from app.live.control.loop_status import Events, Status
 from app.live.laboratory.lab_file import Lab
-from app.live.operating.loop_components import Opener
-from app.live.operating.loop_process import LoopReply, NumberedRequest, serve
+from app.live.operating.loop_process import LoopReply, NumberedRequest, Opener, serve
 from app.live.operating.recorder import RecordRequest
 from worlds.input_error import InputError
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from app.live.control.control_loop import Loop
-from app.live.control.loop_events import Event
+from app.live.control.loop_status import Event
 from app.live.laboratory.recording_parts import MB, RESERVE, RecordingLimits
 from app.live.recording.recording_writer import RecordingWriter
 from worlds.input_error import InputError

@@ -16,13 +16,10 @@ from agents.parquet import ParquetTable
 from agents.record import KEY, SHEET, table_writer
 from app.live.control.arm import Action, OperatorRequest
 from app.live.control.car_control import CarControl, ControlStep
-from app.live.control.driver import Companion, Driver
-from app.live.control.pose import MocapFrame, Pose, Sighting
+from app.live.control.pose import Companion, Driver, MocapFrame, Pose, Sighting
 from app.live.laboratory.lab_file import Lab, lab_from_toml
 from app.live.laboratory.recording_parts import RecordingPart, parts_of
-from app.live.recording.recording_columns import columns_of, described
-from app.live.recording.recording_writer import TABLES
-from app.live.recording.stream import LONGEST, arrow_type
+from app.live.recording.recording_writer import LONGEST, TABLES, arrow_type, columns_of, described
 from worlds.file_writer import writing
 from worlds.input_error import InputError, shortened, unknown
 

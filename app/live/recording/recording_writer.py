@@ -16,20 +16,23 @@ left. What has become long goes on in another part: see `app.live.laboratory.rec
 
 from __future__ import annotations
 
+import json
+import os
 import queue
 import threading
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from itertools import batched
 from pathlib import Path
 from typing import Any
 
-from agents.record import refused
+from agents.part_stream import PartStream
+from agents.record import KEY, refused
 from agents.spec import versions
-from app.live.control.tick_record import TickRecord
-from app.live.laboratory.lab_file import lab_from_toml
+from app.live.control.car_control import TickRecord
+from app.live.laboratory.lab_file import Lab, lab_from_toml
 from app.live.laboratory.recording_parts import (
     MB,
     RESERVE,
@@ -38,9 +41,182 @@ from app.live.laboratory.recording_parts import (
     part_of,
     parts_of,
 )
-from app.live.recording.recording_columns import described, units_of
-from app.live.recording.stream import RecordingStream, finish
 from worlds.input_error import InputError
+from worlds.plug_ins import demand_parquet
+
+# The columns of the tables of a laboratory's recording: what each holds, and in which unit.
+
+OF_TICK = ("1", "tick at which it was")
+WHERE = {
+    "x": ("m", "position along x"),
+    "y": ("m", "position along y"),
+    "yaw": ("rad", "heading, from +x anticlockwise"),
+}
+COLUMNS: dict[str, dict[str, tuple[str, str]]] = {
+    "frames": {
+        "tick": ("1", "tick that took the frame"),
+        "number": ("1", "the frame's number"),
+        "received": ("s", "when it came, on the loop's clock"),
+        "sent": ("s", "when it was sent, on the source's own clock, where it tells"),
+    },
+    "poses": {
+        "tick": ("1", "tick that took the frame"),
+        "number": ("1", "the frame's number"),
+        "received": ("s", "when the frame came, on the loop's clock"),
+        "name": ("1", "the body's name"),
+        **WHERE,
+        "valid": ("1", "whether the tracking saw it"),
+    },
+    "commands": {
+        "tick": OF_TICK,
+        "now": ("s", "when the tick began, on the loop's clock"),
+        "name": ("1", "the car's name"),
+        "wanted_steer": ("1", "steering that the rule wanted, in [-1, 1], left is positive"),
+        "wanted_throttle": ("1", "throttle that the rule wanted, in [-1, 1], forwards is positive"),
+        "steer": ("1", "steering that was sent, in [-1, 1], left is positive"),
+        "throttle": ("1", "throttle that was sent, in [-1, 1], forwards is positive"),
+    },
+    "companions": {
+        "tick": OF_TICK,
+        "name": ("1", "the simulated car's name"),
+        **WHERE,
+        "steer": ("1", "steering, in [-1, 1], left is positive"),
+    },
+    "events": {
+        "tick": OF_TICK,
+        "time": ("s", "when it was, on the loop's clock"),
+        "kind": ("1", "what kind of event it is"),
+        "words": ("1", "what happened"),
+        "car": ("1", "the car that it is about"),
+        "cause": ("1", "who or what caused it"),
+        "asked": ("1", "the request that it answers"),
+        "note": ("1", "what more the request said"),
+    },
+    "ticks": {
+        "tick": ("1", "number of the tick"),
+        "now": ("s", "when it began, on the loop's clock"),
+        "mode": ("1", "what the cars were told: 0 stop, 1 run, 2 emergency stop"),
+        "arm": ("1", "what the laboratory might do: safe, armed, emergency"),
+        "injected_x": ("m", "the injected car's position along x"),
+        "injected_y": ("m", "the injected car's position along y"),
+        "injected_yaw": ("rad", "its heading, from +x anticlockwise"),
+        "latency": ("s", "from when the newest frame came until its command was sent"),
+    },
+}
+"""The columns of each table: unit, 1 for what has none, and meaning."""
+
+
+def columns_of(table: str) -> dict[str, dict[str, str]]:
+    """Units and meanings of a table's columns, as recordings of simulations have them."""
+    return {name: {"unit": unit, "meaning": said} for name, (unit, said) in COLUMNS[table].items()}
+
+
+def units_of(table: str) -> dict[str, str]:
+    """Units of a table's columns, of those that have any."""
+    return {name: unit for name, (unit, _) in COLUMNS[table].items() if unit != "1"}
+
+
+def described(lab: Lab) -> dict[str, Any]:
+    """What a table's metadata says of the room beside the text of its laboratory."""
+    area = lab.area
+    return {
+        "time_per_tick": 1.0 / lab.rate,
+        "time_unit": "s",
+        "length_unit": "m",
+        "world_name": "laboratory",
+        "world": {
+            "title": lab.title,
+            "edges": ["open", "open"],
+            "dim": 2,
+            "low": list(area.low),
+            "size": [high - low for low, high in zip(area.low, area.high, strict=True)],
+        },
+    }
+
+
+# A table on its way to the disk: an Arrow stream that a kill leaves readable, then Parquet.
+
+LONGEST = 2**20
+"""Bytes of a text in a table: events keep what was asked, whatever a browser sent."""
+GROUP = 100_000
+"""Rows of a row group of the Parquet file; the stream has some hundreds in a batch."""
+
+
+class RecordingStream:
+    """Rows of one table, with metadata, in a `.part` beside where its Parquet file will be.
+
+    `columns` are names and Arrow types. Raises OSError if it cannot be written, or InputError.
+    """
+
+    def __init__(self, path: Path, columns: Mapping[str, str], meta: Mapping[str, Any]):
+        demand_parquet("a recording of the laboratory")
+        import pyarrow as pa
+
+        self.path = path
+        self.part = path.with_name(path.name + ".part")
+        fields = [pa.field(name, arrow_type(kind)) for name, kind in columns.items()]
+        self.schema = pa.schema(fields, {KEY: json.dumps(meta).encode()})
+        self.file = self.part.open("wb")
+        self.stream = pa.ipc.new_stream(self.file, self.schema)
+        # the schema comes before the first batch, and a table without rows is to be readable too
+        self.put([() for _ in fields])
+
+    def write(self, rows: list[tuple]) -> None:
+        """Append rows. Raises OSError."""
+        if rows:
+            self.put(list(zip(*rows, strict=True)))
+
+    def put(self, columns: list[tuple]) -> None:
+        """Append a batch of columns, and bring it to the disk. Raises OSError."""
+        import pyarrow as pa
+
+        arrays = [
+            pa.array(column, field.type, from_pandas=False)
+            for column, field in zip(columns, self.schema, strict=True)
+        ]
+        self.stream.write_batch(pa.RecordBatch.from_arrays(arrays, schema=self.schema))
+        self.file.flush()
+
+    @property
+    def size(self) -> int:
+        """Bytes written."""
+        return self.file.tell()
+
+    def close(self) -> None:
+        """End the stream. Raises OSError."""
+        self.stream.close()
+        self.file.close()
+
+
+def arrow_type(kind: str) -> Any:
+    """An Arrow type by its name."""
+    import pyarrow as pa
+
+    return pa.bool_() if kind == "bool" else getattr(pa, kind)()
+
+
+def finish(part: Path, path: Path) -> int:
+    """Make the Parquet file `path` of all whole batches of a `.part`, which is removed; its rows.
+
+    Raises OSError, or InputError if it is no stream of ours.
+    """
+    import pyarrow.parquet as pq
+
+    made = path.with_name(path.name + ".tmp")
+    rows = 0
+    try:
+        with open(part, "rb") as source:
+            stream = PartStream(part, source, LONGEST)
+            with pq.ParquetWriter(made, stream.schema, compression="zstd") as writer:
+                for batch in stream.batches(GROUP):
+                    writer.write_batch(batch)
+                    rows += batch.num_rows
+        os.replace(made, path)
+    finally:
+        made.unlink(missing_ok=True)
+    part.unlink()
+    return rows
+
 
 FORMAT = 4
 """1 had no simulated cars, 2 no parts, 3 neither units nor the time of a tick."""

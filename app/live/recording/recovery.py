@@ -10,8 +10,7 @@ from typing import Any
 from app.live.laboratory.recording_parts import RecordingPart, part_of, parts_of
 from app.live.links.firmware import WATCHDOG
 from app.live.links.link import EMERGENCY, RUN
-from app.live.recording.recording_writer import EVERY, TABLES
-from app.live.recording.stream import finish
+from app.live.recording.recording_writer import EVERY, TABLES, finish
 from worlds.input_error import InputError
 from worlds.plug_ins import demand_parquet
 

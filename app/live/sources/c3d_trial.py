@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.live.control.pose import Pose, Sighting, seen, unseen
 from app.live.sources.axes import UNITS, Axes
-from app.live.sources.recorded_frames import RecordedFrame
+from app.live.sources.pose_source import RecordedFrame
 from worlds.input_error import InputError, shortened, unknown
 from worlds.plug_ins import demand
 

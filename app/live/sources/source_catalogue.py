@@ -50,7 +50,7 @@ def open_source(text: str) -> Source:
 def known_source(text: str) -> Address:
     """The parts of a text. Raises InputError if it is none of a source, or there is no such kind.
 
-    The kind `simulated` is opened together with its link, by `app.live.emulation.emulated_source`.
+    The kind `simulated` is opened together with its link, by `app.live.emulation.emulated_cars`.
     """
     address = parsed(text)
     if address.kind not in OPENERS:

@@ -10,7 +10,7 @@ from pathlib import Path
 from app.sandboxed_reader import read_in_sandbox, read_toml
 from app.viewer.editing.layout_file import plain_name
 from app.viewer.gallery.saved_scene import SavedScene, demand_scene_size, read_scene, scene_of
-from app.viewer.run.past.stored_flock import PARQUET, REWRITE, StoredFlock, stored
+from app.viewer.run.stored_flock import PARQUET, REWRITE, StoredFlock, stored
 from worlds.input_error import InputError
 from worlds.text_file import read_text
 

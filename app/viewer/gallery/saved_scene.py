@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import base64
+import binascii
 import math
 import re
+import shlex
 import tomllib
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,7 +17,7 @@ import tomlkit
 
 from agents.catalogue import model as find_model
 from agents.models.declare import checked
-from agents.spec import OPTIONS, Spec
+from agents.spec import DEFAULT, OPTIONS, Spec
 from app.viewer.editing.layout_file import demand_few, demand_small
 from app.viewer.run.run_preset import MOST_AGENTS, at_home
 from app.viewer.scene.shown.control import Control, controls_of
@@ -32,7 +36,7 @@ MOST_SIDE = 1000.0
 MOST_PLOTS = 3
 LARGEST = 1_000_000
 """Bytes of a scene's file."""
-LONGEST = 200
+LONGEST_NAME = 200
 """Letters of a plot's name."""
 LOOKS = controls_of(DrawingStyle)
 """How each part of a look is chosen."""
@@ -249,7 +253,7 @@ def camera_of(value: Any) -> str:
 def plots_of(value: Any) -> tuple[str, ...]:
     """What is plotted, as the charts call it. Raises InputError."""
     right = isinstance(value, list) and all(isinstance(one, str) for one in value)
-    if not right or len(value) > MOST_PLOTS or any(len(one) > LONGEST for one in value):
+    if not right or len(value) > MOST_PLOTS or any(len(one) > LONGEST_NAME for one in value):
         raise InputError(f"plots = {shortened(value)} is no list of at most {MOST_PLOTS} names")
     return tuple(value)
 
@@ -278,3 +282,121 @@ def demand_offered(name: str, value: Any, control: Control) -> None:
             )
     elif not isinstance(value, bool):
         raise InputError(f"look {name} = {shortened(value)} is neither true nor false")
+
+
+# A scene in an address: by its name, or whole, packed so that it fits.
+
+PACKED = "z."
+"""Stands before a scene that is there whole."""
+LONGEST_ADDRESS = 6000
+"""Letters of a packed scene: browsers and servers take addresses of 8 000."""
+LARGEST_UNPACKED = 100_000
+"""Bytes that it may unpack to."""
+
+
+def packed(scene: SavedScene) -> str:
+    """A scene as a parameter of an address. Raises InputError for one that is too large.
+
+    >>> from agents.spec import Spec
+    >>> from app.viewer.run.run_preset import at_home
+    >>> unpacked(packed(SavedScene("mine", at_home("vem", agents=30)))).title
+    'mine'
+    """
+    text = zlib.compress(scene.in_short().encode(), 9)
+    made = PACKED + base64.urlsafe_b64encode(text).decode().rstrip("=")
+    if len(made) > LONGEST_ADDRESS:
+        raise InputError(
+            f"the address would have {len(made)} letters, at most {LONGEST_ADDRESS}: "
+            "save the scene as a file instead"
+        )
+    return made
+
+
+def unpacked(text: str) -> SavedScene:
+    """The scene of such a parameter, from whomever it comes. Raises InputError."""
+    if not text.startswith(PACKED) or len(text) > LONGEST_ADDRESS:
+        raise InputError("this address has no scene in it")
+    letters = text.removeprefix(PACKED)
+    try:
+        data = base64.b64decode(letters + "=" * (-len(letters) % 4), altchars="-_", validate=True)
+        unpacking = zlib.decompressobj()
+        plain = unpacking.decompress(data, LARGEST_UNPACKED)
+        if unpacking.unconsumed_tail or not unpacking.eof:
+            raise InputError(
+                f"the scene of this address is broken, or has over {LARGEST_UNPACKED} bytes"
+            )
+        words = plain.decode()
+    except (binascii.Error, zlib.error, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError("the scene of this address is broken") from None
+    return SavedScene.from_toml(words, "the address")
+
+
+# A scene in the words of the command line and of Python.
+
+DRAWN = "its world was changed: save the scene as a file and run"
+
+
+def command_line(scene: SavedScene) -> str:
+    """What opens the run from a shell, as far as words can say it.
+
+    >>> command_line(SavedScene("mine", at_home("vem", agents=30, parameters={"eta": 0.5})))
+    'flockscope lab vem --agents 30 --seed 1 --set eta=0.5'
+    """
+    spec = scene.spec
+    if isinstance(spec.world, World):
+        return f"flockscope lab scene.toml  # {DRAWN} this"
+    words = [spec.model] + ([] if scene.beside is None else ["--beside", scene.beside.model])
+    for name, value in options(spec).items():
+        words += [f"--{name.replace('_', '-')}", written(value)]
+    for one in (spec, scene.beside):
+        for name, value in {} if one is None else changed(one):
+            words += ["--set", f"{name}={written(value)}"]
+    if scene.speed is not None and scene.speed != float("inf"):
+        words += ["--speed", written(scene.speed)]
+    return shlex.join(["flockscope", "lab", *words])
+
+
+def python(scene: SavedScene) -> str:
+    """A script that makes the run.
+
+    >>> print(python(SavedScene("mine", at_home("vem", agents=30))))
+    from flockscope import Flock
+    <BLANKLINE>
+    flock = Flock("vem", agents=30, seed=1)
+    flock.run(100)
+    """
+    spec = scene.spec
+    if isinstance(spec.world, World):
+        made = 'flock = Flock(Spec.read("spec.toml"))\nflock.run(100)'
+        why = "# its world was changed: download its spec first"
+        return f"{why}\nfrom flockscope import Flock, Spec\n\n{made}"
+    values = {**options(spec), **dict(changed(spec))}
+    given = "".join(f", {name}={value!r}" for name, value in values.items())
+    made = f'flock = Flock("{spec.model}"{given})\nflock.run(100)'
+    return f"from flockscope import Flock\n\n{made}"
+
+
+def options(spec: Spec) -> dict[str, Any]:
+    """The options of a run that are not as its model has them; the seed always."""
+    usual = at_home(spec.model)
+    return {
+        name: getattr(spec, name)
+        for name in OPTIONS
+        if getattr(spec, name) is not None
+        and (name == "seed" or getattr(spec, name) != getattr(usual, name))
+    }
+
+
+def changed(spec: Spec) -> list[tuple[str, Any]]:
+    """The parameters that are not at their defaults."""
+    usual = find_model(spec.model or DEFAULT).parameters().model_dump()
+    return [(name, value) for name, value in spec.parameters.items() if usual.get(name) != value]
+
+
+def written(value: Any) -> str:
+    """A value on a command line."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.10g}" if isinstance(value, float) else str(value)

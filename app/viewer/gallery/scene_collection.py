@@ -11,8 +11,7 @@ from agents.catalogue import model as find_model
 from agents.models.model import Model
 from agents.spec import DEFAULT
 from app.package_files import STATIC
-from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.scene_address import PACKED, unpacked
+from app.viewer.gallery.saved_scene import PACKED, SavedScene, unpacked
 from app.viewer.run.run_preset import at_home, home, titled
 from worlds.input_error import InputError, unknown
 from worlds.layout import layout_names, shared_layout

@@ -17,39 +17,33 @@ from agents.observables.of_agents import measurable
 from agents.spec import Spec
 from app.results_folder import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.lab.panels.agent.inspector import Inspector
-from app.viewer.lab.panels.downloads import Downloads
+from app.viewer.lab.panels.downloads import Downloads, SceneFiles
+from app.viewer.lab.panels.flock_monitors import BLOCKS, CrashLists, contents
 from app.viewer.lab.panels.flock_view import FlockView
-from app.viewer.lab.panels.guide.model_guide import Guide
-from app.viewer.lab.panels.guide.try_runner import TryRunner
-from app.viewer.lab.panels.monitors.crash_lists import CrashLists
-from app.viewer.lab.panels.monitors.flock_monitors import BLOCKS, contents
-from app.viewer.lab.panels.monitors.more_numbers import MoreNumbers
-from app.viewer.lab.panels.monitors.numbers_table import NumbersTable
-from app.viewer.lab.panels.plots.laboratory_plots import LaboratoryPlots
+from app.viewer.lab.panels.inspector import Inspector
+from app.viewer.lab.panels.laboratory_plots import LaboratoryPlots
+from app.viewer.lab.panels.model_guide import Guide, TryRunner
+from app.viewer.lab.panels.numbers_table import MoreNumbers, NumbersTable
 from app.viewer.lab.panels.run_panel import RunPanel
-from app.viewer.lab.panels.scene_files import SceneFiles
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.lab.panels.sweep_panel import SweepPanel
 from app.viewer.lab.panels.time_line_panel import TimeLinePanel
-from app.viewer.lab.panels.world.world_panel import WorldPanel
+from app.viewer.lab.panels.world_panel import WorldPanel
 from app.viewer.lab.picture_exporter import PictureExporter
 from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
-from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps
-from app.viewer.lab.sweeps.sweep_request_handler import SweepRequestHandler, refuse_sweeps
+from app.viewer.lab.sweeps.laboratory_sweeps import SweepRequestHandler, Sweeps, refuse_sweeps
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.panels.export_permit import ExportPermit
-from app.viewer.panels.hotkeys import add_hotkeys
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
-from app.viewer.panels.shell import dock, dress
+from app.viewer.panels.sending import ExportPermit
+from app.viewer.panels.shell import add_hotkeys, dock, dress
 from app.viewer.run.allowance import Allowance
-from app.viewer.run.dragged_pose import leader, usable_pose
+from app.viewer.run.edits import leader, usable_pose
 from app.viewer.run.frame_builder import FrameRequest, WatchPageRequest
-from app.viewer.run.past.stored_flock import LARGEST, Beginning
 from app.viewer.run.run_preset import at_home, lively_speed, usual_of
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
+from app.viewer.run.stored_flock import LARGEST, Beginning
 from app.viewer.scene.drawing import Drawing, Rates
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.colouring import COLOURINGS

@@ -10,20 +10,18 @@ import numpy as np
 import viser
 
 from app.live.operating.lab_choices import Choices
-from app.viewer.live.drag_handle import DragHandle
 from app.viewer.live.panels.live_plots import LivePlots
 from app.viewer.live.panels.log_panel import LogPanel
 from app.viewer.live.panels.recording_panel import RecordingPanel, ReplayPanel
-from app.viewer.live.panels.room_look import CONTROLS, usual
 from app.viewer.live.panels.room_monitors import BLOCKS, contents
-from app.viewer.live.panels.room_panel import RoomPanel
+from app.viewer.live.panels.room_panel import CONTROLS, RoomPanel, usual
 from app.viewer.live.panels.rule_panel import RulePanel
 from app.viewer.live.panels.state_panel import StatePanel
 from app.viewer.live.room_frame import roster
 from app.viewer.live.session import Session
-from app.viewer.panels.hotkeys import add_hotkeys
+from app.viewer.live.session_requests import DragHandle
 from app.viewer.panels.monitors import Monitors
-from app.viewer.panels.shell import dock, dress
+from app.viewer.panels.shell import add_hotkeys, dock, dress
 from app.viewer.panels.view import ViewPanel
 from app.viewer.scene.drawing import PANELS, Drawing
 from app.viewer.scene.scene import Scene

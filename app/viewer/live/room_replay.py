@@ -13,18 +13,65 @@ import numpy as np
 
 from agents.catalogue import cars_by, obedient
 from app.live.control.arm import State
-from app.live.control.driver import Companion
-from app.live.control.loop_durations import KEPT, DurationSummary
-from app.live.control.loop_status import CarStatus, Status, tracking
-from app.live.control.pose import Pose
-from app.live.laboratory.recording_parts import RecordingPart
+from app.live.control.loop_status import (
+    DURATIONS_KEPT,
+    CarStatus,
+    DurationSummary,
+    Status,
+    tracking,
+)
+from app.live.control.pose import Companion, Pose
+from app.live.laboratory.recording_parts import RecordingPart, parts_of
 from app.live.links.link import RUN
 from app.live.recording.recording_replay import StoredRecording, open_table, read
 from app.viewer.live.loop_connection import KEPT as PAST
-from app.viewer.live.room_frame import Setting, frame_of
-from app.viewer.live.room_readings import RoomReadings
+from app.viewer.live.room_frame import RoomReadings, Setting, frame_of
 from app.viewer.scene.shown.frame import Frame
-from worlds.input_error import InputError
+from worlds.input_error import InputError, unknown
+
+# The folder of recordings: which are in it, and how large they are.
+
+MOST = 200
+"""Recordings that are listed, the newest by name."""
+
+
+def listed(shelf: Path | None) -> tuple[str, ...]:
+    """The names of finished recordings in a folder, the newest first."""
+    if shelf is None:
+        return ()
+    try:
+        found = sorted((one.name for one in shelf.iterdir() if one.is_dir()), reverse=True)
+    except OSError:
+        return ()
+    return tuple(name for name in found[: 5 * MOST] if is_finished(shelf / name))[:MOST]
+
+
+def is_finished(folder: Path) -> bool:
+    """Whether a folder holds a recording of which nothing is being written."""
+    try:
+        parts = parts_of(folder)
+        return bool(parts) and not any(part.stream("ticks").exists() for part in parts)
+    except OSError:
+        return False
+
+
+def on_shelf(shelf: Path | None, name: str) -> Path:
+    """The recording of a name that is listed, and of no other. Raises InputError."""
+    names = listed(shelf)
+    if shelf is None or name not in names:
+        raise (
+            unknown("recording", name[:80], names) if names else InputError("there is no recording")
+        )
+    return shelf / name
+
+
+def size(folder: Path) -> int:
+    """Bytes of a recording so far."""
+    try:
+        return sum(part.size() for part in parts_of(folder))
+    except OSError:
+        return 0
+
 
 STILL = (0.0, 0.0)
 ARMS: tuple[State, ...] = ("safe", "armed", "emergency")
@@ -143,7 +190,7 @@ class RecordingTables:
         """The room at a tick, or at the last one before it."""
         row = max(0, int(np.searchsorted(self.tick, tick, side="right")) - 1)
         tick, now, mode = int(self.tick[row]), float(self.now[row]), int(self.mode[row])
-        since = max(0, row - KEPT)
+        since = max(0, row - DURATIONS_KEPT)
         arm: State = next((one for one in ARMS if one == self.arm[row]), "safe")
         spent = (now - self.now[0]) * self.lab.rate
         return Status(

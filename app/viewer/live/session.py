@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import hmac
+import re
+import secrets
 import threading
 import time
 import traceback
@@ -9,28 +12,68 @@ from collections.abc import Callable
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from agents.models.declare import Parameters
 from agents.models.model import Model
 from app.live.control.arm import OperatorRequest
-from app.live.control.loop_events import Event, Events
-from app.live.control.loop_status import Status
+from app.live.control.loop_status import Event, Events, Status
 from app.live.laboratory.lab_file import Lab
 from app.live.operating.flock_driver import FlockDriver
-from app.live.operating.lab_choices import Choices
-from app.live.operating.lab_opener import open_driven
-from app.live.operating.loop_components import Opener
+from app.live.operating.lab_choices import Choices, open_driven
+from app.live.operating.loop_process import Opener
 from app.live.operating.operator import Operator
-from app.viewer.live.arming_code import ArmingCode, Verdict
 from app.viewer.live.loop_connection import LoopConnection, OperatorProtocol
-from app.viewer.live.room_frame import Setting, deserted
-from app.viewer.live.room_readings import RoomReadings
+from app.viewer.live.room_frame import RoomReadings, Setting, deserted
 from app.viewer.live.room_replay import RoomReplay
 from app.viewer.live.session_requests import CLOSED, SessionRequests, new_folder
 from app.viewer.run.run_errors import in_words
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
+
+# The code without which no browser arms: whoever knows it can see the terminal.
+
+DIGITS = 6
+TRIES = 5
+"""Wrong codes, of all browsers together, after which none is taken any more."""
+WRITTEN = re.compile(rf"[0-9]{{{DIGITS}}}")
+
+Verdict = Literal["right", "wrong", "no code", "off"]
+"""`no code`: what was entered cannot be one, and counts as no try."""
+
+
+class ArmingCode:
+    """A code made by chance at the start; it is shown in the terminal and nowhere else.
+
+    >>> code = ArmingCode()
+    >>> code.tried(code.digits), code.tried("12"), code.left
+    ('right', 'no code', 5)
+    """
+
+    def __init__(self) -> None:
+        self.digits = f"{secrets.randbelow(10**DIGITS):0{DIGITS}d}"
+        self.left = TRIES
+        """Wrong codes until it is off."""
+        self.trying = threading.Lock()
+
+    @property
+    def off(self) -> bool:
+        """Whether no code is taken any more, until the next start."""
+        return self.left == 0
+
+    def tried(self, entered: str) -> Verdict:
+        """What is to be said of an entered code; a wrong one is counted for good."""
+        given = entered.strip()
+        if not WRITTEN.fullmatch(given):
+            return "off" if self.off else "no code"
+        with self.trying:
+            if self.off:
+                return "off"
+            if hmac.compare_digest(given, self.digits):
+                return "right"
+            self.left -= 1
+            return "wrong"
+
 
 POLL_EVERY = 1 / 50
 """Seconds between two polls of the loop."""

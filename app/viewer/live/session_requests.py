@@ -2,26 +2,189 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import threading
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+import numpy as np
+from viser import SceneApi, TransformControlsEvent
+
+from agents.models.declare import checked, describe
+from agents.models.model import Model
 from app.live.control.arm import Action, OperatorRequest
+from app.live.control.pose import TrackingArea
+from app.live.operating.flock_driver import NOT_SIMULATED
 from app.live.operating.lab_choices import Choices
 from app.viewer.live.loop_connection import LoopConnection
-from app.viewer.live.page_input import number, parameter_value, whole_number, word
-from app.viewer.live.recordings_folder import on_shelf
-from app.viewer.live.room_replay import RoomReplay
-from app.viewer.live.session_state import SessionState
+from app.viewer.live.room_replay import RoomReplay, on_shelf
 from app.viewer.run.run_errors import in_words
-from worlds.input_error import InputError
+from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.shown.frame import Frame
+from worlds.input_error import InputError, unknown
+
+# The state of a session.
+
+Phase = Literal["opening", "open", "replay", "failed", "closed"]
+"""`replay`: no loop is open, and an earlier recording is shown."""
+
+
+@dataclass(frozen=True)
+class SessionState:
+    """The state of a session; replaced as a whole, never changed."""
+
+    source: str
+    """Names of the source, the link and the rule that are open or being opened."""
+    link: str
+    rule: str
+    phase: Phase = "opening"
+    trouble: str = ""
+    """What is wrong, in one line."""
+    model: Model | None = None
+    """The rule with its body; None until it is known."""
+    values: dict[str, Any] = field(default_factory=dict)
+    """The parameters of the model, name -> value, as the control loop has them."""
+    compiling: str = ""
+    """A line of text while the rule is compiled, the first time that it is used; else empty."""
+    recording: str = ""
+    """The folder of this opening's recording; empty: none is made."""
+    run: int = 0
+    """Counts the openings."""
+    browsers_arm: bool = True
+    """Whether browsers may arm: not after too many wrong codes."""
+    latched: bool = False
+    """Whether an emergency stop was asked for and no reset has followed, in whichever opening."""
+
+
+# Checks of what browsers send, before it goes to the control loop, which checks again.
+
+LONGEST = 60
+"""Characters of a value that are shown."""
+PAGE = "the page"
+
+
+def shown(value: object) -> str:
+    """A value in a message, cut short.
+
+    >>> shown("x" * 100)
+    "'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx..."
+    """
+    try:
+        text = repr(value)
+    except Exception:  # whatever it is, it can be refused
+        return f"a {type(value).__name__}"
+    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
+
+
+def number(name: str, value: object) -> float:
+    """A finite number. Raises InputError."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{name} = {shown(value)} is not allowed: it must be a number ({PAGE})")
+    try:
+        found = float(value)
+    except OverflowError:
+        found = math.inf
+    if not math.isfinite(found):
+        raise InputError(f"{name} = {found} is not allowed: it must be finite ({PAGE})")
+    return found
+
+
+def whole_number(name: str, value: object, most: int) -> int:
+    """A whole number from 0 to `most`. Raises InputError."""
+    found = number(name, value)
+    if not found.is_integer() or not 0 <= found <= most:
+        raise InputError(f"{name} = {found:g} is outside 0 to {most}, whole numbers ({PAGE})")
+    return int(found)
+
+
+def word(kind: str, value: object, known: Iterable[str]) -> str:
+    """One of the words that are offered. Raises InputError."""
+    offered = list(known)
+    if not isinstance(value, str) or value not in offered:
+        raise unknown(kind, value[:LONGEST] if isinstance(value, str) else value, offered, PAGE)
+    return value
+
+
+def parameter_value(model: Model, values: Mapping[str, Any], name: object, value: object) -> Any:
+    """The value that a parameter takes beside those that are set. Raises InputError."""
+    offered = [one for one in model.parameters.model_fields if one not in NOT_SIMULATED]
+    known = word("parameter", name, offered)
+    kind = describe(known, model.parameters.model_fields[known]).kind
+    if kind == "number":
+        value = number(known, value)
+    elif not isinstance(value, bool if kind == "switch" else str):
+        raise InputError(f"{known} = {shown(value)} is not allowed ({PAGE})")
+    elif isinstance(value, str):
+        value = value[:LONGEST]
+    return getattr(checked(model.parameters, dict(values) | {known: value}, PAGE), known)
+
+
+# The handle by which the injected car is dragged, where it is in a person's hand.
+
+SETTLE = 0.35
+"""Seconds after a release before the handle goes to the car again: frames on their way are old."""
+
+Placed = Callable[[float, float], None]
+
+
+class DragHandle:
+    """Two arrows and a plate on the injected car; what is dragged out of the fence stays at it."""
+
+    def __init__(self, scene: SceneApi, area: TrackingArea, placed: Placed):
+        self.area = area
+        self.placed = placed
+        self.stage: Stage | None = None
+        self.holder: int | None = None
+        """The browser that holds it."""
+        self.released = 0.0
+        self.handle = scene.add_transform_controls(
+            "/injected_hand",
+            scale=85.0,
+            fixed=True,
+            line_width=3.5,
+            active_axes=(True, True, False),
+            disable_rotations=True,
+            depth_test=False,
+            opacity=0.9,
+            visible=False,
+        )
+        self.handle.on_update(self.moved)
+
+    def draw(self, frame: Frame) -> None:
+        """Bring the handle to the injected car, unless somebody drags it."""
+        self.stage = Stage.of(frame)
+        goal = frame.progress.goal
+        if goal is None:
+            self.handle.visible = False
+        elif self.holder is None and time.monotonic() - self.released > SETTLE:
+            self.handle.position = self.stage.shown(goal)
+            self.handle.visible = True
+
+    async def moved(self, event: TransformControlsEvent) -> None:
+        """On the event loop, so that start, updates and end arrive in order."""
+        if event.phase == "start":
+            self.holder = event.client_id
+        if event.client_id != self.holder or self.stage is None:
+            return
+        place = np.asarray(event.target.position, float)
+        if place.shape == (3,) and np.isfinite(place).all():
+            x, y = self.stage.world(place)
+            self.placed(*self.area.clamp(float(x), float(y)))
+        if event.phase == "end":
+            self.let_go()
+
+    def let_go(self) -> None:
+        """The handle is free again."""
+        self.holder, self.released = None, time.monotonic()
+
 
 ASKED: dict[str, Action] = {"arm": "arm", "disarm": "disarm", "reset": "reset"}
 """What may be asked with `ask`."""

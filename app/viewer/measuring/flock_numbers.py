@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
+from app.viewer.measuring.background_worker import BackgroundWorker
 from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.observable_curves import ObservableHistory
 from app.viewer.measuring.observable_format import words
+from worlds.input_error import InputError
 
 GROUPS = 100
 """Groups whose sizes are told, the largest first."""
@@ -70,3 +73,100 @@ def rows(flocks: list[dict[str, Number]]) -> list[list[object]]:
         values = [flock[name].value if name in flock else math.nan for flock in flocks]
         made.append([name, *values, " and ".join(units)])
     return made
+
+
+# What formation saves in joules: a share of what an aircraft needs that flies alone.
+
+SAVES = tuple(name for name, one in OBSERVABLES.items() if one.saves_power)
+"""The observables that say what share of their power, in percent, agents save."""
+STEP = 0.25
+"""Speeds are rounded to it, m/s: a trim takes seconds."""
+
+
+class EnergySavings:
+    """Energy per metre of the thesis's aircraft in trim, found aside, once for each speed."""
+
+    def __init__(self) -> None:
+        self.known: dict[float, float | None] = {}
+        """Speed (m/s) -> J/m; None where it cannot fly level."""
+        self.aside = BackgroundWorker()
+        self.sought = 0.0
+
+    def alone(self, speed: float) -> float | None:
+        """J/m of an aircraft alone at about a speed (m/s); None until, or unless, it is known."""
+        speed = round(speed / STEP) * STEP
+        done = self.aside.finished()
+        if done is not None:
+            self.known[self.sought] = done.result()
+        if speed not in self.known and self.aside.idle:
+            self.sought = speed
+            self.aside.begin(lambda: trimmed(speed))
+        return self.known.get(speed)
+
+    def of(self, readings: FlockReadings) -> tuple[float, float] | None:
+        """What a flock saves at the speed its body cruises at, and what one needs alone, J/m."""
+        share = next((readings.values[name] for name in SAVES if name in readings.values), None)
+        speed = getattr(readings.flock.parameters, "v0", None)
+        if speed is None or share is None:
+            return None
+        alone = self.alone(speed)
+        return None if alone is None else (0.01 * share * alone, alone)
+
+    def saved(self, readings: FlockReadings) -> str:
+        """The same in words."""
+        found = self.of(readings)
+        return "–" if found is None else f"{found[0]:.3f} of {found[1]:.2f}"
+
+
+def trimmed(speed: float) -> float | None:
+    """J/m in trim at a speed (m/s); None where the aircraft cannot fly level."""
+    from agents.flight.trim import trim
+
+    try:
+        return trim(speed=speed).energy_per_metre
+    except InputError:
+        return None
+
+
+# The last runs before the one that goes on, to be laid under it.
+
+KEPT = 3
+"""Runs of one model that are kept."""
+MODELS = 2
+"""Models of which runs are kept: as many as there are side by side."""
+
+
+class EarlierRuns:
+    """Keeps runs that are over, the latest first.
+
+    A run like one that is kept already, in seed, parameters and all that was changed, takes its
+    place.
+    """
+
+    def __init__(self) -> None:
+        self.going: tuple[FlockReadings, ...] = ()
+        self.kept: list[ObservableHistory] = []
+
+    def follow(self, runs: Sequence[FlockReadings]) -> None:
+        """Keep those that went on until now and do so no more; `runs` do."""
+        for run in self.going:
+            if all(run is not now for now in runs):
+                self.keep(ObservableHistory.of(run))
+        self.going = tuple(runs)
+
+    def keep(self, run: ObservableHistory) -> None:
+        """Keep a run, if there is anything to be seen of it."""
+        if not any(len(at) > 1 for at, _ in run.curves.values()):
+            return
+        run, model = run.ended(), run.conditions.model
+        same = [one for one in self.of(model) if one.history != run.history][: KEPT - 1]
+        others = [one for one in self.kept if one.conditions.model is not model]
+        self.kept = [run, *same, *others][: KEPT * MODELS]
+
+    def of(self, model: Model) -> list[ObservableHistory]:
+        """The kept runs of a model, the latest first."""
+        return [one for one in self.kept if one.conditions.model is model]
+
+    def clear(self) -> None:
+        """Keep none of them any more."""
+        self.kept = []

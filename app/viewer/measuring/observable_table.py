@@ -9,8 +9,8 @@ import numpy as np
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Options
+from app.viewer.measuring.observable_curves import ObservableHistory
 from app.viewer.measuring.observable_format import words
-from app.viewer.measuring.observable_history import ObservableHistory
 from app.viewer.measuring.run_conditions import BY_HAND
 from worlds.world import World
 

@@ -6,16 +6,101 @@ place, of what is told here; the value, its box and what the server takes of a b
 
 from __future__ import annotations
 
+import functools
 import html
+import io
 import json
 import math
-from dataclasses import dataclass
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any
 
 import viser
 
 from agents.models.declare import DeclaredParameter, Range, above, below, is_wide
+from app.viewer.scene.shown.control import Control
+
+# The papers' symbols for places that know no LaTeX, and their equations as pictures.
+
+GREEK = {
+    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "eta": "η",
+    "theta": "θ", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν", "xi": "ξ", "pi": "π",
+    "rho": "ρ", "sigma": "σ", "tau": "τ", "phi": "φ", "varphi": "φ", "chi": "χ", "psi": "ψ",
+    "omega": "ω", "varepsilon": "ε", "Delta": "Δ", "Phi": "Φ", "Omega": "Ω", "ell": "ℓ",
+    "sqrt": "√",
+}  # fmt: skip
+LOWERED = str.maketrans("0123456789+-aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
+RAISED = str.maketrans("0123456789*", "⁰¹²³⁴⁵⁶⁷⁸⁹*")
+SMALL = {"_": LOWERED, "^": RAISED}
+
+
+def plain(symbol: str) -> str:
+    r"""A LaTeX symbol as text; what Unicode has no small figures for keeps its `_` or `^`.
+
+    >>> plain(r"v_{max}"), plain(r"\\eta"), plain(r"k_{IU}"), plain(r"w^{nei}"), plain(r"v^0")
+    ('vₘₐₓ', 'η', 'k_IU', 'w^nei', 'v⁰')
+    """
+    text = re.sub(r"\\(?:mathrm|text|operatorname|mathcal)\b", "", symbol)
+    text = re.sub(r"\\+([A-Za-z]+)", lambda found: GREEK.get(found[1], found[1]), text)
+    text = re.sub(r"([_^])(\{[^{}]*\}|.)", small, text)
+    return " ".join(re.sub(r"[{}\\]+", "", text).split())
+
+
+def small(found: re.Match[str]) -> str:
+    """A subscript or superscript in small figures, where Unicode has them all."""
+    sign, written = found[1], found[2].strip("{}")
+    figures = SMALL[sign]
+    has_all = all(ord(one) in figures for one in written)
+    return written.translate(figures) if has_all else f"{sign}{written}"
+
+
+@functools.cache
+def equation_svg(latex: str, size: float = 14.0) -> list[str | None]:
+    r"""The lines of an equation, broken at `\qquad`, each as an SVG element.
+
+    None stands for a line that matplotlib cannot set.
+    """
+    lines = [line.strip().rstrip(",") for line in latex.split(r"\qquad")]
+    return [line_svg(in_mathtext(line), size) for line in lines if line]
+
+
+def in_mathtext(latex: str) -> str:
+    """LaTeX in the part of it that matplotlib knows."""
+    latex = re.sub(r"\\([lgn]e)(?![A-Za-z])", r"\\\1q", latex)
+    latex = latex.replace(r"\tfrac", r"\frac")
+    latex = re.sub(r"\\frac(\w)", r"\\frac{\1}", latex)
+    latex = re.sub(r"\\frac\{(\w)\}(\w)", r"\\frac{\1}{\2}", latex)
+    latex = re.sub(r"\\[Bb]igg?([(\[])", r"\\left\1", latex)
+    latex = re.sub(r"\\[Bb]igg?([)\]])", r"\\right\1", latex)
+    return re.sub(r"\\begin\{cases\}(.*?)\\end\{cases\}", cases_in_a_row, latex, flags=re.S)
+
+
+def cases_in_a_row(found: re.Match[str]) -> str:
+    """Cases beside each other instead of below each other."""
+    rows = [row.split("&") for row in found[1].split(r"\\")]
+    return r";\quad ".join(r"\;\;(".join(part.strip() for part in row) + ")" for row in rows)
+
+
+def line_svg(latex: str, size: float) -> str | None:
+    """One line of mathematics as an SVG element; None where matplotlib cannot set it."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(0.01, 0.01))
+    FigureCanvasSVG(figure)
+    figure.text(0, 0, f"${latex}$", fontsize=size, math_fontfamily="cm")
+    drawn = io.StringIO()
+    try:
+        with rc_context({"svg.fonttype": "path"}):
+            figure.savefig(drawn, format="svg", bbox_inches="tight", transparent=True)
+    except ValueError:
+        return None
+    text = drawn.getvalue()
+    return text[text.index("<svg") :]
+
 
 FEWEST, MOST = 20, 200
 """Steps of a linear slider."""
@@ -170,3 +255,64 @@ def decimals(one: DeclaredParameter) -> int:
     finest = min(abs(x) for x in numbers if x)
     written = (-int(Decimal(f"{x:.{DECIMALS}g}").normalize().as_tuple().exponent) for x in numbers)
     return min(DECIMALS, max(2, 2 - math.floor(math.log10(finest)), *written))
+
+
+# Controls for the fields of a dataclass, made from how they are declared to be chosen.
+
+
+class Form[T]:
+    """A control for each field in `controls`, in groups; other fields keep their values.
+
+    One that does not apply is out of sight, as is a group without any; it keeps its value.
+    """
+
+    def __init__(self, gui: viser.GuiApi, value: T, controls: Mapping[str, Control]):
+        self.value = value
+        self.controls = controls
+        groups = dict.fromkeys(one.group for one in controls.values())
+        self.folders = {group: gui.add_folder(group) for group in groups}
+        self.handles: dict[str, Any] = {}
+        for name, control in controls.items():
+            with self.folders[control.group]:
+                self.handles[name] = handle(gui, control, getattr(value, name))
+        self.fit(value, ())
+
+    def __getitem__(self, name: str) -> Any:
+        """The control of a field."""
+        return self.handles[name]
+
+    def read(self, **instead: Any) -> T:
+        """The dataclass as the controls have it, with other values `instead` of some."""
+        values = {name: one.value for name, one in self.handles.items()} | instead
+        return replace(self.value, **values)  # type: ignore[type-var]
+
+    def fit(self, value: T, scene: Iterable[Any]) -> None:
+        """Show those controls that apply to anything in the scene, as things are chosen now."""
+        applies = {name: control.is_for(scene, value) for name, control in self.controls.items()}
+        there = {self.controls[name].group for name, shown in applies.items() if shown}
+        for group, folder in self.folders.items():
+            sight(folder, group in there)
+        for name, shown in applies.items():
+            sight(self.handles[name], shown)
+
+
+def sight(control: Any, wanted: bool) -> None:
+    """Show a control, or hide it; browsers are told only what changes."""
+    if control.visible != wanted:
+        control.visible = wanted
+
+
+def handle(gui: viser.GuiApi, control: Control, value: Any) -> Any:
+    """The control of one field."""
+    if isinstance(value, bool):
+        return gui.add_checkbox(control.label, value, hint=control.hint)
+    if control.choices:
+        return gui.add_dropdown(
+            control.label, control.choices, initial_value=value, hint=control.hint
+        )
+    if control.typed:
+        low, high, step = control.low, control.high, control.step
+        return gui.add_number(control.label, value, min=low, max=high, step=step, hint=control.hint)
+    return gui.add_slider(
+        control.label, control.low, control.high, control.step, value, hint=control.hint
+    )

@@ -4,14 +4,55 @@ from __future__ import annotations
 
 import html
 from collections.abc import Mapping, Sequence
+from functools import cache
 
+import numpy as np
 import viser
 
-from app.viewer.panels.style import block, grid, key
-from app.viewer.panels.wheel import wheel
-from app.viewer.scene.shown.colouring import COLOURINGS
+from app.viewer.panels.shell import block, grid, key
+from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.colouring import COLOURINGS, DIRECTIONS, STEEP
 from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
 from app.viewer.scene.shown.frame import Frame
+
+# The colours of headings as a wheel, which lies as the scene does when it is seen from above.
+
+ROUND = 72
+"""Colours of the wheel that are given, evenly; the browser blends those between."""
+UPWARDS = 16
+"""The same from a dive straight down to a climb straight up."""
+
+
+@cache
+def wheel(dim: int) -> str:
+    """HTML of the wheel; in space with a bar that says how climbing and diving look."""
+    words = "".join(f"<span>{words}</span>" for words in DIRECTIONS)
+    round_ = f'<div class="fs-wheel">{words}<i style="background:{all_round()}"></i></div>'
+    beside = '<div class="fs-quiet">as seen from above</div>'
+    if dim == 3:
+        names = "".join(f"<span>{name}</span>" for name in STEEP)
+        beside += (
+            f'<div class="fs-climb"><i style="background:{upwards()}"></i><div>{names}</div></div>'
+        )
+    return f'<div class="fs-headings fs-drawn">{round_}<div>{beside}</div></div>'
+
+
+def all_round() -> str:
+    """A CSS gradient of the level headings: +x to the right, and then against the clock."""
+    azimuth = -np.linspace(0.0, 2.0 * np.pi, ROUND + 1)
+    return gradient("conic-gradient(from 90deg", np.stack([np.cos(azimuth), np.sin(azimuth)]))
+
+
+def upwards() -> str:
+    """A CSS gradient of the headings from straight down to straight up, over +x."""
+    rise = np.linspace(-0.5 * np.pi, 0.5 * np.pi, UPWARDS + 1)
+    return gradient("linear-gradient(0deg", np.stack([np.cos(rise), 0.0 * rise, np.sin(rise)]))
+
+
+def gradient(kind: str, headings: np.ndarray) -> str:
+    """A CSS gradient of the colours of headings (dim, K)."""
+    return f"{kind},{','.join(map(palette.css, palette.by_heading(headings.T)))})"
+
 
 CARDS, KEY = "cards", "key"
 """The blocks that every page has."""

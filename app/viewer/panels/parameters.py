@@ -17,9 +17,8 @@ import viser
 from agents.catalogue import MODELS
 from agents.models.declare import DeclaredParameter, declared
 from agents.models.model import Model
-from app.viewer.panels.dials import Dials, allowed, decimals, step_of
-from app.viewer.panels.notation import plain
-from app.viewer.panels.style import block, table
+from app.viewer.panels.dials import Dials, allowed, decimals, plain, step_of
+from app.viewer.panels.shell import block, table
 from app.viewer.run.paired_run import shared_by
 from app.viewer.run.simulation import Models, Simulation
 from app.viewer.run.simulation_state import SimulationState

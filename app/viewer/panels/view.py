@@ -7,11 +7,16 @@ from typing import Any
 
 import viser
 
-from app.viewer.panels.form import Form
+from app.viewer.panels.dials import Form
 from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
 from app.viewer.scene.shown.control import Control
-from app.viewer.scene.shown.drawing_defaults import DrawingDefaults
-from app.viewer.scene.shown.drawing_style import CAMERA, CAMERAS, RISING, DrawingStyle
+from app.viewer.scene.shown.drawing_style import (
+    CAMERA,
+    CAMERAS,
+    RISING,
+    DrawingDefaults,
+    DrawingStyle,
+)
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.web.values import show
 

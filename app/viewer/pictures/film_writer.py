@@ -14,11 +14,17 @@ from pathlib import Path
 import numpy as np
 
 from agents.snapshot import Snapshot
-from app.viewer.pictures.browser import Browser, begin_guard, guard_program
-from app.viewer.pictures.browser_scene import SeenSheet, as_png, eye_of
+from app.viewer.pictures.browser import (
+    Browser,
+    SeenSheet,
+    as_png,
+    begin_guard,
+    eye_of,
+    guard_program,
+)
 from app.viewer.pictures.picture_camera import USUAL, Camera, CameraRequest
 from app.viewer.pictures.picture_sheet import Sheet
-from app.viewer.pictures.plots import Plots
+from app.viewer.pictures.plane import Plots
 from app.viewer.pictures.shot import Shot, look_of, shot
 from worlds.file_writer import writing
 from worlds.input_error import InputError

@@ -11,7 +11,7 @@ from agents.models.declare import declared
 from app.viewer.pictures.shot import Shot
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import COLOURINGS, DIRECTIONS, MEASURED
-from app.worlds.colours import GOAL, INK, PATH
+from app.worlds.world_picture import GOAL, INK, PATH
 from worlds.mission import Mission
 from worlds.number_text import counted
 from worlds.world import World

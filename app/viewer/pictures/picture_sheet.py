@@ -13,12 +13,11 @@ import numpy as np
 from app.figure import save_figure, write_figure
 from app.viewer.pictures import key
 from app.viewer.pictures.picture_camera import Camera
-from app.viewer.pictures.plane import Plane
-from app.viewer.pictures.plots import TALL, Plots
+from app.viewer.pictures.plane import TALL, Plane, Plots
 from app.viewer.pictures.shot import Shot
 from app.viewer.pictures.space_picture import SpacePicture
 from app.viewer.scene.shown.colouring import COLOURINGS
-from app.worlds.colours import INK, LOOK
+from app.worlds.world_picture import INK, LOOK
 from worlds.world import World
 
 USUAL = 1200.0 * 800.0

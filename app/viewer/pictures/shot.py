@@ -16,11 +16,9 @@ from agents.snapshot import Snapshot
 from agents.state.start import start_box
 from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.shown.cars import cars
 from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
-from app.viewer.scene.shown.drawing_defaults import usual
-from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
-from app.viewer.scene.shown.frame import Frame, MissionProgress
+from app.viewer.scene.shown.drawing_style import DrawingStyle, legend, usual
+from app.viewer.scene.shown.frame import Frame, MissionProgress, cars
 from worlds.input_error import InputError, unknown
 from worlds.world import World
 

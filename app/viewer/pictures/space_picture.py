@@ -15,7 +15,7 @@ from app.viewer.scene.draw.shapes import Mesh, ball, dart
 from app.viewer.scene.draw.solids import joined, prism
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
-from app.worlds.colours import GOAL, INK, PALE, PATH
+from app.worlds.world_picture import GOAL, INK, PALE, PATH
 from worlds.mission import Mission
 from worlds.world import World
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from agents.catalogue import model as find_model
 from agents.spec import Spec
 from app.viewer.measuring.observable_format import spaced
-from app.viewer.run.past.stored_flock import Beginning, StoredFlock
+from app.viewer.run.stored_flock import Beginning, StoredFlock
 from worlds.input_error import InputError
 from worlds.world import World
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
@@ -20,6 +21,7 @@ from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.paired_run import companion
 from app.viewer.run.simulation_limits import SimulationLimits
 from app.viewer.run.simulation_state import SimulationState
+from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
 from worlds.obstacles import Disc
 from worlds.readers.drawing_contents import PlanQuestion
@@ -212,3 +214,35 @@ def ignoring_gone(change: Change) -> Change:
             return editor
 
     return tried
+
+
+# Where an agent may be put that a browser drags about.
+
+FARTHEST = 100.0
+"""How far out of an open world an agent may be dragged, longest sides."""
+
+
+def leader(frame: Frame | None) -> int | None:
+    """Row of the information agent; None if there is none."""
+    if frame is None or not frame.informed.any():
+        return None
+    return int(np.argmax(frame.informed))
+
+
+def usable_pose(
+    frame: Frame, position: np.ndarray, heading: np.ndarray
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """A position (dim,) within the world and a unit vector (dim,); None for what is neither."""
+    position, heading = np.asarray(position, float), np.asarray(heading, float)
+    if position.shape != (frame.dim,) or heading.shape != (frame.dim,):
+        return None
+    length = float(np.linalg.norm(heading))
+    if not np.isfinite(position).all() or not math.isfinite(length) or length < 1e-9:
+        return None
+    far = FARTHEST * float(frame.size.max())
+    inside = np.where(
+        frame.wraps,
+        position % frame.size,
+        np.clip(position, frame.low - far, frame.low + far),
+    )
+    return inside, heading / length

@@ -5,16 +5,101 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from agents.flock import Flock
+from agents.snapshot import Snapshot
 from agents.spec import Spec
 from app.viewer.editing.free_places import set_free
-from app.viewer.measuring.density_limits import refuse_too_dense
+from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.paired_run import PairedRun
-from app.viewer.run.past.playback import Playback
-from app.viewer.run.past.stored_flock import Beginning, StoredFlock
+from app.viewer.run.stored_flock import Beginning, StoredFlock
+from worlds.input_error import InputError
 from worlds.world import World
+
+# A recording that is played: its flock is put where it was, and looked at as any other.
+
+
+class Playback(FlockRun):
+    """The run of a recording. Nothing in it can be changed; ticks that are not recorded are left
+    out, and the flock stays as it was last recorded meanwhile."""
+
+    def __init__(
+        self,
+        flock: Flock,
+        number: int,
+        wanted: FrameRequest,
+        watched: frozenset[str],
+        stored: StoredFlock,
+    ):
+        super().__init__(flock, number, wanted, watched)
+        self.stored = stored
+        self.frames = stored.recording.frames
+        self.clock = self.first
+        """Which tick it is, recorded or not."""
+        self.readings.extremes.keeps = False
+        self.compiled = True
+
+    @property
+    def first(self) -> int:
+        """The first recorded tick."""
+        return int(self.frames.ticks[0])
+
+    @property
+    def last(self) -> int:
+        """The last recorded tick."""
+        return int(self.frames.ticks[-1])
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it has been played to its end."""
+        return self.clock >= self.last
+
+    @property
+    def is_at_hand(self) -> bool:
+        """Nothing is run, and so nothing is waited for."""
+        return True
+
+    def advance(self, ticks: int) -> None:
+        """Play on for so many ticks, at most to the end. Raises InputError for a damaged file."""
+        self.show(min(self.clock + ticks, self.last))
+
+    def step(self, frames: int) -> None:
+        """Go on by so many of the recorded ticks, at most to the end. Raises InputError."""
+        here = int(np.searchsorted(self.frames.ticks, self.flock.tick))
+        self.show(int(self.frames.ticks[min(here + frames, len(self.frames.ticks) - 1)]))
+
+    def seek(self, tick: int) -> None:
+        """Go to a tick; curves go on from there. Raises InputError."""
+        self.show(min(max(tick, self.first), self.last))
+        self.readings.cut(self.flock.tick)
+
+    def show(self, tick: int) -> None:
+        """Put the flock where it was at a tick, or last before it. Raises InputError."""
+        then = self.frames.before(tick)
+        if then != self.flock.tick:
+            put(self.flock, self.frames.at(then))
+        self.clock = tick
+
+
+def put(flock: Flock, then: Snapshot) -> None:
+    """Have a flock be as in a snapshot of its run; its engine is kept where it can be."""
+    if [one.shape for one in flock.arrays] != [one.shape for one in then.arrays]:
+        flock.return_to(then)
+        return
+    for mine, other in zip(flock.arrays, then.arrays, strict=True):
+        mine[...] = other
+    flock.tick = then.tick
+
+
+def fixed(stored: StoredFlock) -> InputError:
+    """What is told to those who would change a recording."""
+    return InputError(
+        f"{stored.name} is a recording, in which nothing can be changed: "
+        "'Go on from here' makes it a live run, Setup begins a new one"
+    )
 
 
 class FlockRunBuilder:

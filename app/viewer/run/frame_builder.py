@@ -12,11 +12,9 @@ from agents.flock import Flock
 from agents.inspection import Inspection, shells
 from agents.observables.of_agents import OF_AGENTS, measured
 from agents.state.start import start_box
-from app.viewer.measuring.background_worker import BackgroundWorker
-from app.viewer.measuring.density_limits import refuse_too_many_links
-from app.viewer.measuring.work_throttle import WorkThrottle
-from app.viewer.scene.shown.cars import cars
-from app.viewer.scene.shown.frame import Frame, MissionProgress
+from app.viewer.measuring.background_worker import BackgroundWorker, WorkThrottle
+from app.viewer.measuring.time_series import refuse_too_many_links
+from app.viewer.scene.shown.frame import Frame, MissionProgress, cars
 
 SAVED = "saved"
 """The measure of a body that is the share of its induced drag that each agent saves."""

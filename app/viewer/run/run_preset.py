@@ -8,7 +8,7 @@ from typing import Any
 from agents import flock_world as agents_home
 from agents.catalogue import model as find_model
 from agents.spec import DEFAULT, Spec
-from app.viewer.scene.shown.drawing_defaults import DrawingDefaults, usual
+from app.viewer.scene.shown.drawing_style import DrawingDefaults, usual
 from worlds.layout import layout_names, own_dim, shared_layout
 from worlds.world import World
 

@@ -16,25 +16,21 @@ import numpy as np
 
 from agents.flock import Flock
 from agents.spec import Spec
-from app.viewer.measuring.density_limits import refuse_too_dense
 from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.run.allowance import Allowance
-from app.viewer.run.change_notifier import ChangeNotifier
 from app.viewer.run.command_queue import GO, CommandQueue, QueuedCommand
 from app.viewer.run.edits import Edits, freed
-from app.viewer.run.flock_run import FlockRun
-from app.viewer.run.flock_run_builder import FlockRunBuilder
+from app.viewer.run.flock_run import FlockRun, stopped
+from app.viewer.run.flock_run_builder import FlockRunBuilder, Playback
 from app.viewer.run.frame_builder import FrameRequest
-from app.viewer.run.kernel_compiler import KernelCompiler
+from app.viewer.run.kernel_compiler import KernelCompiler, Preview, is_quick
 from app.viewer.run.paired_run import companion
-from app.viewer.run.past.playback import Playback
-from app.viewer.run.past.stored_flock import Beginning
-from app.viewer.run.past.time_line import TimeLine
-from app.viewer.run.preview import Preview, is_quick
 from app.viewer.run.run_errors import StrayAgentError, in_words
 from app.viewer.run.simulation_limits import SimulationLimits
-from app.viewer.run.simulation_state import SimulationState
-from app.viewer.run.zone_order import stopped
+from app.viewer.run.simulation_state import ChangeNotifier, SimulationState
+from app.viewer.run.stored_flock import Beginning
+from app.viewer.run.time_line import TimeLine
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
 

@@ -2,12 +2,43 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass, field
 from typing import Any
 
 from agents.spec import Spec
 from app.viewer.run.kernel_compiler import CompileEstimate
-from app.viewer.run.past.stored_flock import Beginning
+from app.viewer.run.stored_flock import Beginning
+
+# That there is something new to draw, told to each of those who draw it.
+
+
+class ChangeNotifier(threading.Event):
+    """An event that sets others too: each of those who wait clears its own.
+
+    >>> news, other = ChangeNotifier(), threading.Event()
+    >>> news.tell(other)
+    >>> news.set()
+    >>> other.is_set()
+    True
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.others: frozenset[threading.Event] = frozenset()
+
+    def tell(self, other: threading.Event) -> None:
+        """Set another event as well from now on."""
+        self.others |= {other}
+
+    def forget(self, other: threading.Event) -> None:
+        """Do so no more."""
+        self.others -= {other}
+
+    def set(self) -> None:
+        super().set()
+        for one in self.others:
+            one.set()
 
 
 @dataclass(frozen=True)

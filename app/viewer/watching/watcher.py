@@ -2,18 +2,244 @@
 
 from __future__ import annotations
 
+import html
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
 
+import numpy as np
 import viser
+from viser import ClientHandle, ViserServer
 
-from app.viewer.lab.panels.agent.inspector import Inspector
-from app.viewer.scene.scene import Scene
-from app.viewer.scene.shown.drawing_style import CAMERA, CAMERAS, RIDE
+from agents.inspection import Inspection
+from agents.models.model import Model
+from agents.observables.catalogue import OBSERVABLES, usual_charts
+from app.viewer.lab.panels.inspector import Inspector
+from app.viewer.lab.panels.laboratory_plots import WINDOWS, Overlay
+from app.viewer.measuring.flock_numbers import EarlierRuns
+from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.observable_curves import choices, worded
+from app.viewer.measuring.observable_format import COUNTED, QUICK, STEADY
+from app.viewer.panels.chart import Chart, ChartContents
+from app.viewer.scene.draw.drawn_frame import Picture
+from app.viewer.scene.marks.inspection_marks import InspectionMarks, ReasonMarks
+from app.viewer.scene.marks.zone_marks import ZoneMarks
+from app.viewer.scene.scene import ROOT, Scene
+from app.viewer.scene.shown.drawing_style import CAMERA, CAMERAS, RIDE, DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.watching.own_marks import AgentSelection
-from app.viewer.watching.own_plots import OwnPlots
+from app.viewer.web.values import show
+
+# What one browser sees of the agent that it has chosen, and no other browser does.
+#
+# All of it hangs on one node that goes with the agent from picture to picture; what is drawn is
+# made anew only a few times a second, since every browser has its own.
+
+REDRAWN = 80.0
+"""How often a second the marks of all browsers together are made anew."""
+
+
+@dataclass(frozen=True)
+class AgentSelection:
+    """The agent that somebody has chosen."""
+
+    row: int
+    beside: bool = False
+    """Whether it is one of the flock beside."""
+    run: int = 0
+    """The run that it is of."""
+
+    def side(self, frame: Frame) -> Frame | None:
+        """The frame of its flock; None where that is there no more."""
+        if frame.run != self.run:
+            return None
+        flock = frame.beside if self.beside else frame
+        return flock if flock is not None and self.row < len(flock.ids) else None
+
+
+class OwnMarks:
+    """The marks in one browser; what all browsers see of the laboratory's own choice is hidden."""
+
+    def __init__(self, client: ClientHandle, choice: AgentSelection):
+        self.client, self.choice = client, choice
+        root = ROOT if choice.beside else ""
+        scene, goes, still = client.scene, f"{root}/own", f"{root}/own_places"
+        with client.atomic():
+            self.hidden = scene.add_frame(f"{root}/inspected", show_axes=False, visible=False)
+            self.goes = scene.add_frame(goes, show_axes=False)
+            self.still = scene.add_frame(still, show_axes=False)
+            self.marks = (
+                InspectionMarks(scene, goes),
+                ZoneMarks(scene, goes),
+                ReasonMarks(scene, goes, still),
+            )
+        self.drawn: tuple[Picture, Inspection] | None = None
+        self.since = -np.inf
+        """When they were made anew, s."""
+
+    def show(self, picture: Picture, now: float, period: float) -> None:
+        """Go with the agent; make all anew where there is anything new and it is `period` s ago."""
+        seen = picture.frame.others.get(self.choice.row)
+        if seen is None:
+            return
+        with self.client.atomic():
+            if self.drawn is None or (
+                now >= self.since + period
+                and not (picture is self.drawn[0] and seen is self.drawn[1])
+            ):
+                self.draw(picture, seen)
+                self.since = now
+            assert self.drawn is not None
+            row = self.choice.row
+            self.goes.position = picture.at[row] - self.drawn[0].at[row]
+
+    def draw(self, picture: Picture, seen: Inspection) -> None:
+        """Make all anew."""
+        own = replace(picture, frame=replace(picture.frame, inspected=seen))
+        for handle, name, value in [one for part in self.marks for one in part.draw(own)]:
+            setattr(handle, name, value)
+        self.drawn = picture, seen
+
+    def end(self) -> None:
+        """Draw nothing any more; what all browsers see is there again."""
+        with self.client.atomic():
+            for node in (self.goes, self.still, self.hidden):
+                node.remove()
+
+
+class OwnScene(Scene):
+    """The scene of a page on which every browser has marks of its own; for one thread."""
+
+    def __init__(self, server: ViserServer):
+        super().__init__(server)
+        self.own: dict[int, OwnMarks] = {}
+        """By browser."""
+
+    def choose(self, chosen: Iterable[tuple[ClientHandle, AgentSelection]]) -> None:
+        """These browsers have chosen these agents; all others have none."""
+        wanted = {client.client_id: (client, choice) for client, choice in chosen}
+        there = self._server.get_clients()
+        for number, marks in list(self.own.items()):
+            if number not in wanted or wanted[number][1] != marks.choice:
+                del self.own[number]
+                if number in there:
+                    marks.end()
+        for number, (client, choice) in wanted.items():
+            if number not in self.own and number in there:
+                self.own[number] = OwnMarks(client, choice)
+
+    def show(self, frame: Frame, look: DrawingStyle) -> None:
+        super().show(frame, look)
+        self.show_own()
+
+    def show_own(self) -> None:
+        """Bring the browsers' own marks up to date."""
+        now, period = time.monotonic(), len(self.own) / REDRAWN
+        there = self._server.get_clients()
+        for number, marks in self.own.items():
+            side = int(marks.choice.beside)
+            if number not in there or side >= len(self._sights):
+                continue
+            picture = self._sights[side].picture
+            if marks.choice.side(self._sights[0].picture.frame) is not None:
+                marks.show(picture, now, period)
+
+
+# What one browser plots of the run: each chooses for itself, and what it needs is worked out once
+# for all who have chosen the same.
+
+CHARTS = 2
+POINTS = 200
+"""Points of a curve, about: every browser is sent its own."""
+MOST = 6
+"""Observables that are measured for those who watch, beside those that always are."""
+ALWAYS = frozenset((*QUICK, *STEADY, *COUNTED))
+
+
+@dataclass
+class CurveCache:
+    """The curves of a run as they are now; worked out when first asked for."""
+
+    runs: tuple[FlockReadings, ...]
+    earlier: EarlierRuns
+    most: int
+    """Earlier runs that are shown."""
+    offered: tuple[str, ...]
+    """What can be plotted."""
+    measured: frozenset[str]
+    """What is measured of it."""
+    overlays: dict[float, Overlay] = field(default_factory=dict)
+    made: dict[tuple[float, tuple[str, ...]], ChartContents] = field(default_factory=dict)
+
+    @property
+    def model(self) -> Model:
+        """That of the first flock."""
+        return self.runs[0].flock.model
+
+    def of(self, names: tuple[str, ...], last: float) -> ChartContents:
+        """What a chart of observables shows over the `last` ticks."""
+        if (last, names) not in self.made:
+            if last not in self.overlays:
+                self.overlays[last] = Overlay(self.runs, self.earlier, self.most, last)
+            shown = self.overlays[last].shown(names, keyed=True)
+            missing = [name for name in names if name not in self.measured]
+            if missing:
+                words = html.escape(worded(tuple(missing)))
+                more = f"{words}: not measured, since the class plots {MOST} others"
+                shown = shown._replace(head=f'{shown.head}<div class="fs-quiet">{more}</div>')
+            self.made[last, names] = shown
+        return self.made[last, names]
+
+
+def wanted(chosen: Iterable[Iterable[str]]) -> frozenset[str]:
+    """What is to be measured for all who watch: of too much, what most of them have chosen."""
+    votes = Counter(name for names in chosen for name in set(names) - ALWAYS)
+    order = list(OBSERVABLES)
+    first = sorted(votes, key=lambda name: (-votes[name], order.index(name)))
+    return frozenset(first[:MOST])
+
+
+class OwnPlots:
+    """The charts of one browser, each with the choice of what it shows as its title."""
+
+    def __init__(self, gui: viser.GuiApi):
+        self.model: Model | None = None
+        self.offered: tuple[str, ...] = ()
+        self.choices = choices(())
+        self.charts = []
+        for number in range(1, CHARTS + 1):
+            choice = gui.add_dropdown(
+                f"Plot {number}", (worded(()),), hint="What to plot, in this browser"
+            )
+            self.charts.append((choice, Chart(gui, points=POINTS)))
+        self.window = gui.add_dropdown(
+            "Plots of", tuple(WINDOWS), hint="How much of the run is plotted, in this browser"
+        )
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The observables that are plotted."""
+        chosen = (self.choices.get(choice.value, ()) for choice, _ in self.charts)
+        return frozenset(name for names in chosen for name in names)
+
+    def refresh(self, curves: CurveCache) -> None:
+        """Draw the run as far as it has come."""
+        self.offer(curves)
+        last = WINDOWS[self.window.value]
+        for choice, chart in self.charts:
+            chart.show(curves.of(self.choices.get(choice.value, ()), last))
+
+    def offer(self, curves: CurveCache) -> None:
+        """Let what these flocks have be chosen; of another model, choose the usual."""
+        if curves.offered != self.offered:
+            self.offered, self.choices = curves.offered, choices(curves.offered)
+            for choice, _ in self.charts:
+                choice.options = tuple(self.choices)
+        if curves.model is not self.model:
+            self.model = curves.model
+            usual = usual_charts(curves.model, curves.offered)
+            for (choice, _), names in zip(self.charts, usual, strict=False):
+                show(choice, worded(names))
 
 
 class Watcher:

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import viser
 
-from app.viewer.panels.form import sight
-from app.viewer.panels.hotkeys import add_hotkeys
+from app.viewer.panels.dials import sight
+from app.viewer.panels.shell import add_hotkeys
 from app.viewer.panels.view import Point, ViewPanel
 from app.viewer.scene.shown.control import controls_of
-from app.viewer.scene.shown.drawing_defaults import DrawingDefaults
-from app.viewer.scene.shown.drawing_style import AGENTS, RIDE, STEP_OFF, DrawingStyle
+from app.viewer.scene.shown.drawing_style import (
+    AGENTS,
+    RIDE,
+    STEP_OFF,
+    DrawingDefaults,
+    DrawingStyle,
+)
 from app.viewer.scene.shown.frame import Frame
 
 

@@ -11,7 +11,7 @@ import viser
 from agents.catalogue import MODELS
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.setup import SetupPanel
-from app.viewer.panels.style import GREEN, GREY, ORANGE, VIOLET, block
+from app.viewer.panels.shell import GREEN, GREY, ORANGE, VIOLET, block
 from app.viewer.run.kernel_compiler import CompileEstimate
 from app.viewer.run.run_preset import lively_speed
 from app.viewer.run.simulation import Simulation

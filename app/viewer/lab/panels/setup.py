@@ -12,8 +12,8 @@ from agents.catalogue import MODELS
 from agents.conditions import Conditions
 from agents.models.model import Model
 from agents.spec import OPTIONS, Options, Spec
-from app.viewer.panels.form import handle
-from app.viewer.panels.style import block
+from app.viewer.panels.dials import handle
+from app.viewer.panels.shell import block
 from app.viewer.run.run_preset import MOST_AGENTS, at_home, home, titled, world_titles
 from app.viewer.run.simulation_state import SimulationState
 from app.viewer.scene.shown.control import Control

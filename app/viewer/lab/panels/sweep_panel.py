@@ -14,10 +14,16 @@ import viser
 from agents.catalogue import MODELS
 from agents.models.declare import DeclaredParameter, is_wide
 from agents.observables.catalogue import OBSERVABLES, usual_charts
-from app.viewer.lab.sweeps import sweep_limits
+from app.viewer.lab.sweeps import sweep_request
 from app.viewer.lab.sweeps.laboratory_sweeps import SweepPanelState, Sweeps
-from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, ListedSweep
-from app.viewer.lab.sweeps.sweep_downloads import FILE, PICTURES, TABLES, content
+from app.viewer.lab.sweeps.stored_sweeps import (
+    PICTURES,
+    SPEC,
+    TABLES,
+    DrawnSweep,
+    ListedSweep,
+    content,
+)
 from app.viewer.lab.sweeps.sweep_request import (
     AGENTS,
     Axis,
@@ -28,10 +34,9 @@ from app.viewer.lab.sweeps.sweep_request import (
 )
 from app.viewer.lab.sweeps.sweep_svg import picture
 from app.viewer.measuring.observable_format import words
-from app.viewer.panels.dials import decimals, step_of
-from app.viewer.panels.form import sight
+from app.viewer.panels.dials import decimals, sight, step_of
 from app.viewer.panels.parameters import worded
-from app.viewer.panels.style import GREEN, GREY, ORANGE, block
+from app.viewer.panels.shell import GREEN, GREY, ORANGE, block
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
 from app.viewer.web.values import show
@@ -58,7 +63,7 @@ class AxisForm:
         self.over = gui.add_dropdown(label, (NOTHING,), hint=hint)
         self.low = gui.add_number("From", 0.0, min=0.0, max=1.0, step=0.1)
         self.high = gui.add_number("To", 1.0, min=0.0, max=1.0, step=0.1)
-        self.count = gui.add_number("Values", count, min=2, max=sweep_limits.MOST_VALUES, step=1)
+        self.count = gui.add_number("Values", count, min=2, max=sweep_request.MOST_VALUES, step=1)
         self.log = gui.add_checkbox(
             "By logarithms", False, hint="Each value is so many times the one before it"
         )
@@ -159,7 +164,7 @@ class SweepPanel:
         )
         self.take = gui.add_button_group(
             "Picture, file",
-            (*PICTURES, FILE),
+            (*PICTURES, SPEC),
             visible=False,
             hint="Spec: the file that makes the same sweep again, flockscope sweep run FILE.toml",
         )
@@ -171,19 +176,19 @@ class SweepPanel:
             self.second = AxisForm(gui, "And over", BESIDE, True, "A second one makes a map")
             self.observable = gui.add_dropdown("Measure", ("",), hint="What each run comes to")
             self.last = gui.add_number(
-                "Averaged over", 0, min=0, max=sweep_limits.MOST_TICKS, step=10,
+                "Averaged over", 0, min=0, max=sweep_request.MOST_TICKS, step=10,
                 hint="The last so many ticks of each run; 0: the value at its end",
             )  # fmt: skip
             self.runs = gui.add_number(
-                "Runs of each", RUNS, min=1, max=sweep_limits.MOST_RUNS_OF_CELL, step=1,
+                "Runs of each", RUNS, min=1, max=sweep_request.MOST_RUNS_OF_CELL, step=1,
                 hint="With the seeds 1, 2, ...; the interval comes from them",
             )  # fmt: skip
             self.ticks = gui.add_number(
-                "Ticks of a run", TICKS, min=1, max=sweep_limits.MOST_TICKS, step=100
+                "Ticks of a run", TICKS, min=1, max=sweep_request.MOST_TICKS, step=100
             )
             self.said = gui.add_html("")
             self.start = gui.add_button("Start the sweep", icon=viser.Icon.CHART_DOTS)
-            gui.add_html(block(f'<div class="fs-quiet">{sweep_limits.words()}.</div>'))
+            gui.add_html(block(f'<div class="fs-quiet">{sweep_request.describe_limits()}.</div>'))
         self.which.on_update(self.chosen)
         self.column.on_update(self.chosen)
         self.start.on_click(self.begin)

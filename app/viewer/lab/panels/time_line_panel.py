@@ -7,7 +7,7 @@ import time
 
 import viser
 
-from app.viewer.panels.style import block
+from app.viewer.panels.shell import block
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState, TimeLineState
 from app.viewer.scene.shown.frame import Frame

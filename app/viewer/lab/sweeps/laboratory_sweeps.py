@@ -7,12 +7,19 @@ more often than it can afford: what the page shows is replaced as a whole.
 from __future__ import annotations
 
 import shutil
+import subprocess
+import sys
 import threading
 import time
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from http import HTTPStatus
 from pathlib import Path
+from typing import Protocol
+from urllib.parse import parse_qs
+
+from websockets.http11 import Request, Response
 
 from agents.catalogue import FILES, MODELS
 from agents.observables.catalogue import OBSERVABLES
@@ -23,14 +30,96 @@ from app.experiments.sweeps.checked_sweep import checked_file
 from app.experiments.sweeps.given.key_locations import KeyLocations
 from app.experiments.sweeps.given.sweep_file import SweepFile
 from app.experiments.sweeps.sweep_runner import SPEC, STOP
-from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, ListedSweep, listed, named_in, shown
-from app.viewer.lab.sweeps.sweep_limits import MOST_BEGUN, demand
-from app.viewer.lab.sweeps.sweep_request import WORLD, SweepSource
-from app.viewer.lab.sweeps.sweep_subprocess import SweepSubprocess
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.lab.scene_requests import MARK, WORD, SceneRequests
+from app.viewer.lab.sweeps.stored_sweeps import (
+    DrawnSweep,
+    ListedSweep,
+    listed,
+    named_in,
+    scene_of,
+    shown,
+)
+from app.viewer.lab.sweeps.sweep_request import (
+    MOST_BEGUN,
+    NICE,
+    WORLD,
+    SweepSource,
+    demand,
+    workers,
+)
+from app.viewer.web.serving.front import words
 from worlds.file_writer import write_text
 from worlds.input_error import InputError
 from worlds.layout import layout_names
 from worlds.text_file import read_text, toml
+
+# The process that makes the runs: the same command as on the command line, apart from the page.
+#
+# It has a session of its own, so that neither Ctrl-C in the laboratory's terminal nor the end of
+# the laboratory ends it: `flockscope sweep stop`, the page, or another laboratory does.
+
+MESSAGES = "messages.txt"
+"""What the command has to say, beside the runs."""
+ENDS = (0, 3)
+"""Exit codes of a sweep that came to its end: whole, and with runs that failed."""
+OF_LINES = 2_000
+"""Bytes of its messages that are looked at."""
+
+
+@dataclass
+class SweepSubprocess:
+    """One such process, and the folder that it fills."""
+
+    folder: Path
+    process: subprocess.Popen[bytes]
+
+    @classmethod
+    def begin(cls, folder: Path, what: Path) -> SweepSubprocess:
+        """Begin a sweep, or go on with one: `what` is its file or its folder. Raises InputError."""
+        command = [sys.executable, "-P", "-m", "flockscope", "sweep", "run", str(what)]
+        command += ["--out", str(folder), "--workers", str(workers()), "--nice", str(NICE)]
+        try:
+            with open(folder / MESSAGES, "wb") as said:
+                process = subprocess.Popen(
+                    command,
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.DEVNULL,
+                    stderr=said,
+                    start_new_session=True,
+                )
+        except OSError as error:
+            raise InputError(
+                f"the sweep {folder.name} cannot be begun: {error.strerror or error}"
+            ) from None
+        return cls(folder, process)
+
+    @property
+    def runs(self) -> bool:
+        """Whether it is there."""
+        return self.process.poll() is None
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether it has ended, but not as a sweep does or because it was stopped."""
+        code = self.process.poll()
+        return code is not None and code > 0 and code not in (*ENDS, 130)
+
+    def stop(self) -> None:
+        """Ask it to stop; what is finished is kept."""
+        self.process.terminate()
+
+    def said(self) -> str:
+        """The last line that it has said."""
+        try:
+            with open(self.folder / MESSAGES, "rb") as file:
+                file.seek(max(0, file.seek(0, 2) - OF_LINES))
+                lines = file.read().decode("utf-8", "replace").split("\n")
+        except OSError:
+            return ""
+        last = next((line.strip() for line in reversed(lines) if line.strip()), "")
+        return last.removeprefix("flockscope: ")
+
 
 EVERY, SELDOM = 1.0, 4.0
 """Seconds between two looks while something runs, and while nothing does."""
@@ -288,3 +377,57 @@ def demand_from_page(folder: Path) -> None:
     except (KeyError, TypeError, ValueError):
         raise InputError(f"{folder.name} does not say what its runs are: {told}") from None
     demand(len(cells), -(-runs // max(1, len(cells))), agents, limit)
+
+
+# What the page asks of sweeps by HTTP: to sweep over a parameter, and to open a run.
+
+OVER, RUN = "/sweep/over", "/sweep/run"
+NONE = "a class makes no sweeps: `flockscope lab` on your own machine does"
+LONGEST = 18
+"""Figures of a seed."""
+
+
+class SweepForm(Protocol):
+    """What begins sweeps."""
+
+    def sweep_over(self, name: str) -> None: ...
+
+
+class SweepRequestHandler:
+    """Answers them; a run opens as a scene of the gallery does."""
+
+    def __init__(self, scenes: SceneRequests, sweeps: Sweeps, form: SweepForm):
+        self.sweeps, self.form = sweeps, form
+        scenes.front.route(OVER, self.over)
+        scenes.opens(RUN, self.run)
+
+    def over(self, request: Request) -> Response:
+        """Have the form begin with a parameter."""
+        if request.headers.get_all(MARK) != [WORD]:
+            return words(HTTPStatus.FORBIDDEN, f"sweeps are asked for with {MARK}: {WORD}")
+        asked = parse_qs(request.path.partition("?")[2])
+        try:
+            self.form.sweep_over(asked.get("name", [""])[0])
+        except InputError as refusal:
+            return words(HTTPStatus.BAD_REQUEST, str(refusal))
+        return words(HTTPStatus.OK, "chosen")
+
+    def run(self, asked: dict[str, list[str]]) -> SavedScene:
+        """The run of a cell of a sweep that is listed. Raises InputError."""
+        folder = self.sweeps.folder(asked.get("sweep", [""])[0])
+        place = whole("cell", asked.get("cell", [""])[0])
+        seed = whole("seed", asked["seed"][0]) if "seed" in asked else None
+        return scene_of(folder, place, seed, self.sweeps.column)
+
+
+def refuse_sweeps(scenes: SceneRequests) -> None:
+    """Refuse what pages ask of sweeps where there are none."""
+    for path in (OVER, RUN):
+        scenes.front.route(path, lambda _: words(HTTPStatus.FORBIDDEN, NONE))
+
+
+def whole(name: str, text: str) -> int:
+    """A whole number of a query. Raises InputError."""
+    if not (text.isascii() and text.isdigit() and len(text) <= LONGEST):
+        raise InputError(f"{name} = {text[:40]!r} is no number")
+    return int(text)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,14 +15,25 @@ from agents.observables.catalogue import OBSERVABLES
 from app.experiments.runs.database import FILE
 from app.experiments.runs.store_reader import StoreReader
 from app.experiments.sweeps.pictures.cell_runs import CellRuns, groups_of, is_number
+from app.experiments.sweeps.pictures.sweep_picture import draw
+from app.experiments.sweeps.sweep_runner import SPEC
 from app.experiments.sweeps.sweep_status import status_of
-from app.experiments.sweeps.sweep_table import axes_of, measured, places_of, spec_at
+from app.experiments.sweeps.sweep_table import (
+    as_csv,
+    axes_of,
+    measured,
+    places_of,
+    spec_at,
+    wide,
+    write_table,
+)
 from app.strict_table import Value
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
 from app.viewer.measuring.observable_curves import worded
 from app.viewer.measuring.observable_format import few
 from app.viewer.run.run_preset import at_home
 from worlds.input_error import InputError
+from worlds.text_file import read_text
 
 MOST_SWEEPS = 50
 """Sweeps that are named, the newest ones."""
@@ -194,3 +206,27 @@ def observable_of(column: str) -> str:
 def few_of(value: Any) -> str:
     """A value of an axis for people."""
     return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+# What can be taken along of a sweep: its table, its picture, its file.
+
+TABLES, PICTURES, SPEC_FILE = ("CSV", "Parquet"), ("PNG", "SVG"), "Spec"
+
+
+def content(folder: Path, kind: str, column: str | None = None) -> tuple[str, bytes]:
+    """Name and bytes of one of its files. Raises InputError."""
+    if kind == SPEC_FILE:
+        path = folder / SPEC
+        return f"{folder.name}.toml", read_text(f"sweep {str(path)!r}", path).encode()
+    kept = StoreReader(folder)
+    if kind == "CSV":
+        return f"{folder.name}.csv", as_csv(wide(kept)).encode()
+    if kind not in (*TABLES, *PICTURES):
+        raise InputError(f"{kind!r} is not one of {', '.join((*TABLES, *PICTURES, SPEC_FILE))}")
+    with tempfile.TemporaryDirectory() as place:
+        path = Path(place) / f"{folder.name}.{kind.lower()}"
+        if kind == "Parquet":
+            write_table(wide(kept), path, False)
+        else:
+            draw(kept, path, column)
+        return path.name, path.read_bytes()

@@ -10,14 +10,21 @@ import numpy as np
 import viser
 from viser import uplot
 
-from app.viewer.live.room_readings import RoomReadings
+from app.viewer.live.room_frame import RoomReadings
 from app.viewer.measuring.time_series import TimeSeries
-from app.viewer.panels.chart import DASH, NOTHING, ChartContents, ChartCurve
-from app.viewer.panels.plot_panel import Plot
-from app.viewer.panels.plotted import Line, Plotted, plot_csv
+from app.viewer.panels.chart import (
+    DASH,
+    NOTHING,
+    ChartContents,
+    ChartCurve,
+    Line,
+    Plot,
+    Plotted,
+    plot_csv,
+)
 from app.viewer.panels.sending import Sender
-from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, key
-from app.viewer.scene.shown import own, palette
+from app.viewer.panels.shell import BLUE, GREEN, GREY, ORANGE, RED, key
+from app.viewer.scene.shown import palette
 
 WINDOW = 60.0
 """Seconds that are plotted."""
@@ -182,4 +189,4 @@ def colours(names: Sequence[str]) -> dict[str, str]:
     >>> colours(["red", "blue"])["red"]
     '#e30010'
     """
-    return {name: palette.css(colour) for name, colour in own.by_name(names).items()}
+    return {name: palette.css(colour) for name, colour in palette.by_name(names).items()}

@@ -10,9 +10,9 @@ from datetime import datetime
 
 import viser
 
-from app.live.control.loop_events import Event
+from app.live.control.loop_status import Event
 from app.viewer.live.session import Session
-from app.viewer.panels.style import BLUE, GREEN, GREY, ORANGE, RED, block
+from app.viewer.panels.shell import BLUE, GREEN, GREY, ORANGE, RED, block
 from worlds.file_writer import csv_text
 
 LATEST = 60

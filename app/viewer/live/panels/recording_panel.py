@@ -9,10 +9,10 @@ from pathlib import Path
 import viser
 
 from app.viewer.live.panels.state_panel import whose
-from app.viewer.live.recordings_folder import listed, size
+from app.viewer.live.room_replay import listed, size
 from app.viewer.live.session import Session
-from app.viewer.live.session_state import SessionState
-from app.viewer.panels.style import block
+from app.viewer.live.session_requests import SessionState
+from app.viewer.panels.shell import block
 from app.viewer.web.values import show
 
 NONE = "none"

@@ -7,10 +7,9 @@ import math
 
 from app.live.control.loop_status import Status
 from app.viewer.live.panels.live_plots import colours
-from app.viewer.live.room_frame import roster
-from app.viewer.live.room_readings import RoomReadings
+from app.viewer.live.room_frame import RoomReadings, roster
 from app.viewer.panels.monitors import CARDS, KEY
-from app.viewer.panels.style import grid, key
+from app.viewer.panels.shell import grid, key
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import outlines
 from app.viewer.scene.shown.frame import Frame

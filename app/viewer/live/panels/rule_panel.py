@@ -13,10 +13,10 @@ from agents.models.declare import DeclaredParameter, declared
 from app.live.operating.flock_driver import NOT_SIMULATED
 from app.viewer.live.panels.state_panel import whose
 from app.viewer.live.session import Session
-from app.viewer.live.session_state import SessionState
+from app.viewer.live.session_requests import SessionState
 from app.viewer.panels.dials import Dials
 from app.viewer.panels.parameters import add_control, sides
-from app.viewer.panels.style import block
+from app.viewer.panels.shell import block
 from app.viewer.web.values import show
 
 CHOOSING = (

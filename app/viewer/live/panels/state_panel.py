@@ -6,15 +6,199 @@ The emergency stop works in every state and from the moment that the button goes
 from __future__ import annotations
 
 import html
+from dataclasses import dataclass
+from typing import Literal
 
 import viser
+from viser._gui_handles import GuiModalHandle
 
 from app.live.control.loop_status import Status
-from app.viewer.live.banner import Banner, banner_of
-from app.viewer.live.panels.arming_confirmation import ArmingConfirmation
-from app.viewer.live.session import Session
-from app.viewer.live.session_state import SessionState
-from app.viewer.panels.style import block
+from app.live.links.link import RUN
+from app.viewer.live.session import TRIES, Session
+from app.viewer.live.session_requests import SessionState
+from app.viewer.panels.shell import block
+from app.viewer.web.values import show
+
+# The banner at the top of the panel: the state of the cars in large, plain words.
+
+MOVES = "A CAR MOVES THOUGH TOLD TO STAND"
+"""The alarm of a car that moves in whatever state; what to do follows in the reasons."""
+NO_BROWSER = f"no browser arms after {TRIES} wrong codes; the key a in the terminal does"
+MOST = 4
+"""Reasons that are listed one by one."""
+Kind = Literal["opening", "failed", "replay", "safe", "running", "held up", "emergency"]
+
+
+@dataclass(frozen=True)
+class Banner:
+    """A title, a sentence, and reasons."""
+
+    kind: Kind
+    title: str
+    words: str
+    """One sentence."""
+    reasons: tuple[str, ...] = ()
+    """Why the cars do not run, or cannot be armed, and what else is wrong."""
+    alarm: str = ""
+    """What a person must act on at once, in large letters above all else; empty: nothing."""
+
+    @property
+    def armable(self) -> bool:
+        """Whether the cars can be armed."""
+        return self.kind == "safe" and not self.reasons
+
+
+def banner_of(state: SessionState, status: Status | None) -> Banner:
+    """The banner of a session with this state and this newest status of its loop."""
+    if state.phase == "opening":
+        if state.latched:
+            return Banner("emergency", "EMERGENCY STOP", "Opening; it begins stopped.")
+        words = state.compiling or "Waiting for the control loop."
+        return Banner("opening", "Opening …", words[:1].upper() + words[1:])
+    if state.phase == "replay":
+        words = "An earlier recording. The room is closed: nothing is sent to any car."
+        late = ("an emergency stop is latched",) if state.latched else ()
+        return Banner("replay", "REPLAY", words, late)
+    if state.phase != "open":
+        title = "Closed" if state.phase == "closed" else "Not open"
+        return Banner("failed", title, state.trouble or "The cars stop themselves.")
+    if status is None:
+        return Banner("opening", "Opening …", "Waiting for the control loop.")
+    return banner_of_open(status, state.browsers_arm)
+
+
+def banner_of_open(status: Status, browsers_arm: bool = True) -> Banner:
+    """The banner of an open session."""
+    moves = [reason.words for reason in status.reasons if reason.kind == "moves"]
+    others = [reason.words for reason in status.reasons if reason.kind != "moves"]
+    wrong = [f"{what}: {words}" for what, words in status.troubles.items()]
+    alarm = MOVES if moves else ""
+    if status.arm == "emergency":
+        title, words = "EMERGENCY STOP", "All cars are told to stop."
+        return Banner("emergency", title, words, shown(moves + wrong), alarm)
+    if status.arm == "safe":
+        reasons = moves + ([] if browsers_arm else [NO_BROWSER]) + others
+        words = "Cannot be armed:" if reasons else "No car is driven. Ready to be armed."
+        return Banner("safe", "SAFE", words, shown(reasons + wrong), alarm)
+    if status.mode == RUN:
+        return Banner("running", "ARMED", "The cars run.", shown(wrong))
+    words = "They go on by themselves once it is over:"
+    return Banner("held up", "ARMED, but stopped", words, shown(moves + others + wrong), alarm)
+
+
+def shown(reasons: list[str]) -> tuple[str, ...]:
+    """The first few of them.
+
+    >>> shown(["a", "b", "c", "d", "e", "f"])
+    ('a', 'b', 'c', 'and 3 more')
+    """
+    if len(reasons) <= MOST:
+        return tuple(reasons)
+    return (*reasons[: MOST - 1], f"and {len(reasons) - MOST + 1} more")
+
+
+# Asks once more before the cars drive, and for the code that the terminal shows.
+
+ASKED = "The terminal that runs <i>flockscope live lab</i> shows the code."
+NO_CODE = "A code is six digits."
+
+
+@dataclass(frozen=True)
+class ArmingDialog:
+    """A question in one browser."""
+
+    modal: GuiModalHandle
+    code: viser.GuiTextHandle
+    message: viser.GuiHtmlHandle
+
+
+class ArmingConfirmation:
+    """A question in the browser that wants to arm, at most one in each."""
+
+    def __init__(self, server: viser.ViserServer, session: Session):
+        self.session = session
+        self.open: dict[int, ArmingDialog] = {}
+        """By browser."""
+        server.on_client_disconnect(self.forget_client)
+
+    async def forget_client(self, client: viser.ClientHandle) -> None:
+        """A browser has gone, and its question with it: that holds all that viser has of it."""
+        self.open.pop(client.client_id, None)
+
+    def ask(self, client: viser.ClientHandle) -> None:
+        """Ask, unless it is being asked."""
+        number = client.client_id
+        if number in self.open:
+            return
+        modal = client.gui.add_modal("Arm?")
+        with modal:
+            client.gui.add_html(block(question(list(self.session.lab.cars))))
+            code = client.gui.add_text("Code", "", hint="Six digits, as the terminal shows them")
+            message = client.gui.add_html(block(line(ASKED)))
+            cancel = client.gui.add_button("Cancel", color="gray")
+            arm = client.gui.add_button(
+                "Arm", icon=viser.Icon.STEERING_WHEEL, color="green", hint="The cars drive at once"
+            )
+        self.open[number] = ArmingDialog(modal, code, message)
+
+        async def cancelled(_event: viser.GuiEvent) -> None:
+            self.close(number)
+
+        async def armed(_event: viser.GuiEvent) -> None:
+            self.answered(number)
+
+        cancel.on_click(cancelled)
+        arm.on_click(armed)
+
+    def answered(self, number: int) -> None:
+        """A browser says yes: arm if its code is right, else say so and ask again."""
+        question = self.open.get(number)
+        if question is None:
+            return
+        verdict = self.session.arm_by_code(question.code.value, f"browser {number}")
+        show(question.code, "")
+        if verdict in ("right", "off"):
+            self.close(number)
+        elif verdict == "no code":
+            question.message.content = block(line(f"{NO_CODE} {ASKED}"))
+        else:
+            words = f"<b>Wrong code.</b> {tries(self.session.code.left)} for all browsers together."
+            question.message.content = block(line(words))
+
+    def close(self, number: int) -> None:
+        """Take the question away from a browser."""
+        question = self.open.pop(number, None)
+        if question is not None:
+            question.modal.close()
+
+    def withdraw(self) -> None:
+        """Take it away everywhere: the cars cannot be armed now."""
+        for number in tuple(self.open):
+            self.close(number)
+
+
+def question(cars: list[str]) -> str:
+    """What is asked."""
+    count = "1 car" if len(cars) == 1 else f"{len(cars)} cars"
+    return (
+        f'<div class="fs-question"><b>{count} will drive</b> ({html.escape(", ".join(cars))}). '
+        "Is the area clear?<br>Space or Esc stops them, in every browser.</div>"
+    )
+
+
+def line(words: str) -> str:
+    """What is said below the field, as HTML."""
+    return f'<div class="fs-quiet">{words}</div>'
+
+
+def tries(count: int) -> str:
+    """How many are left, in words.
+
+    >>> tries(1)
+    '1 try is left'
+    """
+    return "1 try is left" if count == 1 else f"{count} tries are left"
+
 
 STEADY = 5.0
 """Messages a second while the emergency stop is held down."""

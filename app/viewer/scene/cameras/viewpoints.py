@@ -10,11 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from viser import CameraHandle, ClientHandle, ViserServer
 
-from app.viewer.scene.cameras.camera import CameraView, view
-from app.viewer.scene.cameras.ride import Ride
+from app.viewer.scene.cameras.camera import CameraView, Ride, view
 from app.viewer.scene.draw.drawn_frame import Picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.marks.paths.ribbons import risen
+from app.viewer.scene.marks.ribbons import risen
 from app.viewer.scene.shown.drawing_style import RIDE, STEP_OFF
 
 GLIDE = 0.25

@@ -12,8 +12,21 @@ from app.viewer.scene.draw.shapes import dart_length, spacing
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.drawing_style import DrawingStyle, agent_colours, as_birds
-from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.live_cars import LOST, Live
+from app.viewer.scene.shown.frame import LOST, Frame, Live
+
+# Agents keep their identities while rows come and go.
+
+
+def rows_of(before: np.ndarray, now: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows in `before` of those identities in `now` that are there, and which they are, bool."""
+    if not len(before):
+        return np.empty(0, dtype=int), np.zeros(len(now), dtype=bool)
+    order = np.argsort(before)
+    place = np.minimum(np.searchsorted(before, now, sorter=order), len(before) - 1)
+    row = order[place]
+    known = before[row] == now
+    return row[known], known
+
 
 POINTS_BEYOND = 10_000
 """More agents than this are drawn as points."""

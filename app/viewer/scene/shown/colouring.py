@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.viewer.scene.shown import own, palette
-from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.live_cars import SIMULATED
+from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.frame import SIMULATED, Frame
 
 type Legend = list[tuple[str, str]]
 """What colours mean: (words, CSS colour)."""
@@ -90,15 +89,15 @@ def _own_legend(frame: Frame, _measured: str) -> Legend:
     injected = frame.cars is not None and frame.progress.goal is not None
     more = [("injected car", palette.css(palette.GOAL))] if injected else []
     if frame.live is not None:
-        names = own.by_name(frame.live.roster)
+        names = palette.by_name(frame.live.roster)
         return [(name, palette.css(colour)) for name, colour in names.items()] + more
     if len(frame.ids) > MOST_NAMED:
-        return [(f"{len(palette.OWN)} colours in turn", palette.css(own.COLOURS[0])), *more]
+        return [(f"{len(palette.OWN)} colours in turn", palette.css(palette.COLOURS[0])), *more]
     worn = np.asarray(frame.informed, bool) | frame.down
     if frame.cars is not None:
         worn |= frame.cars.predator
     noun = "agent" if frame.cars is None else "car"
-    colours = own.by_identity(frame.ids)
+    colours = palette.by_identity(frame.ids)
     rows = [row for row in np.argsort(frame.ids) if not worn[row]]
     return [(f"{noun} {frame.ids[row]}", palette.css(colours[row])) for row in rows] + more
 
@@ -149,7 +148,7 @@ COLOURINGS = {
     "heading": Colouring(
         lambda frame: palette.by_heading(frame.heading), lambda *_: [], of_cars=True, has_wheel=True
     ),
-    OWN: Colouring(own.of_frame, _own_legend, of_cars=True),
+    OWN: Colouring(palette.of_frame, _own_legend, of_cars=True),
     "layer": Colouring(
         lambda frame: _known(frame, frame.layer, palette.by_layer),
         _layer_legend,

@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.live_cars import LATE, LOST, Live
+from app.viewer.scene.shown.frame import LATE, LOST, Frame, Live
 
 HOLD = 0.4
 """Seconds for which a car is still shown as late or lost when it no longer is."""

@@ -8,11 +8,89 @@ from types import MappingProxyType
 
 import numpy as np
 
+from agents.flock import Flock
 from agents.inspection import Inspection
 from agents.state.agent_rows import Crashes
-from app.viewer.scene.shown.cars import Cars
-from app.viewer.scene.shown.live_cars import Live
 from worlds.world import World
+
+# What the picture has to know of agents that are cars, beside places and headings.
+
+HELD = 0.5
+"""A car that has not got on for so long is stuck, s."""
+
+
+@dataclass(frozen=True)
+class Cars:
+    """Cars at one tick. Arrays are copies that nobody writes to any more."""
+
+    length: float
+    """Of the body, length."""
+    width: float
+    """Of the body, length."""
+    steering: np.ndarray
+    """(N,) angle of the front wheels, rad, to the left positive; 0 for cars without."""
+    stuck: np.ndarray
+    """(N,) bool: something has kept them from getting on, or they are backing out of it."""
+    predator: np.ndarray
+    """(N,) bool: cars that hunt the others."""
+
+
+def cars(flock: Flock) -> Cars | None:
+    """What is to be known of a flock of cars; None for a flock of anything else.
+
+    What a body tells of itself counts from its first move on.
+    """
+    model, count, parameters = flock.model, len(flock.ids), flock.parameters
+    vehicle = model.body.vehicle
+    if vehicle is None:
+        return None
+
+    def signal(name: str) -> np.ndarray:
+        return np.array(flock.signal(name)) if name in model.columns else np.zeros(count)
+
+    ready = signal(vehicle.fresh) == 0.0
+    stuck = np.where(ready, signal(vehicle.stuck), 0.0)
+    return Cars(
+        length=float(getattr(parameters, "length", vehicle.length)),
+        width=float(getattr(parameters, "width", vehicle.width)),
+        steering=np.where(ready, signal(vehicle.steering), 0.0),
+        stuck=(stuck > HELD) | (stuck < 0.0),
+        predator=signal(model.rule.hunters) == 1.0,
+    )
+
+
+# What the picture has to know of a room with real cars, beside places and headings.
+
+STATES = TRACKED, LATE, LOST, STOPPED, SIMULATED = (
+    "tracked",
+    "late",
+    "lost",
+    "stopped",
+    "simulated",
+)
+"""What a car in the picture may be."""
+
+
+@dataclass(frozen=True)
+class Live:
+    """A room at one tick. The real cars come first, then the simulated ones."""
+
+    names: tuple[str, ...]
+    """Of all N cars in the picture; one that was never seen is not in it."""
+    roster: tuple[str, ...]
+    """Of all cars of the room, seen or not, in an order that stays."""
+    states: tuple[str, ...]
+    """One of `STATES` each."""
+    ages: np.ndarray
+    """(N,) seconds since each was last seen; 0 for simulated ones."""
+    fence: float
+    """How far inside the area the cars are stopped, m."""
+    arm: str
+    """safe, armed or emergency."""
+
+    def are(self, *states: str) -> np.ndarray:
+        """Which of the cars are in one of these states, (N,) bool."""
+        return np.array([state in states for state in self.states], dtype=bool)
 
 
 @dataclass(frozen=True)

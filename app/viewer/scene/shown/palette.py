@@ -2,10 +2,78 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+from functools import lru_cache
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from app.viewer.scene.shown.oklch import attainable, oklch
+from app.viewer.scene.shown.frame import Frame
+
+# Perceptually even colours: OKLCH (lightness, chroma, hue) to sRGB.
+#
+# Source: B. Ottosson, "A perceptual color space for image processing" (2020).
+
+_LMS_FROM_LAB = np.array(
+    [
+        [1.0, 0.3963377774, 0.2158037573],
+        [1.0, -0.1055613458, -0.0638541728],
+        [1.0, -0.0894841775, -1.2914855480],
+    ]
+)
+_RGB_FROM_LMS = np.array(
+    [
+        [4.0767416621, -3.3077115913, 0.2309699292],
+        [-1.2684380046, 2.6097574011, -0.3413193965],
+        [-0.0041960863, -0.7034186147, 1.7076147010],
+    ]
+)
+
+
+def encoded(linear: np.ndarray) -> np.ndarray:
+    """Linear light in [0, 1] -> sRGB in [0, 1]."""
+    linear = np.clip(linear, 0.0, 1.0)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+def decoded(srgb: np.ndarray) -> np.ndarray:
+    """sRGB in [0, 1] -> linear light in [0, 1]."""
+    srgb = np.clip(srgb, 0.0, 1.0)
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+
+
+def _linear(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
+    lab = np.stack([lightness, chroma * np.cos(hue), chroma * np.sin(hue)], axis=-1)
+    return (lab @ _LMS_FROM_LAB.T) ** 3 @ _RGB_FROM_LMS.T
+
+
+def _shown(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
+    """Whether sRGB can show these colours."""
+    linear = _linear(lightness, chroma, hue)
+    return np.all((linear >= -1e-6) & (linear <= 1.0 + 1e-6), axis=-1)
+
+
+def attainable(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
+    """The largest chroma up to `chroma` that sRGB can show at these lightnesses and hues."""
+    low, high = np.zeros_like(chroma), chroma.copy()
+    for _ in range(20):
+        middle = 0.5 * (low + high)
+        shown = _shown(lightness, middle, hue)
+        low, high = np.where(shown, middle, low), np.where(shown, high, middle)
+    return np.where(_shown(lightness, chroma, hue), chroma, low)
+
+
+def oklch(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
+    """Lightness [0, 1], chroma [0, 0.4) and hue [rad] -> sRGB (..., 3) in [0, 1].
+
+    A chroma that sRGB cannot show at that lightness and hue is lowered until it can, so that
+    lightness and hue stay true.
+    """
+    lightness, chroma, hue = np.broadcast_arrays(
+        *(np.asarray(part, dtype=float) for part in (lightness, chroma, hue))
+    )
+    return encoded(_linear(lightness, attainable(lightness, chroma, hue), hue))
 
 
 def srgb(css: str) -> np.ndarray:
@@ -228,3 +296,101 @@ def by_layer(layer: np.ndarray) -> np.ndarray:
 def by_group(group: np.ndarray) -> np.ndarray:
     """Labels (N,), 0 the largest group -> colours (N, 3)."""
     return GROUPS[np.clip(group, 0, len(GROUPS) - 1)]
+
+
+# The colour that each agent has as its own: by identity, the same wherever it is told of.
+
+COLOURS = np.array(list(OWN.values()))
+OTHER_WORDS = {"yellow": "gold", "purple": "plum", "cyan": "sky", "gray": "grey", "magenta": "pink"}
+"""Words for colours that go by another name here."""
+
+
+def by_identity(ids: np.ndarray) -> np.ndarray:
+    """Identities (N,), which begin at 1 -> colours (N, 3); from the thirteenth on they come again.
+
+    >>> len(np.unique(by_identity(np.arange(1, 14)), axis=0))
+    12
+    """
+    return COLOURS[(np.asarray(ids, int) - 1) % len(COLOURS)]
+
+
+def by_name(names: Sequence[str]) -> dict[str, np.ndarray]:
+    """The colours of cars by their names, which keep their order: one that is called by a colour
+    has that, the others have those that are left, in turn.
+
+    >>> [palette.css(one) for one in by_name(["car 2", "red"]).values()]
+    ['#016cff', '#e30010']
+    """
+    asked: dict[str, str] = {}
+    for name in names:
+        words = (OTHER_WORDS.get(word, word) for word in re.findall("[a-z]+", name.lower()))
+        colour = next((word for word in words if word in OWN), None)
+        if colour is not None and colour not in asked.values():
+            asked[name] = colour
+    left = [colour for colour in OWN if colour not in asked.values()] or list(OWN)
+    others = [name for name in names if name not in asked]
+    taken = asked | {name: left[k % len(left)] for k, name in enumerate(others)}
+    return {name: OWN[taken[name]] for name in names}
+
+
+def of_frame(frame: Frame) -> np.ndarray:
+    """The own colours (N, 3) of the agents of a frame."""
+    if frame.live is None:
+        return by_identity(frame.ids)
+    known = by_name(frame.live.roster)
+    return np.array([known[name] for name in frame.live.names]).reshape(-1, 3)
+
+
+# What to send so that the browser shows the colour that was meant.
+#
+# viser's canvas takes colours of instances and vertices as linear light, multiplies them by the
+# light that falls on them, and passes the result through three.js's ACES filmic curve before
+# encoding it as sRGB. Here that chain is undone. Very light or very saturated colours lie outside
+# what the curve can give and are clipped.
+
+_INTO_ACES = np.array(
+    [[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]]
+)
+_OUT_OF_ACES = np.array(
+    [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]]
+)
+_FROM_ACES, _BACK = np.linalg.inv(_INTO_ACES), np.linalg.inv(_OUT_OF_ACES)
+_EXPOSURE = 1.0 / 0.6
+
+LIGHT = 1.25
+"""Light on a facet turned half towards the sun, as a multiple of its own colour."""
+
+
+def _before_aces(shown: np.ndarray) -> np.ndarray:
+    """The linear light that ACES turns into the linear light `shown`, (..., 3)."""
+    y = np.clip(shown @ _BACK.T, 0.0, 0.98)
+    # ACES: y = (v^2 + 0.0245786 v - 0.000090537) / (0.983729 v^2 + 0.432951 v + 0.238081)
+    a = 1.0 - 0.983729 * y
+    b = 0.0245786 - 0.4329510 * y
+    c = -0.000090537 - 0.238081 * y
+    v = (-b + np.sqrt(b * b - 4.0 * a * c)) / (2.0 * a)
+    return v @ _FROM_ACES.T / _EXPOSURE
+
+
+def unlit(srgb: np.ndarray) -> np.ndarray:
+    """Bytes for colours (..., 3) of points and of the ends of lines, which no light falls on."""
+    linear = _before_aces(decoded(srgb))
+    return (255.0 * np.clip(linear, 0.0, 1.0) + 0.5).astype(np.uint8)
+
+
+def lit(srgb: np.ndarray, light: float = LIGHT) -> np.ndarray:
+    """Bytes for colours (..., 3) of mesh instances under the scene's lights."""
+    linear = _before_aces(decoded(srgb)) / light
+    return (255.0 * np.clip(linear, 0.0, 1.0) + 0.5).astype(np.uint8)
+
+
+def single(srgb: np.ndarray, light: float = 1.0) -> tuple[int, int, int]:
+    """Bytes for the one colour (3,) of a whole node, which three.js decodes from sRGB itself."""
+    return _single(tuple(np.asarray(srgb, dtype=float).tolist()), light)
+
+
+@lru_cache(maxsize=1024)
+def _single(srgb: tuple[float, ...], light: float) -> tuple[int, int, int]:
+    linear = np.clip(_before_aces(decoded(np.array(srgb))) / light, 0.0, 1.0)
+    red, green, blue = (255.0 * encoded(linear) + 0.5).astype(int)
+    return int(red), int(green), int(blue)

@@ -1,1 +1,0 @@
-"""The card of the agent that was clicked."""

@@ -1,1 +1,0 @@
-"""The guide to the running model, and what there is to try."""

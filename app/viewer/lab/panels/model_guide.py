@@ -1,0 +1,224 @@
+"""The guide: what this model is, what to try, which keys there are."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import viser
+
+from agents.catalogue import MODELS
+from agents.models.declare import declared
+from agents.models.model import Model
+from agents.models.tries import LessonStep, in_short
+from agents.spec import OPTIONS
+from app.viewer.lab.panels.setup import SetupPanel, by_default
+from app.viewer.panels.dials import equation_svg
+from app.viewer.panels.parameters import ParametersPanel, worded
+from app.viewer.panels.shell import CSS, KEYS, OWN_KEYS, block
+from app.viewer.run.run_preset import titled
+from app.viewer.run.simulation import Simulation
+from app.viewer.run.simulation_state import SimulationState
+from worlds.number_text import counted
+
+# What there is to try with the running model: a button for each does it, and takes it back.
+
+DO, BACK = "Do it", "Take it back"
+
+
+@dataclass
+class TryRunner:
+    """Does what a model proposes to try, to the one flock that all browsers see."""
+
+    simulation: Simulation
+    parameters: ParametersPanel
+    setup: SetupPanel
+
+    def __post_init__(self) -> None:
+        self.before: dict[tuple[str, str], dict[str, Any]] = {}
+        """What a try changed was, by the model's name and what the try is called."""
+
+    def show(self, gui: viser.GuiApi, model_name: str) -> None:
+        """Put what there is to try into the container that is open, with a button for each."""
+        model = MODELS[model_name]
+        state = self.simulation.state
+        gui.add_html(
+            block(f'<div class="fs-page fs-short fs-quiet">{html.escape(where(model))}</div>')
+        )
+        for number, one in enumerate(model.to_try, 1):
+            gui.add_html(block(lesson(number, one, self.settings(model_name, one))))
+            done = state.spec.model == model_name and is_done(state, one)
+            button = gui.add_button(BACK if done else DO, color="gray" if done else "green")
+            button.on_click(partial(self.pressed, model_name, one))
+        gui.add_html(block('<div class="fs-gap"></div>'))
+
+    @staticmethod
+    def settings(model_name: str, one: LessonStep) -> str:
+        """What is set, as sliders and Setup call it."""
+        words = {p.name: worded(p)[0] for p in declared(MODELS[model_name].parameters)}
+        words |= {name: option.title for name, option in OPTIONS.items()}
+        return ", ".join(f"{words[name]}: {in_short(value)}" for name, value in one.set.items())
+
+    async def pressed(self, model_name: str, one: LessonStep, event: viser.GuiEvent) -> None:
+        """Do it, or take it back; of a model that runs no longer, say so."""
+        button = event.target
+        state = self.simulation.state
+        if state.spec.model != model_name or not state.values:
+            title = MODELS[model_name].title
+            self.simulation.notices.put(f"{title} does not run: open the guide again")
+            return
+        doing = button.label == DO
+        if doing:
+            self.do(model_name, one)
+        else:
+            self.take_back(model_name, one)
+        button.label, button.color = (BACK, "gray") if doing else (DO, "green")
+
+    def do(self, model_name: str, one: LessonStep) -> None:
+        """Change what the try says, keep what it was, and let the flock run."""
+        state = self.simulation.state
+        self.before[model_name, one.words] = {name: now(state, name) for name in one.set}
+        self.change(one, one.set)
+
+    def take_back(self, model_name: str, one: LessonStep) -> None:
+        """Change it to what it was, or to what it is by default."""
+        model = MODELS[model_name]
+        usual = {
+            name: by_default(name, model)
+            if name in OPTIONS
+            else model.parameters.model_fields[name].default
+            for name in one.set
+        }
+        self.change(one, self.before.pop((model_name, one.words), usual))
+
+    def change(self, one: LessonStep, values: Mapping[str, Any]) -> None:
+        """Give parameters and options their values; begin the run again if the try does."""
+        if one.anew:
+            spec, beside = self.simulation.state.again()
+            options = {name: value for name, value in values.items() if name in OPTIONS}
+            others = {name: value for name, value in values.items() if name not in OPTIONS}
+            parameters = {**spec.parameters, **others}
+            spec = spec.but(**options, parameters=parameters)
+            self.simulation.setup(spec, beside)
+            self.setup.follow(spec, beside)
+        else:
+            for name, value in values.items():
+                self.parameters.note(name, False)
+                self.parameters.give(name, value, False)
+        self.simulation.go()
+
+
+def where(model: Model) -> str:
+    """Where what one sees was found."""
+    agents = counted(model.agents, "agent")
+    return (
+        f"Found with {agents} in the model's own world, “{titled(model.world)}”; elsewhere it may "
+        "turn out otherwise. Do it, close the guide, and watch."
+    )
+
+
+def now(state: SimulationState, name: str) -> Any:
+    """An option or a parameter of the run as it is."""
+    return getattr(state.spec, name) if name in OPTIONS else state.values.get(name)
+
+
+def is_done(state: SimulationState, one: LessonStep) -> bool:
+    """Whether all is as the try has it."""
+    return all(now(state, name) == value for name, value in one.set.items())
+
+
+def lesson(number: int, one: LessonStep, settings: str) -> str:
+    """A try for people: what to do, what is set, what one sees."""
+    again = " The run begins again." if one.anew else ""
+    return (
+        f'<div class="fs-try"><b>{number}. {html.escape(one.words)}</b>'
+        f'<div class="fs-quiet">{html.escape(settings)}.{again}</div>'
+        f"<div>{html.escape(one.see)}</div></div>"
+    )
+
+
+class Guide:
+    """Opens the guide in the browser that asks for it, once at a time."""
+
+    def __init__(self, server: viser.ViserServer, tries: TryRunner) -> None:
+        self.tries = tries
+        self.open: set[int] = set()
+        """Browsers in which it is open."""
+        server.on_client_disconnect(self.forget_client)
+
+    async def forget_client(self, client: viser.ClientHandle) -> None:
+        """A browser has gone, and its guide with it."""
+        self.open.discard(client.client_id)
+
+    def show(self, client: viser.ClientHandle, model_name: str) -> None:
+        """Open it, unless it is open."""
+        if client.client_id in self.open:
+            return
+        self.open.add(client.client_id)
+        gui = client.gui
+        modal = gui.add_modal(f"Guide · {MODELS[model_name].title}")
+        with modal:
+            gui.add_html(CSS)
+            tabs = gui.add_tab_group()
+            with tabs.add_tab("Model"):
+                gui.add_html(page(about(model_name)))
+            if MODELS[model_name].to_try:
+                with tabs.add_tab("Try this"):
+                    self.tries.show(gui, model_name)
+            with tabs.add_tab("Parameters"):
+                gui.add_html(page(parameters(model_name)))
+            with tabs.add_tab("Keys"):
+                gui.add_html(page(keys()))
+            done = gui.add_button("Close", icon=viser.Icon.X)
+
+        async def close(_event: viser.GuiEvent) -> None:
+            if client.client_id in self.open:
+                self.open.discard(client.client_id)
+                modal.close()
+
+        done.on_click(close)
+
+
+def page(content: str) -> str:
+    """A tab of the guide; all are equally high, so that nothing jumps."""
+    return block(f'<div class="fs-page">{content}</div>')
+
+
+def about(model_name: str) -> str:
+    """What the model is: summary, equation, where the rule and the body are from."""
+    model = MODELS[model_name]
+    rule, body = model.rule, model.body
+    lines = rule.equation.split(r"\qquad")
+    drawn = "".join(
+        f'<div style="padding:6px 0">{svg or f"<code>{html.escape(line)}</code>"}</div>'
+        for svg, line in zip(equation_svg(rule.equation), lines, strict=False)
+    )
+    return (
+        f"<p>{html.escape(model.summary)}</p>{drawn}"
+        f'<p class="fs-quiet">Rule: {html.escape(rule.source)}.<br>'
+        f"Body: {html.escape(f'{body.title} ({body.source})')}.</p>"
+    )
+
+
+def parameters(model_name: str) -> str:
+    """A table of the model's parameters."""
+    rows = "".join(
+        "<tr><td><b>{}</b></td><td style='text-align:left'>{}</td></tr>".format(
+            *map(html.escape, worded(one))
+        )
+        for one in declared(MODELS[model_name].parameters)
+    )
+    return f'<table class="fs-table">{rows}</table>'
+
+
+def keys() -> str:
+    """A table of the hotkeys."""
+    rows = "".join(
+        f"<tr><td><kbd>{key.replace('page', 'page ')}</kbd></td>"
+        f'<td style="text-align:left">{words}</td></tr>'
+        for key, words in (KEYS | OWN_KEYS).items()
+    )
+    return f'<table class="fs-table">{rows}</table>'

@@ -1,1 +1,0 @@
-"""The world, changed by hand."""

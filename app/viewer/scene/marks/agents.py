@@ -1,0 +1,322 @@
+"""The agents: darts, in space birds, cars, or points when there are very many."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from viser import BatchedMeshHandle, SceneApi
+
+from app.viewer.scene.draw.agent_meshes import SHOULDER, beaten, body, wings
+from app.viewer.scene.draw.attitude import attitude, places, rolled, turned
+from app.viewer.scene.draw.drawn_frame import FEW_LEADERS, POINTS_BEYOND, Changes, Picture, rows_of
+from app.viewer.scene.draw.shapes import Mesh, dart
+from app.viewer.scene.marks.fleet import Fleet, Ghosts
+from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.drawing_style import SHADOWS_UP_TO
+from app.viewer.scene.shown.frame import Frame
+
+# How each bird holds itself: it banks into its turns and beats its wings.
+#
+# Nothing of this is computed by the flock, and nothing of the flock by this: it is for the eye, and
+# moves only when the flock does.
+
+BEAT = 2.5
+"""Wing beats per second on the screen."""
+VARIETY = 0.24
+"""How much the birds' beats differ, from the slowest to the quickest, as a share of BEAT."""
+LONGEST_BEAT = 0.07
+"""The most that wings move on from frame to frame, s; a slow flock beats slowly."""
+AMPLITUDE, DIHEDRAL = 0.52, 0.10
+"""Swing of the wings to each side, and the angle about which they swing, rad."""
+GLIDE, GLIDING = -0.30, 0.12
+"""A bird whose heading points lower than GLIDE (its vertical part) beats with this share."""
+EASE = 0.45
+"""Time constant with which it begins and ends to glide, s."""
+LEAN = 0.30
+"""Time constant with which it leans into a turn, s."""
+LONGEST = 0.25
+"""The most that counts as time between two frames, s: after a pause nobody jerks."""
+STEEPEST = np.deg2rad(62.0)
+"""Largest bank."""
+NIMBLE = 0.25
+"""A bird at full speed banks by 45 degrees in a turn whose radius is this share of its reach."""
+DIVE, SPIN = -1.1, 5.0
+"""A bird that falls: how far its nose is down, rad, and how fast it turns, rad/s."""
+FOLDED, FLAT = 0.75, 0.02
+"""Angle of the wings of one that falls, and of one that lies, rad."""
+GOLDEN = 0.6180339887498949
+
+
+class Poses(NamedTuple):
+    """Of all birds of a frame."""
+
+    wxyz: np.ndarray
+    """Attitudes, (N, 4)."""
+    beat: np.ndarray
+    """Angle of the wings above level, (N,), rad."""
+
+
+class FlockMotion:
+    """Follows one flock from frame to frame; birds keep what they had through changes of rows."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._forget()
+
+    def _forget(self) -> None:
+        self._run: tuple[int, int] | None = None
+        self._tick = 0
+        self._seen = self._clock()
+        self._beats = 0.0
+        """Time that the wings have been beaten for, s."""
+        self._ids = np.empty(0, dtype=int)
+        self._heading = np.empty((0, 3))
+        self._lean = np.empty(0)
+        """Smoothed tangent of the bank, above 0 to the left."""
+        self._effort = np.empty(0)
+        """Share of the full swing."""
+        self.poses = Poses(np.empty((0, 4)), np.empty(0))
+        """Of the frame that was followed last."""
+
+    def follow(self, picture: Picture) -> Poses:
+        """The birds of the next frame of a flock in space."""
+        frame = picture.frame
+        run = (frame.run, frame.dim)
+        if self._run != run or frame.tick < self._tick:
+            self._forget()
+            self._run, self._tick = run, frame.tick
+        heading = np.asarray(frame.heading, dtype=float)
+        self._meet(frame.ids, heading)
+        now = self._clock()
+        passed, ticks = min(now - self._seen, LONGEST), frame.tick - self._tick
+        self._seen, self._tick = now, frame.tick
+        if ticks > 0:
+            self._beats += min(passed, LONGEST_BEAT)
+            lean = leaning(frame, turned_left(self._heading, heading) / (ticks * frame.dt))
+            self._lean += (1.0 - np.exp(-passed / LEAN)) * (lean - self._lean)
+            effort = efforts(heading)
+            self._effort += (1.0 - np.exp(-passed / EASE)) * (effort - self._effort)
+        self._heading = heading.copy()
+        wxyz = rolled(picture.wxyz, -np.arctan(self._lean))
+        phase = 2.0 * np.pi * (self._beats * rhythm(frame.ids) + frame.ids * GOLDEN)
+        beat = DIHEDRAL + AMPLITUDE * self._effort * np.sin(phase)
+        self.poses = self._lying(picture, Poses(wxyz, beat))
+        return self.poses
+
+    def _meet(self, ids: np.ndarray, heading: np.ndarray) -> None:
+        """Carry what is known over to the rows of these identities; newcomers fly level."""
+        if np.array_equal(ids, self._ids):
+            return
+        rows, known = rows_of(self._ids, ids)
+        before, lean, effort = self._heading, self._lean, self._effort
+        self._heading, self._lean = heading.copy(), np.zeros(len(ids))
+        self._effort = efforts(heading)
+        self._heading[known] = before[rows]
+        self._lean[known], self._effort[known] = lean[rows], effort[rows]
+        self._ids = ids.copy()
+
+    def _lying(self, picture: Picture, poses: Poses) -> Poses:
+        """Those that have crashed: nose down while they fall, then flat."""
+        frame = picture.frame
+        down = frame.down
+        if not down.any():
+            return poses
+        falling = down & (frame.speed > 0.0)
+        azimuth = np.arctan2(frame.heading[:, 1], frame.heading[:, 0])
+        azimuth = azimuth + np.where(falling, SPIN * self._beats, 0.0) + frame.ids * GOLDEN
+        nose = np.where(falling, DIVE, 0.0)
+        heading = np.column_stack(
+            [np.cos(azimuth) * np.cos(nose), np.sin(azimuth) * np.cos(nose), np.sin(nose)]
+        )
+        wxyz, beat = poses.wxyz.copy(), poses.beat.copy()
+        wxyz[down] = attitude(heading[down])
+        beat[down] = np.where(falling[down], FOLDED, FLAT)
+        return Poses(wxyz, beat)
+
+
+def leaning(frame: Frame, rate: np.ndarray) -> np.ndarray:
+    """v omega / g', the tangents (N,) of the banks that suit turns to the left at a rate (N,).
+
+    The rate is in rad per unit of the flock's time; g' is chosen for the flock's own scale.
+    """
+    reach = frame.reach if np.isfinite(frame.reach) else float(np.max(frame.size))
+    pull = frame.speed_scale**2 / (NIMBLE * max(reach, 1e-9))
+    most = np.tan(STEEPEST)
+    return np.clip(frame.speed * rate / max(pull, 1e-12), -most, most)
+
+
+def turned_left(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """How far headings (N, 3) have turned to their left, (N,), rad, at most a right angle."""
+    level = np.hypot(before[:, 0], before[:, 1])
+    level = np.where(level > 1e-9, level, np.inf)
+    left = (before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) / level
+    return np.arcsin(np.clip(left, -1.0, 1.0))
+
+
+def efforts(heading: np.ndarray) -> np.ndarray:
+    """The share of the full swing that birds with headings (N, 3) beat with, (N,)."""
+    return np.where(heading[:, 2] < GLIDE, GLIDING, 1.0)
+
+
+def rhythm(ids: np.ndarray) -> np.ndarray:
+    """Beats per second of each bird, (N,); by its identity, so that no two beat together."""
+    return BEAT * (1.0 + VARIETY * ((ids * GOLDEN * GOLDEN) % 1.0 - 0.5))
+
+
+# The agents as birds: a body and a pair of wings each, both meshes with an instance for a bird.
+
+SCALE = 1.15
+"""Length of a bird as a multiple of a dart's, which is stouter."""
+SHADE = 0.72
+"""Brightness of the body as a multiple of the wings'."""
+
+
+class Birds:
+    """What flies in space."""
+
+    def __init__(self, scene: SceneApi, root: str, flight: FlockMotion) -> None:
+        self._flight = flight
+        self._bodies = _add(scene, f"{root}/flock/birds/bodies", body())
+        self._wings = _add(scene, f"{root}/flock/birds/wings", wings())
+
+    def draw(self, picture: Picture, rows: np.ndarray | slice) -> Changes:
+        """Draw the agents of some rows as birds."""
+        at = picture.at[rows]
+        if not len(at):
+            return self.hide()
+        poses = self._flight.poses
+        wxyz = poses.wxyz[rows]
+        size = (SCALE * picture.length * picture.size[rows]).astype(np.float32)
+        over = SHOULDER * size[:, None] * upwards(wxyz)
+        shadows = picture.look.shadows and len(at) <= SHADOWS_UP_TO
+        colour = picture.colour[rows]
+        changes: Changes = []
+        for node, place, scale, shade in (
+            (self._bodies, at, np.repeat(size[:, None], 3, axis=1), SHADE),
+            (self._wings, at + over, size[:, None] * beaten(poses.beat[rows]), 1.0),
+        ):
+            changes += [
+                (node, "batched_positions", places(place, picture.length)),
+                (node, "batched_wxyzs", turned(wxyz)),
+                (node, "batched_scales", scale.astype(np.float32)),
+                (node, "batched_colors", palette.lit(shade * colour)),
+                (node, "cast_shadow", shadows),
+                (node, "visible", True),
+            ]
+        return changes
+
+    def hide(self) -> Changes:
+        """Draw nobody."""
+        return [(self._bodies, "visible", False), (self._wings, "visible", False)]
+
+
+def upwards(wxyz: np.ndarray) -> np.ndarray:
+    """The direction over the back, (N, 3), of birds of attitudes (N, 4)."""
+    w, x, y, z = wxyz.T
+    return np.column_stack(
+        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)]
+    )
+
+
+def leftwards(wxyz: np.ndarray) -> np.ndarray:
+    """The direction of the left wing, (N, 3), of birds of attitudes (N, 4)."""
+    w, x, y, z = wxyz.T
+    return np.column_stack(
+        [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)]
+    )
+
+
+def _add(scene: SceneApi, name: str, mesh: Mesh) -> BatchedMeshHandle:
+    return scene.add_batched_meshes_simple(
+        name,
+        *mesh,
+        batched_wxyzs=np.array([[1.0, 0.0, 0.0, 0.0]]),
+        batched_positions=np.zeros((1, 3)),
+        batched_scales=np.ones((1, 3)),
+        batched_colors=np.zeros((1, 3), dtype=np.uint8),
+        flat_shading=True,
+        side="double",
+        lod="off",
+        receive_shadow=False,
+        visible=False,
+    )
+
+
+POINT_SIZE = {2: 0.6, 3: 0.28}
+"""Size of a point as a multiple of the length of a dart, by dimension."""
+
+
+class Agents:
+    """The flock's own nodes in the scene."""
+
+    def __init__(self, scene: SceneApi, root: str, flight: FlockMotion) -> None:
+        self._birds = Birds(scene, root, flight)
+        self._fleet = Fleet(scene, root)
+        self._ghosts = Ghosts(scene, root)
+        nowhere, level = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
+        self._darts = scene.add_batched_meshes_simple(
+            f"{root}/flock/darts",
+            *dart(),
+            batched_wxyzs=level,
+            batched_positions=nowhere,
+            batched_scales=np.ones(1),
+            batched_colors=np.zeros((1, 3), dtype=np.uint8),
+            flat_shading=True,
+            lod="off",
+            receive_shadow=False,
+            visible=False,
+        )
+        self._points = scene.add_point_cloud(
+            f"{root}/flock/points",
+            nowhere,
+            np.zeros((1, 3), dtype=np.uint8),
+            point_shape="circle",
+            point_shading="flat",
+            visible=False,
+        )
+
+    def draw(self, picture: Picture) -> Changes:
+        count = len(picture.at)
+        as_points = count > POINTS_BEYOND
+        rows, nobody = as_darts(picture), slice(0, 0)
+        return [
+            *self._draw_darts(picture, nobody if picture.as_birds or picture.as_cars else rows),
+            *self._birds.draw(picture, rows if picture.as_birds else nobody),
+            *self._fleet.draw(picture, rows if picture.as_cars else nobody),
+            *self._ghosts.draw(picture),
+            *(self._draw_points(picture) if as_points else []),
+            (self._points, "visible", as_points),
+        ]
+
+    def _draw_darts(self, picture: Picture, rows: np.ndarray | slice) -> Changes:
+        at = picture.at[rows]
+        if not len(at):
+            return [(self._darts, "visible", False)]
+        shadows = picture.look.shadows and len(at) <= SHADOWS_UP_TO
+        return [
+            (self._darts, "batched_positions", places(at, picture.length)),
+            (self._darts, "batched_wxyzs", turned(picture.wxyz[rows])),
+            (self._darts, "batched_scales", picture.size[rows] * np.float32(picture.length)),
+            (self._darts, "batched_colors", palette.lit(picture.colour[rows])),
+            (self._darts, "cast_shadow", shadows),
+            (self._darts, "visible", True),
+        ]
+
+    def _draw_points(self, picture: Picture) -> Changes:
+        return [
+            (self._points, "points", places(picture.at, picture.length)),
+            (self._points, "colors", (255.0 * picture.colour + 0.5).astype(np.uint8)),
+            (self._points, "point_size", POINT_SIZE[picture.stage.dim] * picture.length),
+        ]
+
+
+def as_darts(picture: Picture) -> np.ndarray | slice:
+    """Rows drawn as darts: all, or among points the few agents that matter."""
+    if len(picture.at) <= POINTS_BEYOND:
+        return slice(None)
+    informed = np.flatnonzero(picture.frame.informed)
+    inspected = picture.inspected
+    return np.union1d(informed[:FEW_LEADERS], [] if inspected is None else [inspected]).astype(int)

@@ -1,1 +1,0 @@
-"""The agents, and what is drawn beside each of them."""

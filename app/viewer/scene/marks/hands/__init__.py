@@ -1,1 +1,0 @@
-"""What a person takes hold of."""
