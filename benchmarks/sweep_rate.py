@@ -17,9 +17,9 @@ import time
 from pathlib import Path
 
 from agents import Flock
-from app.experiments.sweeps.checked_sweep import Sweep
-from app.experiments.sweeps.sweep_api import asked
-from app.experiments.sweeps.sweep_runner import conduct
+from app.studies.sweeps.checked_sweep import Sweep
+from app.studies.sweeps.sweep_api import asked
+from app.studies.sweeps.sweep_runner import conduct
 
 KINDS = ((50, 100, 1.0), (300, 100, 0.5), (1000, 1000, 0.05))
 """Agents, ticks, and the share of the runs that is asked for."""

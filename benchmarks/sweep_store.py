@@ -12,10 +12,10 @@ import time
 from itertools import pairwise
 from pathlib import Path
 
-from app.experiments.runs.database import FILE
-from app.experiments.runs.run_outcome import Outcome
-from app.experiments.runs.store import Store
-from app.experiments.runs.store_reader import StoreReader
+from app.studies.runs.database import FILE
+from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.store import Store
+from app.studies.runs.store_reader import StoreReader
 
 CELLS = 100
 COLUMNS = ("k", "x")

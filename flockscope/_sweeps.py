@@ -3,8 +3,8 @@
 from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
 
 # isort: split
-from app.experiments.optimisation.optimisation_api import optimise
-from app.experiments.sensitivity.sensitivity_api import sensitivity
-from app.experiments.sweeps.sweep_api import sweep
+from app.studies.optimisation.optimisation_api import optimise
+from app.studies.sensitivity.sensitivity_api import sensitivity
+from app.studies.sweeps.sweep_api import sweep
 
 __all__ = ["optimise", "sensitivity", "sweep"]

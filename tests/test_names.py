@@ -18,7 +18,7 @@ NAMES = {
     *(model.body.name for model in MODELS.values()),
 }
 ALLOWED = {
-    "app/experiments": set(OBSERVABLES),  # what is measured of a paper's runs is the paper's choice
+    "app/studies": set(OBSERVABLES),  # what is measured of a paper's runs is the paper's choice
     "app/classroom/collect": set(OBSERVABLES),  # and of a class its lessons'
     "app/live": {"safe", "car"},  # a room that is not armed; a car
     "app/viewer/live": {"safe", "car"},

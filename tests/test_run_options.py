@@ -29,7 +29,7 @@ exec(compile(text.replace(mark, {NEW!r}), found.origin, "exec"), spec.__dict__)
 
 from agents import Flock
 from app.cli.main import load
-from app.experiments.experiment_file import PaperRow, PaperSweep
+from app.studies.experiment_file import PaperRow, PaperSweep
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation_state import SimulationState

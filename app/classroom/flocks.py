@@ -18,7 +18,7 @@ from app.classroom.student import LaboratoryAddress, Role, Student
 from app.classroom.workers.laboratory_status import LaboratoryStatus
 from app.classroom.workers.laboratory_worker import Laboratories
 from app.classroom.workers.process import WorkerLostError, WorkerProcess
-from app.experiments.workers.processes import cores
+from app.studies.workers.processes import cores
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.run.allowance import Allowance
 from worlds.input_error import InputError

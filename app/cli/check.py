@@ -29,7 +29,7 @@ def check(
     from agents.catalogue import model as find_model
     from agents.conformance import CHECKS, outcome
     from agents.flock import Flock
-    from app.experiments.workers.kernels import compile_loop
+    from app.studies.workers.kernels import compile_loop
 
     name = first_of(model, rule)
     if name is None:

@@ -26,9 +26,9 @@ from app.cli.terminal import make_console
 from app.results_folder import PICTURES
 
 if TYPE_CHECKING:
-    from app.experiments.optimisation.optimisation_result import OptimisationResult
-    from app.experiments.optimisation.optimisation_runner import OptimisationReport
-    from app.experiments.optimisation.study import Study
+    from app.studies.optimisation.optimisation_result import OptimisationResult
+    from app.studies.optimisation.optimisation_runner import OptimisationReport
+    from app.studies.optimisation.study import Study
 
 FAULTS = 20
 """Failed runs that are named."""
@@ -55,9 +55,9 @@ def optimise(
     from the store. The exit code is 3 if any run failed.
     """
     from app.cli.sweep.sweep_choice import begun_in, folder_of, is_sweep
-    from app.experiments.optimisation.optimisation_picture import draw
-    from app.experiments.optimisation.study import read_study, study_of
-    from app.experiments.sweeps.pictures.sweep_picture import ENDINGS
+    from app.studies.optimisation.optimisation_picture import draw
+    from app.studies.optimisation.study import read_study, study_of
+    from app.studies.sweeps.pictures.sweep_picture import ENDINGS
     from worlds.file_writer import demand_writable
     from worlds.input_error import InputError
 
@@ -103,7 +103,7 @@ def carried_out(
     quiet: bool,
 ) -> OptimisationReport:
     """Carry out the search."""
-    from app.experiments.optimisation.optimisation_runner import optimise as carry_out
+    from app.studies.optimisation.optimisation_runner import optimise as carry_out
 
     with under_way(folder, quiet) as progress:
         return carry_out(

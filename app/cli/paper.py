@@ -26,10 +26,10 @@ DIFFERS = 3
 """Exit code of `--strict` if anything differs or does not hold; and if any run failed."""
 
 if TYPE_CHECKING:
-    from app.experiments.experiment import Experiment
-    from app.experiments.experiment_runner import ExperimentReport
-    from app.experiments.verdicts.claim import Claim
-    from app.experiments.verdicts.verdict import Verdict
+    from app.studies.experiment import Experiment
+    from app.studies.experiment_runner import ExperimentReport
+    from app.studies.verdicts.claim import Claim
+    from app.studies.verdicts.verdict import Verdict
 
 
 def paper(
@@ -82,7 +82,7 @@ def paper(
         raise InputError("say which paper, or --all: see `flockscope list papers`")
     if everything and (agents or models):
         raise InputError("--all takes all sizes and models: leave --agents and --models out")
-    from app.experiments.experiment import experiment_names, find_experiment
+    from app.studies.experiment import experiment_names, find_experiment
 
     wholes = [find_experiment(one) for one in ([name] if name else experiment_names())]
     at_least("--runs", runs, min(2, *(one.runs for one in wholes)), MOST_RUNS)
@@ -113,7 +113,7 @@ def paper(
 
 def tell_prospects(experiment: Experiment, runs: int) -> None:
     """Say which of its claims so many runs can decide."""
-    from app.experiments.verdicts.prospects import prospects
+    from app.studies.verdicts.prospects import prospects
 
     said = prospects(experiment, runs)
     if said:
@@ -141,8 +141,8 @@ def carried_out(
     retry: bool,
 ) -> ExperimentReport:
     """Carry out the experiment; after Ctrl-C tell how to go on."""
-    from app.experiments.experiment_runner import conduct
-    from app.experiments.workers.processes import cores
+    from app.studies.experiment_runner import conduct
+    from app.studies.workers.processes import cores
 
     begun = time.monotonic()
     again = f"flockscope {shlex.join(sys.argv[1:])}"
@@ -189,7 +189,7 @@ class PaperOutcome:
     @property
     def value(self) -> dict[str, Any]:
         """As a value for JSON."""
-        from app.experiments.reports.report_formats import as_value
+        from app.studies.reports.report_formats import as_value
 
         return as_value(self.experiment, self.made, self.said) | {
             "seconds": round(self.seconds, 3),
@@ -208,15 +208,15 @@ def outcome_of(
     pictures: bool,
 ) -> PaperOutcome:
     """Judge what was measured, and write summary and picture."""
-    from app.experiments.reports.report_formats import write_summary
-    from app.experiments.verdicts.claims import claims
-    from app.experiments.verdicts.verdict import verdicts
+    from app.studies.reports.report_formats import write_summary
+    from app.studies.verdicts.claims import claims
+    from app.studies.verdicts.verdict import verdicts
 
     made = verdicts(experiment, done.measured)
     files = {"runs": folder / RUNS, "summary": folder / "summary.csv"}
     write_summary(files["summary"], made)
     if pictures:
-        from app.experiments.pictures.experiment_picture import draw
+        from app.studies.pictures.experiment_picture import draw
 
         files |= draw(experiment, made, folder, seed)
     return PaperOutcome(experiment, done, made, claims(made, experiment.said), files, seconds)
@@ -228,8 +228,8 @@ def report(outcomes: list[PaperOutcome], everything: bool, json_asked: bool, qui
         values = [one.value for one in outcomes]
         typer.echo(as_json({"papers": values} if everything else values[0]))
     else:
-        from app.experiments.reports.overview import overview
-        from app.experiments.reports.report_formats import show
+        from app.studies.reports.overview import overview
+        from app.studies.reports.report_formats import show
 
         console = make_console()
         for one in outcomes:

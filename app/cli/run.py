@@ -25,8 +25,8 @@ from app.cli.run_arguments import (
 )
 from app.cli.terminal import INTERRUPTED
 from app.cli.usage import Rules, by_name, first_of
-from app.experiments.workers.kernels import compile_loop
 from app.settings import at_least, names
+from app.studies.workers.kernels import compile_loop
 from worlds.file_writer import demand_apart, demand_writable, write_text
 from worlds.input_error import InputError
 from worlds.number_text import counted

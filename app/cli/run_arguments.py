@@ -17,8 +17,8 @@ from agents.catalogue import model as find_model
 from agents.models.declare import Parameters
 from agents.spec import KEYS, OPTIONS, Option, Spec, several
 from app.cli.file_argument import RUN, scene_run
-from app.experiments.key_lines import place
 from app.settings import assignment, at_least, numbers
+from app.studies.key_lines import place
 from worlds.input_error import InputError, nearest, shortened, unknown
 from worlds.text_file import read_text, toml
 from worlds.world import World

@@ -26,7 +26,7 @@ from app.cli.terminal import make_console
 from app.results_folder import PICTURES
 
 if TYPE_CHECKING:
-    from app.experiments.sensitivity.sensitivity_result import Sensitivity
+    from app.studies.sensitivity.sensitivity_result import Sensitivity
 
 
 def sensitivity(
@@ -52,10 +52,10 @@ def sensitivity(
     for elementary effects. What is measured is a mean over seeds that all cells have in common.
     """
     from app.cli.sweep.sweep_choice import read_or_kept
-    from app.experiments.runs.store_reader import StoreReader
-    from app.experiments.sensitivity.sensitivity_picture import draw
-    from app.experiments.sensitivity.sensitivity_result import analysed, design_of
-    from app.experiments.sweeps.pictures.sweep_picture import ENDINGS
+    from app.studies.runs.store_reader import StoreReader
+    from app.studies.sensitivity.sensitivity_picture import draw
+    from app.studies.sensitivity.sensitivity_result import analysed, design_of
+    from app.studies.sweeps.pictures.sweep_picture import ENDINGS
     from worlds.file_writer import demand_writable
     from worlds.input_error import unknown
 
@@ -102,7 +102,7 @@ def show(found: list[Sensitivity], title: str) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from app.experiments.sensitivity.sensitivity_result import in_words
+    from app.studies.sensitivity.sensitivity_result import in_words
 
     console = make_console()
     for one in found:

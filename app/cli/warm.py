@@ -52,7 +52,7 @@ def warm(
 def compiled(name: str) -> tuple[bool, float]:
     """Compile a model's loop and observables: whether its loop was compiled before, and seconds."""
     from agents.flock import Flock
-    from app.experiments.workers.kernels import compile_measures
+    from app.studies.workers.kernels import compile_measures
     from app.viewer.run.kernel_compiler import try_out
 
     begun = time.perf_counter()

@@ -12,10 +12,10 @@ from agents.flock import Flock
 from app.classroom.collect.class_curve import FIRST_SEED, CurveAsked, curve_of, find_curve
 from app.classroom.collect.collection import Collection
 from app.classroom.collect.question import question_of
-from app.experiments.runs.database import FILE
-from app.experiments.sweeps.checked_sweep import read_sweep
-from app.experiments.sweeps.sweep_results import Results
-from app.experiments.sweeps.sweep_runner import conduct
+from app.studies.runs.database import FILE
+from app.studies.sweeps.checked_sweep import read_sweep
+from app.studies.sweeps.sweep_results import Results
+from app.studies.sweeps.sweep_runner import conduct
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps, demand_from_page
 from app.viewer.run.run_preset import at_home
 from tests.classroom.small import AGREE, LED, ORDER, SCENE, VALUES

@@ -8,9 +8,9 @@ from experiments.small import small
 
 from agents import Flock
 from agents.state.agent_rows import StrayAgents
-from app.experiments.experiment_runner import conduct
-from app.experiments.runs.store_reader import StoreReader
-from app.experiments.sweeps.sweep_table import wide
+from app.studies.experiment_runner import conduct
+from app.studies.runs.store_reader import StoreReader
+from app.studies.sweeps.sweep_table import wide
 from cli.calling import call, refusal
 from worlds.obstacles import Box
 from worlds.world import World

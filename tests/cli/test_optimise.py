@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from app.experiments.runs.store_reader import StoreReader, readable
+from app.studies.runs.store_reader import StoreReader, readable
 from cli.calling import call, refusal, start, wait_until
 from worlds import plug_ins
 

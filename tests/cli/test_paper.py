@@ -6,8 +6,8 @@ import signal
 import pytest
 from experiments.small import TEXT
 
-from app.experiments.kinds import ConvergenceSettings
-from app.experiments.runs.store_reader import StoreReader, readable
+from app.studies.kinds import ConvergenceSettings
+from app.studies.runs.store_reader import StoreReader, readable
 from cli.calling import call, refusal, start, wait_until
 
 SMALL = ("paper", "liu2021-table1", "--agents", "100", "--models", "vem,hwvem", "--runs", "6")
@@ -120,7 +120,7 @@ def test_strict_is_told_by_the_exit_code(tmp_path, strict, code):
 
 def test_all_of_them_end_with_a_table_of_verdicts(tmp_path, monkeypatch):
     names = ["jacobs-fig2", "wu2023-plain"]
-    monkeypatch.setattr("app.experiments.experiment.experiment_names", lambda: names)
+    monkeypatch.setattr("app.studies.experiment.experiment_names", lambda: names)
     result = call("paper", "--all", *QUICK, "--out", tmp_path)
     assert result.exit_code == 0, result.stderr
     table = result.stdout[result.stdout.index("verdicts on rows") :]

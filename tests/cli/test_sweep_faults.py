@@ -9,9 +9,9 @@ import time
 import psutil
 import pytest
 
-from app.experiments.runs.database import FILE
-from app.experiments.runs.store import Store
-from app.experiments.runs.store_reader import StoreReader, readable
+from app.studies.runs.database import FILE
+from app.studies.runs.store import Store
+from app.studies.runs.store_reader import StoreReader, readable
 from cli.calling import call, refusal, start, wait_until
 
 TEXT = """

@@ -13,8 +13,8 @@ import pytest
 import app.cli
 from agents.flock import Flock
 from agents.record import Recorder
-from app.experiments.runs.run_outcome import Outcome
-from app.experiments.runs.store import Store
+from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.store import Store
 from cli.calling import start
 from worlds.input_error import CONTROLS
 

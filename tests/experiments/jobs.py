@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.experiments.runs.run_outcome import Outcome
+from app.studies.runs.run_outcome import Outcome
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.experiments.experiment_file import PublishedMeasure
-from app.experiments.kinds.mission import MissionSettings
-from app.experiments.verdicts.claim_verdict import (
+from app.studies.experiment_file import PublishedMeasure
+from app.studies.kinds.mission import MissionSettings
+from app.studies.verdicts.claim_verdict import (
     DOES_NOT,
     HOLDS,
     UNDECIDED,
@@ -21,10 +21,10 @@ from app.experiments.verdicts.claim_verdict import (
     mean_within,
     share_of_runs,
 )
-from app.experiments.verdicts.comparison import compare
-from app.experiments.verdicts.judge import RunRanges, ranges_of, share_interval
-from app.experiments.verdicts.statistics import summary
-from app.experiments.verdicts.verdict import ranges_of_runs
+from app.studies.verdicts.comparison import compare
+from app.studies.verdicts.judge import RunRanges, ranges_of, share_interval
+from app.studies.verdicts.statistics import summary
+from app.studies.verdicts.verdict import ranges_of_runs
 
 FEW = ClaimVerdict("undecided", 5)
 

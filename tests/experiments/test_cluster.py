@@ -13,11 +13,11 @@ from contextlib import contextmanager, suppress
 import pytest
 from cli.calling import call, refusal, start, wait_until
 
-from app.experiments.cluster.cluster_options import Cluster
-from app.experiments.runs.store_reader import StoreReader, readable
-from app.experiments.sweeps.sweep_runner import conduct
-from app.experiments.sweeps.sweep_table import as_csv, long, wide
-from app.experiments.workers.run_executors import Task
+from app.studies.cluster.cluster_options import Cluster
+from app.studies.runs.store_reader import StoreReader, readable
+from app.studies.sweeps.sweep_runner import conduct
+from app.studies.sweeps.sweep_table import as_csv, long, wide
+from app.studies.workers.run_executors import Task
 from experiments.jobs import Sums
 from experiments.test_sweep_file import read
 from worlds.input_error import InputError
@@ -27,8 +27,8 @@ import psutil
 from dask.config import set as dask_config
 from distributed import Client
 
-from app.experiments.cluster.cluster_connection import opened
-from app.experiments.cluster.cluster_executor import ClusterExecutor
+from app.studies.cluster.cluster_connection import opened
+from app.studies.cluster.cluster_executor import ClusterExecutor
 
 TEXT = """
 [run]
@@ -208,7 +208,7 @@ def slurm(tmp_path, monkeypatch):
 
 def test_jobs_of_a_queue_make_the_runs_and_are_replaced(tmp_path, slurm, one_machine, monkeypatch):
     """Also one that ends, the only one, as its results are fetched: they are lost with it."""
-    monkeypatch.setattr("app.experiments.cluster.cluster_executor.AGAIN", 1.0)
+    monkeypatch.setattr("app.studies.cluster.cluster_executor.AGAIN", 1.0)
     cluster = Cluster(kind="slurm", cores=2, shared=str(tmp_path / "shared"))
     ended = []
     fetch = ClusterExecutor.fetch
@@ -266,7 +266,7 @@ def test_a_worker_whose_time_is_over_hands_on_what_it_has(tmp_path, one_machine)
 
 
 def test_a_queue_that_sends_no_worker_is_told_of(tmp_path, slurm, monkeypatch):
-    monkeypatch.setattr("app.experiments.cluster.cluster_executor.ALONE", 0.0)
+    monkeypatch.setattr("app.studies.cluster.cluster_executor.ALONE", 0.0)
     (slurm / "sbatch").write_text("#!/bin/sh\necho Submitted batch job 7\n")
     (slurm / "scancel").write_text(f"#!/bin/sh\necho $1 > {slurm}/cancelled\n")
     shared = str(tmp_path / "shared")

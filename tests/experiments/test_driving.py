@@ -8,11 +8,11 @@ import pytest
 from scipy.optimize import brentq
 
 from agents import Flock
-from app.experiments.experiment import read_file
-from app.experiments.kinds.driving import Drive, DrivingSettings, gaps, lags, lap_of, nearest
-from app.experiments.kinds.squash import SquashSettings
-from app.experiments.overrides import PLAIN, Overrides, Ranks, with_goal
-from app.experiments.trial import fingerprint, flock_of
+from app.studies.experiment import read_file
+from app.studies.kinds.driving import Drive, DrivingSettings, gaps, lags, lap_of, nearest
+from app.studies.kinds.squash import SquashSettings
+from app.studies.overrides import PLAIN, Overrides, Ranks, with_goal
+from app.studies.trial import fingerprint, flock_of
 from worlds.input_error import InputError
 from worlds.layout import world
 

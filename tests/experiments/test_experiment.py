@@ -2,9 +2,9 @@
 
 import pytest
 
-from app.experiments.experiment import experiment_names, read_experiment
-from app.experiments.key_lines import line_of, place
 from app.package_files import EXPERIMENTS
+from app.studies.experiment import experiment_names, read_experiment
+from app.studies.key_lines import line_of, place
 from experiments.small import TEXT, small
 from worlds.input_error import InputError
 

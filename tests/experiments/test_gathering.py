@@ -9,16 +9,16 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.experiments.experiment import experiment_names, read_experiment, read_file
-from app.experiments.experiment_file import EveryRunClaim
-from app.experiments.experiment_runner import MeasuredCase, conduct
-from app.experiments.kinds.gathering import GatheringSettings, groups_of
-from app.experiments.pictures.gatherings.box import edges_of, faces_of
-from app.experiments.reports.report_formats import show
-from app.experiments.runs.store_reader import StoreReader
-from app.experiments.trial import fingerprint, flock_of
-from app.experiments.verdicts.claims import claims
-from app.experiments.verdicts.verdict import of, verdicts
+from app.studies.experiment import experiment_names, read_experiment, read_file
+from app.studies.experiment_file import EveryRunClaim
+from app.studies.experiment_runner import MeasuredCase, conduct
+from app.studies.kinds.gathering import GatheringSettings, groups_of
+from app.studies.pictures.gatherings.box import edges_of, faces_of
+from app.studies.reports.report_formats import show
+from app.studies.runs.store_reader import StoreReader
+from app.studies.trial import fingerprint, flock_of
+from app.studies.verdicts.claims import claims
+from app.studies.verdicts.verdict import of, verdicts
 from worlds.input_error import InputError
 
 TEXT = """

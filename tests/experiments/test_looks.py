@@ -8,22 +8,22 @@ import pytest
 
 from agents import Flock
 from agents.mission_record import fly
-from app.experiments.experiment import read_experiment
-from app.experiments.kinds.beginning import BeginningSettings, gaps
-from app.experiments.kinds.detours import A1, A2, A3, DetourSettings, DetourTrack, boundary_end
-from app.experiments.kinds.evolution import EvolutionSettings
-from app.experiments.kinds.holding import HoldingSettings
-from app.experiments.kinds.layering import (
+from app.studies.experiment import read_experiment
+from app.studies.kinds.beginning import BeginningSettings, gaps
+from app.studies.kinds.detours import A1, A2, A3, DetourSettings, DetourTrack, boundary_end
+from app.studies.kinds.evolution import EvolutionSettings
+from app.studies.kinds.holding import HoldingSettings
+from app.studies.kinds.layering import (
     LayeringSettings,
     heeds_lower,
     shortest_way,
     shortest_ways,
 )
-from app.experiments.kinds.tangents import TangentSettings, nearest_points
-from app.experiments.overrides import Overrides, with_goal
-from app.experiments.pictures.missions.flown_mission import FlownMission
-from app.experiments.pictures.missions.nearest_picture import nearness
-from app.experiments.trial import flock_of
+from app.studies.kinds.tangents import TangentSettings, nearest_points
+from app.studies.overrides import Overrides, with_goal
+from app.studies.pictures.missions.flown_mission import FlownMission
+from app.studies.pictures.missions.nearest_picture import nearness
+from app.studies.trial import flock_of
 from worlds.input_error import InputError
 from worlds.layout import world
 

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from agents.mission_record import fly
-from app.experiments.experiment import experiment_names, read_experiment, read_file
-from app.experiments.experiment_file import EveryRunClaim, FasterClaim, OrderClaim
-from app.experiments.experiment_runner import MeasuredCase, conduct
-from app.experiments.kinds import KINDS, MissionSettings
-from app.experiments.pictures.experiment_picture import draw
-from app.experiments.reports.report_formats import as_value
-from app.experiments.reports.tables import table_of
-from app.experiments.runs.store_reader import StoreReader
-from app.experiments.sweeps.sweep_table import wide
-from app.experiments.trial import fingerprint, flock_of
-from app.experiments.verdicts.claims import claims
-from app.experiments.verdicts.verdict import of, verdicts
+from app.studies.experiment import experiment_names, read_experiment, read_file
+from app.studies.experiment_file import EveryRunClaim, FasterClaim, OrderClaim
+from app.studies.experiment_runner import MeasuredCase, conduct
+from app.studies.kinds import KINDS, MissionSettings
+from app.studies.pictures.experiment_picture import draw
+from app.studies.reports.report_formats import as_value
+from app.studies.reports.tables import table_of
+from app.studies.runs.store_reader import StoreReader
+from app.studies.sweeps.sweep_table import wide
+from app.studies.trial import fingerprint, flock_of
+from app.studies.verdicts.claims import claims
+from app.studies.verdicts.verdict import of, verdicts
 from experiments.test_schemes import SCHEMES
 from worlds.input_error import InputError
 

@@ -4,12 +4,12 @@ import math
 
 import pytest
 
-from app.experiments.optimisation.optimisation_file import OptimisationFile
-from app.experiments.optimisation.optimisation_runner import optimise
-from app.experiments.optimisation.study import read_study
-from app.experiments.runs.store_reader import StoreReader
-from app.experiments.sweeps.sweep_table import wide
-from app.experiments.workers.run_executors import InlineExecutor
+from app.studies.optimisation.optimisation_file import OptimisationFile
+from app.studies.optimisation.optimisation_runner import optimise
+from app.studies.optimisation.study import read_study
+from app.studies.runs.store_reader import StoreReader
+from app.studies.sweeps.sweep_table import wide
+from app.studies.workers.run_executors import InlineExecutor
 from worlds.input_error import InputError
 
 SMALL = """
@@ -87,7 +87,7 @@ def study(folder, *changes, text=SMALL):
 @pytest.fixture
 def here(monkeypatch):
     """Runs are made in this process: for tests that are not of processes."""
-    makers = "app.experiments.optimisation.evaluations.makers_of"
+    makers = "app.studies.optimisation.evaluations.makers_of"
     monkeypatch.setattr(makers, lambda job, *_: InlineExecutor(job))
 
 

@@ -9,9 +9,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.experiments.runs.run_outcome import Outcome
-from app.experiments.workers.processes import Process, Processes
-from app.experiments.workers.run_executors import AwakeClock, Task
+from app.studies.runs.run_outcome import Outcome
+from app.studies.workers.processes import Process, Processes
+from app.studies.workers.run_executors import AwakeClock, Task
 from experiments.jobs import Sums
 from worlds.input_error import InputError
 
@@ -93,7 +93,7 @@ def test_a_run_that_hangs_is_killed_and_the_others_are_made():
 def test_a_process_that_is_halted_is_told_of_and_replaced_and_a_slow_one_goes_on(
     tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("app.experiments.workers.processes.SILENT", 6.0)
+    monkeypatch.setattr("app.studies.workers.processes.SILENT", 6.0)
     payloads = {2: "halt once", 4: "work", 6: "halt"}
     tasks = [Task(1, seed, payloads.get(seed)) for seed in range(9)]
     kept, said = {}, []

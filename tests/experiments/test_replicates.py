@@ -2,10 +2,10 @@
 
 import math
 
-from app.experiments.sweeps.given.sweep_file import Replicates
-from app.experiments.sweeps.replicates import Rounds, half_width, is_precise
-from app.experiments.verdicts.judge import ranges_of
-from app.experiments.verdicts.statistics import summary
+from app.studies.sweeps.given.sweep_file import Replicates
+from app.studies.sweeps.replicates import Rounds, half_width, is_precise
+from app.studies.verdicts.judge import ranges_of
+from app.studies.verdicts.statistics import summary
 
 
 def test_the_half_interval_is_the_wider_side_of_that_of_papers():

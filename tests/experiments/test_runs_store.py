@@ -12,11 +12,11 @@ from contextlib import closing, suppress
 import numpy as np
 import pytest
 
-from app.experiments.runs.database import FILE, looked_into
-from app.experiments.runs.run_outcome import Outcome
-from app.experiments.runs.store import Store, is_taken
-from app.experiments.runs.store_reader import StoreReader, readable
-from app.experiments.sweeps.sweep_table import long, wide
+from app.studies.runs.database import FILE, looked_into
+from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.store import Store, is_taken
+from app.studies.runs.store_reader import StoreReader, readable
+from app.studies.sweeps.sweep_table import long, wide
 from worlds.input_error import InputError
 
 CELLS = [("aaa", '{"axes":{"p":1}}'), ("bbb", '{"axes":{"p":2}}')]
@@ -151,7 +151,7 @@ def test_another_process_reads_while_one_writes(tmp_path):
         store.add(cell, 2, Outcome("ok", {"k": 2}))
         ask = f"""
             from pathlib import Path
-            from app.experiments.runs.store_reader import StoreReader
+            from app.studies.runs.store_reader import StoreReader
             kept = StoreReader(Path({str(tmp_path)!r}))
             print(kept.counts["ok"], kept.state["progress"]["rate"])
         """
@@ -255,7 +255,7 @@ def test_who_goes_on_with_a_store_that_takes_too_long_is_told_and_can_still_writ
         connection.executemany(into, rows)
     with Store(tmp_path, ["k"]) as store:
         assert len(store.done([1])) == 100_000
-        monkeypatch.setattr("app.experiments.runs.store.LONGEST", 0.0)
+        monkeypatch.setattr("app.studies.runs.store.LONGEST", 0.0)
         for ask in (lambda: store.done([1]), lambda: store.others([2]), store.outcomes):
             with pytest.raises(
                 InputError, match="cannot be gone on with: the answer takes too long"

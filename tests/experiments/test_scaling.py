@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from app.experiments.sweeps.pictures.cell_runs import CellRuns
-from app.experiments.sweeps.pictures.scaling import Scaling, by_size, collapse, crossing_of
+from app.studies.sweeps.pictures.cell_runs import CellRuns
+from app.studies.sweeps.pictures.scaling import Scaling, by_size, collapse, crossing_of
 from worlds.input_error import InputError
 
 BETA, NU, CRITICAL = 0.45, 1.6, 4.3

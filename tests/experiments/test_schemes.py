@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from app.experiments.experiment import read_experiment
-from app.experiments.experiment_runner import conduct
-from app.experiments.kinds.branching import BranchingSettings, push_on, with_block
-from app.experiments.kinds.dodging import DodgingSettings
-from app.experiments.kinds.gathering import share_crashed
-from app.experiments.kinds.potential import PotentialSettings, tanner_potential, tanner_slope
-from app.experiments.kinds.projections import ProjectionSettings
-from app.experiments.kinds.regions import RegionSettings, weights
-from app.experiments.kinds.zoning import (
+from app.studies.experiment import read_experiment
+from app.studies.experiment_runner import conduct
+from app.studies.kinds.branching import BranchingSettings, push_on, with_block
+from app.studies.kinds.dodging import DodgingSettings
+from app.studies.kinds.gathering import share_crashed
+from app.studies.kinds.potential import PotentialSettings, tanner_potential, tanner_slope
+from app.studies.kinds.projections import ProjectionSettings
+from app.studies.kinds.regions import RegionSettings, weights
+from app.studies.kinds.zoning import (
     ALIGNED,
     ATTRACTED,
     BOTH,
@@ -27,11 +27,11 @@ from app.experiments.kinds.zoning import (
     wish_of,
     zones_by_rule,
 )
-from app.experiments.pictures.endurance import column_of
-from app.experiments.pictures.experiment_picture import draw
-from app.experiments.pictures.schemes import zone_scheme
-from app.experiments.trial import flock_of
-from app.experiments.verdicts.verdict import verdicts
+from app.studies.pictures.endurance import column_of
+from app.studies.pictures.experiment_picture import draw
+from app.studies.pictures.schemes import zone_scheme
+from app.studies.trial import flock_of
+from app.studies.verdicts.verdict import verdicts
 
 SCHEMES = (
     "jacobs-fig1",

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.experiments.search import PointScores, search
+from app.studies.search import PointScores, search
 
 PLACE = np.array([0.3, 0.9])
 

@@ -4,10 +4,10 @@ import sqlite3
 
 import pytest
 
-from app.experiments.experiment_runner import conduct
-from app.experiments.runs.database import FILE
-from app.experiments.runs.store_reader import StoreReader
-from app.experiments.trial import fingerprint
+from app.studies.experiment_runner import conduct
+from app.studies.runs.database import FILE
+from app.studies.runs.store_reader import StoreReader
+from app.studies.trial import fingerprint
 from experiments.small import TEXT, small
 from worlds.input_error import InputError
 
@@ -51,7 +51,7 @@ def test_only_what_is_not_there_is_run_again(tmp_path):
 
 def test_processes_make_the_same_numbers(tmp_path, monkeypatch):
     here = carry_out(small(tmp_path), tmp_path / "here")
-    monkeypatch.setattr("app.experiments.experiment_runner.SOON", 0.0)
+    monkeypatch.setattr("app.studies.experiment_runner.SOON", 0.0)
     there = carry_out(small(tmp_path), tmp_path / "there")
     assert there.measured == here.measured
 

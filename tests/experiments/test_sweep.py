@@ -7,15 +7,15 @@ import pytest
 
 from agents import Flock
 from agents.series import follow
-from app.experiments.runs.run_outcome import Outcome
-from app.experiments.runs.store import Store
-from app.experiments.runs.store_reader import StoreReader
-from app.experiments.sweeps.making.sweep_job import RunRequest
-from app.experiments.sweeps.replicates import FIRST_LOOK
-from app.experiments.sweeps.sweep_results import Results
-from app.experiments.sweeps.sweep_runner import STOP, conduct
-from app.experiments.sweeps.sweep_table import as_csv, long, wide
-from app.experiments.workers.run_executors import InlineExecutor
+from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.store import Store
+from app.studies.runs.store_reader import StoreReader
+from app.studies.sweeps.making.sweep_job import RunRequest
+from app.studies.sweeps.replicates import FIRST_LOOK
+from app.studies.sweeps.sweep_results import Results
+from app.studies.sweeps.sweep_runner import STOP, conduct
+from app.studies.sweeps.sweep_table import as_csv, long, wide
+from app.studies.workers.run_executors import InlineExecutor
 from experiments.test_sweep_file import read
 
 SMALL = """
@@ -37,7 +37,7 @@ name = "polarisation"
 @pytest.fixture
 def here(monkeypatch):
     """Runs are made in this process."""
-    makers = "app.experiments.sweeps.sweep_runner.Processes"
+    makers = "app.studies.sweeps.sweep_runner.Processes"
     monkeypatch.setattr(makers, lambda job, *_, **__: InlineExecutor(job))
 
 
@@ -265,7 +265,7 @@ def test_a_script_gets_the_same_as_a_file(tmp_path):
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("kind", ["csv", "parquet"])
 def test_results_are_tables(tmp_path, kind):
-    from app.experiments.sweeps.sweep_table import write_table
+    from app.studies.sweeps.sweep_table import write_table
 
     carry_out(read(tmp_path, text=SMALL), tmp_path / "a", limit=4)
     results = Results(tmp_path / "a")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.experiments.sweeps.checked_sweep import read_sweep
+from app.studies.sweeps.checked_sweep import read_sweep
 from worlds.input_error import InputError
 
 TEXT = """

@@ -7,12 +7,12 @@ import pytest
 from oracles import active_brownian as oracle
 
 from agents import Flock
-from app.experiments.experiment import read_experiment
-from app.experiments.experiment_runner import conduct
-from app.experiments.kinds.crowding import CrowdingSettings, along
-from app.experiments.kinds.diffusion import squared_displacement
-from app.experiments.verdicts.claims import claims
-from app.experiments.verdicts.verdict import of, verdicts
+from app.studies.experiment import read_experiment
+from app.studies.experiment_runner import conduct
+from app.studies.kinds.crowding import CrowdingSettings, along
+from app.studies.kinds.diffusion import squared_displacement
+from app.studies.verdicts.claims import claims
+from app.studies.verdicts.verdict import of, verdicts
 
 
 def carried_out(whole, folder, keep):

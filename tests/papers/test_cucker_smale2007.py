@@ -8,11 +8,11 @@ import pytest
 from scipy.integrate import quad
 
 from agents import Flock
-from app.experiments.experiment import read_experiment
-from app.experiments.experiment_runner import conduct
-from app.experiments.kinds.consensus import ConsensusBound, ConsensusSettings
-from app.experiments.verdicts.claims import claims
-from app.experiments.verdicts.verdict import of, verdicts
+from app.studies.experiment import read_experiment
+from app.studies.experiment_runner import conduct
+from app.studies.kinds.consensus import ConsensusBound, ConsensusSettings
+from app.studies.verdicts.claims import claims
+from app.studies.verdicts.verdict import of, verdicts
 from worlds.input_error import InputError
 
 

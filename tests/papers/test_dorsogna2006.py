@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from app.experiments.experiment import read_experiment
-from app.experiments.experiment_runner import conduct
-from app.experiments.kinds.swarming import room, shape_of
-from app.experiments.verdicts.claims import claims
-from app.experiments.verdicts.phase_map import map_of
-from app.experiments.verdicts.verdict import of, verdicts
+from app.studies.experiment import read_experiment
+from app.studies.experiment_runner import conduct
+from app.studies.kinds.swarming import room, shape_of
+from app.studies.verdicts.claims import claims
+from app.studies.verdicts.phase_map import map_of
+from app.studies.verdicts.verdict import of, verdicts
 
 
 def carried_out(whole, folder, keep, runs=2):

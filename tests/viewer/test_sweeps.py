@@ -13,14 +13,14 @@ from pathlib import Path
 import pytest
 
 from agents.flock import Flock
-from app.experiments.runs.database import FILE
-from app.experiments.runs.run_outcome import Outcome
-from app.experiments.runs.store import Store, is_taken
-from app.experiments.runs.store_reader import StoreReader
-from app.experiments.sweeps.checked_sweep import read_sweep
-from app.experiments.sweeps.pictures.cell_runs import CellRuns
-from app.experiments.sweeps.sweep_runner import SPEC, STOP
-from app.experiments.sweeps.sweep_table import wide
+from app.studies.runs.database import FILE
+from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.store import Store, is_taken
+from app.studies.runs.store_reader import StoreReader
+from app.studies.sweeps.checked_sweep import read_sweep
+from app.studies.sweeps.pictures.cell_runs import CellRuns
+from app.studies.sweeps.sweep_runner import SPEC, STOP
+from app.studies.sweeps.sweep_table import wide
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.sweep_panel import status
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps, demand_from_page

@@ -15,9 +15,9 @@ from app.classroom.collect.collection import Collection
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
 from app.classroom.collect.result_groups import ResultGroup
-from app.experiments.pictures.experiment_picture import LOOK
-from app.experiments.sweeps.pictures.mean_lines import CENSORED, COLOURS, FAILED
 from app.figure import save_figure
+from app.studies.pictures.experiment_picture import LOOK
+from app.studies.sweeps.pictures.mean_lines import CENSORED, COLOURS, FAILED
 from app.viewer.panels.dials import plain
 from worlds.input_error import unknown
 

@@ -17,8 +17,8 @@ from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
 from app.classroom.collect.result_groups import ResultGroup
 from app.classroom.names import student_name
-from app.experiments.runs.run_outcome import Status
-from app.experiments.sweeps.sweep_table import as_csv
+from app.studies.runs.run_outcome import Status
+from app.studies.sweeps.sweep_table import as_csv
 from app.viewer.panels.dials import plain
 from worlds.file_writer import unguarded_cell
 from worlds.input_error import InputError, shortened

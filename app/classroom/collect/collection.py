@@ -14,7 +14,7 @@ from agents.spec import Spec
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
 from app.classroom.collect.result_groups import ResultGroup, distinct, groups_of
-from app.experiments.sweeps.pictures.mean_lines import spans_decades
+from app.studies.sweeps.pictures.mean_lines import spans_decades
 from worlds.input_error import InputError
 from worlds.number_text import counted as count
 

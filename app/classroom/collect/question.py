@@ -17,11 +17,11 @@ from agents.models.declare import DeclaredParameter
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Spec
 from app.classroom.collect.run_cost import MOST_TICKS, demand_cheap
-from app.experiments.sweeps.given.sweep_conditions import ObservableBound, comparison
-from app.experiments.sweeps.given.sweep_file import Observe
-from app.experiments.sweeps.making.measures import demand_number, measure_of
-from app.experiments.sweeps.making.sweep_job import StopCondition, SweepJob
 from app.strict_table import StrictTable
+from app.studies.sweeps.given.sweep_conditions import ObservableBound, comparison
+from app.studies.sweeps.given.sweep_file import Observe
+from app.studies.sweeps.making.measures import demand_number, measure_of
+from app.studies.sweeps.making.sweep_job import StopCondition, SweepJob
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
 from app.viewer.measuring.observable_format import words as in_words
 from worlds.input_error import InputError, first_refusal, shortened, unknown

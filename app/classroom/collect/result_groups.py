@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.classroom.collect.hand_in import Point
-from app.experiments.sweeps.pictures.mean_lines import spans_decades
-from app.experiments.sweeps.replicates import half_width
+from app.studies.sweeps.pictures.mean_lines import spans_decades
+from app.studies.sweeps.replicates import half_width
 
 MOST_ALONE = 12
 """Different values that are each a group, however few results there are of each."""

@@ -11,8 +11,8 @@ from worlds.input_error import InputError, needed
 from worlds.number_text import counted
 
 if TYPE_CHECKING:
-    from app.experiments.cluster.cluster_options import Cluster
-    from app.experiments.sweeps.checked_sweep import Sweep
+    from app.studies.cluster.cluster_options import Cluster
+    from app.studies.sweeps.checked_sweep import Sweep
 
 PANEL = "On a cluster"
 OnCluster = Annotated[
@@ -58,7 +58,7 @@ def cluster_asked(
 ) -> Cluster | None:
     """The cluster of the file with what the options change; None: this machine. Raises
     InputError."""
-    from app.experiments.cluster.cluster_options import Cluster
+    from app.studies.cluster.cluster_options import Cluster
 
     given = {name: value for name, value in options.items() if value not in (None, "")}
     asked = sweep.file.cluster.model_dump() | given

@@ -18,7 +18,7 @@ from worlds.input_error import InputError
 from worlds.number_text import duration
 
 if TYPE_CHECKING:
-    from app.experiments.runs.store_reader import StoreReader
+    from app.studies.runs.store_reader import StoreReader
 
 # `flockscope sweep list`: the sweeps in a folder, and how far each is.
 
@@ -28,7 +28,7 @@ def list_sweeps(
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List sweeps and their progress."""
-    from app.experiments.sweeps.sweep_status import status_of
+    from app.studies.sweeps.sweep_status import status_of
 
     there = sorted(folder.iterdir()) if folder.is_dir() else []
     found = []
@@ -59,7 +59,7 @@ def status(
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Show how many runs are done, how long the rest takes, and what failed."""
-    from app.experiments.sweeps.sweep_status import status_of
+    from app.studies.sweeps.sweep_status import status_of
 
     value = status_of(kept_sweep(name))
     typer.echo(as_json(value) if json_asked else in_words(value))
@@ -94,8 +94,8 @@ def stop(
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing.")] = False,
 ) -> None:
     """Stop a sweep that another process runs; `flockscope sweep run` goes on with it."""
-    from app.experiments.runs.store import is_taken
-    from app.experiments.sweeps.sweep_runner import STOP
+    from app.studies.runs.store import is_taken
+    from app.studies.sweeps.sweep_runner import STOP
 
     folder = kept_sweep(name)
     if not is_taken(folder):
@@ -160,10 +160,10 @@ def plot(
     axis 'agents': a line for each size, Binder's cumulant if 'binder' is observed, and with --beta
     and --nu the collapse.
     """
-    from app.experiments.runs.store_reader import StoreReader
-    from app.experiments.sweeps.pictures.scaling import Scaling
-    from app.experiments.sweeps.pictures.sweep_picture import draw
-    from app.experiments.sweeps.sweep_table import measured
+    from app.studies.runs.store_reader import StoreReader
+    from app.studies.sweeps.pictures.scaling import Scaling
+    from app.studies.sweeps.pictures.sweep_picture import draw
+    from app.studies.sweeps.sweep_table import measured
 
     if (beta is None) != (nu is None) or (critical is not None and beta is None):
         raise InputError("a collapse takes --beta and --nu, and --critical beside them")
@@ -202,10 +202,10 @@ def export(
 
     Without --times the same runs are the same bytes, however often the sweep was stopped.
     """
-    from app.experiments.runs.store_reader import StoreReader
-    from app.experiments.sweeps.sweep_table import as_csv, write_table
-    from app.experiments.sweeps.sweep_table import long as in_long
-    from app.experiments.sweeps.sweep_table import wide as in_wide
+    from app.studies.runs.store_reader import StoreReader
+    from app.studies.sweeps.sweep_table import as_csv, write_table
+    from app.studies.sweeps.sweep_table import long as in_long
+    from app.studies.sweeps.sweep_table import wide as in_wide
 
     if long and times:
         raise InputError(
@@ -239,8 +239,8 @@ def show(
 
     With --cell and --seed it prints the spec of that run: `flockscope run FILE.toml` repeats it.
     """
-    from app.experiments.runs.store_reader import StoreReader
-    from app.experiments.sweeps.sweep_table import spec_at
+    from app.studies.runs.store_reader import StoreReader
+    from app.studies.sweeps.sweep_table import spec_at
 
     kept = StoreReader(kept_sweep(name))
     if seed is not None:
@@ -268,8 +268,8 @@ def summary_of(kept: StoreReader) -> None:
 
 def summaries(kept: StoreReader) -> list[dict[str, Any]]:
     """Each cell with the mean and the interval of what was measured, and runs without a value."""
-    from app.experiments.sweeps.pictures.cell_runs import groups_of
-    from app.experiments.sweeps.sweep_table import measured, places_of
+    from app.studies.sweeps.pictures.cell_runs import groups_of
+    from app.studies.sweeps.sweep_table import measured, places_of
 
     places = places_of(kept)
     rows: list[dict[str, Any]] = [
@@ -292,8 +292,8 @@ def summaries(kept: StoreReader) -> list[dict[str, Any]]:
 
 def faults(kept: StoreReader) -> list[dict[str, Any]]:
     """The runs that failed or were killed: cell, seed, why."""
-    from app.experiments.runs.run_outcome import BROKEN
-    from app.experiments.sweeps.sweep_table import places_of
+    from app.studies.runs.run_outcome import BROKEN
+    from app.studies.sweeps.sweep_table import places_of
 
     places = places_of(kept)
     return [
@@ -308,7 +308,7 @@ def show_cells(kept: StoreReader, rows: list[dict[str, Any]]) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from app.experiments.sweeps.sweep_table import axes_of, measured
+    from app.studies.sweeps.sweep_table import axes_of, measured
 
     axes, columns = axes_of(kept), measured(kept)
     extra = [key for key in ("gave_up", "failed") if any(row[key] for row in rows)]

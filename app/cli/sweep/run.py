@@ -43,9 +43,9 @@ from app.settings import at_least
 from worlds.number_text import counted, duration
 
 if TYPE_CHECKING:
-    from app.experiments.cluster.cluster_options import Cluster
-    from app.experiments.sweeps.checked_sweep import Sweep
-    from app.experiments.sweeps.sweep_runner import SweepReport
+    from app.studies.cluster.cluster_options import Cluster
+    from app.studies.sweeps.checked_sweep import Sweep
+    from app.studies.sweeps.sweep_runner import SweepReport
 
 # What all commands that make runs have in common: their options, and how they are carried out.
 
@@ -91,7 +91,7 @@ def under_way(folder: Path, quiet: bool) -> Iterator[Progress]:
 
 def warn(sweep: Sweep) -> None:
     """Warn of worlds that are not those of the papers."""
-    from app.experiments.sweeps.estimate import other_worlds
+    from app.studies.sweeps.estimate import other_worlds
 
     for line in other_worlds(sweep):
         tell(f"flockscope: {line}")
@@ -108,8 +108,8 @@ def carried_out(
     cluster: Cluster | None = None,
 ) -> SweepReport:
     """Carry out the sweep."""
-    from app.experiments.sweeps.sweep_runner import conduct
-    from app.experiments.workers.processes import cores
+    from app.studies.sweeps.sweep_runner import conduct
+    from app.studies.workers.processes import cores
 
     if cluster is not None and not quiet:
         from app.cli.sweep.clusters import in_words
@@ -194,7 +194,7 @@ def run(
 
 def print_job(cluster: Cluster, quiet: bool) -> None:
     """Print what a queue would be asked for. Raises InputError."""
-    from app.experiments.cluster.cluster_connection import job_script
+    from app.studies.cluster.cluster_connection import job_script
 
     typer.echo(job_script(cluster), nl=False)
     if not quiet:
@@ -203,9 +203,9 @@ def print_job(cluster: Cluster, quiet: bool) -> None:
 
 def draw_all(sweep: Sweep, folder: Path) -> list[Path]:
     """Draw a picture of each thing that is measured. Raises InputError."""
-    from app.experiments.runs.store_reader import StoreReader
-    from app.experiments.sweeps.pictures.sweep_picture import draw
     from app.results_folder import PICTURES
+    from app.studies.runs.store_reader import StoreReader
+    from app.studies.sweeps.pictures.sweep_picture import draw
 
     files = [folder / f"{column}.{kind}" for column in sweep.making.columns for kind in PICTURES]
     for path in files:
@@ -224,7 +224,7 @@ def report(
 ) -> None:
     """Print what has come of it."""
     from app.cli.sweep.commands import summary_of
-    from app.experiments.runs.store_reader import StoreReader
+    from app.studies.runs.store_reader import StoreReader
 
     kept = StoreReader(folder)
     if json_asked:
@@ -278,8 +278,8 @@ def check(
     The first ticks of some cells are timed; nothing is kept.
     """
     at_least("--runs", runs, 1)
-    from app.experiments.sweeps.estimate import estimate, other_worlds
-    from app.experiments.workers.processes import cores
+    from app.studies.sweeps.estimate import estimate, other_worlds
+    from app.studies.workers.processes import cores
 
     sweep, _ = sweep_asked(
         what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, None

@@ -14,8 +14,8 @@ from app.settings import assignment, names, numbers, value
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
-    from app.experiments.sweeps.checked_sweep import Sweep
-    from app.experiments.sweeps.given.key_locations import KeyLocations
+    from app.studies.sweeps.checked_sweep import Sweep
+    from app.studies.sweeps.given.key_locations import KeyLocations
 
 SPAN = re.compile(r"([^:]+):([^:]+)(?::([^:]+))?(?::(log|linear))?")
 Vary = Annotated[
@@ -59,8 +59,8 @@ def sweep_asked(
     tell: Any,
 ) -> tuple[Sweep, Path]:
     """The sweep and its folder, where no other is asked for. Raises InputError."""
-    from app.experiments.sweeps.checked_sweep import sweep_of
-    from app.experiments.sweeps.given.key_locations import KeyLocations
+    from app.studies.sweeps.checked_sweep import sweep_of
+    from app.studies.sweeps.given.key_locations import KeyLocations
 
     options = {
         "--vary": vary, "--set": fixed, "--runs": runs, "--ticks": ticks, "--observe": observe,
@@ -109,7 +109,7 @@ def says_all(what: str) -> bool:
 
 def read_or_kept(what: str, tell: Any) -> tuple[Sweep, Path]:
     """The sweep of a file or of a folder, and its folder. Raises InputError."""
-    from app.experiments.sweeps.checked_sweep import read_sweep
+    from app.studies.sweeps.checked_sweep import read_sweep
 
     if not says_all(what):
         raise InputError(f"{what!r} is no FILE.toml and no folder of a sweep")
@@ -120,16 +120,16 @@ def read_or_kept(what: str, tell: Any) -> tuple[Sweep, Path]:
 
 def read_again(folder: Path, tell: Any) -> Sweep:
     """The sweep of a folder that was run before. Raises InputError."""
-    from app.experiments.sweeps.checked_sweep import sweep_of
+    from app.studies.sweeps.checked_sweep import sweep_of
 
     return sweep_of(*begun_in(folder), tell)
 
 
 def begun_in(folder: Path) -> tuple[dict[str, Any], KeyLocations, Path]:
     """What the file in a folder says, where its keys are, where it was begun. Raises InputError."""
-    from app.experiments.runs.store_reader import StoreReader
-    from app.experiments.sweeps.given.key_locations import KeyLocations
-    from app.experiments.sweeps.sweep_runner import SPEC
+    from app.studies.runs.store_reader import StoreReader
+    from app.studies.sweeps.given.key_locations import KeyLocations
+    from app.studies.sweeps.sweep_runner import SPEC
     from worlds.text_file import read_text, toml
 
     path = folder / SPEC
@@ -150,7 +150,7 @@ def from_options(
     hold: int,
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """What a file would say, and which option each key is from. Raises InputError."""
-    from app.experiments.sweeps.given.sweep_file import RunOptions
+    from app.studies.sweeps.given.sweep_file import RunOptions
 
     run: dict[str, Any] = {"model": model, "ticks": 1000 if ticks is None else ticks}
     places = {"model": "MODEL", "ticks": "--ticks", "count": "--runs", "when": "--until"}
@@ -211,7 +211,7 @@ def folder_of(name: str) -> Path:
 
 def is_sweep(folder: Path) -> bool:
     """Whether a folder has a store of runs."""
-    from app.experiments.runs.database import FILE
+    from app.studies.runs.database import FILE
 
     return (folder / FILE).is_file()
 

@@ -9,7 +9,7 @@ from app.cli.outcome_table import tell
 from app.cli.run import built
 from app.cli.run_arguments import Asked, named
 from app.cli.usage import by_name, first_of
-from app.experiments.workers.kernels import compile_loop
+from app.studies.workers.kernels import compile_loop
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:

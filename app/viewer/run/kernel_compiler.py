@@ -22,7 +22,7 @@ from typing import Any
 from agents.catalogue import FILES, from_file
 from agents.engine.cache import cache_base
 from agents.flock import Flock
-from app.experiments.workers.kernels import alone, compile_measures
+from app.studies.workers.kernels import alone, compile_measures
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameRequest
 from worlds.input_error import InputError

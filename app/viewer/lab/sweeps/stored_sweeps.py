@@ -12,13 +12,14 @@ from agents.catalogue import FILES
 from agents.catalogue import model as find_model
 from agents.flock_world import find_world
 from agents.observables.catalogue import OBSERVABLES
-from app.experiments.runs.database import FILE
-from app.experiments.runs.store_reader import StoreReader
-from app.experiments.sweeps.pictures.cell_runs import CellRuns, groups_of, is_number
-from app.experiments.sweeps.pictures.sweep_picture import draw
-from app.experiments.sweeps.sweep_runner import SPEC
-from app.experiments.sweeps.sweep_status import status_of
-from app.experiments.sweeps.sweep_table import (
+from app.strict_table import Value
+from app.studies.runs.database import FILE
+from app.studies.runs.store_reader import StoreReader
+from app.studies.sweeps.pictures.cell_runs import CellRuns, groups_of, is_number
+from app.studies.sweeps.pictures.sweep_picture import draw
+from app.studies.sweeps.sweep_runner import SPEC
+from app.studies.sweeps.sweep_status import status_of
+from app.studies.sweeps.sweep_table import (
     as_csv,
     axes_of,
     measured,
@@ -27,7 +28,6 @@ from app.experiments.sweeps.sweep_table import (
     wide,
     write_table,
 )
-from app.strict_table import Value
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
 from app.viewer.measuring.observable_curves import worded
 from app.viewer.measuring.observable_format import few

@@ -1,0 +1,273 @@
+"""Opening a cluster: on this machine, one that runs, or jobs of a queue; and closing it."""
+
+from __future__ import annotations
+
+import atexit
+import logging
+import os
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import platformdirs
+
+from app.studies.cluster.cluster_options import Cluster
+from worlds.input_error import InputError
+from worlds.plug_ins import demand
+
+if TYPE_CHECKING:
+    from distributed import Client, Security
+
+EXTRA = "cluster"
+CONNECT = 10.0
+"""Seconds to wait for a scheduler that runs."""
+FAILURES = 1
+"""Workers that may die of a chunk before it is halved, but for one."""
+JOB = "flockscope"
+KEYS = {"cert.pem": "tls_client_cert", "key.pem": "tls_client_key"}
+"""Files of the keys, and what they are of Security's; all roles have the same."""
+SETTINGS = {
+    "distributed.scheduler.allowed-failures": FAILURES,
+    "distributed.comm.timeouts.connect": "30s",
+}
+
+
+@dataclass
+class ClusterConnection:
+    """A client of a cluster, and the queue behind it if there is one."""
+
+    client: Client
+    queue: Any = None
+    faults: list[str] = field(default_factory=list)
+    """What the queue has said when it took no job."""
+    jobs: int = 0
+
+    def renew(self) -> None:
+        """Ask the queue again for jobs that have ended. Raises InputError if it takes none."""
+        if self.queue is None:
+            return
+        if self.faults:
+            raise InputError(f"the queue takes no job: {self.faults[0]}")
+        self.queue.scale(jobs=self.jobs)
+
+
+def demand_packages(cluster: Cluster) -> None:
+    """Refuse with one line what needs a package that is not installed."""
+    demand("distributed", f"--cluster {cluster.kind}", EXTRA)
+    if cluster.queued:
+        demand("dask_jobqueue", f"--cluster {cluster.kind}", EXTRA)
+    if not cluster.address:
+        demand("cryptography", f"--cluster {cluster.kind}", EXTRA)
+
+
+@contextmanager
+def opened(cluster: Cluster, workers: int) -> Iterator[ClusterConnection]:
+    """A cluster with a client of it; what was begun for it ends with it. Raises InputError."""
+    demand_packages(cluster)
+    import dask
+    from distributed import Client, Security
+
+    hush()
+    with ExitStack() as stack:
+        stack.enter_context(dask.config.set(SETTINGS))
+        made = ClusterConnection(client=None)  # type: ignore[arg-type]
+        security: Security | None = None
+        where: Any = cluster.address
+        if cluster.kind == "local":
+            security = Security.temporary()
+            where = local_cluster(workers, security)
+        elif cluster.queued:
+            security = stack.enter_context(keys(shared(cluster)))
+            where = made.queue = queue_of(cluster, security, made.faults)
+            made.jobs = cluster.jobs
+        if not cluster.address:
+            stack.enter_context(closing(where))
+        made.renew()
+        try:
+            made.client = Client(where, timeout=CONNECT, set_as_default=False, security=security)
+        except (OSError, TimeoutError):
+            raise InputError(f"no scheduler of Dask answers at {cluster.address}") from None
+        stack.enter_context(made.client)
+        yield made
+
+
+def local_cluster(workers: int, security: Security) -> Any:
+    """Dask's cluster of processes of this machine, whose scheduler is in this one."""
+    from distributed import Nanny
+    from distributed.deploy.spec import SpecCluster, close_clusters
+
+    from app.studies.cluster.dask_worker import SweepScheduler, SweepWorker
+
+    here: dict[str, Any] = {"host": "127.0.0.1", "protocol": "tls://", "security": security}
+    worker = {
+        "cls": Nanny,
+        "options": here
+        | {
+            "worker_class": SweepWorker,
+            "nthreads": 1,
+            "memory_limit": 1.0 / workers,
+            "silence_logs": logging.CRITICAL,
+        },
+    }
+    try:
+        return SpecCluster(
+            scheduler={"cls": SweepScheduler, "options": here | {"dashboard": False}},
+            workers=dict.fromkeys(range(workers), worker),
+            worker=worker,
+            security=security,
+            silence_logs=logging.CRITICAL,
+        )
+    except KeyboardInterrupt:
+        # Dask closes what is left as the interpreter ends: of a cluster that never was open it
+        # cannot, waits, and shows a traceback for the next Ctrl-C. Workers end with this process.
+        with suppress(Exception):
+            close_clusters()
+        atexit.unregister(close_clusters)
+        raise
+
+
+def hush() -> None:
+    """Keep Dask's own lines, tracebacks among them, off the terminal: what matters is told."""
+    for name in [*logging.root.manager.loggerDict, "asyncio"]:
+        if name.startswith(("distributed", "dask_jobqueue", "asyncio")):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+
+
+def queue_of(cluster: Cluster, security: Security, faults: list[str]) -> Any:
+    """Dask's cluster of jobs of a queue, whose scheduler is in this process."""
+    import dask_jobqueue
+    from distributed.deploy.spec import ProcessInterface
+
+    kind = {"slurm": "SLURMCluster", "pbs": "PBSCluster"}[cluster.queued or ""]
+    base = getattr(dask_jobqueue, kind)
+
+    class Job(base.job_cls):  # type: ignore[name-defined]
+        """A job that keeps what the queue says when it does not take it."""
+
+        async def start(self) -> None:
+            try:
+                await super().start()
+            except (RuntimeError, OSError, ValueError) as error:
+                said = str(error).rpartition("stderr:")[2].split()
+                faults.append(f"{self.submit_command}: {' '.join(said)}")
+                await ProcessInterface.start(self)
+
+    from app.studies.cluster.dask_worker import SweepScheduler
+
+    return base(job_cls=Job, scheduler_cls=SweepScheduler, **arguments(cluster, security))
+
+
+def arguments(cluster: Cluster, security: Security) -> dict[str, Any]:
+    """What dask-jobqueue is told of a cluster."""
+    from app.studies.cluster.dask_worker import SweepWorker
+
+    lifetime, stagger = cluster.lifetime
+    logs = logs_of(cluster)
+    ports = ["--worker-port", cluster.worker_ports, "--nanny-port", cluster.worker_ports]
+    scheduler: dict[str, Any] = {"port": cluster.port, "dashboard": False}
+    if cluster.interface:
+        scheduler["interface"] = cluster.interface
+    days, rest = divmod(cluster.seconds, 86400)
+    hours, minutes, seconds = rest // 3600, rest // 60 % 60, rest % 60
+    if cluster.queued == "slurm":
+        walltime = f"{days}-{hours:02}:{minutes:02}:{seconds:02}" if days else cluster.walltime
+        written = [f"-o {logs}/{JOB}-%j.log"]
+    else:
+        walltime = f"{24 * days + hours:02}:{minutes:02}:{seconds:02}"
+        written = ["-j oe", f"-o {logs}/"]
+    return {
+        "queue": cluster.queue or None,
+        "account": cluster.account or None,
+        "cores": cluster.cores,
+        "processes": 1,
+        "memory": f"{cluster.bytes}B",
+        "walltime": walltime,
+        "interface": cluster.interface or None,
+        "local_directory": cluster.scratch or None,
+        "job_name": JOB,
+        "job_extra_directives": [*written, *cluster.directives],
+        "job_script_prologue": [*environment(), *cluster.prologue],
+        "worker_extra_args": [
+            *("--lifetime", f"{lifetime}s", "--lifetime-stagger", f"{stagger}s"),
+            *(ports if cluster.worker_ports else ()),
+            "--no-dashboard",
+            *("--worker-class", f"{SweepWorker.__module__}.{SweepWorker.__name__}"),
+        ],
+        "scheduler_options": scheduler,
+        "security": security,
+        "silence_logs": logging.CRITICAL,
+    }
+
+
+def environment() -> list[str]:
+    """Lines that give jobs the folder of compiled kernels, where this process was given one."""
+    import shlex
+
+    cache = os.environ.get("FLOCKSCOPE_CACHE")
+    return [f"export FLOCKSCOPE_CACHE={shlex.quote(str(Path(cache).absolute()))}"] if cache else []
+
+
+def shared(cluster: Cluster) -> Path:
+    """The folder that this machine and the nodes see."""
+    own = platformdirs.user_data_path("flockscope") / "cluster"
+    return (
+        Path(os.path.expandvars(cluster.shared)).expanduser().absolute() if cluster.shared else own
+    )
+
+
+def logs_of(cluster: Cluster) -> Path:
+    """Where jobs write what happens to them."""
+    return shared(cluster) / "logs"
+
+
+def secured(folder: Path) -> Security:
+    """The keys in a folder: who has none of them sends no work, and reads none."""
+    from distributed import Security
+
+    cert, key = str(folder / "cert.pem"), str(folder / "key.pem")
+    roles = {
+        f"tls_{role}_{part}": path
+        for role in ("client", "scheduler", "worker")
+        for part, path in (("cert", cert), ("key", key))
+    }
+    return Security(require_encryption=True, tls_ca_file=cert, **roles)
+
+
+@contextmanager
+def keys(folder: Path) -> Iterator[Security]:
+    """Fresh keys, which only their owner can read, until it is left. Raises InputError."""
+    from distributed import Security
+
+    made = Security.temporary()
+    try:
+        (folder / "logs").mkdir(parents=True, exist_ok=True)
+        place = TemporaryDirectory(prefix="keys-", dir=folder)
+        for name, part in KEYS.items():
+            path = Path(place.name) / name
+            path.touch(mode=0o600)
+            path.write_text(getattr(made, part))
+    except OSError as error:
+        raise InputError(f"{str(folder)!r} cannot be written: {error.strerror or error}") from None
+    try:
+        yield secured(Path(place.name))
+    finally:
+        with suppress(OSError):
+            place.cleanup()
+
+
+def job_script(cluster: Cluster) -> str:
+    """The job that the queue would be asked for; nothing is begun, and nothing written."""
+    demand_packages(cluster)
+    import dask_jobqueue
+
+    job = {"slurm": dask_jobqueue.slurm.SLURMJob, "pbs": dask_jobqueue.pbs.PBSJob}[
+        cluster.queued or ""
+    ]
+    told = arguments(cluster, secured(shared(cluster) / "keys-XXXX"))
+    for name in ("scheduler_options", "silence_logs"):
+        told.pop(name)
+    host, port = "THIS-MACHINE", cluster.port or "PORT"
+    return str(job(f"tls://{host}:{port}", name=f"{JOB}-0", **told).job_script())

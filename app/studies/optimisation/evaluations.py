@@ -1,0 +1,203 @@
+"""The runs of the points that a search proposes: taken from the store, or made and kept there."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from app.studies.optimisation.study import Study
+from app.studies.runs.run_outcome import BROKEN, Outcome, Status
+from app.studies.runs.store import Store, number
+from app.studies.sweeps.given.designs import Point
+from app.studies.sweeps.making.sweep_job import RunRequest, SweepJob
+from app.studies.sweeps.sweep_cells import Cell
+from app.studies.sweeps.sweep_runner import SPEC, STOP, Tell, makers_of, prepare
+from app.studies.workers.run_executors import RunExecutor, Task
+from worlds.file_writer import write_text
+from worlds.input_error import InputError
+
+
+class HaltedError(Exception):
+    """The runs were to stop, or as many as were allowed are made."""
+
+
+@dataclass
+class OptimisationJob:
+    """How runs of several variants are made: the job of the processes."""
+
+    parts: tuple[SweepJob, ...]
+
+    def prepare(self) -> None:
+        """Find what measures. Raises InputError."""
+        for one in self.parts:
+            one.prepare()
+
+    def run(self, asked: tuple[int, RunRequest], seed: int) -> Outcome:
+        """Make a run of a variant."""
+        part, wanted = asked
+        return self.parts[part].run(wanted, seed)
+
+
+@dataclass(frozen=True)
+class StoredOutcome:
+    """What a run has come to, as the store has it."""
+
+    status: Status
+    values: dict[str, Any]
+    reason: str
+
+
+class Evaluations:
+    """A context manager: the store of an optimisation, and processes once there are runs to make.
+
+    `at` hears of the seconds left and the runs. `limit`: runs to make now, at most.
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        folder: Path,
+        *,
+        workers: int,
+        nice: int = 0,
+        retry: bool = False,
+        limit: int | None = None,
+        tell: Tell | None = None,
+    ):
+        self.study = study
+        self.folder = folder
+        self.workers, self.nice, self.retry, self.limit = workers, nice, retry, limit
+        self.tell = tell
+        self.told: Callable[[], None] = lambda: None
+        """Called now and then while runs are made."""
+        self.cells: dict[str, Cell] = {}
+        """Those of the points so far, by their hash, in the order in which they were asked for."""
+        self.numbers: dict[str, int] = {}
+        self.seen: dict[tuple[int, int], StoredOutcome] = {}
+        self.by_point: dict[tuple, list[Cell]] = {}
+        self.refused: dict[tuple, str] = {}
+        self.makers: RunExecutor | None = None
+        self.made = self.taken = 0
+        self.used: set[tuple[int, int]] = set()
+
+    def __enter__(self) -> Evaluations:
+        study = self.study
+        with ExitStack() as stack:
+            self.store = stack.enter_context(Store(self.folder, study.columns))
+            with contextlib.suppress(FileNotFoundError):
+                (self.folder / STOP).unlink()
+            write_text("spec", self.folder / SPEC, study.text)
+            names = [*study.default, *(name for one in study.variants for name in one.at)]
+            self.store.lay_out([])
+            self.store.tell(
+                kind="optimisation",
+                title=study.title,
+                axes=list(dict.fromkeys(names)),
+                columns=study.columns,
+                base=study.variants[0].sweep.base.to_toml(),
+                from_folder=str(study.folder.absolute()),
+                limit=study.file.run.ticks,
+            )
+            if self.retry:
+                self.store.forget_broken()
+            self.seen = {
+                key: StoredOutcome(one.status, one.values, one.reason)
+                for key, one in self.store.outcomes().items()
+            }
+            self.stack = stack.pop_all()
+        return self
+
+    def __exit__(self, *reason: Any) -> None:
+        if reason[0] is None or issubclass(reason[0], HaltedError | KeyboardInterrupt):
+            self.store.tell(progress=None)
+            self.store.keep()
+        self.stack.__exit__(*reason)
+
+    def cells_of(self, point: Point) -> list[Cell]:
+        """The cells of a point, one for each variant. Raises InputError if they cannot be."""
+        key = tuple(point.items())
+        if key in self.refused:
+            raise InputError(self.refused[key])
+        if key not in self.by_point:
+            try:
+                self.by_point[key] = [one.cell(point) for one in self.study.variants]
+            except InputError as refusal:
+                self.refused[key] = str(refusal)
+                raise
+        return self.by_point[key]
+
+    def run(self, points: Sequence[Point], seeds: range) -> None:
+        """Have the runs of points with these seeds. Raises HaltedError where they are not all."""
+        wanted = [cell for point in points for cell in self.cells_of(point)]
+        before = len(self.cells)
+        for cell in wanted:
+            self.cells.setdefault(cell.hash, cell)
+        if len(self.cells) > before:
+            numbers = self.store.lay_out([(one.hash, one.kept) for one in self.cells.values()])
+            self.numbers = dict(zip(self.cells, numbers, strict=True))
+        distinct = {cell.hash: cell for cell in wanted}
+        parts = {cell.hash: k for point in points for k, cell in enumerate(self.cells_of(point))}
+        tasks = []
+        for seed in seeds:
+            for name, cell in distinct.items():
+                key = self.numbers[name], seed
+                if key not in self.seen:
+                    tasks.append(Task(*key, (parts[name], RunRequest(cell.spec))))
+                elif key not in self.used:
+                    self.taken += 1
+                self.used.add(key)
+        if not tasks:
+            return
+        room = len(tasks) if self.limit is None else max(0, self.limit - self.made)
+        if not self.begun().run(tasks[:room], self.keep, self.beat) or room < len(tasks):
+            raise HaltedError
+        self.store.keep()
+
+    def begun(self) -> RunExecutor:
+        """What makes runs, which begins with the first that are to be made."""
+        if self.makers is None:
+            for one in self.study.variants:
+                prepare(one.sweep, self.tell)
+            job = OptimisationJob(tuple(one.sweep.making for one in self.study.variants))
+            file = self.study.file
+            self.makers = self.stack.enter_context(
+                makers_of(job, file.cluster, self.workers, self.nice, file.run.timeout, self.tell)
+            )
+        return self.makers
+
+    def keep(self, task: Task, outcome: Outcome) -> None:
+        """Take a run that is over."""
+        self.store.add(task.cell, task.seed, outcome)
+        values = {name: number(outcome.values.get(name)) for name in self.store.columns}
+        self.seen[task.cell, task.seed] = StoredOutcome(outcome.status, values, outcome.reason)
+        self.made += 1
+
+    def beat(self) -> bool:
+        """Commit, and whether it is to stop."""
+        self.told()
+        self.store.beat()
+        return (self.folder / STOP).exists()
+
+    def values(self, point: Point, variant: int, column: str, seeds: range) -> list[float | None]:
+        """A column of the runs of a point, None for a run that gave up, failed or has none."""
+        cell = self.numbers[self.cells_of(point)[variant].hash]
+        found = [self.seen[cell, seed] for seed in seeds]
+        return [
+            float(one.values[column])
+            if one.status == "ok" and one.values.get(column) is not None
+            else None
+            for one in found
+        ]
+
+    @property
+    def broken(self) -> list[str]:
+        """Of each run that failed or was killed: which, and why."""
+        return [
+            f"cell {cell}, seed {seed}: {self.seen[cell, seed].reason}"
+            for cell, seed in sorted(self.used & self.seen.keys())
+            if self.seen[cell, seed].status in BROKEN
+        ]

@@ -1,0 +1,123 @@
+"""How a search has gone: every point that it has tried, the best so far, and the front."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.figure import write_figure
+from app.studies.optimisation.optimisation_result import OptimisationResult
+from app.studies.optimisation.search_history import EvaluatedPoint
+from app.studies.optimisation.study import SearchGoal, Study
+from app.studies.pictures.experiment_picture import LOOK
+from app.studies.search import TITLES
+from app.studies.sweeps.pictures.mean_lines import CENSORED, COLOURS
+from app.studies.sweeps.pictures.sweep_picture import ENDINGS
+from worlds.file_writer import demand_writable
+from worlds.number_text import counted
+
+TRIED, BEST, DEFAULT = "#9ecae1", COLOURS[0], COLOURS[1]
+
+
+def draw(
+    study: Study,
+    course: list[EvaluatedPoint],
+    answer: OptimisationResult,
+    path: Path,
+    overwrite: bool = True,
+) -> None:
+    """Draw the convergence, and of two objectives the front: PNG, SVG or PDF. Raises InputError."""
+    demand_writable("picture", path, overwrite, ENDINGS)
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
+        figure: Any = Figure(layout="constrained")
+        FigureCanvasAgg(figure)
+        goals = study.goals
+        figure.set_size_inches(7.2, 4.6 if len(goals) == 1 else 2.9 * len(goals) + 3.6)
+        rows = len(goals) + (len(goals) > 1)
+        ratios = [1.0] * len(goals) if len(goals) == 1 else [1.5, *[1.0] * len(goals)]
+        panels = figure.subplots(rows, squeeze=False, height_ratios=ratios)[:, 0]
+        if len(goals) > 1:
+            draw_front(panels[0], study, course, answer)
+        for k, goal in enumerate(goals):
+            draw_course(panels[k - len(goals)], goal, k, course, answer)
+        algorithm = TITLES[study.file.search.algorithm]
+        said = f"{algorithm}, {counted(answer.evaluations, 'point')} of {answer.seeds} seeds"
+        figure.suptitle(f"{study.title}\n{said}", x=0.01, ha="left", wrap=True)
+        write_figure(figure, path)
+
+
+def draw_course(
+    panel: Any, goal: SearchGoal, k: int, course: list[EvaluatedPoint], answer: OptimisationResult
+) -> None:
+    """Draw what each point is worth in the order of the search, and the best so far."""
+    numbers = np.arange(1, len(course) + 1)
+    chosen = answer.best[0] if len(answer.best) == 1 else None
+    values = np.array([one.means[k] if one.is_good else np.nan for one in course])
+    panel.plot(numbers, values, "o", color=TRIED, markersize=4, label="a point, mean of the seeds")
+    reached = np.isfinite(values)
+    if reached.any():
+        running = np.fmin.accumulate(goal.sign * values)
+        panel.step(numbers, goal.sign * running, where="post", color=BEST, label="best so far")
+    bad = numbers[~reached]
+    if bad.size:
+        foot = panel.get_xaxis_transform()
+        style = {"color": CENSORED, "linestyle": "", "marker": "v", "clip_on": False}
+        words = "not allowed, or without a value"
+        panel.plot(bad, [0.02] * bad.size, transform=foot, markersize=4, label=words, **style)
+    searched = answer.default.on_search[k]
+    if searched is not None:
+        panel.axhline(searched, color=DEFAULT, linewidth=1.0, label="the default, same seeds")
+    for one, colour, words in ((answer.default, DEFAULT, "default"), (chosen, COLOURS[2], "best")):
+        mean = one.means[k] if one is not None else None
+        if mean is not None:
+            panel.errorbar(
+                [1.04 * len(course) + 1], [mean.value], yerr=[np.nan_to_num(mean.half)], fmt="D",
+                color=colour, markersize=5, capsize=3, label=f"the {words}, fresh seeds",
+            )  # fmt: skip
+    if is_wide(values[reached]):
+        panel.set_yscale("log")
+    panel.set_xlabel("points evaluated")
+    panel.set_ylabel(f"{goal.name} ({goal.aim} wanted)")
+    if k == 0:
+        panel.legend(fontsize=9)
+
+
+def is_wide(values: np.ndarray) -> bool:
+    """Whether a few values are so much larger than the others that these would be one line."""
+    return values.size > 0 and values.min() > 0.0 and values.max() > 5.0 * np.median(values)
+
+
+def draw_front(
+    panel: Any, study: Study, course: list[EvaluatedPoint], answer: OptimisationResult
+) -> None:
+    """Draw the first two objectives against each other, with the front on fresh seeds."""
+    first, second = study.goals[:2]
+    tried = np.array([one.means[:2] for one in course if one.is_good]).reshape(-1, 2)
+    panel.plot(*tried.T, "o", color=TRIED, markersize=4, label="points of the search")
+    for points, colour, sign, words in (
+        (answer.best, BEST, "o-", "the front, fresh seeds"),
+        ([answer.default], DEFAULT, "D", "the default, fresh seeds"),
+    ):
+        means = [one.means[:2] for one in points]
+        there = [[mean for mean in row if mean is not None] for row in means if None not in row]
+        if there:
+            x, y = ([row[k].value for row in there] for k in (0, 1))
+            off = [[np.nan_to_num(row[k].half) for row in there] for k in (0, 1)]
+            panel.errorbar(
+                x, y, xerr=off[0], yerr=off[1], fmt=sign, color=colour, markersize=5,
+                linewidth=1.0, elinewidth=0.8, label=words,
+            )  # fmt: skip
+    if is_wide(tried[:, 0]):
+        panel.set_xscale("log")
+    if is_wide(tried[:, 1]):
+        panel.set_yscale("log")
+    panel.grid(axis="both")
+    panel.set_xlabel(f"{first.name} ({first.aim} wanted)")
+    panel.set_ylabel(f"{second.name} ({second.aim} wanted)")
+    panel.legend(fontsize=9)

@@ -1,0 +1,374 @@
+"""What a search has come to: its best on fresh seeds, beside the default, and what ties with it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from app.studies.optimisation.evaluations import Evaluations
+from app.studies.optimisation.search_history import EvaluatedPoint
+from app.studies.optimisation.study import SearchGoal, Study, spec_at
+from app.studies.search import End
+from app.studies.sweeps.given.designs import Point
+from app.studies.sweeps.given.sweep_file import Span
+from app.studies.sweeps.pictures.cell_runs import label
+from app.studies.sweeps.replicates import half_width
+from worlds.number_text import counted
+
+EDGE = 0.005
+"""Share of an axis from its end within which a point lies on a bound."""
+LITTLE = 0.02
+"""Share of the gain over the default within which another point is as good."""
+WIDE = 0.5
+"""Share of an axis that ties have to span to be called a plateau."""
+MOST_OF_FRONT = 20
+"""Points of a front that are run with fresh seeds."""
+
+
+@dataclass(frozen=True)
+class Mean:
+    """A mean with half of its 95 % interval."""
+
+    value: float
+    half: float
+
+    @classmethod
+    def of(cls, values: Sequence[float]) -> Mean:
+        """That of values."""
+        return cls(float(np.mean(values)), half_width(values))
+
+    def __str__(self) -> str:
+        return f"{self.value:.4g}" + (f" ± {self.half:.2g}" if self.half == self.half else "")
+
+
+@dataclass(frozen=True)
+class ValidatedPoint:
+    """A point on the fresh seeds."""
+
+    what: str
+    """The default, the best, ..."""
+    point: Point
+    means: list[Mean | None]
+    """Of the objectives; None where a run has no value."""
+    gains: list[Mean | None]
+    """Over the default, seed by seed, above 0 where the point is better."""
+    limits: list[Mean | None]
+    """Of what the constraints are about."""
+    on_search: list[float | None]
+    """The means on the seeds of the search."""
+    bounds: list[str]
+    """The axes on whose bound it lies, with the bound."""
+    spec: str
+    """The run of it, as TOML."""
+
+
+@dataclass(frozen=True)
+class TiedPoints:
+    """Points that are as good as the best, as far as the seeds of the search tell."""
+
+    points: int
+    of: int
+    """Different points that have a value and keep to all constraints."""
+    spans: dict[str, tuple[Any, Any, float]]
+    """By axis: the least and the largest value among them, and the share of the axis."""
+    furthest: ValidatedPoint | None
+    """The one that is furthest from the best."""
+    apart: Mean | None
+    """By how much that is worse than the best, on the fresh seeds."""
+
+    @property
+    def is_plateau(self) -> bool:
+        """Whether they span much of an axis: values can be compared, places cannot."""
+        return self.points > 1 and any(share >= WIDE for *_, share in self.spans.values())
+
+
+@dataclass(frozen=True)
+class OptimisationResult:
+    """What a search has come to."""
+
+    goals: list[str]
+    aims: list[str]
+    limits: list[str]
+    default: ValidatedPoint
+    best: list[ValidatedPoint]
+    """One; of several objectives the front, along the first."""
+    ties: TiedPoints | None
+    """Of a single objective."""
+    evaluations: int
+    different: int
+    """Points that are not the same as another."""
+    refused: int
+    """Points that cannot be run, or that the condition leaves out."""
+    valueless: int
+    """Points some of whose runs gave up or failed: they count as worse than all others."""
+    runs: int
+    fresh_runs: int
+    seeds: int
+    fresh: int
+    end: End
+
+    @property
+    def value(self) -> dict[str, Any]:
+        """For JSON."""
+        plateau = None if self.ties is None else self.ties.is_plateau
+        return asdict(self) | {"plateau": plateau, "words": list(self.words())}
+
+    def words(self) -> Iterator[str]:
+        """The answer, a sentence each."""
+        if not self.best:
+            yield "no point has a value and keeps to all constraints: there is no best"
+        elif len(self.goals) == 1:
+            yield from self.of_one()
+        else:
+            yield from self.of_front()
+        yield self.spent()
+
+    def of_one(self) -> Iterator[str]:
+        """The answer where there is one objective."""
+        best, goal, aim = self.best[0], self.goals[0], self.aims[0]
+        seeds = f"{self.fresh} fresh seeds"
+        found = best.means[0] or "not in every run"
+        yield f"{aim} {goal}: {found} at {label(best.point)} ({seeds})"
+        yield self.against_default(best, 0)
+        if best.on_search[0] is not None:
+            yield f"on the {self.seeds} seeds of the search it was {best.on_search[0]:.4g}"
+        for name, mean in zip(self.limits, best.limits, strict=True):
+            yield f"{name}: it is {mean or 'not there in every run'}"
+        yield from bounds_in_words(best)
+        if self.ties is not None:
+            yield from ties_in_words(self.ties)
+
+    def against_default(self, told: ValidatedPoint, k: int) -> str:
+        """A point beside the default."""
+        said = (
+            f"the default, {label(self.default.point)}, has {self.default.means[k] or 'no value'}"
+        )
+        gain, mean = told.gains[k], self.default.means[k]
+        if gain is None or mean is None:
+            return f"{said}: there is no gain to tell"
+        share = f", {100.0 * abs(gain.value / mean.value):.2g}%" if mean.value else ""
+        sure = gain.half == gain.half and abs(gain.value) > gain.half
+        word = "gain" if gain.value > 0 else "loss"
+        doubt = "" if sure else ": not told apart from chance"
+        return f"{said}: a {word} of {Mean(abs(gain.value), gain.half)}{share}{doubt}"
+
+    def of_front(self) -> Iterator[str]:
+        """The answer where there are several objectives."""
+        goals = list(zip(self.goals, self.aims, strict=True))
+        yield f"{counted(len(self.best), 'point')} on the front, told on {self.fresh} fresh seeds"
+        for k, (goal, aim) in enumerate(goals):
+            there = [one for one in self.best if one.means[k] is not None]
+            if not there:
+                continue
+            sign = 1.0 if aim == "least" else -1.0
+            end = min(there, key=lambda one: sign * one.means[k].value)  # type: ignore[union-attr]
+            others = ", ".join(
+                f"{other} {end.means[n]}" for n, (other, _) in enumerate(goals) if n != k
+            )
+            yield f"{aim} {goal}: {end.means[k]} with {others}, at {label(end.point)}"
+            yield self.against_default(end, k)
+            yield from bounds_in_words(end)
+
+    def spent(self) -> str:
+        """What the search has cost, and why it is over."""
+        said = f"{counted(self.evaluations, 'evaluation')} of {self.different} different points"
+        said += f", {counted(self.runs, 'run')} of {self.seeds} seeds"
+        said += f" and {self.fresh_runs} of fresh ones"
+        if self.refused:
+            said += f"; {counted(self.refused, 'point')} could not be run"
+        if self.valueless:
+            said += f"; of {counted(self.valueless, 'point')} a run gave up or failed"
+        return (
+            said
+            + {
+                "evaluations": "",
+                "flat": "; it ended on a plateau: all points of a generation are equal",
+                "converged": "; it ended by itself",
+            }[self.end]
+        )
+
+
+def bounds_in_words(told: ValidatedPoint) -> Iterator[str]:
+    """On which bounds a point lies."""
+    for one in told.bounds:
+        yield f"{one}: there may be better beyond"
+
+
+def ties_in_words(ties: TiedPoints) -> Iterator[str]:
+    """What ties with the best."""
+    if ties.points < 2:
+        yield f"none of {counted(ties.of, 'point')} ties with it"
+        return
+    spans = ", ".join(
+        f"{name} from {shown(low)} to {shown(high)} ({share:.0%} of its range)"
+        for name, (low, high, share) in ties.spans.items()
+    )
+    said = f"{ties.points - 1} of {ties.of - 1} other points tie with it: {spans}"
+    yield said + (": a plateau, compare values and not places" if ties.is_plateau else "")
+    if ties.furthest is not None and ties.apart is not None:
+        where = label(ties.furthest.point)
+        yield f"the furthest of them, {where}, has {ties.furthest.means[0]}: {worse(ties.apart)}"
+
+
+def worse(apart: Mean) -> str:
+    """By how much a point is worse than the best."""
+    word = "worse" if apart.value > 0 else "better"
+    return f"{Mean(abs(apart.value), apart.half)} {word}"
+
+
+def shown(value: Any) -> str:
+    """A value of an axis."""
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+def answer_of(
+    study: Study, runs: Evaluations, course: list[EvaluatedPoint], end: End
+) -> OptimisationResult:
+    """The answer, for which fresh seeds are run. Raises HaltedError."""
+    seeds = study.file.replicates
+    good = [one for one in course if one.is_good]
+    distinct = list({tuple(one.point.items()): one for one in reversed(good)}.values())[::-1]
+    runs.run([study.default], seeds.common)
+    chosen = front(study, distinct) if len(study.goals) > 1 else best_of(study, distinct)
+    ties, furthest = (None, None) if len(study.goals) > 1 else tied(study, runs, distinct, chosen)
+    before = len(runs.used)
+    told_of = [study.default, *(one.point for one in chosen)]
+    runs.run([*told_of, *([furthest.point] if furthest else [])], seeds.unseen)
+    default = told(study, runs, "the default", study.default)
+    best = [
+        told(study, runs, "on the front" if len(study.goals) > 1 else "the best", one.point, one)
+        for one in chosen
+    ]
+    if ties is not None and furthest is not None:
+        other = told(study, runs, "the furthest that ties", furthest.point, furthest)
+        apart = paired(runs, study.goals[0], furthest.point, chosen[0].point, seeds.unseen)
+        ties = TiedPoints(ties.points, ties.of, ties.spans, other, apart)
+    return OptimisationResult(
+        [goal.name for goal in study.goals],
+        [goal.aim for goal in study.goals],
+        [one.says for one in study.file.constraint],
+        default,
+        best,
+        ties,
+        len(course),
+        len({tuple(one.point.items()) for one in course}),
+        sum(bool(one.refused) for one in course),
+        sum(one.without > 0.0 for one in course),
+        before,
+        len(runs.used) - before,
+        seeds.count,
+        seeds.fresh,
+        end,
+    )
+
+
+def best_of(study: Study, good: list[EvaluatedPoint]) -> list[EvaluatedPoint]:
+    """The best point, the first of those that are equal; none if there is none."""
+    sign = study.goals[0].sign
+    return [min(good, key=lambda one: sign * one.means[0])] if good else []
+
+
+def front(study: Study, good: list[EvaluatedPoint]) -> list[EvaluatedPoint]:
+    """The points than which no other is better in all, along the first objective; at most 20."""
+    if not good:
+        return []
+    values = np.array([one.means for one in good]) * [goal.sign for goal in study.goals]
+    kept: list[int] = []
+    for k, row in enumerate(values):
+        dominated = np.any(np.all(values <= row, axis=1) & np.any(values < row, axis=1))
+        twice = any(np.array_equal(row, values[other]) for other in kept)
+        if not dominated and not twice:
+            kept.append(k)
+    kept.sort(key=lambda k: values[k, 0])
+    if len(kept) > MOST_OF_FRONT:
+        places = np.linspace(0, len(kept) - 1, MOST_OF_FRONT).round().astype(int)
+        kept = [kept[k] for k in places]
+    return [good[k] for k in kept]
+
+
+def tied(
+    study: Study, runs: Evaluations, good: list[EvaluatedPoint], chosen: list[EvaluatedPoint]
+) -> tuple[TiedPoints | None, EvaluatedPoint | None]:
+    """The points that are as good as the best, and the furthest of them from it.
+
+    As good is what is worse by little of what the best has gained over the default; where it has
+    gained nothing, what is not told apart from it.
+    """
+    if not chosen:
+        return None, None
+    best, goal, seeds = chosen[0], study.goals[0], study.file.replicates.common
+    gain = paired(runs, goal, study.default, best.point, seeds)
+    little = LITTLE * gain.value if gain is not None and gain.value > 0.0 else None
+    same: list[EvaluatedPoint] = []
+    for one in good:
+        apart = paired(runs, goal, one.point, best.point, seeds)
+        if apart is None:
+            continue
+        sure = apart.half if math.isfinite(apart.half) else 0.0
+        if apart.value <= (sure if little is None else little):
+            same.append(one)
+    spans: dict[str, tuple[Any, Any, float]] = {}
+    for k, (name, axis) in enumerate(study.file.search.axes.items()):
+        rising = sorted(same, key=lambda one: one.unit[k])
+        first, last = rising[0], rising[-1]
+        if isinstance(axis, Span):
+            spans[name] = first.point[name], last.point[name], last.unit[k] - first.unit[k]
+        else:
+            values = {one.point[name] for one in same}
+            share = len(values) / len(axis) if len(values) > 1 else 0.0
+            spans[name] = first.point[name], last.point[name], share
+    others = [one for one in same if one is not best]
+    furthest = max(others, key=lambda one: math.dist(one.unit, best.unit), default=None)
+    return TiedPoints(len(same), len(good), spans, None, None), furthest
+
+
+def paired(
+    runs: Evaluations, goal: SearchGoal, point: Point, than: Point, seeds: range
+) -> Mean | None:
+    """By how much a point is worse than another, seed by seed; None if a run has no value."""
+    values = [runs.values(one, goal.variant, goal.column, seeds) for one in (point, than)]
+    if any(value is None for one in values for value in one):
+        return None
+    first, second = np.array(values, float)
+    return Mean.of((goal.sign * (first - second)).tolist())
+
+
+def told(
+    study: Study, runs: Evaluations, what: str, point: Point, one: EvaluatedPoint | None = None
+) -> ValidatedPoint:
+    """A point on the fresh seeds."""
+    seeds = study.file.replicates.unseen
+
+    def mean(variant: int, column: str) -> Mean | None:
+        values = runs.values(point, variant, column, seeds)
+        numbers = [value for value in values if value is not None]
+        return Mean.of(numbers) if len(numbers) == len(values) else None
+
+    common = study.file.replicates.common
+    searched = [runs.values(point, goal.variant, goal.column, common) for goal in study.goals]
+    gains = [paired(runs, goal, study.default, point, seeds) for goal in study.goals]
+    return ValidatedPoint(
+        what,
+        dict(point),
+        [mean(goal.variant, goal.column) for goal in study.goals],
+        gains,
+        [mean(limit.variant, limit.says.name) for limit in study.limits],
+        [None if None in one else float(np.mean(one)) for one in searched],  # type: ignore[arg-type]
+        on_bounds(study, one) if one else [],
+        spec_at(study, point).to_toml(),
+    )
+
+
+def on_bounds(study: Study, one: EvaluatedPoint) -> list[str]:
+    """The axes on whose bound a point lies, in words."""
+    said = []
+    for share, (name, axis) in zip(one.unit, study.file.search.axes.items(), strict=True):
+        if isinstance(axis, Span) and not EDGE < share < 1.0 - EDGE:
+            low = (share <= EDGE) == (axis.from_ < axis.to)
+            bound = axis.from_ if share <= EDGE else axis.to
+            said.append(f"{name} lies on its {'lower' if low else 'upper'} bound, {bound:g}")
+    return said

@@ -1,0 +1,72 @@
+"""Carrying out an optimisation: the search, and then its best on seeds that it has not seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from app.studies.optimisation.evaluations import Evaluations, HaltedError
+from app.studies.optimisation.optimisation_result import OptimisationResult, answer_of
+from app.studies.optimisation.search_history import At, EvaluatedPoint, SearchHistory
+from app.studies.optimisation.study import Study
+from app.studies.search import search
+from app.studies.workers.processes import cores
+
+
+@dataclass
+class OptimisationReport:
+    """An optimisation carried out, or stopped on the way."""
+
+    made: int
+    """Runs made now."""
+    taken: int
+    """Runs that the store had."""
+    broken: list[str]
+    """Each run that failed or was killed, in words."""
+    answer: OptimisationResult | None
+    """None where it was stopped."""
+    course: list[EvaluatedPoint]
+
+
+def optimise(
+    study: Study,
+    folder: Path,
+    *,
+    workers: int | None = None,
+    nice: int = 0,
+    retry: bool = False,
+    limit: int | None = None,
+    tell: Callable[[str], Any] | None = None,
+    at: At = lambda *_: None,
+) -> OptimisationReport:
+    """Carry out an optimisation in a folder: spec.toml and runs.sqlite.
+
+    Begun again it proposes what it has proposed before, and takes those runs from the store: so it
+    goes on after any stop. `retry`: whether runs that failed are made again. `limit`: runs to make
+    now. `at` hears of the share that is done, and words. Raises InputError.
+    """
+    asked = study.file.search
+    runs = Evaluations(
+        study, folder, workers=workers or cores(), nice=nice, retry=retry, limit=limit, tell=tell
+    )
+    course = SearchHistory(study, runs, at)
+    answer = None
+    with runs:
+        try:
+            end = search(
+                asked.algorithm,
+                len(asked.axes),
+                len(study.goals),
+                1 + len(study.limits),
+                course.judge,
+                evaluations=asked.evaluations,
+                population=asked.generation,
+                seed=asked.seed,
+            )
+            answer = answer_of(study, runs, course.evaluated, end)
+            runs.store.tell(runs=len(runs.used))
+        except HaltedError:
+            pass
+    return OptimisationReport(runs.made, runs.taken, runs.broken, answer, course.evaluated)

@@ -1,0 +1,296 @@
+"""An optimisation as a value: read from a file, its box of points, and the runs of a point."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomlkit
+
+from agents.observables.catalogue import OBSERVABLES
+from agents.spec import Spec
+from app.strict_table import Value
+from app.studies.optimisation.optimisation_file import (
+    Constraint,
+    Objective,
+    OptimisationFile,
+    PointMeasurement,
+)
+from app.studies.search import demand_package
+from app.studies.sweeps.checked_sweep import (
+    Sweep,
+    base_of,
+    checked_file,
+    first_flock,
+    making_of,
+)
+from app.studies.sweeps.given.designs import Point, between, rounded
+from app.studies.sweeps.given.key_locations import KeyLocations, about
+from app.studies.sweeps.given.sweep_conditions import Condition, ObservableBound, comparison
+from app.studies.sweeps.given.sweep_file import Observe, Replicates, Span, SweepFile
+from app.studies.sweeps.making.measures import K, measure_of
+from app.studies.sweeps.sweep_cells import Basis, Cell, spec_of
+from worlds.input_error import InputError, unknown
+from worlds.text_file import read_text, toml
+
+CORNERS = 64
+"""Corners of the box that are built before anything is run."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One of the runs that a point has."""
+
+    at: dict[str, Value]
+    sweep: Sweep
+    """Its run with the default point as its only cell."""
+    basis: Basis
+
+    def cell(self, point: Point) -> Cell:
+        """The runs of a point. Raises InputError if they cannot be."""
+        axes = {**point, **self.at}
+        return self.basis.cell(spec_of(self.sweep.base, axes), axes, 0)
+
+
+@dataclass(frozen=True)
+class SearchGoal:
+    """An objective: a column of a variant, and the sign with which less is better."""
+
+    name: str
+    column: str
+    variant: int
+    sign: int
+
+    @property
+    def aim(self) -> str:
+        """Least or most."""
+        return "least" if self.sign > 0 else "most"
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A constraint: what the mean of a column of a variant has to keep to."""
+
+    says: ObservableBound
+    variant: int
+
+    def violation(self, mean: float) -> float:
+        """How far a mean is on the wrong side; below 0 on the right one."""
+        return self.says.bound - mean if self.says.sign == ">=" else mean - self.says.bound
+
+
+@dataclass(frozen=True)
+class Study:
+    """What is to be optimised, and from where it was read."""
+
+    file: OptimisationFile
+    places: KeyLocations
+    folder: Path
+    variants: list[Variant]
+    goals: list[SearchGoal]
+    limits: list[Limit]
+    default: Point
+    """What the run has without a search."""
+    text: str
+
+    @property
+    def title(self) -> str:
+        """Its title, or what it searches."""
+        aims = ", ".join(f"{goal.aim} {goal.name}" for goal in self.goals)
+        return self.file.title or f"{self.file.run.model}: {aims} over {', '.join(self.default)}"
+
+    @property
+    def columns(self) -> list[str]:
+        """What the runs have values of."""
+        names = [name for one in self.variants for name in one.sweep.making.columns]
+        return list(dict.fromkeys(names))
+
+    def point(self, unit: np.ndarray) -> Point:
+        """A point of the unit cube (D,) as values of the axes."""
+        axes = self.file.search.axes
+        return rounded(
+            {
+                name: between(axis, float(share))
+                if isinstance(axis, Span)
+                else axis[min(int(share * len(axis)), len(axis) - 1)]
+                for (name, axis), share in zip(axes.items(), unit, strict=True)
+            }
+        )
+
+    def is_allowed(self, point: Point) -> bool:
+        """Whether the condition between axes holds. Raises InputError if it cannot be said."""
+        where = self.file.search.where
+        return not where or Condition(where, list(point)).holds(point)
+
+
+def read_study(path: Path) -> Study:
+    """The study of a TOML file. Raises InputError naming file and line."""
+    text = read_text(f"optimisation {str(path)!r}", path)
+    return study_of(toml(text, str(path)), KeyLocations(str(path), text), path.parent)
+
+
+def study_of(values: dict[str, Any], places: KeyLocations, folder: Path) -> Study:
+    """The study of values, as TOML has them. Raises InputError, before anything is run."""
+    file = checked_file(OptimisationFile, values, places)
+    demand_package(file.search.algorithm)
+    observed = columns_of(file, places, folder)
+    everything: list[Objective | Constraint] = [*file.objective, *file.constraint]
+    asked: list[PointMeasurement] = []
+    for one in everything:
+        if not any(alike(one, other) for other in asked):
+            asked.append(one)
+    names = [column(one, places) for one in everything]
+    wanted = [
+        [name for name, other in zip(names, everything, strict=True) if alike(one, other)]
+        for one in asked
+    ]
+    variants = [
+        variant(file, one, columns, observed, places, folder)
+        for one, columns in zip(asked, wanted, strict=True)
+    ]
+    number = [next(k for k, one in enumerate(asked) if alike(one, each)) for each in everything]
+    goals = [
+        SearchGoal(told(one, name, names), name, k, 1 if one.aim == "least" else -1)
+        for one, name, k in zip(file.objective, names, number, strict=False)
+    ]
+    rest = number[len(file.objective) :]
+    limits = [Limit(bounding(one, places), k) for one, k in zip(file.constraint, rest, strict=True)]
+    made = Study(
+        file, places, folder, variants, goals, limits,
+        default_of(variants[0], file), places.text or tomlkit.dumps(values),
+    )  # fmt: skip
+    check_corners(made)
+    return made
+
+
+def alike(one: PointMeasurement, other: PointMeasurement) -> bool:
+    """Whether two things are measured of the same runs."""
+    return (one.at, one.ticks, one.stop) == (other.at, other.ticks, other.stop)
+
+
+def column(one: Objective | Constraint, places: KeyLocations) -> str:
+    """The column that is asked of. Raises InputError."""
+    return one.observable if isinstance(one, Objective) else bounding(one, places).name
+
+
+def bounding(one: Constraint, places: KeyLocations) -> ObservableBound:
+    """The comparison of a constraint. Raises InputError."""
+    where = places.of("says", "constraint")
+    try:
+        says = comparison(one.says)
+    except InputError as refusal:
+        raise InputError(f"{refusal} ({where})") from None
+    if says.sign not in (">=", "<="):
+        raise InputError(f"says = {one.says!r} is not allowed: >= or <= is needed ({where})")
+    return says
+
+
+def told(one: Objective, name: str, names: list[str]) -> str:
+    """What an objective is called: with what is other in its runs, where another has its name."""
+    if names.count(name) < 2 or not one.at:
+        return name
+    return f"{name} at " + ", ".join(f"{key} = {value}" for key, value in one.at.items())
+
+
+def columns_of(file: OptimisationFile, places: KeyLocations, folder: Path) -> dict[str, Observe]:
+    """What is observed by its column. Raises InputError."""
+    found: dict[str, Observe] = {}
+    for one in file.observe:
+        try:
+            found[measure_of(one, folder).column] = one
+        except InputError as refusal:
+            key = "measure" if one.measure else "name"
+            raise InputError(f"{refusal} ({places.of(key, 'observe')})") from None
+    return found
+
+
+def variant(
+    file: OptimisationFile,
+    asked: PointMeasurement,
+    columns: list[str],
+    observed: dict[str, Observe],
+    places: KeyLocations,
+    folder: Path,
+) -> Variant:
+    """The runs that some columns are measured of. Raises InputError."""
+    stop = file.stop if asked.stop else None
+    observe: list[Observe] = []
+    for name in dict.fromkeys(columns):
+        if name == K and stop is not None:
+            continue
+        if name in observed:
+            observe.append(observed[name])
+        elif name in OBSERVABLES and not OBSERVABLES[name].over:
+            observe.append(Observe(name=name))
+        else:
+            known = [*observed, *([K] if stop else [])]
+            raise unknown("column", name, known, places.of("observable", "objective"))
+    for one in observe:
+        if one.every is not None:
+            raise InputError(
+                f"when = {one.when!r} gives no single value that could be the best: leave it out "
+                f"({places.of('when', 'observe')})"
+            )
+    run = file.run if asked.ticks is None else file.run.model_copy(update={"ticks": asked.ticks})
+    seeds = Replicates(count=file.replicates.count, first=file.replicates.first)
+    made = SweepFile(title=file.title, run=run, stop=stop, observe=observe, replicates=seeds)
+    base = base_of(made, places, folder)
+    making = making_of(made, places, folder, lambda: first_flock(base, [(0, {})], places))
+    making.prepare()
+    basis = Basis(making, seeds.first)
+    try:
+        cell = basis.cell(spec_of(base, asked.at), dict(asked.at), 0)
+    except InputError as refusal:
+        where = places.of(about(str(refusal)), "objective.at" if asked.at else "run")
+        raise InputError(f"{refusal} ({where})") from None
+    sweep = Sweep(made, places, folder, base, making, [cell], places.text)
+    return Variant(dict(asked.at), sweep, basis)
+
+
+def default_of(first: Variant, file: OptimisationFile) -> Point:
+    """The values that the axes have without a search. Raises InputError for an axis that is
+    none."""
+    spec = first.sweep.cells[0].identity["spec"]
+    known = {**spec, **spec["parameters"]}
+    for name in file.search.axes:
+        where = first.sweep.places.of(name, "search.axes")
+        if name in ("parameters", "ticks", "seed"):
+            raise InputError(
+                f"axis {name!r} is not allowed: it is no parameter or option ({where})"
+            )
+        if name not in known:
+            raise unknown("axis", name, known, where)
+        if name in first.at:
+            raise InputError(f"axis {name!r} is not allowed: an objective says itself what it is")
+    return {name: known[name] for name in file.search.axes}
+
+
+def check_corners(study: Study) -> None:
+    """Build a run at the corners of the box. Raises InputError naming the axis and its line."""
+    axes = study.file.search.axes
+    try:
+        study.is_allowed(study.default)
+    except InputError as refusal:
+        raise InputError(f"{refusal} ({study.places.of('where', 'search')})") from None
+    for corner in itertools.islice(itertools.product((0.0, 1.0), repeat=len(axes)), CORNERS):
+        point = study.point(np.array(corner))
+        if not study.is_allowed(point):
+            continue
+        for one in study.variants:
+            try:
+                one.cell(point)
+            except InputError as refusal:
+                word = about(str(refusal))
+                table = "search.axes" if word in point else "run"
+                said = ", ".join(f"{name} = {value!r}" for name, value in point.items())
+                at = study.places.of(word, table)
+                raise InputError(f"{refusal} ({at}; a corner of the box: {said})") from None
+
+
+def spec_at(study: Study, point: Point) -> Spec:
+    """The run of a point, as its first objective has it."""
+    first = study.variants[0]
+    return spec_of(first.sweep.base, {**point, **first.at})

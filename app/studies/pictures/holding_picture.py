@@ -1,0 +1,91 @@
+"""Cars that are to stay near a place: their way from above, and their distance over time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from app.studies.experiment import Experiment
+from app.studies.kinds.holding import HoldingSettings
+from app.studies.pictures.boxes import came, explain
+from app.studies.pictures.driving_picture import CARS, INJECTED
+from app.studies.trial import flock_of
+from app.studies.verdicts.verdict import Verdict, of
+
+RADIUS, LATE, INK = "#c0392b", "#7a828c", "#3c434b"
+
+
+def draw_holding(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+    """Draw the first row's run of that seed, and how far the cars of all runs go."""
+    from matplotlib.patches import Circle, Rectangle
+
+    settings, case = experiment.settings, experiment.cases[0]
+    assert isinstance(settings, HoldingSettings)
+    flock = flock_of(case, seed)
+    position = settings.driven(flock)
+    away = settings.distances(flock, position)
+    figure.set_size_inches(12.8, 5.6)
+    above, over_time, runs = figure.subplots(1, 3, width_ratios=[1.0, 1.25, 0.55])
+    low, size = np.array(flock.world.low), np.array(flock.world.size)
+    goal = flock.goal_at([0])[0]
+    above.add_patch(Rectangle((low[0], low[1]), *size, fill=False, edgecolor="#aab2bd"))
+    above.add_patch(Circle(goal, settings.radius, fill=False, edgecolor=RADIUS, linewidth=1.6))
+    time = flock.dt * np.arange(len(position))
+    for row in range(position.shape[1]):
+        colour = CARS[row % len(CARS)]
+        above.plot(*position[:, row].T, color=colour, linewidth=0.9)
+        above.plot(*position[0, row], "o", color=colour, markersize=7, markeredgecolor="white")
+        over_time.plot(time, away[:, row], color=colour, linewidth=1.2)
+    above.plot(*goal, "*", color=INJECTED, markersize=14, markeredgecolor=INK, zorder=5)
+    above.grid(visible=False)
+    above.set(
+        aspect="equal",
+        xlim=(low[0] - 0.1, low[0] + size[0] + 0.1),
+        ylim=(low[1] - 0.1, low[1] + size[1] + 0.1),
+        xlabel="x / m",
+        ylabel="y / m",
+    )
+    above.set_title(f"N = {case.agents}, seed {seed}, in the capture area", loc="left")
+    over_time.axvline(settings.late, color=LATE, linewidth=1.0, linestyle=(0, (4, 3)))
+    over_time.annotate(
+        "looked at from here", (settings.late, 1.0), (5, -4), xycoords=("data", "axes fraction"),
+        textcoords="offset points", va="top", fontsize=9, color=LATE,
+    )  # fmt: skip
+    over_time.set_xlim(0.0, time[-1])
+    over_time.set_xlabel("time / s")
+    over_time.set_ylabel("distance to the place / m")
+    draw_runs(runs, of(made, "furthest"))
+    for axes in (over_time, runs):
+        axes.axhline(settings.radius, color=RADIUS, linewidth=1.6)
+        axes.set_ylim(0.0, 1.12 * max(settings.radius, float(away.max())))
+    explain(figure, signs(settings.radius), "")
+
+
+def draw_runs(axes: Any, points: list[Verdict]) -> None:
+    """Draw the largest distance of each run, a dot, by row."""
+    for x, one in enumerate(points):
+        values = came(one.values)
+        aside = np.random.default_rng(0).uniform(-0.22, 0.22, values.size)
+        axes.plot(x + aside, values, ".", color=CARS[0], markersize=6, alpha=0.55)
+    axes.set_xticks(range(len(points)), [f"N = {one.case.agents}" for one in points])
+    axes.tick_params(axis="x", length=0)
+    axes.set_xlim(-0.6, len(points) - 0.4)
+    axes.set_title("furthest, all runs", loc="left")
+
+
+def signs(radius: float) -> list[Any]:
+    """What is what."""
+    from matplotlib.lines import Line2D
+
+    star: dict[str, Any] = {
+        "marker": "*",
+        "linestyle": "none",
+        "markersize": 13,
+        "markeredgecolor": INK,
+    }
+    return [
+        Line2D([], [], color=INJECTED, label="the place", **star),
+        Line2D([], [], color=RADIUS, linewidth=1.6, label=f"the set radius, {radius:g} m"),
+        Line2D([], [], color=CARS[0], linewidth=1.2, label="the car; a dot where it starts"),
+    ]

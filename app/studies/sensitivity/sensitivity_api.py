@@ -1,0 +1,122 @@
+"""Sensitivity from a script or a notebook: the same runs and answers as on the command line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from agents.spec import Spec
+from app.studies.runs.store_reader import StoreReader
+from app.studies.sensitivity.sensitivity_picture import draw
+from app.studies.sensitivity.sensitivity_result import Sensitivity, analysed, design_of
+from app.studies.sweeps.sweep_api import asked, bounds, is_file, kept_in
+from app.studies.sweeps.sweep_results import Results
+from app.studies.sweeps.sweep_runner import conduct
+from app.studies.workers.processes import cores
+from worlds.input_error import InputError, unknown
+
+
+@dataclass(frozen=True)
+class Influences:
+    """How much each axis has to do with each thing that is measured."""
+
+    found: list[Sensitivity]
+    title: str
+    runs: Results
+    """The runs, as `sweep` returns them."""
+
+    @property
+    def words(self) -> list[str]:
+        """The order of the axes and what else is to be known, sentence by sentence."""
+        return [line for one in self.found for line in one.words()]
+
+    def order(self, observable: str) -> list[str]:
+        """The axes, the one that matters most first. Raises InputError for what is not measured."""
+        by_name = {one.observable: one for one in self.found}
+        if observable not in by_name:
+            raise unknown("observable", observable, by_name)
+        return [one.axis for one in by_name[observable].influences]
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:
+        """The indices as lists by column, a row for each axis of each thing that is measured."""
+        rows = [
+            {
+                "observable": one.observable,
+                "axis": row.axis,
+                one.symbols[0]: row.total.value,
+                f"{one.symbols[0]} half interval": row.total.half,
+                one.symbols[1]: row.alone.value,
+                f"{one.symbols[1]} half interval": row.alone.half,
+            }
+            | ({"sigma": row.spread} if row.spread is not None else {})
+            for one in self.found
+            for row in one.influences
+        ]
+        return {name: [row[name] for row in rows] for name in rows[0]}
+
+    def to_pandas(self) -> Any:
+        """The indices as `pandas.DataFrame`."""
+        import pandas as pd
+
+        return pd.DataFrame(self.columns)
+
+    def plot(self, path: str | Path) -> None:
+        """Draw bars with intervals: PNG, SVG or PDF."""
+        draw(self.found, self.title, Path(path))
+
+    def _repr_html_(self) -> str:
+        words = "".join(f"<li>{line}</li>" for line in self.words)
+        return f"{self.to_pandas()._repr_html_()}<ul>{words}</ul>"
+
+
+def sensitivity(
+    what: str | Path | Spec,
+    *,
+    vary: Mapping[str, Any] | None = None,
+    kind: Literal["saltelli", "morris"] = "saltelli",
+    points: int = 64,
+    trajectories: int = 10,
+    seed: int = 1,
+    runs: int = 4,
+    ticks: int = 1000,
+    observe: Sequence[str | Mapping[str, Any]] = (),
+    folder: str | Path | None = None,
+    workers: int | None = None,
+    tell: Callable[[str], Any] | None = None,
+    **words: Any,
+) -> Influences:
+    """Make the runs of a design of sensitivity that are not there yet, and say what matters.
+
+    Parameters
+    ----------
+    what: a FILE.toml, which says all the rest; or the name of a model; or a `Spec`.
+    vary: the axes by name, each a pair of bounds, or a dictionary with `from`, `to` and, if wanted,
+        `scale = "log"`, or a list of three values and more.
+    kind: `saltelli`, for Sobol's indices, or `morris`, for elementary effects.
+    points: of a saltelli design, a power of two: points (D + 2) cells.
+    trajectories: of a morris design: trajectories (D + 1) cells.
+    seed: of the design.
+    runs: runs of each cell, with the seeds 1, 2, ... that all cells have in common.
+    ticks, observe, folder, workers, tell, words: as `sweep` takes them.
+
+    Raises InputError for what cannot be run, and for runs of which no index can be found.
+    """
+    design = None
+    if not is_file(what):
+        if not vary:
+            raise InputError("vary is needed: which parameters may matter, each with its bounds?")
+        if kind not in ("saltelli", "morris"):
+            raise unknown("kind of design", kind, ("saltelli", "morris"))
+        size = {"points": points} if kind == "saltelli" else {"trajectories": trajectories}
+        axes = {name: bounds(axis) for name, axis in vary.items()}
+        design = {"kind": kind, "axes": axes, "seed": seed, **size}
+    elif vary:
+        raise InputError(f"{str(what)!r} says itself what is varied: leave vary out")
+    made = asked(what, design, runs, ticks, observe, "", 1, words, tell)
+    design_of(made)
+    place = kept_in(folder)
+    conduct(made, place, workers=workers or cores(), tell=tell)
+    return Influences(analysed(made, StoreReader(place)), made.title, Results(place))

@@ -1,0 +1,173 @@
+"""What is measured of a run: observables by name and functions of one's own, now or over time."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import math
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from agents.engine.cache import fingerprint as feed
+from agents.models.rule_file import run as run_file
+from agents.observables.catalogue import OBSERVABLES
+from agents.observables.observable import SERIES
+from app.studies.runs.database import FIXED
+from app.studies.sweeps.given.designs import found
+from app.studies.sweeps.given.sweep_file import Observe
+from worlds.input_error import InputError, unknown
+from worlds.text_file import read_text
+
+if TYPE_CHECKING:
+    from agents import Flock
+
+K = "k"
+"""The column of the tick from which the condition of [stop] held."""
+HEADS = (*FIXED, "place", "observable", "value", "tick")
+"""Columns of every table of runs: no axis and no measure has their names."""
+RESERVED = (*HEADS, K, "replicate")
+"""Names that no column of a measure has."""
+
+
+@dataclass(frozen=True)
+class SweepMeasure:
+    """One thing that is measured of runs."""
+
+    column: str
+    name: str = ""
+    """An observable, or else"""
+    path: str = ""
+    function: str = ""
+    every: int | None = None
+    """Ticks between two looks along the run; None: at its end only."""
+    over: int | None = None
+    """Ticks at the end of the run over which it is measured."""
+
+    @property
+    def is_series(self) -> bool:
+        """Whether it has a value for each look, and none for the run."""
+        return self.every is not None
+
+    def getter(self) -> Callable[[Flock], float]:
+        """What measures it of a flock now. Raises InputError if a file of one's own has it not."""
+        if not self.path:
+            name = SERIES if OBSERVABLES[self.name].over else self.name
+            return lambda flock: float(flock.observe(name))
+        function = getattr(module_of(Path(self.path)), self.function, None)
+        if not callable(function):
+            raise InputError(f"measure {self.function!r}: there is no such function in {self.path}")
+        return lambda flock: float(function(flock.snapshot(copy=False).measurable()))
+
+    def summed(self, values: list[float], agents: list[int]) -> float:
+        """What the looks at the end of a run come to: their mean, or what is taken of a series."""
+        if not values:
+            return math.nan
+        take = OBSERVABLES[self.name].over if self.name else None
+        if take is not None:
+            return take(np.array(values), float(np.mean(agents)))
+        return float(np.mean(values))
+
+    @property
+    def fingerprint(self) -> str:
+        """A hash of what it does."""
+        digest = hashlib.sha256()
+        if self.path:
+            digest.update(Path(self.path).read_bytes())
+            return digest.hexdigest()[:12]
+        one = OBSERVABLES[self.name]
+        for function in (one.measure, one.over):
+            if inspect.isfunction(function):
+                feed(function, digest, set())
+        return digest.hexdigest()[:12]
+
+
+def module_of(path: Path) -> ModuleType:
+    """A Python file of one's own, run. Raises InputError naming the file and the line of a
+    fault."""
+    text = read_text(f"measure {str(path)!r}", path)
+    return run_file(path, text, f"measures_{hashlib.sha256(text.encode()).hexdigest()[:16]}")
+
+
+def measure_of(asked: Observe, folder: Path) -> SweepMeasure:
+    """What a table [[observe]] asks for. Raises InputError."""
+    if asked.measure:
+        file, colon, function = asked.measure.rpartition(":")
+        if not colon or not file.endswith(".py") or not function.isidentifier():
+            raise InputError(
+                f"measure = {asked.measure!r} is not allowed: FILE.py:FUNCTION is needed"
+            )
+        path, name = str(found(file, folder).absolute()), ""
+    else:
+        path, function, name = "", "", asked.name
+        demand_number(name)
+        if OBSERVABLES[name].over and asked.over is None:
+            raise InputError(f"{name} is measured over a run: give over, the ticks at its end")
+    column = asked.column or (name or function)
+    if not asked.column and asked.over is not None and not (name and OBSERVABLES[name].over):
+        column += f"-over-{asked.over}"
+    if column.lower() in RESERVED or not column.isprintable():
+        raise InputError(f"column = {column!r} is not allowed: name another")
+    made = SweepMeasure(column, name, path, function, asked.every, asked.over)
+    made.getter()
+    return made
+
+
+def demand_number(name: str) -> None:
+    """Refuse what is no observable, or a table. Raises InputError."""
+    if name not in OBSERVABLES:
+        raise unknown("observable", name, OBSERVABLES)
+    if OBSERVABLES[name].is_table:
+        raise InputError(f"{name} is a table, not a number: a sweep cannot keep it")
+
+
+class RunObserver:
+    """What has been seen of a running flock, for all that is measured of it."""
+
+    def __init__(self, measures: tuple[SweepMeasure, ...], getters: list[Callable[[Flock], float]]):
+        self.measures = measures
+        self.getters = getters
+        self.windows: list[deque[float] | None] = [
+            deque(maxlen=one.over) if one.over else None for one in measures
+        ]
+        self.agents: deque[int] = deque(maxlen=max((one.over or 1 for one in measures), default=1))
+        self.series: list[tuple[list[int], list[float]]] = [([], []) for _ in measures]
+
+    def look(self, flock: Flock, windows: bool) -> None:
+        """Look at the flock after a tick; at what is measured over the last ticks if `windows`."""
+        seen: dict[int, float] = {}
+        if windows:
+            self.agents.append(int(flock.active.sum()))
+        for k, (one, get) in enumerate(zip(self.measures, self.getters, strict=True)):
+            window = self.windows[k]
+            if window is not None and windows:
+                window.append(get(flock))
+            elif one.every is not None and flock.tick % one.every == 0:
+                seen[k] = get(flock)
+        for k, value in seen.items():
+            self.series[k][0].append(flock.tick)
+            self.series[k][1].append(value)
+
+    def values(self, flock: Flock) -> dict[str, Any]:
+        """What the run comes to, by column."""
+        found: dict[str, Any] = {}
+        agents = list(self.agents)
+        for one, get, window in zip(self.measures, self.getters, self.windows, strict=True):
+            if window is not None:
+                found[one.column] = one.summed(list(window), agents[-len(window) or None :])
+            elif not one.is_series:
+                found[one.column] = get(flock)
+        return found
+
+    def along(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """The series, by column."""
+        return {
+            one.column: (np.array(ticks, np.int64), np.array(values, float))
+            for one, (ticks, values) in zip(self.measures, self.series, strict=True)
+            if one.is_series
+        }

@@ -1,0 +1,80 @@
+"""How many replicates a cell needs: a fixed number, or until the interval of its mean is narrow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from app.studies.sweeps.given.sweep_file import Precision, Replicates
+from app.studies.verdicts.judge import INTERVAL_CONFIDENCE, ranges_of
+from app.studies.verdicts.statistics import interval_of_mean
+
+Values = Callable[[int, int], list[float]]
+"""The values of a cell's first replicates, without those that have none."""
+
+
+FIRST_LOOK = 10
+"""Replicates before the interval of a mean is looked at: fewer show too little of their spread."""
+
+
+def half_width(values: Sequence[float], confidence: float = INTERVAL_CONFIDENCE) -> float:
+    """Half of the interval of a mean, the wider side; nan of equal values, which show no spread.
+
+    >>> round(half_width([1.0, 2.0, 3.0]), 3)
+    9.901
+    """
+    low, high = interval_of_mean(ranges_of(values), confidence)
+    if math.isnan(low) or not math.isfinite(high - low):
+        return math.nan
+    mean = float(np.mean(values))
+    return max(mean - low, high - mean)
+
+
+def is_precise(values: Sequence[float], asked: Precision) -> bool:
+    """Whether the interval of the mean is as narrow as is asked for.
+
+    Values that are all equal count as precise from the first look on: a measure without noise would
+    otherwise be run for ever.
+    """
+    if len(values) >= FIRST_LOOK and ranges_of(values).are_equal:
+        return True
+    width = half_width(values, asked.confidence)
+    scale = abs(float(np.mean(values))) if asked.relative and len(values) else 1.0
+    return width <= asked.within * scale
+
+
+class Rounds:
+    """Replicates of each cell, round by round; a round follows from the whole round before it.
+
+    So it does not matter in which order runs end, or how often a sweep was stopped.
+    """
+
+    def __init__(self, asked: Replicates, cells: Sequence[int]):
+        self.asked = asked
+        self.cells = list(cells)
+        self.wanted = dict.fromkeys(self.cells, asked.count)
+
+    @property
+    def total(self) -> int:
+        """Runs that are asked for so far."""
+        return sum(self.wanted.values())
+
+    def more(self, values: Values) -> bool:
+        """Ask for the replicates of the next round; False if there is none."""
+        precision = self.asked.precision
+        if precision is None:
+            return False
+        added = False
+        for cell in self.cells:
+            now = self.wanted[cell]
+            step = max(precision.step, FIRST_LOOK - now)
+            room = min(precision.most - now, step)
+            if precision.budget is not None:
+                room = min(room, precision.budget - self.total)
+            looked = now >= FIRST_LOOK and is_precise(values(cell, now), precision)
+            if room > 0 and not looked:
+                self.wanted[cell] = now + room
+                added = True
+        return added

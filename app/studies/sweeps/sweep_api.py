@@ -1,0 +1,167 @@
+"""A sweep from a script or a notebook: the same runs and the same store as on the command line."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from agents.spec import Spec
+from app.studies.sweeps.checked_sweep import Sweep, read_sweep, sweep_of
+from app.studies.sweeps.given.key_locations import KeyLocations
+from app.studies.sweeps.given.sweep_file import RunOptions
+from app.studies.sweeps.sweep_results import Results
+from app.studies.sweeps.sweep_runner import conduct
+from app.studies.workers.processes import cores
+from worlds.input_error import InputError
+
+TEMPORARY: list[tempfile.TemporaryDirectory[str]] = []
+"""Folders that are gone with this process."""
+CALL = "flockscope.sweep"
+
+
+def sweep(
+    what: str | Path | Spec,
+    *,
+    vary: Mapping[str, Any] | None = None,
+    runs: int = 10,
+    ticks: int = 1000,
+    observe: Sequence[str | Mapping[str, Any]] = (),
+    until: str = "",
+    hold: int = 1,
+    where: str = "",
+    folder: str | Path | None = None,
+    workers: int | None = None,
+    tell: Callable[[str], Any] | None = None,
+    **words: Any,
+) -> Results:
+    """Make the runs of a sweep that are not there yet, and return all of them.
+
+    Parameters
+    ----------
+    what: a FILE.toml, which says all the rest; or the name of a model; or a `Spec`.
+    vary: the axes by name, each a list, an array, or a dictionary with `from`, `to`, `count` (or
+        `step`) and, if wanted, `scale = "log"`. Every value is run with every value of the others.
+    runs: runs of each cell, with the seeds 1, 2, ...
+    ticks: ticks of a run, at most.
+    observe: observables by name, or as a table [[observe]] of a file has them, such as
+        `{"name": "polarisation", "over": 100}` or `{"measure": "mine.py:width"}`.
+    until: what ends a run, such as "consistency >= 0.9984", once it has held for `hold` ticks.
+    where: a condition between axes: only cells for which it holds are run.
+    folder: where the runs are kept, so that the same call goes on after any stop; without one they
+        are gone with this process.
+    workers: processes, by default as many as there are cores.
+    tell: hears what is compiled, how many runs there are, and of versions that have changed.
+    words: options and parameters of all runs, as `Flock` takes them.
+
+    Raises InputError for whatever cannot be run, before anything is. A run that raises is a row
+    with the status `failed`.
+    """
+    axes = {
+        name: axis if isinstance(axis, Mapping) else plain(list(axis))
+        for name, axis in (vary or {}).items()
+    }
+    design = {"kind": "grid", "where": where, "axes": axes} if vary else None
+    made = asked(what, design, runs, ticks, observe, until, hold, words, tell)
+    folder = kept_in(folder)
+    conduct(made, folder, workers=workers or cores(), tell=tell)
+    return Results(folder)
+
+
+def kept_in(folder: str | Path | None) -> Path:
+    """The folder, or one that is gone with this process."""
+    if folder is None:
+        TEMPORARY.append(tempfile.TemporaryDirectory(prefix="flockscope-sweep-"))
+        folder = TEMPORARY[-1].name
+    return Path(folder)
+
+
+def is_file(what: str | Path | Spec) -> bool:
+    """Whether this names a file that says all that is to be run."""
+    return isinstance(what, Path) or (isinstance(what, str) and what.endswith(".toml"))
+
+
+def asked(
+    what: str | Path | Spec,
+    design: Mapping[str, Any] | None,
+    runs: int,
+    ticks: int,
+    observe: Sequence[str | Mapping[str, Any]],
+    until: str,
+    hold: int,
+    words: Mapping[str, Any],
+    tell: Callable[[str], Any] | None,
+) -> Sweep:
+    """The sweep that is asked for. Raises InputError."""
+    if is_file(what):
+        if design or words or observe or until:
+            raise InputError(f"{str(what)!r} says itself what is run: give folder and workers only")
+        return read_sweep(Path(str(what)), tell)
+    values = values_of(what, runs, ticks, observe, until, hold, words)
+    if design is not None:
+        values["design"] = [dict(design)]
+    return sweep_of(values, KeyLocations(CALL), Path(), tell)
+
+
+def values_of(
+    what: str | Path | Spec,
+    runs: int,
+    ticks: int,
+    observe: Sequence[str | Mapping[str, Any]],
+    until: str,
+    hold: int,
+    words: Mapping[str, Any],
+) -> dict[str, Any]:
+    """What a file would say of the runs, but for their design. Raises InputError."""
+    run: dict[str, Any] = shared(what) if isinstance(what, Spec) else {"model": str(what)}
+    run["ticks"] = ticks
+    for name, value in words.items():
+        if name in RunOptions.model_fields:
+            run[name] = plain(value)
+        else:
+            run.setdefault("parameters", {})[name] = plain(value)
+    values: dict[str, Any] = {"run": run, "replicates": {"count": runs}}
+    if until:
+        values["stop"] = {"when": until, "hold": hold}
+    if observe:
+        values["observe"] = [
+            {"name": one} if isinstance(one, str) else dict(one) for one in observe
+        ]
+    return values
+
+
+def shared(spec: Spec) -> dict[str, Any]:
+    """A spec as the table [run] of a file. Raises InputError for what a file cannot say."""
+    if spec.start != "random" or spec.layout is not None or not isinstance(spec.world, str | None):
+        raise InputError(
+            "a sweep needs a world with a name or a file, and random starts: write the world to a "
+            "file and name that"
+        )
+    kept = spec.model_dump(exclude_none=True, exclude={"seed", "start", "versions", "layout"})
+    return {key: plain(value) for key, value in kept.items()}
+
+
+def bounds(axis: Any) -> Any:
+    """An axis as a file has it: a pair are its bounds.
+
+    >>> bounds((0.0, 6.0)), bounds([1, 2, 3])
+    ({'from': 0.0, 'to': 6.0}, [1, 2, 3])
+    """
+    if isinstance(axis, Mapping):
+        return dict(axis)
+    values = plain(list(axis))
+    if len(values) == 2 and all(isinstance(one, int | float) for one in values):
+        return {"from": float(values[0]), "to": float(values[1])}
+    return values
+
+
+def plain(value: Any) -> Any:
+    """Arrays and NumPy's numbers as Python's own."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(one) for one in value]
+    return value

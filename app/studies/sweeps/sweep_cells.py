@@ -1,0 +1,142 @@
+"""A cell of a sweep: a run but for its seed, what of it differs, and what its numbers depend on."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from agents.flock import Flock
+from agents.spec import OPTIONS, Spec, versions
+from app.strict_table import Value
+from app.studies.runs.store import canonical
+from app.studies.sweeps.making.sweep_job import SweepJob
+from worlds.world import World
+
+OPEN = ("seed", "versions", "layout", "start")
+"""What of a spec is told apart from it."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Runs that differ by their seed only."""
+
+    spec: Spec
+    axes: dict[str, Value]
+    """What differs from cell to cell, in the order of the design."""
+    design: int
+    """The number of its design, from 0."""
+    identity: dict[str, Any]
+    """The run with nothing left open, and how it is measured."""
+    basis: dict[str, Any]
+    """What else its numbers depend on: versions, code, world."""
+
+    @cached_property
+    def hash(self) -> str:
+        """What the store knows it by: another one if anything is different."""
+        text = canonical({"identity": self.identity, "basis": self.basis})
+        return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+    @cached_property
+    def first_seed(self) -> int:
+        """A seed that follows from what the cell is, with room for a million behind it."""
+        digest = hashlib.sha256(canonical(self.identity["spec"]).encode()).digest()
+        return int.from_bytes(digest[:5], "big") << 20
+
+    @property
+    def kept(self) -> str:
+        """As the store keeps it."""
+        return canonical(
+            {
+                "axes": self.axes,
+                "design": self.design,
+                "identity": self.identity,
+                "basis": self.basis,
+            }
+        )
+
+
+def spec_of(base: Spec, axes: Mapping[str, Value]) -> Spec:
+    """A run with other options and parameters. Raises InputError."""
+    options = {name: value for name, value in axes.items() if name in OPTIONS or name == "model"}
+    others = {name: value for name, value in axes.items() if name not in options}
+    return base.but(**options, parameters={**base.parameters, **others})
+
+
+class Basis:
+    """What numbers depend on beside the run itself; what cells share is found once."""
+
+    def __init__(self, making: SweepJob, seed: int):
+        self.making = making
+        self.seed = seed
+        self.versions = versions()
+        self.measures = {one.column: one.fingerprint for one in making.measures}
+        self.worlds: dict[tuple, str] = {}
+
+    def cell(self, spec: Spec, axes: dict[str, Value], design: int) -> Cell:
+        """The cell of a run, which is built for it. Raises InputError."""
+        flock = Flock(spec.but(seed=self.seed))
+        run, until = flock.options, self.making.until
+        known = run.model_dump(exclude={*OPEN, "world", "size", "dim", "parameters"})
+        identity = {
+            "spec": known
+            | {
+                "world": flock.world.name,
+                "size": list(flock.world.size),
+                "parameters": flock.parameters.model_dump(),
+            },
+            "ticks": self.making.ticks,
+            "stop": until and [*until.says, until.hold, until.every],
+            "observe": [
+                [one.column, one.name or one.function, one.every, one.over]
+                for one in self.making.measures
+            ],
+        }
+        digest = hashlib.sha256(flock.position.tobytes())
+        digest.update(flock.heading.tobytes())
+        digest.update(flock.speed.tobytes())
+        basis = {
+            "versions": self.versions,
+            f"the rule of {run.model}": flock.loop.cache_folder.name,
+            f"the world {flock.world.name}": self.world(spec, flock.world),
+            "how a flock starts": digest.hexdigest()[:12],
+            **{f"the measure {name}": one for name, one in self.measures.items()},
+        }
+        return Cell(spec, axes, design, identity, basis)
+
+    def world(self, spec: Spec, world: World) -> str:
+        """A hash of the world of a run; where it has a name, name and size say which it is."""
+        key = (spec.world, spec.layout is None, world.size, world.name)
+        if not isinstance(spec.world, str | None) or spec.layout is not None:
+            return hashed(world)
+        if key not in self.worlds:
+            self.worlds[key] = hashed(world)
+        return self.worlds[key]
+
+
+def hashed(world: World) -> str:
+    """A hash of a world."""
+    return hashlib.sha256(world.to_toml().encode()).hexdigest()[:12]
+
+
+def changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+    """What is different in what two cells of the same run depend on, in words.
+
+    >>> changes({"versions": {"numpy": "1"}, "rule": 1}, {"versions": {"numpy": "2"}, "rule": 2})
+    ['numpy 1, now 2', 'rule has changed']
+    """
+    said: list[str] = []
+    before, now = old.get("versions", {}), new.get("versions", {})
+    said += [
+        f"{name} {before[name]}, now {now[name]}"
+        for name in now
+        if name in before and before[name] != now[name]
+    ]
+    said += [
+        f"{name} has changed"
+        for name in new
+        if name != "versions" and name in old and old[name] != new[name]
+    ]
+    return said

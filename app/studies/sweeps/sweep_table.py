@@ -1,0 +1,154 @@
+"""The runs of a sweep as a table, in the order of its plan: as CSV, as Parquet, as Arrow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from agents.spec import Spec
+from app.studies.runs.database import FIXED
+from app.studies.runs.store_reader import StoreReader
+from app.studies.sweeps.making.measures import HEADS
+from app.studies.sweeps.sweep_cells import spec_of
+from worlds.file_writer import csv_text, writing
+from worlds.input_error import InputError, shortened
+from worlds.plug_ins import demand
+
+Columns = dict[str, list[Any]]
+ENDINGS = (".csv", ".parquet", ".pq")
+CELL = "place"
+"""The column of a cell's place in the plan, from 1."""
+
+
+def wide(kept: StoreReader, times: bool = False) -> Columns:
+    """A row for each run: its cell and axes, seed and status, and what was measured.
+
+    `times`: with the seconds that it took, which are others every time.
+    """
+    columns, axes = measured(kept), axes_of(kept)
+    cells, places = kept.cells, places_of(kept)
+    made: Columns = {name: [] for name in (CELL, *axes, *FIXED[1:], *columns)}
+    for cell, *row in kept.runs(columns):
+        made[CELL].append(places[cell])
+        for axis in axes:
+            made[axis].append(cells[cell]["axes"].get(axis))
+        for name, value in zip((*FIXED[1:], *columns), row, strict=True):
+            made[name].append(value)
+    if not times:
+        del made["seconds"]
+    return made
+
+
+def long(kept: StoreReader) -> Columns:
+    """A row for each value: of a run at its end, and of a series at each of its ticks."""
+    columns, axes = measured(kept), axes_of(kept)
+    cells, places = kept.cells, places_of(kept)
+    made: Columns = {
+        name: [] for name in (CELL, *axes, "seed", "status", "observable", "tick", "value")
+    }
+    at = {name: number for number, name in enumerate((*FIXED, *columns))}
+    statuses: dict[tuple[int, int], str] = {}
+
+    def add(cell: int, seed: int, name: str, tick: int, value: Any) -> None:
+        made[CELL].append(places[cell])
+        for axis in axes:
+            made[axis].append(cells[cell]["axes"].get(axis))
+        told = (seed, statuses[cell, seed], name, tick, value)
+        for column, one in zip(
+            ("seed", "status", "observable", "tick", "value"), told, strict=True
+        ):
+            made[column].append(one)
+
+    for row in kept.runs(columns):
+        cell, seed = row[0], row[1]
+        statuses[cell, seed] = row[at["status"]]
+        for name in columns:
+            add(cell, seed, name, row[at["ticks"]], row[at[name]])
+    for cell, seed, name, ticks, values in kept.series():
+        if (cell, seed) not in statuses:  # of a run that came after the runs were read
+            continue
+        for tick, value in zip(ticks.tolist(), values.tolist(), strict=True):
+            add(cell, seed, name, tick, None if value != value else value)
+    return made
+
+
+def measured(kept: StoreReader) -> list[str]:
+    """What the runs of the plan have one value of, in its order."""
+    there = kept.columns
+    return [name for name in kept.state.get("columns", there) if name in there]
+
+
+def axes_of(kept: StoreReader) -> list[str]:
+    """The axes of the plan, in its order. Raises InputError for one that is named as a column
+    is."""
+    axes = list(kept.state.get("axes", []))
+    for one in axes:
+        if one in HEADS or one in kept.columns:
+            raise InputError(
+                f"{str(kept.path)!r} makes no table: its axis {shortened(one)} has the name of "
+                "another column"
+            )
+    return axes
+
+
+def places_of(kept: StoreReader) -> dict[int, int]:
+    """The place of each cell in the plan, from 1."""
+    return {number: place for place, number in enumerate(kept.cells, 1)}
+
+
+def as_csv(columns: Mapping[str, list[Any]]) -> str:
+    """A table as CSV: floats so that they come back to the bit, nothing where there is no value."""
+    return csv_text(columns, zip(*columns.values(), strict=True))
+
+
+def as_arrow(columns: Mapping[str, list[Any]]) -> Any:
+    """A table as pyarrow has it. Raises InputError where that is not installed."""
+    demand("pyarrow", "a table of runs", "experiments")
+    import pyarrow as pa
+
+    return pa.table({name: array_of(values) for name, values in columns.items()})
+
+
+def array_of(values: list[Any]) -> Any:
+    """A column as an array: whole numbers become numbers where there are both, else text."""
+    import pyarrow as pa
+
+    kinds = {type(one) for one in values if one is not None}
+    if kinds == {int, float}:
+        return pa.array([None if one is None else float(one) for one in values], pa.float64())
+    if len(kinds) > 1:
+        return pa.array([None if one is None else str(one) for one in values], pa.string())
+    return pa.array(values)
+
+
+def write_table(columns: Mapping[str, list[Any]], path: Path, overwrite: bool) -> None:
+    """Write a table as its ending says. Raises InputError."""
+    if path.suffix.lower() == ".csv":
+        data = as_csv(columns).encode()
+        with writing("table", path, overwrite, ENDINGS) as file:
+            file.write(data)
+        return
+    if path.suffix.lower() not in ENDINGS:
+        raise InputError(
+            f"table {str(path)!r} is not allowed: its name has to end in {', '.join(ENDINGS)}"
+        )
+    table = as_arrow(columns)
+    import pyarrow.parquet as pq
+
+    with writing("table", path, overwrite, ENDINGS) as file:
+        pq.write_table(table, file)
+
+
+def spec_at(kept: StoreReader, place: int, seed: int) -> Spec:
+    """The run of a cell by its place in the plan. Raises InputError."""
+    cells = list(kept.cells.values())
+    if not 1 <= place <= len(cells):
+        raise InputError(f"cell {place} is not allowed: a number from 1 to {len(cells)} is needed")
+    state = kept.state
+    if "base" not in state:
+        raise InputError(
+            f"{str(kept.folder)!r} is no sweep but a paper's table: its runs have no spec"
+        )
+    base = Spec.from_toml(state["base"], f"base of {kept.folder}")
+    return spec_of(base, cells[place - 1]["axes"]).but(seed=seed)

@@ -1,0 +1,305 @@
+"""Runs in processes of their own that live as long as there is work: none of them ends the work.
+
+A process that is killed is replaced, and the run that it was at is made once more; one that kills
+its process twice is recorded as `killed`, and so is one that takes longer than it may. A process
+that stands still, halted or hung as a whole, is killed; one that is slow shows that it lives.
+Processes end by themselves when their parent is gone.
+"""
+
+from __future__ import annotations
+
+import math
+import mmap
+import os
+import pickle
+import queue
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from app.studies.runs.run_outcome import Outcome
+from app.studies.workers import run_worker
+from app.studies.workers.run_executors import LOOK, AwakeClock, Beat, Keep, Task
+from app.studies.workers.run_worker import PATIENT, WorkerSetup
+from worlds.input_error import InputError
+from worlds.number_text import signal_name
+
+AHEAD = 0.2
+"""Seconds of work that a process has waiting."""
+BEAT = 0.25
+"""Seconds between two calls of `beat` at most."""
+TRIES = 2
+"""Times that a run may kill its process."""
+STILLBORN = 3
+"""Processes in a row that may die before they have made a run."""
+SILENT = 60.0
+"""Seconds for which a process that has work may show no sign of life, of which there is one a
+second."""
+UNBORN = 5.0
+"""How many times as long before its first one: it may wait for a slow disk."""
+FIRST_GUESS = 0.05
+"""Seconds that a run is taken to last until one is done."""
+
+
+@dataclass
+class Process:
+    """One worker, the runs that were sent to it, and how far it is."""
+
+    popen: subprocess.Popen
+    started: mmap.mmap
+    """Its first eight bytes: how many runs it has begun; the next: its signs of life so far."""
+    waiting: deque[Task] = field(default_factory=deque)
+    """Sent, and not yet reported."""
+    reported: int = 0
+    heard: float = 0.0
+    """When it last reported, or was sent something with nothing to do, by a clock that is awake."""
+    seen: int = 0
+    """How many runs it had begun when it was last looked at,"""
+    since: float = 0.0
+    """and since when."""
+    overran: bool = False
+    """Whether it was killed because its run took too long."""
+    beats: int = 0
+    """Signs of life that it had given when it was last looked at,"""
+    lived: float | None = None
+    """and since when; None: it was not looked at."""
+    halted: bool = False
+    """Whether it was killed because it gave none."""
+
+    @property
+    def begun(self) -> int:
+        """Runs that it has begun."""
+        return int.from_bytes(self.started[:8], "little")
+
+    def send(self, tasks: list[Task]) -> bool:
+        """Send it runs; False if it is gone, of which its reader will tell."""
+        assert self.popen.stdin is not None
+        self.waiting.extend(tasks)
+        try:
+            pickle.dump([(one.payload, one.seed) for one in tasks], self.popen.stdin, -1)
+            self.popen.stdin.flush()
+        except (BrokenPipeError, OSError):
+            return False
+        return True
+
+    def is_late(self, now: float, limit: float) -> bool:
+        """Whether the run that it is at has taken longer than it may."""
+        begun = self.begun
+        if begun != self.seen:
+            self.seen, self.since = begun, now
+        return begun > self.reported and now - self.since > limit
+
+    def is_silent(self, now: float) -> bool:
+        """Whether it has work, and has shown no sign of life for too long."""
+        beats = int.from_bytes(self.started[8:16], "little")
+        if beats != self.beats or self.lived is None or not self.waiting:
+            self.beats, self.lived = beats, now
+        return now - self.lived > (SILENT if beats else UNBORN * SILENT)
+
+    def left(self) -> tuple[Task | None, list[Task]]:
+        """The run that it died at, if it was at one, and those that it had not begun."""
+        ahead = list(self.waiting)
+        at = self.begun - self.reported - 1
+        if 0 <= at < len(ahead):
+            return ahead[at], ahead[:at] + ahead[at + 1 :]
+        return None, ahead
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class Processes:
+    """So many processes of this machine, which make the runs of one job.
+
+    `job` is pickled to each of them. `limit`: seconds that a run may take. `timeout`: seconds
+    after which a process that is asked for nothing ends. `tell` hears of one that stands still.
+    Leaving it ends the processes at once.
+    """
+
+    def __init__(
+        self,
+        job: Any,
+        workers: int,
+        nice: int = 0,
+        limit: float | None = None,
+        timeout: float | None = None,
+        tell: Callable[[str], None] | None = None,
+    ):
+        self.tell = tell or print_line
+        self.beginning = job if isinstance(job, WorkerSetup) else WorkerSetup.of(job, nice)
+        self.beginning = replace(self.beginning, timeout=timeout)
+        self.workers = workers
+        self.limit = math.inf if limit is None else limit
+        self.processes: list[Process] = []
+        self.events: queue.SimpleQueue[tuple[Process, list[Outcome] | None]] = queue.SimpleQueue()
+        self.stillborn = 0
+        self.seconds = FIRST_GUESS
+        """What a run takes, lately."""
+        self.awake = AwakeClock()
+
+    def __enter__(self) -> Processes:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for one in self.processes:
+            one.popen.kill()
+        for one in self.processes:
+            one.popen.wait()
+            for pipe in (one.popen.stdin, one.popen.stdout):
+                with suppress(OSError):
+                    if pipe is not None:
+                        pipe.close()
+            one.started.close()
+        self.processes.clear()
+
+    def run(self, tasks: Iterable[Task], keep: Keep, beat: Beat = lambda: False) -> bool:
+        """Make the runs, begun in their order; False if `beat` wanted them stopped.
+
+        `keep` receives each in the calling thread. Raises InputError if no process can be begun.
+        """
+        ahead = deque(tasks)
+        beaten = time.monotonic()
+        while ahead or any(one.waiting for one in self.processes):
+            while len(self.processes) < min(self.workers, max(1, len(ahead))) and ahead:
+                self.processes.append(self.begin())
+            self.hand_out(ahead)
+            with suppress(queue.Empty):
+                process, found = self.events.get(timeout=BEAT)
+                self.take(process, found, ahead, keep)
+                while True:
+                    process, found = self.events.get_nowait()
+                    self.take(process, found, ahead, keep)
+            self.end_late(self.awake.look())
+            if time.monotonic() - beaten >= BEAT:
+                beaten = time.monotonic()
+                if beat():
+                    return False
+        return True
+
+    def end_late(self, now: float) -> None:
+        """End the processes whose run takes longer than it may, and those that stand still."""
+        for one in self.processes:
+            if not one.overran and one.is_late(now, self.limit):
+                one.overran = True
+                one.popen.kill()
+            elif not one.halted and one.is_silent(now):
+                one.halted = True
+                one.popen.kill()
+                at, _ = one.left()
+                what = "a process that was to make runs"
+                if at is not None:
+                    what = f"the process of cell {at.cell}, seed {at.seed}"
+                self.tell(
+                    f"{what} has stood still for {now - (one.lived or 0.0):.0f} s: it is ended, "
+                    "and what it had to do is done by another"
+                )
+
+    def begin(self) -> Process:
+        """A new process."""
+        serve = f"from {run_worker.__name__} import serve; serve()"
+        begin = f"import sys; sys.path[:] = {sys.path!r}; {serve}"
+        named = tempfile.NamedTemporaryFile(prefix="flockscope-", delete=False)  # noqa: SIM115
+        with named:
+            named.truncate(mmap.PAGESIZE)
+        with open(named.name, "r+b") as file:
+            started = mmap.mmap(file.fileno(), mmap.PAGESIZE)
+        popen = subprocess.Popen(
+            [sys.executable, "-c", begin],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=os.environ | {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+        )
+        process = Process(popen, started)
+        assert popen.stdin is not None
+        with suppress(BrokenPipeError):
+            pickle.dump(replace(self.beginning, place=named.name), popen.stdin, -1)
+            popen.stdin.flush()
+        threading.Thread(target=self.listen, args=(process,), name="runs", daemon=True).start()
+        return process
+
+    def listen(self, process: Process) -> None:
+        """On a thread of its own: pass on what a process reports, None when it is gone."""
+        assert process.popen.stdout is not None
+        try:
+            while True:
+                self.events.put((process, pickle.load(process.popen.stdout)))
+        except (EOFError, OSError, ValueError, pickle.UnpicklingError):
+            self.events.put((process, None))
+
+    def hand_out(self, ahead: deque[Task]) -> None:
+        """Give each process as much as keeps it busy for a while, the order kept."""
+        for one in self.processes:
+            busy = len(one.waiting) * self.seconds
+            if not ahead or (one.waiting and busy >= AHEAD):
+                continue
+            share = -(-len(ahead) // (2 * self.workers))
+            if not one.waiting:
+                one.heard = self.awake.seconds
+            some = max(1, min(int((2.0 * AHEAD - busy) / self.seconds), share, 1000))
+            one.send([ahead.popleft() for _ in range(min(some, len(ahead)))])
+
+    def take(
+        self, process: Process, found: list[Outcome] | None, ahead: deque[Task], keep: Keep
+    ) -> None:
+        """Take what a process reports, or that it is gone."""
+        if found is None:
+            self.bury(process, ahead, keep)
+            return
+        self.stillborn = 0
+        most = self.awake.look() - process.heard + LOOK
+        process.heard = self.awake.seconds
+        for outcome in found:
+            task = process.waiting.popleft()
+            process.reported += 1
+            if outcome.seconds > most:  # the machine was asleep meanwhile
+                outcome = outcome._replace(seconds=most)
+            self.seconds += 0.1 * (max(outcome.seconds, 1e-5) - self.seconds)
+            keep(task, outcome)
+
+    def bury(self, process: Process, ahead: deque[Task], keep: Keep) -> None:
+        """Put the runs of a process that is gone back, the one that it was at with its count."""
+        self.processes.remove(process)
+        code = process.popen.wait()
+        at, rest = process.left()
+        process.started.close()
+        ahead.extendleft(reversed(rest))
+        if at is None:
+            self.stillborn += code != PATIENT and not process.overran
+            if self.stillborn >= STILLBORN * self.workers:
+                raise InputError(
+                    f"no process that makes runs can be begun: they end with {ended(code)}"
+                )
+            return
+        at = replace(at, tries=at.tries + 1)
+        if process.overran:
+            keep(at, Outcome("killed", reason=f"it took longer than {self.limit:g} s"))
+        elif at.tries < TRIES:
+            ahead.appendleft(at)
+        else:
+            how = "stood still" if process.halted else "ended"
+            keep(at, Outcome("killed", reason=f"its process {how} twice, with {ended(code)}"))
+
+
+def print_line(line: str) -> None:
+    """A line on stderr."""
+    print(f"flockscope: {line}", file=sys.stderr, flush=True)
+
+
+def ended(code: int) -> str:
+    """How a process ended, in words.
+
+    >>> ended(-9), ended(-40), ended(1)
+    ('signal SIGKILL', 'signal 40', 'code 1')
+    """
+    return f"code {code}" if code >= 0 else f"signal {signal_name(-code)}"
