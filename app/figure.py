@@ -23,3 +23,24 @@ def save_figure(figure: Any, file: BinaryIO, ending: str, dots: int = DOTS) -> N
     """Write a figure into a file that is open."""
     kind = ending.lower().lstrip(".")
     figure.savefig(file, format=kind, dpi=dots, metadata=UNDATED.get(kind))
+
+
+LOOK = {
+    "font.size": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.grid.axis": "y",
+    "axes.axisbelow": True,
+    "grid.color": "#e3e6ea",
+    "axes.edgecolor": "#7a828c",
+    "xtick.color": "#3c434b",
+    "ytick.color": "#3c434b",
+    "axes.titlesize": 11,
+    "lines.solid_capstyle": "butt",
+    "figure.titlesize": 11,
+    "legend.frameon": False,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "flockscope",
+}
+"""The look of all figures, as settings of matplotlib."""

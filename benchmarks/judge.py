@@ -1,6 +1,6 @@
 """How often words about runs are false, how wide their intervals are, and what they can decide.
 
-Runs are drawn from laws whose mean is known, judged by `app/studies/verdicts/judge.py`, and
+Runs are drawn from laws whose mean is known, judged by `app/studies/judge/judge.py`, and
 counted. Fixed seeds: the same numbers each time. An entry of p % has a standard error of
 sqrt(p (100 - p) / M), with M the samples of a cell.
 
@@ -22,7 +22,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
-from app.studies.verdicts.judge import (  # noqa: E402
+from app.studies.judge.judge import (  # noqa: E402
     CONFIDENCE,
     ConfidenceInterval,
     bounded_interval,

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 from sweeps import HOMES, SEEING, Point, Sweep
 
-from app.figure import write_figure
-from app.studies.pictures.experiment_picture import LOOK
+from app.figure import LOOK, write_figure
 
 COLOURS = ("#2166ac", "#b07d12", "#1f9d63", "#c0392b", "#8e44ad", "#e08214")
 COLOUR = dict(zip([*HOMES, "boundary-points"], COLOURS, strict=True))

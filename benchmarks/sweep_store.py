@@ -12,8 +12,7 @@ import time
 from itertools import pairwise
 from pathlib import Path
 
-from app.studies.runs.database import FILE
-from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.database import FILE, Outcome
 from app.studies.runs.store import Store
 from app.studies.runs.store_reader import StoreReader
 

@@ -26,10 +26,10 @@ DIFFERS = 3
 """Exit code of `--strict` if anything differs or does not hold; and if any run failed."""
 
 if TYPE_CHECKING:
+    from app.studies.claims.claims import Claim
     from app.studies.experiment import Experiment
     from app.studies.experiment_runner import ExperimentReport
-    from app.studies.verdicts.claim import Claim
-    from app.studies.verdicts.verdict import Verdict
+    from app.studies.judge.verdict import Verdict
 
 
 def paper(
@@ -113,7 +113,7 @@ def paper(
 
 def tell_prospects(experiment: Experiment, runs: int) -> None:
     """Say which of its claims so many runs can decide."""
-    from app.studies.verdicts.prospects import prospects
+    from app.studies.claims.prospects import prospects
 
     said = prospects(experiment, runs)
     if said:
@@ -208,15 +208,15 @@ def outcome_of(
     pictures: bool,
 ) -> PaperOutcome:
     """Judge what was measured, and write summary and picture."""
+    from app.studies.claims.claims import claims
+    from app.studies.claims.verdict_table import verdicts
     from app.studies.reports.report_formats import write_summary
-    from app.studies.verdicts.claims import claims
-    from app.studies.verdicts.verdict import verdicts
 
     made = verdicts(experiment, done.measured)
     files = {"runs": folder / RUNS, "summary": folder / "summary.csv"}
     write_summary(files["summary"], made)
     if pictures:
-        from app.studies.pictures.experiment_picture import draw
+        from app.studies.figures import draw
 
         files |= draw(experiment, made, folder, seed)
     return PaperOutcome(experiment, done, made, claims(made, experiment.said), files, seconds)

@@ -53,7 +53,7 @@ def sensitivity(
     """
     from app.cli.sweep.sweep_choice import read_or_kept
     from app.studies.runs.store_reader import StoreReader
-    from app.studies.sensitivity.sensitivity_picture import draw
+    from app.studies.sensitivity.sensitivity_api import draw
     from app.studies.sensitivity.sensitivity_result import analysed, design_of
     from app.studies.sweeps.pictures.sweep_picture import ENDINGS
     from worlds.file_writer import demand_writable

@@ -25,7 +25,7 @@ def paint(draw: Callable[[Any], None], title: str, folder: Path, name: str) -> d
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    from app.studies.pictures.experiment_picture import LOOK
+    from app.figure import LOOK
 
     files = {kind: folder / f"{name}.{kind}" for kind in PICTURES}
     with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from agents.observables.formation import THESIS_SPACING, Spacing, upwash_share
-from app.figure import write_figure
+from app.figure import LOOK, write_figure
 from app.results_folder import PICTURES, make_folder
-from app.studies.pictures.experiment_picture import LOOK
 from worlds.file_writer import write_text
 
 # What the formation commands write: pictures as PNG and SVG, numbers as CSV.

@@ -22,9 +22,9 @@ from app.studies.experiment_file import (
     PublishedMeasure,
     Said,
 )
+from app.studies.figures import kinds
 from app.studies.key_lines import place
-from app.studies.kinds import KINDS, Settings
-from app.studies.kinds.kind_settings import Measure
+from app.studies.measure import Measure, Settings
 from worlds.input_error import InputError, needed, unknown
 from worlds.text_file import toml
 
@@ -163,10 +163,10 @@ def read_file(path: Path) -> Experiment:
         raise InputError(f"{path} is not TOML: {error}") from None
     values = toml(text, str(path))
     kind = values.get("kind", "convergence")
-    if kind not in KINDS:
-        raise unknown("kind of experiment", str(kind), KINDS, place(path, text, "kind"))
+    if kind not in kinds():
+        raise unknown("kind of experiment", str(kind), kinds(), place(path, text, "kind"))
     try:
-        of_kind: Any = ExperimentFile.__class_getitem__(KINDS[kind])
+        of_kind: Any = ExperimentFile.__class_getitem__(kinds()[kind])
         file: ExperimentFile = of_kind(**values)
     except ValidationError as error:
         first = error.errors()[0]

@@ -8,8 +8,8 @@ from pydantic import Field, model_validator
 
 from agents.spec import OPTIONS, Options
 from app.strict_table import Line, StrictTable, Value
-from app.studies.kinds import Settings
-from app.studies.overrides import PLAIN, Overrides
+from app.studies.case_flock import PLAIN, Overrides
+from app.studies.measure import Settings
 
 Picture = Literal[
     "models",

@@ -3,23 +3,199 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 import json
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
+from agents.engine.cache import fingerprint as feed
+from agents.spec import versions
+from app.studies.case_flock import PLAIN, flock_of
 from app.studies.experiment import Case, Experiment
-from app.studies.kinds.kind_settings import Number
-from app.studies.runs.run_outcome import BROKEN, Outcome
+from app.studies.measure import Number, Settings
+from app.studies.runs.database import BROKEN, FIXED, Outcome
 from app.studies.runs.store import Store, canonical
-from app.studies.trial import Trials, column_of, fingerprint, flock_of, result_of
-from app.studies.workers.costs import Costs, guess
 from app.studies.workers.kernels import compile_loop
 from app.studies.workers.processes import Processes
 from app.studies.workers.run_executors import InlineExecutor, RunExecutor, Task
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
+
+# How long runs take: a guess from the published times, put right by the runs that are done.
+
+PER_AGENT_TICK = 1e-7
+"""Seconds per agent and tick to begin with."""
+PER_SIGNAL = 3.0
+"""How many times dearer a tick is for each signal of the rule."""
+
+
+def guess(ticks: float, agents: int, signals: int) -> float:
+    """Seconds that a run of so many ticks may take; `signals` of the rule."""
+    return ticks * (agents + 1) * PER_AGENT_TICK * (1.0 + PER_SIGNAL * signals)
+
+
+class Costs:
+    """What is done and what is left, in seconds of one core."""
+
+    def __init__(self, guesses: list[float], left: list[int]):
+        self.guesses = guesses
+        self.left = list(left)
+        self.spent = [0.0] * len(guesses)
+        self.done = [0] * len(guesses)
+
+    def add(self, case: int, seconds: float) -> None:
+        """Count a run of a case (by its number) that is done."""
+        self.left[case] -= 1
+        self.done[case] += 1
+        self.spent[case] += seconds
+
+    @property
+    def slowness(self) -> float:
+        """How many times longer the runs take than guessed."""
+        guessed = sum(n * guess for n, guess in zip(self.done, self.guesses, strict=True))
+        return sum(self.spent) / guessed if guessed else 1.0
+
+    @property
+    def ahead(self) -> float:
+        """Seconds of one core for what is left."""
+        slowness = self.slowness
+        return sum(
+            left * (spent / done if done else slowness * guess)
+            for left, spent, done, guess in zip(
+                self.left, self.spent, self.done, self.guesses, strict=True
+            )
+        )
+
+    @property
+    def share(self) -> float:
+        """Share of the work that is done, in [0, 1]."""
+        spent, ahead = sum(self.spent), self.ahead
+        return spent / (spent + ahead) if spent + ahead else 1.0
+
+
+# One run of an experiment: a flock from its start to what the experiment waits for.
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What makes a run: its cases and its seed.
+
+    There are several cases where the run goes through several values of a parameter, in that order.
+    """
+
+    cases: tuple[Case, ...]
+    seed: int
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a run has given in one of its cases."""
+
+    measures: dict[str, Number | None]
+    """By name; None where the run has none, such as k_con of a run that was given up."""
+    seconds: float
+    astray: str = ""
+    """The first agent that was seen where it cannot be, in words; empty if none was."""
+
+
+def run_trial(trial: Trial, settings: Settings) -> list[Result]:
+    """Run a flock to the end of each of its cases."""
+    begun = time.perf_counter()
+    flock = flock_of(trial.cases[0], trial.seed)
+    astray: list[str] = []
+
+    def look() -> None:
+        found = None if astray else flock.stray()
+        if found is not None:
+            astray.append(str(found))
+
+    results: list[Result] = []
+    for case in trial.cases:
+        if results:  # it has begun with the parameters of the first
+            flock.set(**case.spec.parameters)
+        measures = settings.run(flock, look)
+        ended = time.perf_counter()
+        look()
+        results.append(Result(measures, ended - begun, "".join(astray)))
+        begun = ended
+    return results
+
+
+NAN = "nan"
+"""What stands for nan in a store, where SQLite would keep nothing."""
+
+
+@dataclass(frozen=True)
+class Trials:
+    """How the runs of an experiment are made; one is asked for by the number of its path."""
+
+    paths: tuple[tuple[Case, ...], ...]
+    settings: Settings
+
+    def prepare(self) -> None:
+        """There is nothing to prepare."""
+
+    def run(self, path: int, seed: int) -> Outcome:
+        """Make a run; what it gave in its later cases is the rest."""
+        results = run_trial(Trial(self.paths[path], seed), self.settings)
+        first, *rest = [outcome_of(one) for one in results]
+        return first._replace(rest=tuple(rest))
+
+
+def column_of(measure: str) -> str:
+    """The column of a measure in the store, where another may have its name already."""
+    return f"{measure}_measured" if measure in FIXED else measure
+
+
+def outcome_of(result: Result) -> Outcome:
+    """A result as the store keeps it."""
+    measures = {
+        column_of(name): NAN if isinstance(value, float) and math.isnan(value) else value
+        for name, value in result.measures.items()
+    }
+    return Outcome("ok", measures, seconds=result.seconds, astray=result.astray)  # type: ignore[arg-type]
+
+
+def result_of(outcome: Outcome, settings: Settings) -> Result:
+    """What the store kept as a result."""
+    found = {one.name: outcome.values[column_of(one.name)] for one in settings.measures}
+    measures = {name: math.nan if one == NAN else one for name, one in found.items()}
+    return Result(measures, outcome.seconds, outcome.astray)
+
+
+def fingerprint(case: Case, settings: Settings) -> str:
+    """A hash of what a case's numbers depend on beside model, agents, parameters and seed.
+
+    The world and the criterion, the way that a run has come, the versions, the compiled loop with
+    all that it reaches, what measures it, and how a flock starts.
+    """
+    flock = flock_of(case, 0)
+    shared = settings.model_dump(exclude={"parameters", "words"}) | {"size": case.spec.size}
+    if case.sweep and case.way:
+        shared |= {"way": case.way, "values": case.sweep.values}
+    if case.tick is not None:
+        shared |= {"tick": case.tick}
+    if case.row and case.row.mission != PLAIN:
+        shared |= {"mission": case.row.mission.model_dump()}
+    shared |= case.spec.chosen
+    digest = hashlib.sha256(json.dumps([shared, versions()], sort_keys=True).encode())
+    digest.update(json.dumps(flock.parameters.model_dump(), sort_keys=True).encode())
+    digest.update(inspect.getsource(type(settings)).encode())
+    digest.update(flock.loop.cache_folder.name.encode())
+    seen: set[int] = set()
+    for kernel in settings.measured_by:
+        feed(kernel, digest, seen)
+    for array in flock.engine.surroundings:
+        digest.update(np.asarray(array).tobytes())
+    digest.update(flock.position.tobytes())
+    digest.update(flock.heading.tobytes())
+    return digest.hexdigest()[:12]
+
 
 SOON = 2.0
 """Seconds of work that are done before other processes have begun."""

@@ -25,8 +25,8 @@ from app.classroom.collect.collection import MOST_OF_ONE, Collection, spread_ord
 from app.classroom.collect.hand_in import hand_in
 from app.classroom.collect.question import question_of
 from app.classroom.collect.result_groups import ResultGroup
-from app.studies.verdicts.judge import ranges_of
-from app.studies.verdicts.statistics import summary
+from app.studies.judge.judge import ranges_of
+from app.studies.judge.statistics import summary
 from tests.classroom.small import LED, ORDER, SCENE, VALUES, made, told
 from worlds.input_error import InputError
 

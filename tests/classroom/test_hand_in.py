@@ -181,7 +181,7 @@ def test_a_free_parameter_is_no_difference_and_is_kept():
     ],
 )
 def test_what_cannot_be_handed_in_is_refused_before_it_is_run(spec, said, monkeypatch):
-    monkeypatch.setattr("app.studies.sweeps.making.sweep_job.SweepJob.run", None)
+    monkeypatch.setattr("app.studies.sweeps.sweep_job.SweepJob.run", None)
     with pytest.raises(InputError, match=said) as refused:
         hand_in(ORDER, "Ada", spec, SCENE)
     assert "\n" not in str(refused.value)

@@ -6,7 +6,7 @@ import signal
 import pytest
 from experiments.small import TEXT
 
-from app.studies.kinds import ConvergenceSettings
+from app.studies.figures.convergence import ConvergenceSettings
 from app.studies.runs.store_reader import StoreReader, readable
 from cli.calling import call, refusal, start, wait_until
 

@@ -13,7 +13,7 @@ import pytest
 import app.cli
 from agents.flock import Flock
 from agents.record import Recorder
-from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.database import Outcome
 from app.studies.runs.store import Store
 from cli.calling import start
 from worlds.input_error import CONTROLS

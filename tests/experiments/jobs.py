@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.database import Outcome
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.studies.claims.verdict_table import ranges_of_runs
 from app.studies.experiment_file import PublishedMeasure
-from app.studies.kinds.mission import MissionSettings
-from app.studies.verdicts.claim_verdict import (
+from app.studies.figures.mission import MissionSettings
+from app.studies.judge.claim_verdict import (
     DOES_NOT,
     HOLDS,
     UNDECIDED,
@@ -21,10 +22,9 @@ from app.studies.verdicts.claim_verdict import (
     mean_within,
     share_of_runs,
 )
-from app.studies.verdicts.comparison import compare
-from app.studies.verdicts.judge import RunRanges, ranges_of, share_interval
-from app.studies.verdicts.statistics import summary
-from app.studies.verdicts.verdict import ranges_of_runs
+from app.studies.judge.comparison import compare
+from app.studies.judge.judge import RunRanges, ranges_of, share_interval
+from app.studies.judge.statistics import summary
 
 FEW = ClaimVerdict("undecided", 5)
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.studies.sweeps.given.sweep_conditions import Condition, ObservableBound, comparison
+from app.studies.sweeps.sweep_file import Condition, ObservableBound, comparison
 from worlds.input_error import InputError
 
 VALUES = {"a": 2.0, "b": 3, "name": "x"}

@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.studies.workers.costs import Costs, guess
+from app.studies.experiment_runner import Costs, guess
 
 
 def test_before_any_run_the_guesses_count():

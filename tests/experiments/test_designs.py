@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from app.studies.sweeps.given.designs import points_of
-from app.studies.sweeps.given.sweep_file import AnyDesign
+from app.studies.sweeps.designs import points_of
+from app.studies.sweeps.sweep_file import AnyDesign
 from worlds.input_error import InputError
 
 BOUNDS = {"a": {"from": 0.0, "to": 1.0}, "b": {"from": -2.0, "to": 2.0}}

@@ -8,11 +8,11 @@ import pytest
 from scipy.optimize import brentq
 
 from agents import Flock
+from app.studies.case_flock import PLAIN, Overrides, Ranks, flock_of, with_goal
 from app.studies.experiment import read_file
-from app.studies.kinds.driving import Drive, DrivingSettings, gaps, lags, lap_of, nearest
-from app.studies.kinds.squash import SquashSettings
-from app.studies.overrides import PLAIN, Overrides, Ranks, with_goal
-from app.studies.trial import fingerprint, flock_of
+from app.studies.experiment_runner import fingerprint
+from app.studies.figures.driving import Drive, DrivingSettings, gaps, lags, lap_of, nearest
+from app.studies.figures.squash import SquashSettings
 from worlds.input_error import InputError
 from worlds.layout import world
 

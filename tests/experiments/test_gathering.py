@@ -9,16 +9,16 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
+from app.studies.case_flock import flock_of
+from app.studies.claims.claims import claims
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import experiment_names, read_experiment, read_file
 from app.studies.experiment_file import EveryRunClaim
-from app.studies.experiment_runner import MeasuredCase, conduct
-from app.studies.kinds.gathering import GatheringSettings, groups_of
-from app.studies.pictures.gatherings.box import edges_of, faces_of
+from app.studies.experiment_runner import MeasuredCase, conduct, fingerprint
+from app.studies.figures.gathering import GatheringSettings, edges_of, faces_of, groups_of
+from app.studies.judge.verdict import of
 from app.studies.reports.report_formats import show
 from app.studies.runs.store_reader import StoreReader
-from app.studies.trial import fingerprint, flock_of
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.verdict import of, verdicts
 from worlds.input_error import InputError
 
 TEXT = """

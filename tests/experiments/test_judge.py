@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from app.studies.verdicts.judge import (
+from app.studies.judge.judge import (
     bounded_interval,
     estimate_mean,
     mean_interval,

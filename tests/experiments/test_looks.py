@@ -8,22 +8,16 @@ import pytest
 
 from agents import Flock
 from agents.mission_record import fly
+from app.studies.case_flock import Overrides, flock_of, with_goal
 from app.studies.experiment import read_experiment
-from app.studies.kinds.beginning import BeginningSettings, gaps
-from app.studies.kinds.detours import A1, A2, A3, DetourSettings, DetourTrack, boundary_end
-from app.studies.kinds.evolution import EvolutionSettings
-from app.studies.kinds.holding import HoldingSettings
-from app.studies.kinds.layering import (
-    LayeringSettings,
-    heeds_lower,
-    shortest_way,
-    shortest_ways,
-)
-from app.studies.kinds.tangents import TangentSettings, nearest_points
-from app.studies.overrides import Overrides, with_goal
-from app.studies.pictures.missions.flown_mission import FlownMission
-from app.studies.pictures.missions.nearest_picture import nearness
-from app.studies.trial import flock_of
+from app.studies.figures.beginning import BeginningSettings, gaps
+from app.studies.figures.detours import A1, A2, A3, DetourSettings, DetourTrack, boundary_end
+from app.studies.figures.evolution import EvolutionSettings
+from app.studies.figures.holding import HoldingSettings
+from app.studies.figures.layering import LayeringSettings, heeds_lower, shortest_way, shortest_ways
+from app.studies.figures.mission import FlownMission
+from app.studies.figures.mission_distances import nearness
+from app.studies.figures.tangents import TangentSettings, nearest_points
 from worlds.input_error import InputError
 from worlds.layout import world
 

@@ -6,18 +6,20 @@ import numpy as np
 import pytest
 
 from agents.mission_record import fly
+from app.studies import figures
+from app.studies.case_flock import flock_of
+from app.studies.claims.claims import claims
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import experiment_names, read_experiment, read_file
 from app.studies.experiment_file import EveryRunClaim, FasterClaim, OrderClaim
-from app.studies.experiment_runner import MeasuredCase, conduct
-from app.studies.kinds import KINDS, MissionSettings
-from app.studies.pictures.experiment_picture import draw
+from app.studies.experiment_runner import MeasuredCase, conduct, fingerprint
+from app.studies.figures import draw
+from app.studies.figures.mission import MissionSettings
+from app.studies.judge.verdict import of
 from app.studies.reports.report_formats import as_value
 from app.studies.reports.tables import table_of
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.sweep_table import wide
-from app.studies.trial import fingerprint, flock_of
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.verdict import of, verdicts
 from experiments.test_schemes import SCHEMES
 from worlds.input_error import InputError
 
@@ -278,7 +280,7 @@ def test_every_experiment_but_those_of_convergence_is_short_here():
     kinds = {name: read_experiment(name).settings.kind for name in experiment_names()}
     others = {name for name, kind in kinds.items() if kind != "convergence"} - set(SCHEMES)
     assert set(SHORT) == others, "schemes are drawn in test_schemes.py"
-    assert set(kinds.values()) == set(KINDS)
+    assert set(kinds.values()) == set(figures.kinds())
 
 
 @pytest.mark.parametrize("name", SHORT)

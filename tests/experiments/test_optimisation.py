@@ -4,9 +4,8 @@ import math
 
 import pytest
 
-from app.studies.optimisation.optimisation_file import OptimisationFile
 from app.studies.optimisation.optimisation_runner import optimise
-from app.studies.optimisation.study import read_study
+from app.studies.optimisation.study import OptimisationFile, read_study
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.sweep_table import wide
 from app.studies.workers.run_executors import InlineExecutor

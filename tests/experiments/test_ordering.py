@@ -8,14 +8,14 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
+from app.studies.claims.claims import claims
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import read_experiment, read_file
 from app.studies.experiment_file import EqualityClaim, ReachClaim, SizeClaim
 from app.studies.experiment_runner import MeasuredCase, conduct
-from app.studies.kinds.ordering import OrderingSettings, binder
-from app.studies.pictures.experiment_picture import draw
+from app.studies.figures import draw
+from app.studies.figures.ordering import OrderingSettings, binder
 from app.studies.reports.report_formats import show
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.verdict import verdicts
 from worlds.input_error import InputError
 
 MEASURES = ("order", "binder", "chi")

@@ -9,17 +9,17 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
+from app.studies.claims.claims import claims
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import read_experiment, read_file
 from app.studies.experiment_file import LagClaim, PhaseClaim
 from app.studies.experiment_runner import MeasuredCase, conduct
-from app.studies.kinds.phases import PHASES, PhaseSettings, bring_in_sight, detects
+from app.studies.figures.phases import PHASES, PhaseSettings, bring_in_sight, detects
 from app.studies.reports.report_formats import as_value, show
 from app.studies.reports.tables import table_of
 from app.studies.runs.database import FILE
 from app.studies.runs.store import Store
 from app.studies.runs.store_reader import StoreReader
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.verdict import verdicts
 from worlds.input_error import InputError
 
 TEXT = """

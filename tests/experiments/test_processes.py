@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.database import Outcome
 from app.studies.workers.processes import Process, Processes
 from app.studies.workers.run_executors import AwakeClock, Task
 from experiments.jobs import Sums

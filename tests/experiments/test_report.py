@@ -7,13 +7,13 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
+from app.studies.claims.claims import claims
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import read_experiment
 from app.studies.experiment_runner import MeasuredCase
-from app.studies.pictures.experiment_picture import draw
+from app.studies.figures import draw
 from app.studies.reports.report_formats import as_value, show, write_summary
 from app.studies.reports.tables import number
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.verdict import verdicts
 from worlds.input_error import InputError
 
 NAMES = ("liu2021-table1", "liu2021-fig5", "liu2021-fig6")

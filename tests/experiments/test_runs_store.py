@@ -12,8 +12,7 @@ from contextlib import closing, suppress
 import numpy as np
 import pytest
 
-from app.studies.runs.database import FILE, looked_into
-from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.database import FILE, Outcome, looked_into
 from app.studies.runs.store import Store, is_taken
 from app.studies.runs.store_reader import StoreReader, readable
 from app.studies.sweeps.sweep_table import long, wide

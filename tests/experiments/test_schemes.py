@@ -6,15 +6,19 @@ import numpy as np
 import pytest
 
 from agents import Flock
+from app.studies.case_flock import flock_of
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import read_experiment
 from app.studies.experiment_runner import conduct
-from app.studies.kinds.branching import BranchingSettings, push_on, with_block
-from app.studies.kinds.dodging import DodgingSettings
-from app.studies.kinds.gathering import share_crashed
-from app.studies.kinds.potential import PotentialSettings, tanner_potential, tanner_slope
-from app.studies.kinds.projections import ProjectionSettings
-from app.studies.kinds.regions import RegionSettings, weights
-from app.studies.kinds.zoning import (
+from app.studies.figures import draw, zoning
+from app.studies.figures.branching import BranchingSettings, push_on, with_block
+from app.studies.figures.dodging import DodgingSettings
+from app.studies.figures.endurance import column_of
+from app.studies.figures.gathering import share_crashed
+from app.studies.figures.potential import PotentialSettings, tanner_potential, tanner_slope
+from app.studies.figures.projections import ProjectionSettings
+from app.studies.figures.regions import RegionSettings, weights
+from app.studies.figures.zoning import (
     ALIGNED,
     ATTRACTED,
     BOTH,
@@ -27,11 +31,6 @@ from app.studies.kinds.zoning import (
     wish_of,
     zones_by_rule,
 )
-from app.studies.pictures.endurance import column_of
-from app.studies.pictures.experiment_picture import draw
-from app.studies.pictures.schemes import zone_scheme
-from app.studies.trial import flock_of
-from app.studies.verdicts.verdict import verdicts
 
 SCHEMES = (
     "jacobs-fig1",
@@ -189,7 +188,7 @@ def test_conditions_of_a_sweep_have_a_column_each():
 
 @pytest.mark.parametrize("name", SCHEMES)
 def test_every_scheme_is_drawn(name, tmp_path, monkeypatch):
-    monkeypatch.setattr(zone_scheme, "CELLS", 12)
+    monkeypatch.setattr(zoning, "CELLS", 12)
     whole = read_experiment(name)
     small = {"looks": 10, "flights": 1, "limit": 40, "every": 20}
     known = {key: value for key, value in small.items() if hasattr(whole.settings, key)}

@@ -4,10 +4,18 @@ import numpy as np
 import pytest
 
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sensitivity.indices import Index, Influence, morris, noise_share, sobol
-from app.studies.sensitivity.sensitivity_result import Sensitivity, analysed, design_of
-from app.studies.sweeps.given.designs import unit_sample
-from app.studies.sweeps.given.sweep_file import Morris, Saltelli, Span
+from app.studies.sensitivity.sensitivity_result import (
+    Index,
+    Influence,
+    Sensitivity,
+    analysed,
+    design_of,
+    morris,
+    noise_share,
+    sobol,
+)
+from app.studies.sweeps.designs import unit_sample
+from app.studies.sweeps.sweep_file import Morris, Saltelli, Span
 from app.studies.sweeps.sweep_runner import conduct
 from experiments.test_sweep_file import read
 from worlds.input_error import InputError

@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 from agents.spec import Spec
+from app.studies.claims.claims import beside, claims
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import Case
 from app.studies.experiment_file import PaperRow, PaperSweep
 from app.studies.experiment_runner import MeasuredCase
-from app.studies.verdicts.claim import beside
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.judge import ranges_of
-from app.studies.verdicts.statistics import interval_of_mean, summary
-from app.studies.verdicts.verdict import verdicts
+from app.studies.judge.judge import ranges_of
+from app.studies.judge.statistics import interval_of_mean, summary
 from experiments.small import small
 
 VEM = Spec("vem", agents=5, size=1.0)

@@ -4,10 +4,9 @@ import sqlite3
 
 import pytest
 
-from app.studies.experiment_runner import conduct
+from app.studies.experiment_runner import conduct, fingerprint
 from app.studies.runs.database import FILE
 from app.studies.runs.store_reader import StoreReader
-from app.studies.trial import fingerprint
 from experiments.small import TEXT, small
 from worlds.input_error import InputError
 

@@ -7,11 +7,11 @@ import pytest
 
 from agents import Flock
 from agents.series import follow
-from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.database import Outcome
 from app.studies.runs.store import Store
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sweeps.making.sweep_job import RunRequest
 from app.studies.sweeps.replicates import FIRST_LOOK
+from app.studies.sweeps.sweep_job import RunRequest
 from app.studies.sweeps.sweep_results import Results
 from app.studies.sweeps.sweep_runner import STOP, conduct
 from app.studies.sweeps.sweep_table import as_csv, long, wide

@@ -17,8 +17,8 @@ import tomlkit
 
 from app.cli.main import COMMANDS
 from app.live.laboratory.lab_file import lab_from_toml
-from app.studies.optimisation.optimisation_file import OptimisationFile
-from app.studies.sweeps.given.sweep_file import SweepFile
+from app.studies.optimisation.study import OptimisationFile
+from app.studies.sweeps.sweep_file import SweepFile
 from pages.blocks import BLOCKS, PAGES, ROOT, Block, blocks_of, inline_commands, text_of
 from pages.not_run import ELSEWHERE, PRINTED
 from pages.plan import (

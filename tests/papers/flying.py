@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
+from app.studies.claims.claims import claims
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import read_experiment
 from app.studies.experiment_runner import conduct
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.verdict import verdicts
 
 
 def flown(name, folder, runs, agents=(), **settings):

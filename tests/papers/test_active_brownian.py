@@ -7,12 +7,13 @@ import pytest
 from oracles import active_brownian as oracle
 
 from agents import Flock
+from app.studies.claims.claims import claims
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import read_experiment
 from app.studies.experiment_runner import conduct
-from app.studies.kinds.crowding import CrowdingSettings, along
-from app.studies.kinds.diffusion import squared_displacement
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.verdict import of, verdicts
+from app.studies.figures.crowding import CrowdingSettings, along
+from app.studies.figures.diffusion import squared_displacement
+from app.studies.judge.verdict import of
 
 
 def carried_out(whole, folder, keep):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from app.studies.case_flock import flock_of
 from app.studies.experiment import read_experiment
-from app.studies.kinds.turns import TurnSettings, distances, sound_of
-from app.studies.trial import flock_of
+from app.studies.figures.turns import TurnSettings, distances, sound_of
 from papers.flying import borne_out, flown, values
 
 RUNS = 3

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import read_experiment
 from app.studies.experiment_runner import conduct
-from app.studies.verdicts.phase_map import map_of, ways_of
-from app.studies.verdicts.verdict import verdicts
+from app.studies.figures.phases import map_of, ways_of
 
 RUNS = 3
 PLACES = {

@@ -8,11 +8,12 @@ import pytest
 from scipy.integrate import quad
 
 from agents import Flock
+from app.studies.claims.claims import claims
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import read_experiment
 from app.studies.experiment_runner import conduct
-from app.studies.kinds.consensus import ConsensusBound, ConsensusSettings
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.verdict import of, verdicts
+from app.studies.figures.consensus import ConsensusBound, ConsensusSettings
+from app.studies.judge.verdict import of
 from worlds.input_error import InputError
 
 

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from agents import Flock
+from app.studies.claims.claims import claims
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import read_experiment
 from app.studies.experiment_runner import conduct
-from app.studies.kinds.swarming import room, shape_of
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.phase_map import map_of
-from app.studies.verdicts.verdict import of, verdicts
+from app.studies.figures.phases import map_of
+from app.studies.figures.swarming import room, shape_of
+from app.studies.judge.verdict import of
 
 
 def carried_out(whole, folder, keep, runs=2):

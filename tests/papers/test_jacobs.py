@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import pytest
 
+from app.studies.claims.claims import claims
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import read_experiment
 from app.studies.experiment_runner import conduct
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.verdict import verdicts
 from papers.flying import borne_out, flown, values
 
 RUNS = 8

@@ -11,8 +11,8 @@ import pytest
 
 from app.studies.experiment import read_experiment
 from app.studies.experiment_runner import conduct
-from app.studies.verdicts.judge import ranges_of
-from app.studies.verdicts.statistics import summary
+from app.studies.judge.judge import ranges_of
+from app.studies.judge.statistics import summary
 
 RUNS = 30
 READING = {"vem": 85.5, "ivem": 55.7, "wvem": 109.2, "hwvem": 12.0, "vem-a": 575.5}

@@ -10,8 +10,8 @@ import pytest
 
 from agents import Flock
 from agents.mission_record import fly
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.verdict import of
+from app.studies.claims.claims import claims
+from app.studies.judge.verdict import of
 from papers.flying import flown
 
 RUNS = 24

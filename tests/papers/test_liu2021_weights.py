@@ -2,8 +2,9 @@
 
 import pytest
 
+from app.studies.case_flock import flock_of
 from app.studies.experiment import read_experiment
-from app.studies.trial import Trial, flock_of, run_trial
+from app.studies.experiment_runner import Trial, run_trial
 from worlds.input_error import InputError
 
 SMALL = {"evaluations": 12, "population": 4, "seeds": 3, "fresh": 10}

@@ -7,12 +7,12 @@ import math
 
 import pytest
 
+from app.studies.claims.claims import claims
+from app.studies.claims.verdict_table import verdicts
 from app.studies.experiment import read_experiment
 from app.studies.experiment_runner import conduct
-from app.studies.verdicts.claims import claims
-from app.studies.verdicts.judge import ranges_of
-from app.studies.verdicts.statistics import summary
-from app.studies.verdicts.verdict import verdicts
+from app.studies.judge.judge import ranges_of
+from app.studies.judge.statistics import summary
 
 RUNS = 24
 READING = {100: 8.1, 500: 3.8, 1500: 2.0, 3000: 1.3}

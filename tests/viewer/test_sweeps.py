@@ -13,8 +13,7 @@ from pathlib import Path
 import pytest
 
 from agents.flock import Flock
-from app.studies.runs.database import FILE
-from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.database import FILE, Outcome
 from app.studies.runs.store import Store, is_taken
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.checked_sweep import read_sweep

@@ -15,8 +15,7 @@ from app.classroom.collect.collection import Collection
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
 from app.classroom.collect.result_groups import ResultGroup
-from app.figure import save_figure
-from app.studies.pictures.experiment_picture import LOOK
+from app.figure import LOOK, save_figure
 from app.studies.sweeps.pictures.mean_lines import CENSORED, COLOURS, FAILED
 from app.viewer.panels.dials import plain
 from worlds.input_error import unknown

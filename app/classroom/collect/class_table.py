@@ -17,7 +17,7 @@ from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
 from app.classroom.collect.result_groups import ResultGroup
 from app.classroom.names import student_name
-from app.studies.runs.run_outcome import Status
+from app.studies.runs.database import Status
 from app.studies.sweeps.sweep_table import as_csv
 from app.viewer.panels.dials import plain
 from worlds.file_writer import unguarded_cell

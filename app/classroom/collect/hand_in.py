@@ -15,8 +15,8 @@ from agents.flock import Flock
 from agents.spec import Spec, versions
 from app.classroom.collect.differences import RunIdentity, differences, on_one_line
 from app.classroom.collect.question import Question
-from app.studies.runs.run_outcome import Outcome, Status, failure
-from app.studies.sweeps.making.sweep_job import RunRequest
+from app.studies.runs.database import Outcome, Status, failure
+from app.studies.sweeps.sweep_job import RunRequest
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
 from app.viewer.lab.sweeps.sweep_request import AGENTS
 from app.viewer.run.run_preset import at_home

@@ -18,10 +18,8 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Spec
 from app.classroom.collect.run_cost import MOST_TICKS, demand_cheap
 from app.strict_table import StrictTable
-from app.studies.sweeps.given.sweep_conditions import ObservableBound, comparison
-from app.studies.sweeps.given.sweep_file import Observe
-from app.studies.sweeps.making.measures import demand_number, measure_of
-from app.studies.sweeps.making.sweep_job import StopCondition, SweepJob
+from app.studies.sweeps.sweep_file import ObservableBound, Observe, comparison
+from app.studies.sweeps.sweep_job import StopCondition, SweepJob, demand_number, measure_of
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
 from app.viewer.measuring.observable_format import words as in_words
 from worlds.input_error import InputError, first_refusal, shortened, unknown

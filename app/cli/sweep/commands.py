@@ -28,7 +28,7 @@ def list_sweeps(
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List sweeps and their progress."""
-    from app.studies.sweeps.sweep_status import status_of
+    from app.studies.sweeps.sweep_table import status_of
 
     there = sorted(folder.iterdir()) if folder.is_dir() else []
     found = []
@@ -59,7 +59,7 @@ def status(
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Show how many runs are done, how long the rest takes, and what failed."""
-    from app.studies.sweeps.sweep_status import status_of
+    from app.studies.sweeps.sweep_table import status_of
 
     value = status_of(kept_sweep(name))
     typer.echo(as_json(value) if json_asked else in_words(value))
@@ -292,7 +292,7 @@ def summaries(kept: StoreReader) -> list[dict[str, Any]]:
 
 def faults(kept: StoreReader) -> list[dict[str, Any]]:
     """The runs that failed or were killed: cell, seed, why."""
-    from app.studies.runs.run_outcome import BROKEN
+    from app.studies.runs.database import BROKEN
     from app.studies.sweeps.sweep_table import places_of
 
     places = places_of(kept)

@@ -14,8 +14,8 @@ from app.settings import assignment, names, numbers, value
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
+    from app.studies.key_lines import KeyLocations
     from app.studies.sweeps.checked_sweep import Sweep
-    from app.studies.sweeps.given.key_locations import KeyLocations
 
 SPAN = re.compile(r"([^:]+):([^:]+)(?::([^:]+))?(?::(log|linear))?")
 Vary = Annotated[
@@ -59,8 +59,8 @@ def sweep_asked(
     tell: Any,
 ) -> tuple[Sweep, Path]:
     """The sweep and its folder, where no other is asked for. Raises InputError."""
+    from app.studies.key_lines import KeyLocations
     from app.studies.sweeps.checked_sweep import sweep_of
-    from app.studies.sweeps.given.key_locations import KeyLocations
 
     options = {
         "--vary": vary, "--set": fixed, "--runs": runs, "--ticks": ticks, "--observe": observe,
@@ -127,8 +127,8 @@ def read_again(folder: Path, tell: Any) -> Sweep:
 
 def begun_in(folder: Path) -> tuple[dict[str, Any], KeyLocations, Path]:
     """What the file in a folder says, where its keys are, where it was begun. Raises InputError."""
+    from app.studies.key_lines import KeyLocations
     from app.studies.runs.store_reader import StoreReader
-    from app.studies.sweeps.given.key_locations import KeyLocations
     from app.studies.sweeps.sweep_runner import SPEC
     from worlds.text_file import read_text, toml
 
@@ -150,7 +150,7 @@ def from_options(
     hold: int,
 ) -> tuple[dict[str, Any], dict[str, str]]:
     """What a file would say, and which option each key is from. Raises InputError."""
-    from app.studies.sweeps.given.sweep_file import RunOptions
+    from app.studies.sweeps.sweep_file import RunOptions
 
     run: dict[str, Any] = {"model": model, "ticks": 1000 if ticks is None else ticks}
     places = {"model": "MODEL", "ticks": "--ticks", "count": "--runs", "when": "--until"}

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 from agents.spec import versions
 from app.studies.cluster.cluster_connection import ClusterConnection, logs_of, opened
 from app.studies.cluster.cluster_options import Cluster
-from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.database import Outcome
 from app.studies.workers.processes import BEAT, FIRST_GUESS
 from app.studies.workers.run_executors import Beat, Keep, Task
 from app.studies.workers.run_worker import WorkerSetup
@@ -175,7 +175,7 @@ class ClusterExecutor:
 
     def send(self, chunk: Chunk) -> None:
         """Send a chunk to whichever worker is free."""
-        from app.studies.cluster.dask_worker import make
+        from app.studies.cluster.cluster_connection import make
 
         asked = pickle.dumps([(one.payload, one.seed) for one in chunk.tasks], -1)
         more = self.beginning, asked, self.limit, self.versions

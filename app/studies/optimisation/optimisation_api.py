@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from agents.spec import Spec
+from app.studies.key_lines import KeyLocations
+from app.studies.optimisation.evaluations import EvaluatedPoint
 from app.studies.optimisation.optimisation_picture import draw
 from app.studies.optimisation.optimisation_result import OptimisationResult
 from app.studies.optimisation.optimisation_runner import optimise as carry_out
-from app.studies.optimisation.search_history import EvaluatedPoint
 from app.studies.optimisation.study import Study, read_study, study_of
 from app.studies.search import Algorithm
-from app.studies.sweeps.given.key_locations import KeyLocations
 from app.studies.sweeps.sweep_api import bounds, is_file, kept_in, values_of
 from app.studies.sweeps.sweep_results import Results
 from worlds.input_error import InputError

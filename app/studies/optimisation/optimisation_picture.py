@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from app.figure import write_figure
+from app.figure import LOOK, write_figure
+from app.studies.optimisation.evaluations import EvaluatedPoint
 from app.studies.optimisation.optimisation_result import OptimisationResult
-from app.studies.optimisation.search_history import EvaluatedPoint
 from app.studies.optimisation.study import SearchGoal, Study
-from app.studies.pictures.experiment_picture import LOOK
 from app.studies.search import TITLES
 from app.studies.sweeps.pictures.mean_lines import CENSORED, COLOURS
 from app.studies.sweeps.pictures.sweep_picture import ENDINGS

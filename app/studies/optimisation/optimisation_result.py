@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from app.studies.optimisation.evaluations import Evaluations
-from app.studies.optimisation.search_history import EvaluatedPoint
+from app.studies.optimisation.evaluations import EvaluatedPoint, Evaluations
 from app.studies.optimisation.study import SearchGoal, Study, spec_at
 from app.studies.search import End
-from app.studies.sweeps.given.designs import Point
-from app.studies.sweeps.given.sweep_file import Span
+from app.studies.sweeps.designs import Point
 from app.studies.sweeps.pictures.cell_runs import label
 from app.studies.sweeps.replicates import half_width
+from app.studies.sweeps.sweep_file import Span
 from worlds.number_text import counted
 
 EDGE = 0.005

@@ -7,9 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.studies.optimisation.evaluations import Evaluations, HaltedError
+from app.studies.optimisation.evaluations import (
+    At,
+    EvaluatedPoint,
+    Evaluations,
+    HaltedError,
+    SearchHistory,
+)
 from app.studies.optimisation.optimisation_result import OptimisationResult, answer_of
-from app.studies.optimisation.search_history import At, EvaluatedPoint, SearchHistory
 from app.studies.optimisation.study import Study
 from app.studies.search import search
 from app.studies.workers.processes import cores

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from app.studies.claims.claims import Claim, is_news
 from app.studies.experiment import Experiment
+from app.studies.judge.claim_verdict import ClaimVerdict
+from app.studies.judge.comparison import MeanComparison
+from app.studies.judge.judge import CONFIDENCE, survives_holm
+from app.studies.judge.verdict import Verdict
 from app.studies.reports.tables import empty_table
-from app.studies.verdicts.claim import Claim, is_news
-from app.studies.verdicts.claim_verdict import ClaimVerdict
-from app.studies.verdicts.comparison import MeanComparison
-from app.studies.verdicts.judge import CONFIDENCE, survives_holm
-from app.studies.verdicts.verdict import Verdict
 
 Judged = tuple[Experiment, list[Verdict], list[Claim]]
 """An experiment with the verdicts on its rows and the answers to its claims."""

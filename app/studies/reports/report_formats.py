@@ -5,15 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from app.studies.claims.claims import Claim, beside
 from app.studies.experiment import Experiment
+from app.studies.judge.claim_verdict import ANSWERS_NOTE
+from app.studies.judge.comparison import NOTE, SPREAD_NOTE, WELCH_NOTE
+from app.studies.judge.judge import RunRanges, share_interval
+from app.studies.judge.verdict import Verdict, of
 from app.studies.reports.overview import answers_of, false_words
-from app.studies.reports.tables import table_of
-from app.studies.reports.verdict_style import STYLES, styled
-from app.studies.verdicts.claim import Claim, beside
-from app.studies.verdicts.claim_verdict import ANSWERS_NOTE
-from app.studies.verdicts.comparison import NOTE, SPREAD_NOTE, WELCH_NOTE
-from app.studies.verdicts.judge import RunRanges, share_interval
-from app.studies.verdicts.verdict import Verdict, of
+from app.studies.reports.tables import STYLES, styled, table_of
 from worlds.file_writer import csv_text, write_text
 from worlds.number_text import counted
 

@@ -5,11 +5,169 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from app.studies.reports.gathering_table import gathering_table
-from app.studies.reports.phase_tables import phase_tables
-from app.studies.reports.verdict_style import styled
-from app.studies.verdicts.statistics import MeasureSummary
-from app.studies.verdicts.verdict import Verdict, main_ones, name, of, sweeps_of
+from app.studies.figures.phases import PhasePoint, map_of, ways_of
+from app.studies.judge.claim_verdict import ClaimVerdict
+from app.studies.judge.comparison import MeanComparison
+from app.studies.judge.statistics import MeasureSummary
+from app.studies.judge.verdict import Verdict, main_ones, name, of, sweeps_of
+
+# Verdicts and answers in words and colours.
+
+STYLES = {
+    "agrees": "green",
+    "holds": "green",
+    "differs": "bold red",
+    "does not hold": "bold red",
+    "undecided": "yellow",
+    "by construction": "dim",
+}
+
+
+def styled(found: MeanComparison | ClaimVerdict | None) -> str:
+    """A verdict in its colour; nothing where nothing is compared."""
+    return f"[{STYLES[found.word]}]{found}[/]" if found else ""
+
+
+# The table of runs that are looked at several times: a line for each row and look.
+
+
+def gathering_table(made: list[Verdict]) -> Any:
+    """The means of all measures at each look; below a row's last look what was published."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    symbols = list(dict.fromkeys(one.measure.symbol for one in made))
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    for column in ("N", "model", "tick", *symbols):
+        left = "left" if column == "model" else "right"
+        table.add_column(column, justify=left, no_wrap=True)  # type: ignore[arg-type]
+    before = None
+    for look in looks(made):
+        case = look[0].case
+        head = ("", "") if case.row is before else (str(case.agents), case.label)
+        before = case.row
+        means = (shown(one.summary.mean) if one.summary.runs else "-" for one in look)
+        table.add_row(*head, str(case.tick), *means, end_section=case.last and not paper(look))
+        if case.last and paper(look):
+            table.add_row("", "published", "", *(printed(one) for one in look))
+            table.add_row("", "", "", *(styled(one.comparison) for one in look), end_section=True)
+    return table
+
+
+def looks(made: list[Verdict]) -> list[list[Verdict]]:
+    """The verdicts of each look."""
+    found: dict[int, list[Verdict]] = {}
+    for one in made:
+        found.setdefault(id(one.case), []).append(one)
+    return list(found.values())
+
+
+def paper(look: list[Verdict]) -> bool:
+    """Whether anything was published of it."""
+    return any(one.published for one in look)
+
+
+def printed(one: Verdict) -> str:
+    """A published mean."""
+    if one.published is None or one.published.average is None:
+        return ""
+    return shown(one.published.average)
+
+
+def shown(value: float) -> str:
+    """A mean with as many digits as are of use."""
+    return f"{value:.2f}" if abs(value) < 10.0 else f"{value:.1f}"
+
+
+# The tables of a map of phases and of the ways there and back, within 80 columns.
+
+SHORT = {
+    "fragments": "frag",
+    "swarm": "swarm",
+    "torus": "torus",
+    "dynamic parallel": "dyn",
+    "highly parallel": "high",
+    "disperses": "apart",
+    "flock": "flock",
+    "ring": "ring",
+    "mill": "mill",
+    "double mill": "2mill",
+    "disordered": "dis",
+}
+PHASE_STYLES = {
+    "fragments": "dim",
+    "swarm": "yellow",
+    "torus": "magenta",
+    "dynamic parallel": "cyan",
+    "highly parallel": "blue",
+    "disperses": "dim",
+    "flock": "blue",
+    "ring": "green",
+    "mill": "magenta",
+    "double mill": "cyan",
+    "disordered": "yellow",
+}
+
+
+def phase_tables(made: list[Verdict]) -> Any:
+    """Both tables, as far as there are places of their kind."""
+    from rich.console import Group
+
+    tables = [map_table(map_of(made)), ways_table(ways_of(made))]
+    return Group(*(table for table in tables if table is not None))
+
+
+def map_table(found: list[PhasePoint]) -> Any | None:
+    """Three lines for each value of the second parameter: p, m and the commonest phase."""
+    if not found:
+        return None
+    sweep = found[0].case.sweep
+    assert sweep is not None
+    xs = sorted({spot.x for spot in found})
+    table = blank("", *(f"{x:g}" for x in xs))
+    table.title = f"columns: {sweep.parameter}, rows: {sweep.against}"
+    for y in sorted({spot.y for spot in found}, reverse=True):
+        row = {spot.x: spot for spot in found if spot.y == y}
+        line = [row.get(x) for x in xs]
+        table.add_row(f"{y:g} p", *(mean(spot.p if spot else None) for spot in line))
+        table.add_row("m", *(mean(spot.m if spot else None) for spot in line))
+        table.add_row("", *(short(spot) for spot in line), end_section=True)
+    return table
+
+
+def ways_table(pairs: list[tuple[PhasePoint, PhasePoint]]) -> Any | None:
+    """A line for each value: p, m and the commonest phase on the way there and back."""
+    if not pairs:
+        return None
+    sweep = pairs[0][0].case.sweep
+    assert sweep is not None
+    heads = ("p", "m", "there", "p", "m", "back")
+    table = blank(sweep.parameter, *heads)
+    for up, down in pairs:
+        cells = [text for spot in (up, down) for text in (mean(spot.p), mean(spot.m), short(spot))]
+        table.add_row(f"{up.x:g}", *cells)
+    return table
+
+
+def blank(*columns: str) -> Any:
+    """An empty table."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    table = Table(box=SIMPLE_HEAD, padding=0, pad_edge=False, title_justify="left")
+    for column in columns:
+        table.add_column(column, justify="right", no_wrap=True)
+    return table
+
+
+def mean(one: MeasureSummary | None) -> str:
+    """A mean to two digits."""
+    return "" if one is None else f"{one.mean:.2f}"
+
+
+def short(spot: PhasePoint | None) -> str:
+    """The commonest phase in its colour."""
+    return "" if spot is None else f"[{PHASE_STYLES[spot.phase]}]{SHORT[spot.phase]}[/]"
 
 
 def table_of(made: list[Verdict]) -> Any:

@@ -19,16 +19,18 @@ import numpy as np
 from filelock import FileLock, Timeout
 
 from app.studies.runs.database import (
+    BROKEN,
     FILE,
     FIXED,
     LONGEST,
+    Outcome,
     QueryTimeLimit,
+    Status,
     guarded,
     opened,
     quoted,
 )
-from app.studies.runs.run_outcome import BROKEN, Outcome, Status
-from app.studies.runs.store_contents import StoreContentError, demand_cell, json_value
+from app.studies.runs.store_reader import StoreContentError, demand_cell, json_value
 from worlds.input_error import InputError
 
 EVERY = 0.25

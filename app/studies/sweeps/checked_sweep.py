@@ -16,24 +16,27 @@ from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES, telling
 from agents.spec import Options, Spec
 from app.strict_table import StrictTable
-from app.studies.sweeps.given.designs import Point, found, points_of
-from app.studies.sweeps.given.key_locations import KeyLocations, about
-from app.studies.sweeps.given.sweep_conditions import Condition, comparison
-from app.studies.sweeps.given.sweep_file import (
+from app.studies.key_lines import KeyLocations, about
+from app.studies.sweeps.designs import Point, found, points_of
+from app.studies.sweeps.sweep_cells import Basis, Cell, spec_of
+from app.studies.sweeps.sweep_file import (
     MOST_CELLS,
+    Condition,
     Observe,
     Record,
     RunOptions,
     SweepFile,
+    comparison,
 )
-from app.studies.sweeps.making.measures import (
+from app.studies.sweeps.sweep_job import (
     HEADS,
+    RunRequest,
+    StopCondition,
+    SweepJob,
     SweepMeasure,
     demand_number,
     measure_of,
 )
-from app.studies.sweeps.making.sweep_job import RunRequest, StopCondition, SweepJob
-from app.studies.sweeps.sweep_cells import Basis, Cell, spec_of
 from worlds.input_error import InputError, needed, refusal_of, unknown
 from worlds.text_file import read_text, toml
 

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from app.studies.sweeps.given.sweep_file import Precision, Replicates
-from app.studies.verdicts.judge import INTERVAL_CONFIDENCE, ranges_of
-from app.studies.verdicts.statistics import interval_of_mean
+from app.studies.judge.judge import INTERVAL_CONFIDENCE, ranges_of
+from app.studies.judge.statistics import interval_of_mean
+from app.studies.sweeps.sweep_file import Precision, Replicates
 
 Values = Callable[[int, int], list[float]]
 """The values of a cell's first replicates, without those that have none."""

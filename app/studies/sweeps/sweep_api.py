@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from agents.spec import Spec
+from app.studies.key_lines import KeyLocations
 from app.studies.sweeps.checked_sweep import Sweep, read_sweep, sweep_of
-from app.studies.sweeps.given.key_locations import KeyLocations
-from app.studies.sweeps.given.sweep_file import RunOptions
+from app.studies.sweeps.sweep_file import RunOptions
 from app.studies.sweeps.sweep_results import Results
 from app.studies.sweeps.sweep_runner import conduct
 from app.studies.workers.processes import cores

@@ -12,7 +12,7 @@ from agents.flock import Flock
 from agents.spec import OPTIONS, Spec, versions
 from app.strict_table import Value
 from app.studies.runs.store import canonical
-from app.studies.sweeps.making.sweep_job import SweepJob
+from app.studies.sweeps.sweep_job import SweepJob
 from worlds.world import World
 
 OPEN = ("seed", "versions", "layout", "start")

@@ -8,12 +8,42 @@ from typing import Any
 
 from agents.spec import Spec
 from app.studies.runs.database import FIXED
+from app.studies.runs.store import is_taken
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sweeps.making.measures import HEADS
 from app.studies.sweeps.sweep_cells import spec_of
+from app.studies.sweeps.sweep_job import HEADS
 from worlds.file_writer import csv_text, writing
 from worlds.input_error import InputError, shortened
 from worlds.plug_ins import demand
+
+# How far a sweep is, as its store says, also while another process runs it.
+
+
+def status_of(folder: Path) -> dict[str, Any]:
+    """How far the sweep of a folder is. Raises InputError."""
+    kept = StoreReader(folder)
+    state, counts = kept.state, kept.counts
+    running = is_taken(folder)
+    progress = state.get("progress") if running else None
+    return {
+        "folder": str(folder),
+        "title": state.get("title", ""),
+        "state": "running" if running else "stopped" if left(state, counts) else "done",
+        "runs": counts,
+        "done": sum(counts.values()),
+        "of": state.get("runs"),
+        "others": kept.others,
+        "rate": progress and progress.get("rate"),
+        "seconds_left": progress and progress.get("seconds_left"),
+        "workers": progress and progress.get("workers"),
+        "pid": progress and progress.get("pid"),
+    }
+
+
+def left(state: dict[str, Any], counts: dict[str, int]) -> bool:
+    """Whether there are runs to make."""
+    return bool(state.get("runs", 0) > sum(counts.values()))
+
 
 Columns = dict[str, list[Any]]
 ENDINGS = (".csv", ".parquet", ".pq")

@@ -24,7 +24,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.database import Outcome
 from app.studies.workers import run_worker
 from app.studies.workers.run_executors import LOOK, AwakeClock, Beat, Keep, Task
 from app.studies.workers.run_worker import PATIENT, WorkerSetup

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Protocol, Self
 
-from app.studies.runs.run_outcome import Outcome
+from app.studies.runs.database import Outcome
 from app.studies.workers import run_worker
 
 LOOK = 1.0

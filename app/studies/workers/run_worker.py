@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.studies.runs.run_outcome import Outcome, failure
+from app.studies.runs.database import Outcome, failure
 
 REPORTS = 0.05
 """Seconds for which what is done is held back, so that many short runs make one report."""

@@ -247,7 +247,7 @@ def least_distance(poses: list[Pose]) -> float:
 def phase_lags(plan: Injection, injected: Pose, poses: dict[str, Pose]) -> dict[str, float]:
     """By how much each is behind the injected car round its circle, deg; none off a circle.
 
-    The convention is that of `app.studies.kinds.driving.lags`, along the injected car's sense.
+    The convention is that of `app.studies.figures.driving.lags`, along the injected car's sense.
     """
     if plan.path != "circle":
         return {}

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from app.strict_table import Value
-from app.studies.runs.run_outcome import BROKEN
+from app.studies.runs.database import BROKEN
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sweeps.given.sweep_conditions import Condition
 from app.studies.sweeps.replicates import half_width
+from app.studies.sweeps.sweep_file import Condition
 from app.studies.sweeps.sweep_table import axes_of, measured
 from worlds.input_error import InputError, unknown
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.studies.sweeps.pictures.cell_runs import CellRuns, label, varied
+import numpy as np
+
+from app.studies.sweeps.pictures.cell_runs import CellRuns, is_number, label, varied
 from worlds.input_error import InputError
 
 COLOURS = ("#2166ac", "#b2182b", "#1b7837", "#b07d12", "#762a83", "#0b7a75", "#555555", "#d6604d")
@@ -66,3 +68,72 @@ def spans_decades(values: list[float]) -> bool:
     if len(rising) < 4 or rising[0] <= 0.0 or rising[-1] < 30.0 * rising[0]:
         return False
     return rising[len(rising) // 2] < 0.3 * rising[-1]
+
+
+# A sample of cells: the mean of each against every axis, one panel for each.
+
+MOST = 12
+"""Panels."""
+
+
+def draw_points(figure: Any, name: str, groups: list[CellRuns], axes: list[str]) -> None:
+    """Draw the panels, those of the first axes if there are too many."""
+    shown = axes[:MOST]
+    across = min(4, len(shown))
+    rows = -(-len(shown) // across)
+    figure.set_size_inches(1.2 + 2.9 * across, 1.0 + 2.7 * rows)
+    panels = figure.subplots(rows, across, squeeze=False, sharey=True).ravel()
+    for panel, axis in zip(panels, shown, strict=False):
+        there = [group for group in groups if group.values and axis in group.axes]
+        places = [
+            group.axes[axis] if is_number(group.axes[axis]) else str(group.axes[axis])
+            for group in there
+        ]
+        means = [group.mean for group in there]
+        panel.plot(places, means, "o", color=COLOURS[0], markersize=3, alpha=0.6)
+        if all(map(is_number, places)):
+            mark(panel, groups, axis)
+        panel.set_xlabel(axis)
+    for panel in panels[len(shown) :]:
+        panel.set_visible(False)
+    for row in range(rows):
+        panels[row * across].set_ylabel(f"{name}, mean")
+
+
+# How the runs of each cell are spread: a box with every run as a point.
+
+MOST_DISTRIBUTIONS = 40
+"""Cells in one picture."""
+
+
+def draw_distributions(figure: Any, name: str, groups: list[CellRuns]) -> None:
+    """Draw a box for each cell. Raises InputError if there are too many."""
+    if len(groups) > MOST_DISTRIBUTIONS:
+        raise InputError(f"{len(groups)} boxes are too many: leave cells out with --where")
+    figure.set_size_inches(6.8, 1.6 + 0.42 * len(groups))
+    axes = figure.subplots()
+    places = np.arange(len(groups))[::-1]
+    axes.boxplot(
+        [group.values for group in groups],
+        positions=places,
+        orientation="horizontal",
+        widths=0.55,
+        showfliers=False,
+        medianprops={"color": COLOURS[0]},
+        manage_ticks=False,
+    )
+    off = np.random.default_rng(0)
+    for place, group in zip(places, groups, strict=True):
+        at = place + off.uniform(-0.18, 0.18, len(group.values))
+        axes.plot(group.values, at, ".", color=COLOURS[0], alpha=0.45, markersize=4)
+        words = []
+        if group.gave_up:
+            words.append((f"{group.gave_up} gave up", CENSORED))
+        if group.broken:
+            words.append((f"{group.broken} failed", FAILED))
+        for number, (text, colour) in enumerate(words):
+            where = axes.get_yaxis_transform()
+            axes.text(1.01, place - 0.25 * number, text, color=colour, fontsize=8, transform=where)
+    axes.set_yticks(places, [label(group.axes) or "all runs" for group in groups], fontsize=9)
+    axes.grid(axis="x")
+    axes.set_xlabel(name)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from app.figure import write_figure
-from app.studies.pictures.experiment_picture import LOOK
+from app.figure import LOOK, write_figure
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.pictures.cell_runs import (
     CellRuns,
@@ -15,10 +14,8 @@ from app.studies.sweeps.pictures.cell_runs import (
     values_of,
     varied,
 )
-from app.studies.sweeps.pictures.distributions import draw_distributions
 from app.studies.sweeps.pictures.maps import draw_map
-from app.studies.sweeps.pictures.mean_lines import FEW, draw_lines
-from app.studies.sweeps.pictures.sample_points import draw_points
+from app.studies.sweeps.pictures.mean_lines import FEW, draw_distributions, draw_lines, draw_points
 from app.studies.sweeps.pictures.scaling import SIZE, Scaling, draw_scaling
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError, unknown

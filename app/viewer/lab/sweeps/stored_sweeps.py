@@ -18,13 +18,13 @@ from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.pictures.cell_runs import CellRuns, groups_of, is_number
 from app.studies.sweeps.pictures.sweep_picture import draw
 from app.studies.sweeps.sweep_runner import SPEC
-from app.studies.sweeps.sweep_status import status_of
 from app.studies.sweeps.sweep_table import (
     as_csv,
     axes_of,
     measured,
     places_of,
     spec_at,
+    status_of,
     wide,
     write_table,
 )

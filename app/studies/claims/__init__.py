@@ -1,0 +1,1 @@
+"""What a paper claims, judged by the runs."""

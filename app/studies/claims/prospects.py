@@ -1,0 +1,84 @@
+"""Before the runs: which claims and comparisons a number of runs can decide at all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from app.studies.claims.sweep_claims import HALF
+from app.studies.experiment import Experiment
+from app.studies.experiment_file import (
+    EnduranceClaim,
+    EveryRunClaim,
+    FasterClaim,
+    PhaseClaim,
+    Said,
+)
+from app.studies.judge.claim_verdict import runs_for_share
+from app.studies.judge.comparison import runs_to_agree
+from app.studies.judge.judge import FEWEST_RUNS
+from worlds.number_text import counted
+
+
+def prospects(experiment: Experiment, runs: int) -> str:
+    """What so many runs can decide, in a sentence; empty where nothing is to be decided."""
+    asked = list(questions(experiment))
+    few = [(words, needed) for words, needed in asked if needed is None or needed > runs]
+    if not asked:
+        return ""
+    decided = len(asked) - len(few)
+    said = f"{counted(runs, 'run')} can decide {decided} of {len(asked)} claims and comparisons"
+    if not few:
+        return said
+    listed = "; ".join(
+        f"{words} ({'no number would' if needed is None else needed})"
+        for words, needed in dict(few).items()
+    )
+    return f"{said}, as far as their spread allows; too few to bear out: {listed}"
+
+
+def questions(experiment: Experiment) -> Iterator[tuple[str, int | None]]:
+    """What is asked of the runs, in words, and the runs from which on it can be borne out."""
+    for one in experiment.said:
+        if not one.by_construction and (asked := rows_of(experiment, one)):
+            words = experiment.settings.measure(one.measure).symbol
+            labels = getattr(one, "labels", None)
+            name = f"{words} of {', '.join(labels)}" if labels else words
+            yield name, needed_for(experiment, one, asked)
+    for sweep in {id(case.sweep): case.sweep for case in experiment.cases if case.sweep}.values():
+        if sweep.trend:
+            yield f"{sweep.parameter} {sweep.trend}", FEWEST_RUNS
+        if sweep.flat_from is not None:
+            yield f"{sweep.parameter} flat", FEWEST_RUNS
+    for case in experiment.cases:
+        for measure in experiment.measures:
+            published = case.published(measure.name)
+            spared = measure.name in experiment.not_compared
+            if published is None or published.by_construction:
+                continue
+            if published.average is not None and not spared:
+                yield f"{measure.symbol} agrees", runs_to_agree(published)
+
+
+def rows_of(experiment: Experiment, one: Said) -> int:
+    """How many cases a claim is about; none where those that it names are not run."""
+    labels = set(getattr(one, "labels", [])) or {getattr(one, "label", "")} - {""}
+    sizes, tick = getattr(one, "agents", []), getattr(one, "tick", None)
+    return sum(
+        (not labels or case.label in labels)
+        and (not sizes or case.agents in sizes)
+        and tick in (None, case.tick)
+        for case in experiment.cases
+    )
+
+
+def needed_for(experiment: Experiment, one: Said, rows: int) -> int | None:
+    """Runs with which a claim can be borne out if no run speaks against it."""
+    if isinstance(one, EveryRunClaim):
+        if experiment.runs == 1:
+            return 1
+        return runs_for_share(1.0, one.share, 1 if one.share == 1.0 else rows)
+    if isinstance(one, FasterClaim | EnduranceClaim):
+        return runs_for_share(1.0, 1.0)
+    if isinstance(one, PhaseClaim):
+        return runs_for_share(1.0, HALF, rows)
+    return FEWEST_RUNS

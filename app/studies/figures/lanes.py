@@ -1,0 +1,163 @@
+"""People who walk both ways along a corridor: a run at its start and at its end, and all runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from agents.observables.lanes import lane_order
+from app.studies.case_flock import flock_of
+from app.studies.charts.boxes import explain
+from app.studies.judge.verdict import Verdict, of
+from app.studies.measure import Measure, Number, Settings
+
+if TYPE_CHECKING:
+    from agents import Flock
+    from app.studies.experiment import Experiment
+
+# Runs in which people walk both ways along a corridor: Helbing and Molnar 1995, figure 2.
+
+WAY = "way_x"
+"""The signal that tells where an agent wants to go along the corridor, +1 or -1."""
+DEALS = 40
+"""How often the ways are dealt out anew to tell what a mixed crowd would have."""
+
+
+class LaneSettings(Settings):
+    """How long people walk before they are looked at, how often, and how wide a strip is."""
+
+    kind: ClassVar[str] = "lanes"
+    measures: ClassVar[tuple[Measure, ...]] = (
+        Measure("order", "order", "Lane order", "1"),
+        Measure("mixed", "mixed", "Lane order of the same places, the ways dealt by chance", "1"),
+        Measure("gain", "gain", "Lane order above that of ways dealt by chance", "1"),
+        Measure("start", "start", "Lane order at the start", "1"),
+        Measure("progress", "progress", "Mean speed along the own way, of the mean desired", "%"),
+    )
+
+    settle: int = Field(ge=1)
+    """Ticks before people are looked at."""
+    looks: int = Field(ge=1)
+    """How often they are looked at; the measures are means over the looks."""
+    every: int = Field(ge=1)
+    """Ticks between two looks."""
+    width: float = Field(gt=0.0)
+    """Of the strips in which ways are counted, m."""
+
+    def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
+        """Let people walk, then look at them."""
+        between()
+        begun = self.order(flock, ways_of(flock))
+        flock.run(self.settle)
+        seen = []
+        for _ in range(self.looks):
+            between()
+            flock.run(self.every)
+            ways = ways_of(flock)
+            dealt = [self.order(flock, flock.rng.permutation(ways)) for _ in range(DEALS)]
+            gone = flock.speed * (flock.heading[:, 0] * ways)
+            seen.append((self.order(flock, ways), np.mean(dealt), gone.mean()))
+        order, mixed, gone = (float(mean) for mean in np.mean(seen, axis=0))
+        return {
+            "order": order,
+            "mixed": mixed,
+            "gain": order - mixed,
+            "start": begun,
+            "progress": 100.0 * gone / flock.parameters.v0,  # type: ignore[attr-defined]
+        }
+
+    def order(self, flock: Flock, ways: np.ndarray) -> float:
+        """The lane order of people who want to go these ways (N,), +1 or -1."""
+        aims = np.column_stack([ways, np.zeros(len(ways))])
+        size = np.array(flock.world.size)
+        return lane_order(flock.position, aims, size, flock.world.images, self.width)
+
+    def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
+        """All of them."""
+        return self.settle + self.looks * self.every
+
+
+def ways_of(flock: Flock) -> np.ndarray:
+    """Where each of the flock wants to go along the corridor, +1 or -1, (N,)."""
+    return flock.signal(WAY)
+
+
+EAST, WEST = "#2166ac", "#c0392b"
+COLOURS = ("#1f9d63", "#7a828c", "#b07d12", "#8e44ad")
+DART = np.array([[0.6, 0.0], [-0.4, 0.32], [-0.2, 0.0], [-0.4, -0.32]])
+"""Outline of a walker of length 1 that goes along +x."""
+
+
+def draw_lanes(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+    """Draw the run of that seed of the first row twice above, the lane order of all rows below."""
+    settings = experiment.settings
+    assert isinstance(settings, LaneSettings)
+    figure.set_size_inches(11.0, 9.2)
+    above, below = figure.subfigures(2, 1, height_ratios=[1.25, 1.0])
+    case = experiment.cases[0]
+    flock = flock_of(case, seed)
+    first, last = above.subplots(2, 1)
+    draw_people(first, flock, f"{case.label}, N = {case.agents}, at the start")
+    flock.run(settings.settle + settings.looks * settings.every)
+    draw_people(last, flock, f"after {flock.elapsed:g} s")
+    axes, speed = below.subplots(1, 2, width_ratios=[1.6, 1.0])
+    draw_rows(axes, made, "order")
+    draw_rows(speed, made, "progress")
+    axes.set_ylim(0.0, 1.03)
+    axes.set_ylabel("lane order")
+    speed.set_ylabel("speed along the own way / % of desired")
+    dots = of(made, "mixed")
+    sizes = sorted({one.case.agents for one in dots})
+    means = [np.mean([one.summary.mean for one in dots if one.case.agents == n]) for n in sizes]
+    axes.plot(sizes, means, ":", color="#3c434b", linewidth=1.3, label="ways dealt by chance")
+    explain(
+        figure,
+        axes.get_legend_handles_labels()[0],
+        f"above: seed {seed}, those who want to go to the right blue; below: mean of all runs, "
+        "bars: two standard errors",
+    )
+
+
+def draw_people(axes: Any, flock: Any, title: str) -> None:
+    """Draw everybody by where they want to go, heading where they are going."""
+    from matplotlib.collections import PolyCollection
+
+    ux, uy = flock.heading.T
+    turn = np.array([[ux, -uy], [uy, ux]]).transpose(2, 0, 1)
+    darts = flock.position[:, None] + 0.9 * np.einsum("nij,kj->nki", turn, DART)
+    colours = np.where(ways_of(flock) > 0.0, EAST, WEST)
+    axes.add_collection(PolyCollection(darts, facecolors=colours, edgecolors="none"))
+    width, height = flock.world.size
+    axes.set(xlim=(0.0, width), ylim=(0.0, height), aspect="equal", xticks=[], yticks=[])
+    for side in ("top", "bottom"):
+        axes.spines[side].set(visible=True, linewidth=2.0, color="#3c434b")
+    for side in ("left", "right"):
+        axes.spines[side].set_visible(False)
+    axes.grid(visible=False)
+    axes.set_title(title, loc="left")
+
+
+def draw_rows(axes: Any, made: list[Verdict], measure: str) -> None:
+    """Draw a measure over the number of people, a line for each label."""
+    rows = of(made, measure)
+    for k, label in enumerate(dict.fromkeys(one.case.label for one in rows)):
+        line = [one for one in rows if one.case.label == label]
+        line.sort(key=lambda one: one.case.agents)
+        axes.errorbar(
+            [one.case.agents for one in line],
+            [one.summary.mean for one in line],
+            yerr=[2.0 * np.nan_to_num(one.summary.standard_error) for one in line],
+            color=COLOURS[k % len(COLOURS)],
+            marker="o",
+            markersize=5,
+            linewidth=1.6,
+            capsize=2.5,
+            label=label,
+        )
+    axes.set_xlabel("people")
+
+
+PICTURES = {"lanes": draw_lanes}

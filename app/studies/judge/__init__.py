@@ -1,0 +1,1 @@
+"""Which word may be said of a set of runs."""

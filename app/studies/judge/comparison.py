@@ -1,0 +1,269 @@
+"""A measured mean beside a published one: agrees, differs, or more runs would decide."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from app.studies.judge.claim_verdict import decide, least
+from app.studies.judge.judge import (
+    CONFIDENCE,
+    FEWEST_RUNS,
+    PUBLISHED_RUNS,
+    ConfidenceInterval,
+    MeanEstimate,
+    RunRanges,
+    as_of_runs,
+    estimate_mean,
+    likely_good,
+    likely_interval,
+    mean_interval,
+    ranges_of,
+    share_difference,
+    subtract_published,
+    typical_spread,
+)
+from worlds.number_text import counted
+
+if TYPE_CHECKING:
+    from app.studies.experiment_file import PublishedMeasure
+
+TOLERANCE = 1.0
+"""Standard deviations of a single run within which means count as the same, once it is sure that
+they are no further apart."""
+NOTE = (
+    "differs: the means are told apart at 99 % (t, corrected for skewness); agrees: at 99 % they "
+    "are less than a standard deviation of one run apart; undecided, n: about n runs would decide; "
+    "fewer than five runs, and equal runs, decide nothing; a run that was given up counts as its "
+    "limit or more"
+)
+SPREAD_NOTE = (
+    "the paper gives no spread, so that the one measured here stands for its 100 runs too; z and "
+    "d: measured less published mean, in standard errors and in standard deviations of a run"
+)
+WELCH_NOTE = (
+    "published runs are compared as runs, each sample with its own spread, the smaller sample with "
+    "that of the larger where it is less (Welch); z and d: measured less published mean, in "
+    "standard errors and in standard deviations of a run"
+)
+BesideWord = Literal["agrees", "differs", "undecided", "by construction"]
+
+
+@dataclass(frozen=True)
+class MeanComparison:
+    """A measured and a published mean; NaN stands for what a sample without spread does not say."""
+
+    word: BesideWord
+    difference: float
+    """Measured less published mean; of runs given up: at least."""
+    interval: tuple[float, float] = (math.nan, math.nan)
+    """Of the difference, 99 %; infinite where nothing is known."""
+    z: float = math.nan
+    """The difference in standard errors."""
+    effect: float = math.nan
+    """The difference in standard deviations of a run: Cohen's d."""
+    needed: int | None = None
+    """Of an undecided one: runs that would decide it, about; None if that is not known."""
+    why: str = ""
+    """What keeps it undecided, other than the number of runs; or why it cannot but agree."""
+    p: float = 1.0
+    """The chance, at most, with which runs give this word where it is false; 1 if undecided."""
+
+    def __str__(self) -> str:
+        return self.word if self.needed is None else f"{self.word}, {self.needed}"
+
+
+def compare(values: RunRanges, published: PublishedMeasure) -> MeanComparison | None:
+    """How measured runs stand beside what was published; None without runs or a mean."""
+    found = compared(values, published)
+    why = published.by_construction
+    if found is None or not why or found.word == "differs":
+        return found
+    return replace(found, word="by construction", needed=None, why=why, p=1.0)
+
+
+def compared(values: RunRanges, published: PublishedMeasure) -> MeanComparison | None:
+    """The same, whatever can come out."""
+    mean = published.average
+    if mean is None or values.runs == 0 or np.isinf(values.least).any():
+        return None
+    difference = float(values.estimate.mean) - mean
+    theirs = np.array(published.values, float)
+    found = MeanComparison("undecided", difference, needed=FEWEST_RUNS)
+    if values.runs > 1 and not values.open_runs:
+        z, effect = sizes_of(values, theirs, mean)
+        found = replace(found, z=z, effect=effect)
+    if values.runs < FEWEST_RUNS:
+        return found
+    tolerance = TOLERANCE * float(typical_spread(values.least))
+
+    def word_at(confidence: float) -> BesideWord:
+        return word_of(difference_limits(values, theirs, mean, confidence), tolerance)
+
+    word, p = decide(word_at)
+    limits = difference_limits(values, theirs, mean, CONFIDENCE)
+    needed, why = (None, "") if word != "undecided" else what_lacks(values, theirs, mean, tolerance)
+    interval = float(limits.low), float(limits.high)
+    return replace(found, word=word, interval=interval, needed=needed, why=why, p=p)
+
+
+def sizes_of(values: RunRanges, theirs: np.ndarray, mean: float) -> tuple[float, float]:
+    """The difference in standard errors, z, and in standard deviations of a run, Cohen's d."""
+    found = difference_of(values.estimate, theirs, mean)
+    ours = float(values.least.std(ddof=1))
+    other = float(theirs.std(ddof=1)) if theirs.size > 1 else ours
+    scale, error = math.sqrt(0.5 * (ours**2 + other**2)), float(found.error)
+    difference = float(found.mean)
+    z = difference / error if error > 0.0 else math.nan
+    return z, difference / scale if scale > 0.0 else math.nan
+
+
+def word_of(limits: ConfidenceInterval, tolerance: float) -> BesideWord:
+    """What a difference says."""
+    if limits.low > 0.0 or limits.high < 0.0:
+        return "differs"
+    return "agrees" if -tolerance < limits.low and limits.high < tolerance else "undecided"
+
+
+def difference_of(ours: MeanEstimate, theirs: np.ndarray, mean: float) -> MeanEstimate:
+    """Our mean less a published one; of published runs (R,), or none but their mean."""
+    if theirs.size < 2:
+        return subtract_published(ours, mean, runs=theirs.size or None)
+    return subtract_published(
+        ours, mean, float(estimate_mean(theirs).error) * math.sqrt(theirs.size), theirs.size
+    )
+
+
+def difference_limits(
+    values: RunRanges, theirs: np.ndarray, mean: float, confidence: float
+) -> ConfidenceInterval:
+    """What the difference lies between."""
+    if values.binary and theirs.size and not values.open_runs:
+        low, high = values.bounds
+        middle = 0.5 * (low + high)
+        good, other = int((values.least > middle).sum()), int((theirs > middle).sum())
+        found = share_difference(good, values.runs, other, theirs.size, confidence)
+        return ConfidenceInterval((high - low) * found.low, (high - low) * found.high)
+    difference = difference_of(values.estimate, theirs, mean)
+    if float(difference.error) == 0.0 or values.binary:
+        return bounded_difference(values, theirs, mean, confidence)
+    limits = mean_interval(difference, confidence)
+    if values.rare:
+        ours = values.estimate, values.interval(confidence)
+        limits = allow_for_rare(limits, difference, *ours, confidence)
+    if not values.open_runs:
+        return limits
+    most = values.bounds[1]
+    return ConfidenceInterval(limits.low, np.asarray(most - mean if theirs.size == 0 else math.inf))
+
+
+def allow_for_rare(
+    limits: ConfidenceInterval,
+    difference: MeanEstimate,
+    ours: MeanEstimate,
+    interval: tuple[float, float],
+    confidence: float = CONFIDENCE,
+) -> ConfidenceInterval:
+    """Limits of a difference that allow for runs at a bound which were not seen.
+
+    `interval` of our mean allows for them; by what it is wider, so is the difference.
+    """
+    plain_low, plain_high = map(float, mean_interval(ours, confidence))
+
+    def width(half: float, allowed: float, usual: float) -> float:
+        return math.sqrt(half**2 + max(0.0, allowed**2 - usual**2))
+
+    mean, middle = float(ours.mean), float(difference.mean)
+    low, high = interval
+    return ConfidenceInterval(
+        np.asarray(middle - width(middle - float(limits.low), mean - low, mean - plain_low)),
+        np.asarray(middle + width(float(limits.high) - middle, high - mean, plain_high - mean)),
+    )
+
+
+def bounded_difference(
+    values: RunRanges, theirs: np.ndarray, mean: float, confidence: float
+) -> ConfidenceInterval:
+    """The same by the bounds of the measure, where no spread is known.
+
+    Published runs of a bounded measure have a standard deviation of sqrt((m - low) (high - m)) at
+    most (Bhatia and Davis 2000). Without bounds nothing is known.
+    """
+    low, high = values.bounds
+    our_low, our_high = values.interval(confidence)
+    ours = float(values.estimate.mean)
+    if theirs.size > 1:
+        same = ranges_of(theirs)
+        their_low, their_high = RunRanges(same.least, same.most, values.bounds).interval(confidence)
+        below, above = mean - their_low, their_high - mean
+    else:
+        most = (
+            math.sqrt(max((mean - low) * (high - mean), 0.0))
+            if math.isfinite(high - low)
+            else math.inf
+        )
+        published = MeanEstimate(
+            np.asarray(mean),
+            np.asarray(most / math.sqrt(theirs.size or PUBLISHED_RUNS)),
+            np.asarray(PUBLISHED_RUNS - 1.0),
+            np.asarray(0.0),
+            np.asarray(0.0),
+        )
+        limits = (
+            mean_interval(published, confidence)
+            if most > 0.0
+            else ConfidenceInterval(published.mean, published.mean)
+        )
+        below, above = mean - float(limits.low), float(limits.high) - mean
+    difference = ours - mean
+    return ConfidenceInterval(
+        np.asarray(difference - math.hypot(ours - our_low, above)),
+        np.asarray(difference + math.hypot(our_high - ours, below)),
+    )
+
+
+def what_lacks(
+    values: RunRanges, theirs: np.ndarray, mean: float, tolerance: float
+) -> tuple[int | None, str]:
+    """Runs that would decide a comparison, about, or else what keeps it undecided."""
+    if values.open_runs:
+        return None, values.open_words
+    if values.are_equal and not values.binary:
+        return None, "all runs are equal"
+
+    def decides(runs: int) -> bool:
+        if values.binary:
+            good, (low, high) = likely_good(values, runs), values.bounds
+            made = np.repeat([low, high], [runs - good, good])
+            likely = replace(values, least=made, most=made)
+            limits = difference_limits(likely, theirs, mean, CONFIDENCE)
+        else:
+            ours = as_of_runs(values.estimate, values.runs, runs)
+            difference = difference_of(ours, theirs, mean)
+            limits = mean_interval(difference)
+            if values.rare:
+                low, high = map(float, likely_interval(values, runs))
+                limits = allow_for_rare(limits, difference, ours, (low, high))
+        return word_of(limits, tolerance) != "undecided"
+
+    needed = least(decides, values.runs)
+    if needed is None and theirs.size:
+        return None, f"the paper gives {counted(theirs.size, 'run')}"
+    return needed, ""
+
+
+def runs_to_agree(published: PublishedMeasure) -> int | None:
+    """Runs with which equal means can be told to agree; None if too few runs were published."""
+    theirs = len(published.values)
+
+    def decides(runs: int) -> bool:
+        one, none = np.asarray(1.0), np.asarray(0.0)
+        ours = MeanEstimate(none, one / math.sqrt(runs), one * (runs - 1.0), none, none)
+        spread = None if theirs < 2 else 1.0
+        found = subtract_published(ours, 0.0, spread, theirs or None)
+        return word_of(mean_interval(found), TOLERANCE) == "agrees"
+
+    return least(decides, FEWEST_RUNS)

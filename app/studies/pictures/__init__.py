@@ -1,1 +1,0 @@
-"""The pictures of experiments, one kind per file."""

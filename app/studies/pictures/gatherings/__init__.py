@@ -1,1 +1,0 @@
-"""Pictures of flocks in a box: groups, polarisation, crashes."""

@@ -1,1 +1,0 @@
-"""Measured beside published: statistics, verdicts, and claims in words."""
