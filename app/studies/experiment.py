@@ -22,7 +22,7 @@ from app.studies.experiment_file import (
     PublishedMeasure,
     Said,
 )
-from app.studies.figures import kinds
+from app.studies.figures import kinds, pictures
 from app.studies.key_lines import place
 from app.studies.measure import Measure, Settings
 from worlds.input_error import InputError, needed, unknown
@@ -173,6 +173,8 @@ def read_file(path: Path) -> Experiment:
         keys = [str(part) for part in first["loc"] if not isinstance(part, int)]
         where = place(path, text, keys[-1], ".".join(keys[:-1]))
         raise InputError(f"{'.'.join(keys)}: {needed(first)} ({where})") from None
+    if file.picture not in pictures():
+        raise unknown("picture", file.picture, pictures(), place(path, text, "picture"))
     check_sizes(file, path)
     check_measures(file, path)
     try:

@@ -11,59 +11,6 @@ from app.strict_table import Line, StrictTable, Value
 from app.studies.case_flock import PLAIN, Overrides
 from app.studies.measure import Settings
 
-Picture = Literal[
-    "models",
-    "sweeps",
-    "pairs",
-    "evolution",
-    "success",
-    "endurance",
-    "rows",
-    "mission",
-    "snapshots",
-    "duel",
-    "centres",
-    "nearest",
-    "trajectories",
-    "distances",
-    "turned",
-    "energy",
-    "phases",
-    "gathering",
-    "start",
-    "crashes",
-    "formation",
-    "driving",
-    "holding",
-    "squash",
-    "ordering",
-    "lanes",
-    "turns",
-    "consensus",
-    "layering",
-    "tangents",
-    "detour",
-    "expected",
-    "gallery",
-    "growth",
-    "diffusion",
-    "crowding",
-    "optima",
-    "tradeoff",
-    "potential",
-    "projections",
-    "regions",
-    "zones",
-    "view",
-    "neighbourhood",
-    "cases",
-    "flowchart",
-    "steps",
-    "motion",
-    "meeting",
-    "avoidance",
-]
-
 
 class ExpectedVerdict(StrictTable):
     """What was found before, and why; the runs are judged without it."""
@@ -305,7 +252,7 @@ class ExperimentFile[Kind: Settings](StrictTable):
     kind: str = "convergence"
     title: Line
     source: Line
-    picture: Picture
+    picture: str
     runs: int = Field(ge=1)
     settings: Kind
     report: list[str] = Field(default_factory=list)

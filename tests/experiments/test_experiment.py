@@ -57,6 +57,7 @@ def test_narrowing(tmp_path):
         ("k_con.mean", "k_con.maen", ["rows.published.k_con.maen", "there is no such key"]),
         ("published.k_con", "published.k_kon", ["unknown measure 'k_kon'", "'k_con'"]),
         ('title = "Small"', 'kind = "misson"', ["unknown kind of experiment", "line 2"]),
+        ('picture = "models"', 'picture = "modles"', ["unknown picture 'modles'", "'models'"]),
         ("agents = 12", "agents = 0", ["rows.agents", "line 22"]),
         ("12 = 1.7", "", ["agents = 12 has no side in [sizes]"]),
         ('title = "Small"', "title =", ["is not TOML", "line 2"]),
