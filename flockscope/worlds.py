@@ -20,7 +20,7 @@ from worlds.input_error import InputError
 from worlds.layout import layout_names, read_layout, world, world_from_layout
 from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.obstacles import Box, CShape, Disc, Polygon, Prism, Ring, Sphere, Union, Wall
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.readers import Geometry, read_geometry, world_around
 from worlds.world import World
 

@@ -12,7 +12,7 @@ from worlds.input_error import InputError
 from worlds.layout import world
 from worlds.mission import Goal, Mission, Path
 from worlds.obstacles import Disc, Wall
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 

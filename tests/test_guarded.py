@@ -12,7 +12,7 @@ from oracles.solids import box, sphere
 from agents import Flock
 from agents.rules.terms.reserved_ball import SKIN, spiral
 from worlds.obstacles import Sphere
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 SIDE = 14.0

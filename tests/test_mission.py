@@ -20,7 +20,7 @@ from agents.observables.following import (
 )
 from worlds.input_error import InputError
 from worlds.layout import world
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 
 SCENE = "liu2021-mission"
 

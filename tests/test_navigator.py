@@ -12,7 +12,7 @@ from oracles.topology import contact, layers
 
 from agents import Flock
 from worlds.obstacles import Disc, Polygon, Wall
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 OBSTACLES = (

@@ -11,7 +11,7 @@ from oracles.scenes import unit_vectors
 
 from agents import Flock
 from worlds.obstacles import Box
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 SIZE = (16.0, 8.0)

@@ -13,7 +13,7 @@ from oracles.scenes import unit_vectors
 from agents import Flock
 from worlds.mission import Goal, Mission
 from worlds.obstacles import Disc, Polygon, Sphere
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 SIDE = 16.0

@@ -18,8 +18,8 @@ from agents.catalogue import MODELS
 from agents.models.declare import declared
 from worlds.input_error import InputError
 from worlds.obstacles import Box, Disc, Polygon, Prism, Sphere, Wall
+from worlds.queries.clearance import clearance
 from worlds.queries.outlines import outlines
-from worlds.queries.surface import clearance
 from worlds.world import World
 
 TICKS, OF_CARS = 500, 200

@@ -14,7 +14,7 @@ from agents import Flock
 from agents.rules.vasarhelyi import braking
 from worlds.compilation import entry
 from worlds.obstacles import Disc, Polygon, Sphere
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 SIDE = 80.0

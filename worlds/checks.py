@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from worlds.input_error import InputError
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 LEG_STEPS = 1000

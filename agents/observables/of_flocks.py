@@ -12,7 +12,7 @@ import numpy as np
 
 from agents.observables import correlation, groups, neighbours
 from agents.observables.formation import INDUCED
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 
 SAVED = "saved"
 """The measure of a body that tells the share of its induced drag an agent saves."""

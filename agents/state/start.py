@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from worlds.checks import demand_free, demand_in_box
 from worlds.input_error import InputError, unknown
 from worlds.mission import StartRegion
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 THETA_D = np.pi / 4

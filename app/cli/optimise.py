@@ -147,7 +147,7 @@ def report(
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from app.cli.sweep.commands import plain
+    from app.cli.sweep.show import plain
 
     table = Table(
         "", *study.default, *answer.goals, box=SIMPLE_HEAD,

@@ -10,19 +10,10 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 import typer
 
 from app.cli.file_argument import STATE, demand_alone, file_argument, is_file, shown_beside
+from app.cli.length import Seconds, Ticks, demand_one_length, ticks_asked
 from app.cli.outcome_table import StrayAgentCheck, as_json, outcome, show, tell, tell_written
 from app.cli.progress import Progress, run_ticks
-from app.cli.run_arguments import (
-    Asked,
-    Seconds,
-    Ticks,
-    demand_one_length,
-    given,
-    named,
-    set_by,
-    ticks_asked,
-    with_options,
-)
+from app.cli.run_arguments import Asked, given, named, set_by, with_options
 from app.cli.terminal import INTERRUPTED
 from app.cli.usage import Rules, by_name, first_of
 from app.settings import at_least, names

@@ -12,7 +12,7 @@ import numpy as np
 from agents.flight.flight_motion import MOVING, THETA, Q, U, W, fly
 from agents.flight.power import FlightHistory, history
 from agents.flight.trim import Trim, trim
-from app.flight.trim_report import Request, within
+from app.flight.request import Request, within
 from app.settings import assignment
 from worlds.input_error import InputError, unknown
 from worlds.number_text import counted

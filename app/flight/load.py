@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 from agents.flight.aircraft import Aircraft, demand_possible
 from agents.flight.trim import SPEEDS, Trim, trim
-from app.flight.trim_report import SPEED, Request, as_value
+from app.flight.request import SPEED, Request
+from app.flight.trim_report import as_value
 from worlds.input_error import InputError
 
 STRIDE = 0.4

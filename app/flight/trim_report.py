@@ -4,66 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from agents.flight.trim import Trim, trim
+from app.flight.request import SPEED, Request
 from app.results_folder import make_folder
-from app.settings import assignment
 from worlds.file_writer import csv_text, write_text
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
-    from agents.flight.aircraft import Aircraft
     from agents.flight.trim import Trim
-
-# What a flight command is asked for, checked before anything is computed.
-
-SPEED, FREQUENCY, TWIST = 3.5, 1.5, 20.0
-"""Of the flight that the reading of the thesis measured: m/s, Hz, deg."""
-
-
-@dataclass(frozen=True)
-class Request:
-    """A flight that is asked for."""
-
-    aircraft: Aircraft
-    frequency: float
-    """Hz."""
-    twist: float
-    """Of the wing tip, rad."""
-
-
-def within(option: str, value: float, low: float, high: float, unit: str) -> float:
-    """The value, if it is in [low, high]. Raises InputError naming the option."""
-    if not low <= value <= high:
-        raise InputError(f"{option} {value:g} {unit} is outside [{low:g}, {high:g}] {unit}")
-    return value
-
-
-def asked_speed(option: str, speed: float) -> float:
-    """A speed in m/s that a trim takes. Raises InputError."""
-    from agents.flight.trim import SPEEDS
-
-    return within(option, speed, *SPEEDS, "m/s")
-
-
-def request(frequency: float, twist: float, settings: list[str] | None) -> Request:
-    """The aircraft with its settings, and how its wings beat (Hz, deg). Raises InputError."""
-    from agents.flight.aircraft import Aircraft, demand_possible
-    from agents.flight.trim import FREQUENCIES, TWISTS
-    from agents.models.declare import checked
-
-    within("--frequency", frequency, *FREQUENCIES, "Hz")
-    within("--twist", twist, math.degrees(TWISTS[0]), math.degrees(TWISTS[1]), "deg")
-    given = dict(assignment(setting) for setting in settings or [])
-    craft = checked(Aircraft, given, "--set")
-    assert isinstance(craft, Aircraft)
-    demand_possible(craft, "--set")
-    return Request(craft, frequency, math.radians(twist))
 
 
 # Columns of numbers as a CSV file.

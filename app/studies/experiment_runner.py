@@ -8,7 +8,7 @@ import json
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -19,10 +19,10 @@ from app.studies.case_flock import PLAIN, flock_of
 from app.studies.experiment import Case, Experiment
 from app.studies.measure import Number, Settings
 from app.studies.runs.database import BROKEN, FIXED, Outcome
-from app.studies.runs.store import Store, canonical
+from app.studies.runs.store import canonical
+from app.studies.study_runner import At, StudyReport, StudyRunner, Tell
 from app.studies.workers.kernels import compile_loop
-from app.studies.workers.processes import Processes
-from app.studies.workers.run_executors import InlineExecutor, RunExecutor, Task
+from app.studies.workers.run_executors import Task
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
 
@@ -37,45 +37,6 @@ PER_SIGNAL = 3.0
 def guess(ticks: float, agents: int, signals: int) -> float:
     """Seconds that a run of so many ticks may take; `signals` of the rule."""
     return ticks * (agents + 1) * PER_AGENT_TICK * (1.0 + PER_SIGNAL * signals)
-
-
-class Costs:
-    """What is done and what is left, in seconds of one core."""
-
-    def __init__(self, guesses: list[float], left: list[int]):
-        self.guesses = guesses
-        self.left = list(left)
-        self.spent = [0.0] * len(guesses)
-        self.done = [0] * len(guesses)
-
-    def add(self, case: int, seconds: float) -> None:
-        """Count a run of a case (by its number) that is done."""
-        self.left[case] -= 1
-        self.done[case] += 1
-        self.spent[case] += seconds
-
-    @property
-    def slowness(self) -> float:
-        """How many times longer the runs take than guessed."""
-        guessed = sum(n * guess for n, guess in zip(self.done, self.guesses, strict=True))
-        return sum(self.spent) / guessed if guessed else 1.0
-
-    @property
-    def ahead(self) -> float:
-        """Seconds of one core for what is left."""
-        slowness = self.slowness
-        return sum(
-            left * (spent / done if done else slowness * guess)
-            for left, spent, done, guess in zip(
-                self.left, self.spent, self.done, self.guesses, strict=True
-            )
-        )
-
-    @property
-    def share(self) -> float:
-        """Share of the work that is done, in [0, 1]."""
-        spent, ahead = sum(self.spent), self.ahead
-        return spent / (spent + ahead) if spent + ahead else 1.0
 
 
 # One run of an experiment: a flock from its start to what the experiment waits for.
@@ -197,12 +158,8 @@ def fingerprint(case: Case, settings: Settings) -> str:
     return digest.hexdigest()[:12]
 
 
-SOON = 2.0
-"""Seconds of work that are done before other processes have begun."""
 ENOUGH, MOST_TICKS = 0.005, 4096
 """Seconds after which ticks that are timed are enough, and ticks."""
-Tell = Callable[[str], object]
-At = Callable[[float, float, str], object]
 
 
 @dataclass(frozen=True)
@@ -214,41 +171,42 @@ class MeasuredCase:
     """By measure; None for a run that has none."""
 
 
-@dataclass(frozen=True)
-class ExperimentReport:
+@dataclass
+class ExperimentReport(StudyReport):
     """An experiment carried out."""
 
-    measured: list[MeasuredCase]
-    taken: int
-    """Runs taken from the store."""
-    made: int
-    """Runs made now."""
-    astray: list[str]
+    measured: list[MeasuredCase] = field(default_factory=list)
+    astray: list[str] = field(default_factory=list)
     """Of each run in which an agent was seen where it cannot be: which run, and which agent."""
-    failed: list[str]
+    failed: list[str] = field(default_factory=list)
     """Of each run that raised, or whose process was killed: which run, and why."""
 
 
 class RunPlan:
     """Which runs an experiment needs, and which of them the store lacks."""
 
-    def __init__(self, experiment: Experiment, runs: int, seed: int, store: Store):
+    def __init__(self, experiment: Experiment, runs: int, seed: int, runner: StudyRunner):
         self.experiment = experiment
-        self.store = store
         self.seeds = range(seed, seed + runs)
-        cases = experiment.cases
-        self.numbers = store.lay_out([cell_of(case, experiment) for case in cases])
-        self.outcomes = store.outcomes(self.numbers)
+        self.numbers = runner.plan([cell_of(case, experiment) for case in experiment.cases])
+        self.outcomes = runner.outcomes
         self.paths = experiment.paths
         self.missing = [
             [seed for seed in self.seeds if not self.has(path, seed)] for path in self.paths
         ]
-        guesses = [sum(self.guess(cases[k]) for k in path) for path in self.paths]
-        self.costs = Costs(guesses, self.left)
 
     def has(self, path: list[int], seed: int) -> bool:
         """Whether the store has a run in all of its cases."""
         return all((self.numbers[k], seed) in self.outcomes for k in path)
+
+    def guesses(self) -> dict[int, float]:
+        """Seconds that a run of each path may take, where one is to be made, by its first ticks."""
+        cases = self.experiment.cases
+        return {
+            n: sum(self.guess(cases[k]) for k in path) * slowness(cases[path[0]])
+            for n, path in enumerate(self.paths)
+            if self.missing[n]
+        }
 
     def guess(self, case: Case) -> float:
         """Seconds that a run of a case may take."""
@@ -260,38 +218,16 @@ class RunPlan:
         ticks = settings.ticks(published.mean if published else None, dt)
         return guess(ticks, case.agents, len(model(case.spec.model).columns))
 
-    def time(self) -> None:
-        """Put the guesses right by the first ticks of a run of each path that is to be made."""
-        for n, path in enumerate(self.paths):
-            if self.missing[n]:
-                self.costs.guesses[n] *= slowness(self.experiment.cases[path[0]])
-
-    @property
-    def left(self) -> list[int]:
-        """Runs that each path lacks."""
-        return [len(seeds) for seeds in self.missing]
-
-    @property
-    def job(self) -> Trials:
-        """How the runs are made."""
-        cases = self.experiment.cases
-        paths = tuple(tuple(cases[k] for k in path) for path in self.paths)
-        return Trials(paths, self.experiment.settings)
-
-    @property
-    def tasks(self) -> list[Task]:
+    def tasks(self, guesses: dict[int, float]) -> list[Task]:
         """The runs that the store lacks, the longest first."""
-        order = sorted(range(len(self.paths)), key=lambda n: -self.costs.guesses[n])
+        order = sorted(guesses, key=lambda n: -guesses[n])
         return [Task(n, seed, n) for n in order for seed in self.missing[n]]
 
-    def keep(self, task: Task, outcome: Outcome) -> None:
-        """Keep a run in the store and in the costs; one that is broken is so in all its cases."""
+    def parts(self, task: Task, outcome: Outcome) -> list[tuple[int, Outcome]]:
+        """The cases of a run, each with its outcome; a broken one is broken in all of them."""
         path = self.paths[task.payload]
         parts = [outcome, *outcome.rest] if outcome.status == "ok" else [outcome] * len(path)
-        for k, part in zip(path, parts, strict=True):
-            self.outcomes[self.numbers[k], task.seed] = part
-            self.store.add(self.numbers[k], task.seed, part)
-        self.costs.add(task.payload, outcome.seconds)
+        return [(self.numbers[k], part) for k, part in zip(path, parts, strict=True)]
 
     @property
     def sound(self) -> list[int]:
@@ -415,48 +351,50 @@ def conduct(
     """Carry out an experiment with the seeds `seed` to `seed + runs - 1` in each case.
 
     `at` hears of the share that is done, the seconds left and the runs done. `retry`: whether runs
-    that failed or were killed are made again. Raises InputError; after KeyboardInterrupt the
-    finished runs are in the store.
+    that failed or were killed are made again. Raises InputError; after KeyboardInterrupt, as which
+    a request to stop is raised too, the finished runs are in the store.
     """
-    with Store(folder, [column_of(one.name) for one in experiment.settings.measures]) as store:
-        if retry:
-            store.forget_broken()
-        plan = RunPlan(experiment, runs, seed, store)
-        tasks = plan.tasks
-        taken = runs * len(plan.paths) - len(tasks)
-        axes = dict.fromkeys(["label", "agents"])
-        axes |= dict.fromkeys(name for case in experiment.cases for name in case.spec.parameters)
-        store.tell(
-            kind="paper",
-            title=experiment.title,
-            axes=list(axes),
-            columns=list(store.columns),
-            runs=runs * len(set(plan.numbers)),
-        )
-        if tasks:
+    cases, settings = experiment.cases, experiment.settings
+    axes = dict.fromkeys(["label", "agents"])
+    axes |= dict.fromkeys(name for case in cases for name in case.spec.parameters)
+    runner = StudyRunner(
+        folder,
+        Trials(tuple(tuple(cases[k] for k in path) for path in experiment.paths), settings),
+        {
+            "kind": "paper",
+            "title": experiment.title,
+            "axes": list(axes),
+            "columns": [column_of(one.name) for one in settings.measures],
+        },
+        lambda: None,
+        workers=workers,
+        retry=retry,
+        tell=tell,
+        at=at,
+    )
+    with runner:
+        plan = RunPlan(experiment, runs, seed, runner)
+        runner.parts = plan.parts
+        runner.wanted = runs * len(set(plan.numbers))
+        runner.store.tell(runs=runner.wanted)
+        tasks: list[Task] = []
+        if any(plan.missing):
             if tell is not None:
                 warn(experiment, tell)
             compile_models(experiment, tell)
-            plan.time()
+            runner.progress.guesses = plan.guesses()
+            tasks = plan.tasks(runner.progress.guesses)
+            runner.progress.expect(task.cell for task in tasks)
             if tell is not None:
-                left = max(1.0, plan.costs.ahead / workers)
+                left = max(1.0, runner.progress.seconds / workers)
                 tell(f"{counted(len(tasks), 'run')} to make, about {duration(left)}")
-
-        def keep(task: Task, outcome: Outcome) -> None:
-            plan.keep(task, outcome)
-            done = sum(plan.costs.done)
-            at(
-                plan.costs.share,
-                plan.costs.ahead / workers,
-                f"{done} of {counted(len(tasks), 'run')}",
-            )
-
-        def beat() -> bool:
-            store.beat()
-            return False
-
-        soon = plan.costs.ahead < SOON
-        made_by: RunExecutor = InlineExecutor(plan.job) if soon else Processes(plan.job, workers)
-        with made_by as makers:
-            makers.run(tasks, keep, beat)
-        return ExperimentReport(plan.measured, taken, len(tasks), plan.astray, plan.failed)
+        if not runner.run(tasks):
+            raise KeyboardInterrupt
+        return ExperimentReport(
+            len(tasks),
+            runs * len(plan.paths) - len(tasks),
+            runner.broken,
+            measured=plan.measured,
+            astray=plan.astray,
+            failed=plan.failed,
+        )

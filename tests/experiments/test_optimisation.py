@@ -86,8 +86,8 @@ def study(folder, *changes, text=SMALL):
 @pytest.fixture
 def here(monkeypatch):
     """Runs are made in this process: for tests that are not of processes."""
-    makers = "app.studies.optimisation.evaluations.makers_of"
-    monkeypatch.setattr(makers, lambda job, *_: InlineExecutor(job))
+    executor_of = "app.studies.study_runner.executor_of"
+    monkeypatch.setattr(executor_of, lambda runner: InlineExecutor(runner.job))
 
 
 def answer(folder, *changes, text=SMALL):

@@ -21,6 +21,10 @@ from worlds.input_error import InputError
 CELLS = [("aaa", '{"axes":{"p":1}}'), ("bbb", '{"axes":{"p":2}}')]
 
 
+def statuses(store):
+    return {key: one.status for key, one in store.outcomes([]).items()}
+
+
 def test_what_is_added_is_read_back_in_the_order_of_the_plan(tmp_path):
     series = {"s": (np.array([10, 20]), np.array([0.5, np.nan]))}
     with Store(tmp_path / "deep", ["k", "x"]) as store:
@@ -54,7 +58,7 @@ def test_cells_that_are_no_longer_planned_stay(tmp_path):
         store.add(second, 1, Outcome("ok", {"k": 2}))
     with Store(tmp_path, ["k", "new"]) as store:
         assert store.lay_out(CELLS[1:]) == [second]
-        assert store.done([second]) == {(second, 1): "ok"}
+        assert statuses(store) == {(first, 1): "ok", (second, 1): "ok"}
     kept = StoreReader(tmp_path)
     assert (kept.others, kept.counts["ok"], kept.columns) == (1, 1, ["k", "new"])
 
@@ -66,7 +70,7 @@ def test_failed_runs_are_forgotten_on_request(tmp_path):
             store.add(cell, seed, Outcome(status))
         store.keep()
         assert store.forget_broken() == 2
-        assert store.done([cell]) == {(cell, 0): "ok", (cell, 1): "gave-up"}
+        assert statuses(store) == {(cell, 0): "ok", (cell, 1): "gave-up"}
 
 
 @pytest.mark.parametrize("content", [b"a,b,c\n1,2,3\n", b"SQLite format 3\0 torn"])
@@ -138,7 +142,7 @@ def test_a_full_disk_is_told_in_a_line_and_loses_nothing_that_was_kept(tmp_path)
             store.keep()
     assert StoreReader(tmp_path).counts["ok"] == 1
     with Store(tmp_path, []) as store:
-        assert list(store.done([cell])) == [(cell, 1)]
+        assert list(statuses(store)) == [(cell, 1)]
 
 
 def test_another_process_reads_while_one_writes(tmp_path):
@@ -169,7 +173,7 @@ def test_a_hundred_thousand_runs_load_in_two_seconds(tmp_path):
                 store.add(cell, seed, Outcome("ok", {"k": seed, "x": 0.1 * seed}, "", 0.01, 100))
     began = time.process_time()
     with Store(tmp_path, ["k", "x"]) as store:
-        assert len(store.done(numbers)) == 100_000
+        assert len(store.outcomes(["k", "x"])) == 100_000
     assert len(StoreReader(tmp_path).runs()) == 100_000
     assert time.process_time() - began < 2.0
     assert (tmp_path / FILE).stat().st_size < 60 * 100_000
@@ -253,9 +257,9 @@ def test_who_goes_on_with_a_store_that_takes_too_long_is_told_and_can_still_writ
         into = "INSERT INTO run (cell, seed, status, seconds, ticks) VALUES (?, ?, ?, ?, ?)"
         connection.executemany(into, rows)
     with Store(tmp_path, ["k"]) as store:
-        assert len(store.done([1])) == 100_000
+        assert len(statuses(store)) == 100_000
         monkeypatch.setattr("app.studies.runs.store.LONGEST", 0.0)
-        for ask in (lambda: store.done([1]), lambda: store.others([2]), store.outcomes):
+        for ask in (lambda: statuses(store), lambda: store.others([2])):
             with pytest.raises(
                 InputError, match="cannot be gone on with: the answer takes too long"
             ):

@@ -50,7 +50,7 @@ def test_only_what_is_not_there_is_run_again(tmp_path):
 
 def test_processes_make_the_same_numbers(tmp_path, monkeypatch):
     here = carry_out(small(tmp_path), tmp_path / "here")
-    monkeypatch.setattr("app.studies.experiment_runner.SOON", 0.0)
+    monkeypatch.setattr("app.studies.study_runner.SOON", 0.0)
     there = carry_out(small(tmp_path), tmp_path / "there")
     assert there.measured == here.measured
 

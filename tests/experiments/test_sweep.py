@@ -10,10 +10,11 @@ from agents.series import follow
 from app.studies.runs.database import Outcome
 from app.studies.runs.store import Store
 from app.studies.runs.store_reader import StoreReader
+from app.studies.study_runner import STOP
 from app.studies.sweeps.replicates import FIRST_LOOK
 from app.studies.sweeps.sweep_job import RunRequest
 from app.studies.sweeps.sweep_results import Results
-from app.studies.sweeps.sweep_runner import STOP, conduct
+from app.studies.sweeps.sweep_runner import conduct
 from app.studies.sweeps.sweep_table import as_csv, long, wide
 from app.studies.workers.run_executors import InlineExecutor
 from experiments.test_sweep_file import read
@@ -37,7 +38,7 @@ name = "polarisation"
 @pytest.fixture
 def here(monkeypatch):
     """Runs are made in this process."""
-    makers = "app.studies.sweeps.sweep_runner.Processes"
+    makers = "app.studies.study_runner.Processes"
     monkeypatch.setattr(makers, lambda job, *_, **__: InlineExecutor(job))
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from agents import Flock
 from worlds.mission import Goal, Mission
 from worlds.obstacles import obstacle
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 SIDE = 20.0

@@ -17,7 +17,7 @@ from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
 from worlds.obstacles import rectangle
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 START = at_home(agents=300, size=10.0)

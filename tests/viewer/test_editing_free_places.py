@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from app.viewer.editing.free_places import GAP, set_free
 from worlds.input_error import InputError
 from worlds.obstacles import Box, Disc, Polygon, Sphere
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 DISC = Disc(centre=(5.0, 5.0), radius=2.0)

@@ -31,7 +31,7 @@ from tests.viewer.waiting import until
 from worlds.input_error import InputError
 from worlds.layout import layout_names, world
 from worlds.mission import Goal, Mission, Path
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.world import World
 
 

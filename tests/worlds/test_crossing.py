@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from worlds.obstacles import Box, Disc, Polygon, Prism, Ring, Sphere, Wall
+from worlds.queries.clearance import clearance
 from worlds.queries.crossing import first_crossing, is_crossed, is_far, skin
-from worlds.queries.surface import clearance
 from worlds.queries.survey import survey
 from worlds.world import World
 

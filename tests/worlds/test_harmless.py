@@ -8,7 +8,7 @@ import pytest
 
 from worlds.input_error import InputError
 from worlds.obstacles import Polygon
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.readers import read_geometry, world_around
 from worlds.world import World
 

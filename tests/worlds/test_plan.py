@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from worlds.input_error import InputError
 from worlds.layout import world_from_layout
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.readers import open_drawing, read_geometry, world_around
 from worlds.readers.roles import cast, guess
 

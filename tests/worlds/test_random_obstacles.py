@@ -12,7 +12,7 @@ from worlds.generators import drawn
 from worlds.input_error import InputError
 from worlds.layout import world, world_from_layout
 from worlds.obstacles import Box, Polygon
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.queries.survey import survey
 
 BLOCKS = {"kind": "blocks", "count": 5, "side_low": 1.0, "side_high": 2.0, "gap": 0.5}

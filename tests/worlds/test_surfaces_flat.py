@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scenes import crowds
 
 from worlds.obstacles import Box, CShape, Disc, Polygon, Ring, Wall
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.queries.survey import survey
 from worlds.world import World
 

@@ -9,7 +9,7 @@ from oracles.geometry import to_box_edges, to_obstacle, to_prism, to_sphere
 from scenes import crowds, solids
 
 from worlds.obstacles import Box, Disc, Prism, Sphere
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.queries.survey import survey
 from worlds.world import World
 

@@ -15,7 +15,7 @@ from worlds.checks import demand_sound
 from worlds.input_error import InputError
 from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.obstacles import Obstacle, obstacle
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 from worlds.readers.drawn_shapes import (
     DrawnArea,
     DrawnCircle,

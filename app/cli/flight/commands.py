@@ -10,7 +10,7 @@ import typer
 from app.cli.outcome_table import as_json, tell_written
 from app.cli.progress import Progress
 from app.cli.usage import grouped
-from app.flight.trim_report import FREQUENCY, SPEED, TWIST, asked_speed, request, within
+from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, request, within
 from app.results_folder import demand_folder, picture_files
 from app.settings import numbers
 from worlds.number_text import counted

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 import webbrowser
 from collections.abc import Callable
 from pathlib import Path
@@ -10,61 +9,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.live.run import actions_of, event_line, watch
-from app.cli.progress import StopSignals
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.usage import Rules
-from app.live.control.loop_status import Event
-from app.viewer.live.session import Session
 from worlds.plug_ins import demand_parquet
 
 if TYPE_CHECKING:
     from app.viewer.live.page import LivePage
-
-# The terminal beside a laboratory's page: keys in, events out.
-
-TERMINAL = "terminal"
-
-
-class SessionConsole:
-    """Passes the keys of the terminal to a session; `verbose`: events are shown."""
-
-    def __init__(self, session: Session, stopping: StopSignals, verbose: bool):
-        self.session = session
-        self.stopping = stopping
-        self.verbose = verbose
-        self.shown = 0
-        self.trouble = ""
-        self.began = time.monotonic()
-
-    def operate(self) -> None:
-        """Until q, Ctrl-C or SIGTERM."""
-        watch(self.obey, self.see, lambda: self.stopping.asked, self.verbose)
-
-    def obey(self, pressed: str) -> None:
-        """Ask the session for what was typed."""
-        for action in actions_of(pressed):
-            if action == "emergency":
-                self.session.emergency(TERMINAL)
-            else:
-                self.session.ask(action, TERMINAL)
-
-    def see(self) -> None:
-        """Show what is new: events, and why no loop is open."""
-        state = self.session.state
-        trouble = state.trouble if state.phase == "failed" else ""
-        if trouble and trouble != self.trouble:
-            typer.echo(trouble, err=True)
-        self.trouble = trouble
-        shown = len(self.session.events)
-        for event in self.session.events[self.shown : shown] if self.verbose else ():
-            self.show(event)
-        self.shown = shown
-
-    def show(self, event: Event) -> None:
-        """Print an event."""
-        self.began = min(self.began, event.time)
-        typer.echo(event_line(event, event.time - self.began))
 
 
 RECORDINGS = Path("recordings")
@@ -122,7 +72,7 @@ def lab(
 
 def serve(opening: Callable[[], LivePage], open_browser: bool, quiet: bool) -> None:
     """Serve the page until q, Ctrl-C or SIGTERM; then stop the cars. Raises InputError."""
-    pass
+    from app.cli.live.console import SessionConsole
     from app.cli.progress import StopSignals
 
     with StopSignals() as stopping:

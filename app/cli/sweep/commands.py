@@ -9,16 +9,98 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.outcome_table import as_json, tell_written
-from app.cli.sweep.run import check, run
-from app.cli.sweep.sweep_choice import is_sweep, kept_sweep
-from app.cli.terminal import make_console, one_line
+from app.cli.sweep.run import run
+from app.cli.sweep.show import show
+from app.cli.sweep.sweep_choice import (
+    Fixed,
+    Hold,
+    Name,
+    Observes,
+    Over,
+    Runs,
+    Seconds,
+    Ticks,
+    Until,
+    Vary,
+    is_sweep,
+    kept_sweep,
+    sweep_asked,
+)
+from app.cli.terminal import one_line
 from app.cli.usage import grouped
 from app.results_folder import RESULTS
+from app.settings import at_least
 from worlds.input_error import InputError
-from worlds.number_text import duration
+from worlds.number_text import counted, duration
 
 if TYPE_CHECKING:
-    from app.studies.runs.store_reader import StoreReader
+    pass
+
+# `flockscope sweep check`: all cells checked, and what they will take; nothing is run.
+
+
+def check(
+    what: Annotated[str, typer.Argument(help="FILE.toml, or a MODEL with --vary.")],
+    vary: Vary = None,
+    fixed: Fixed = None,
+    runs: Runs = None,
+    ticks: Ticks = None,
+    seconds: Seconds = None,
+    observe: Observes = "",
+    over: Over = None,
+    until: Until = "",
+    hold: Hold = 1,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Check every cell of a sweep. Print how many runs it has and how long they take.
+
+    The first ticks of some cells are timed; nothing is kept.
+    """
+    at_least("--runs", runs, 1)
+    from app.studies.sweeps.estimate import estimate, other_worlds
+    from app.studies.workers.processes import cores
+
+    sweep, _ = sweep_asked(
+        what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, None
+    )
+    made = estimate(sweep)
+    warnings = other_worlds(sweep)
+    if json_asked:
+        value = made.value | {
+            "title": sweep.title,
+            "axes": sweep.axes,
+            "columns": sweep.making.columns,
+            "warnings": warnings,
+            "cores": cores(),
+        }
+        typer.echo(as_json(value))
+        return
+    more = f" to {made.most_runs}" if made.most_runs > made.runs else ""
+    least = duration(made.seconds / cores())
+    typer.echo(
+        f"{sweep.title}: {counted(made.cells, 'cell')}, {made.runs}{more} runs of "
+        f"{sweep.making.ticks} ticks{' at most' if sweep.making.until else ''}"
+    )
+    typer.echo(
+        f"about {least} on {counted(cores(), 'core')}"
+        f"{' if no run ends before' if sweep.making.until else ''}, {size(made.bytes)} on disk"
+    )
+    typer.echo(f"measured: {', '.join(sweep.making.columns) or 'series only'}")
+    for line in warnings:
+        typer.echo(f"flockscope: {line}", err=True)
+
+
+def size(count: int) -> str:
+    """Bytes for people.
+
+    >>> size(900), size(2_500_000)
+    ('1 kB', '2.5 MB')
+    """
+    for unit, scale in (("GB", 1e9), ("MB", 1e6)):
+        if count >= scale:
+            return f"{count / scale:.1f} {unit}"
+    return f"{max(1, round(count / 1e3))} kB"
+
 
 # `flockscope sweep list`: the sweeps in a folder, and how far each is.
 
@@ -50,8 +132,6 @@ def list_sweeps(
 
 
 # `flockscope sweep status`: how far a sweep is, also while another process runs it.
-
-Name = Annotated[str, typer.Argument(help="A sweep in results/, or its folder.")]
 
 
 def status(
@@ -95,7 +175,7 @@ def stop(
 ) -> None:
     """Stop a sweep that another process runs; `flockscope sweep run` goes on with it."""
     from app.studies.runs.store import is_taken
-    from app.studies.sweeps.sweep_runner import STOP
+    from app.studies.study_runner import STOP
 
     folder = kept_sweep(name)
     if not is_taken(folder):
@@ -219,135 +299,6 @@ def export(
     write_table(columns, out, overwrite)
     if not quiet:
         tell_written(out)
-
-
-# `flockscope sweep show`: what the runs say cell by cell, which failed, and one run as a spec.
-
-MOST = 60
-"""Cells that are shown to people."""
-FAULTS = 20
-"""Failed runs that are named to people."""
-
-
-def show(
-    name: Name,
-    cell: Annotated[int | None, typer.Option(help="A cell, by its number in the table.")] = None,
-    seed: Annotated[int | None, typer.Option(help="A seed: print this run as a spec.")] = None,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-) -> None:
-    """Show the mean and interval of each cell, and the runs that failed.
-
-    With --cell and --seed it prints the spec of that run: `flockscope run FILE.toml` repeats it.
-    """
-    from app.studies.runs.store_reader import StoreReader
-    from app.studies.sweeps.sweep_table import spec_at
-
-    kept = StoreReader(kept_sweep(name))
-    if seed is not None:
-        if cell is None:
-            raise InputError("--seed needs --cell: of which cell is the run?")
-        typer.echo(spec_at(kept, cell, seed).to_toml(), nl=False)
-        return
-    rows = summaries(kept)
-    if cell is not None:
-        if not 1 <= cell <= len(rows):
-            raise InputError(
-                f"--cell {cell} is not allowed: a number from 1 to {len(rows)} is needed"
-            )
-        rows = [rows[cell - 1]]
-    if json_asked:
-        typer.echo(as_json({"folder": str(kept.folder), "cells": rows, "failed": faults(kept)}))
-    else:
-        show_cells(kept, rows)
-
-
-def summary_of(kept: StoreReader) -> None:
-    """Print what the runs say, for people."""
-    show_cells(kept, summaries(kept))
-
-
-def summaries(kept: StoreReader) -> list[dict[str, Any]]:
-    """Each cell with the mean and the interval of what was measured, and runs without a value."""
-    from app.studies.sweeps.pictures.cell_runs import groups_of
-    from app.studies.sweeps.sweep_table import measured, places_of
-
-    places = places_of(kept)
-    rows: list[dict[str, Any]] = [
-        {"cell": places[number], "axes": one["axes"], "runs": 0, "gave_up": 0, "failed": 0}
-        for number, one in kept.cells.items()
-    ]
-    at = dict(zip(kept.cells, rows, strict=True))
-    for column in measured(kept):
-        try:
-            groups = groups_of(kept, column)[1]
-        except InputError:
-            break
-        for group in groups:
-            row = at[group.number]
-            row["gave_up"], row["failed"] = group.gave_up, group.broken
-            row["runs"] = max(row["runs"], len(group.values))
-            row[column] = {"mean": group.mean, "half_interval": group.half}
-    return rows
-
-
-def faults(kept: StoreReader) -> list[dict[str, Any]]:
-    """The runs that failed or were killed: cell, seed, why."""
-    from app.studies.runs.database import BROKEN
-    from app.studies.sweeps.sweep_table import places_of
-
-    places = places_of(kept)
-    return [
-        {"cell": places[cell], "seed": seed, "status": status, "reason": reason}
-        for cell, seed, status, reason, *_ in kept.runs([])
-        if status in BROKEN
-    ]
-
-
-def show_cells(kept: StoreReader, rows: list[dict[str, Any]]) -> None:
-    """Print the cells as a table, and the runs that failed."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
-    from app.studies.sweeps.sweep_table import axes_of, measured
-
-    axes, columns = axes_of(kept), measured(kept)
-    extra = [key for key in ("gave_up", "failed") if any(row[key] for row in rows)]
-    table = Table(
-        "cell", *axes, "runs", *(key.replace("_", " ") for key in extra), *columns,
-        title=str(kept.state.get("title", "")), title_justify="left", box=SIMPLE_HEAD,
-    )  # fmt: skip
-    for row in rows[:MOST]:
-        cells = [str(row["cell"]), *(plain(row["axes"].get(axis)) for axis in axes)]
-        cells += [str(row["runs"]), *(str(row[key] or "") for key in extra)]
-        cells += [interval(row.get(column)) for column in columns]
-        table.add_row(*cells)
-    console = make_console()
-    console.print(table)
-    if len(rows) > MOST:
-        console.print(f"and {len(rows) - MOST} more cells: `flockscope sweep export` has them all")
-    found = faults(kept)
-    for one in found[:FAULTS]:
-        console.print(
-            f"cell {one['cell']}, seed {one['seed']}: {one['status']}: {one['reason']}",
-            markup=False,
-        )
-    if len(found) > FAULTS:
-        console.print(f"and {len(found) - FAULTS} more failed runs")
-
-
-def plain(value: Any) -> str:
-    """A value of an axis."""
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    return "" if value is None else str(value)
-
-
-def interval(found: dict[str, float] | None) -> str:
-    """A mean with half of its interval."""
-    if found is None or found["mean"] != found["mean"]:
-        return "-"
-    half = found["half_interval"]
-    return f"{found['mean']:.4g}" + (f" ± {half:.2g}" if half == half else "")
 
 
 sweep = grouped(

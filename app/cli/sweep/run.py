@@ -44,10 +44,9 @@ from worlds.number_text import counted, duration
 
 if TYPE_CHECKING:
     from app.studies.cluster.cluster_options import Cluster
+    from app.studies.study_runner import StudyReport
     from app.studies.sweeps.checked_sweep import Sweep
-    from app.studies.sweeps.sweep_runner import SweepReport
 
-# What all commands that make runs have in common: their options, and how they are carried out.
 
 MOST_WORKERS = 1024
 BROKEN = 3
@@ -106,7 +105,7 @@ def carried_out(
     limit: int | None,
     quiet: bool,
     cluster: Cluster | None = None,
-) -> SweepReport:
+) -> StudyReport:
     """Carry out the sweep."""
     from app.studies.sweeps.sweep_runner import conduct
     from app.studies.workers.processes import cores
@@ -216,14 +215,14 @@ def draw_all(sweep: Sweep, folder: Path) -> list[Path]:
 def report(
     sweep: Sweep,
     folder: Path,
-    done: SweepReport,
+    done: StudyReport,
     files: list[Path],
     seconds: float,
     json_asked: bool,
     quiet: bool,
 ) -> None:
     """Print what has come of it."""
-    from app.cli.sweep.commands import summary_of
+    from app.cli.sweep.show import summary_of
     from app.studies.runs.store_reader import StoreReader
 
     kept = StoreReader(folder)
@@ -255,69 +254,3 @@ def report(
         tell(f"not all runs are made; go on with: flockscope sweep run {shlex.quote(str(folder))}")
     if files:
         tell("written: " + ", ".join(map(str, files)))
-
-
-# `flockscope sweep check`: all cells checked, and what they will take; nothing is run.
-
-
-def check(
-    what: Annotated[str, typer.Argument(help="FILE.toml, or a MODEL with --vary.")],
-    vary: Vary = None,
-    fixed: Fixed = None,
-    runs: Runs = None,
-    ticks: Ticks = None,
-    seconds: Seconds = None,
-    observe: Observes = "",
-    over: Over = None,
-    until: Until = "",
-    hold: Hold = 1,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-) -> None:
-    """Check every cell of a sweep. Print how many runs it has and how long they take.
-
-    The first ticks of some cells are timed; nothing is kept.
-    """
-    at_least("--runs", runs, 1)
-    from app.studies.sweeps.estimate import estimate, other_worlds
-    from app.studies.workers.processes import cores
-
-    sweep, _ = sweep_asked(
-        what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, None
-    )
-    made = estimate(sweep)
-    warnings = other_worlds(sweep)
-    if json_asked:
-        value = made.value | {
-            "title": sweep.title,
-            "axes": sweep.axes,
-            "columns": sweep.making.columns,
-            "warnings": warnings,
-            "cores": cores(),
-        }
-        typer.echo(as_json(value))
-        return
-    more = f" to {made.most_runs}" if made.most_runs > made.runs else ""
-    least = duration(made.seconds / cores())
-    typer.echo(
-        f"{sweep.title}: {counted(made.cells, 'cell')}, {made.runs}{more} runs of "
-        f"{sweep.making.ticks} ticks{' at most' if sweep.making.until else ''}"
-    )
-    typer.echo(
-        f"about {least} on {counted(cores(), 'core')}"
-        f"{' if no run ends before' if sweep.making.until else ''}, {size(made.bytes)} on disk"
-    )
-    typer.echo(f"measured: {', '.join(sweep.making.columns) or 'series only'}")
-    for line in warnings:
-        typer.echo(f"flockscope: {line}", err=True)
-
-
-def size(count: int) -> str:
-    """Bytes for people.
-
-    >>> size(900), size(2_500_000)
-    ('1 kB', '2.5 MB')
-    """
-    for unit, scale in (("GB", 1e9), ("MB", 1e6)):
-        if count >= scale:
-            return f"{count / scale:.1f} {unit}"
-    return f"{max(1, round(count / 1e3))} kB"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.run_arguments import demand_one_length, ticks_asked
+from app.cli.length import demand_one_length, ticks_asked
 from app.results_folder import RESULTS
 from app.settings import assignment, names, numbers, value
 from worlds.input_error import InputError
@@ -43,6 +43,7 @@ Until = Annotated[
     str, typer.Option("--until", help="End a run where this holds: 'consistency >= 0.9984'.")
 ]
 Hold = Annotated[int, typer.Option(help="Ticks for which --until has to hold.")]
+Name = Annotated[str, typer.Argument(help="A sweep in results/, or its folder.")]
 
 
 def sweep_asked(
@@ -129,7 +130,7 @@ def begun_in(folder: Path) -> tuple[dict[str, Any], KeyLocations, Path]:
     """What the file in a folder says, where its keys are, where it was begun. Raises InputError."""
     from app.studies.key_lines import KeyLocations
     from app.studies.runs.store_reader import StoreReader
-    from app.studies.sweeps.sweep_runner import SPEC
+    from app.studies.study_runner import SPEC
     from worlds.text_file import read_text, toml
 
     path = folder / SPEC

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from app.cli.length import demand_one_length, ticks_asked
 from app.cli.outcome_table import as_json, tell, tell_written
 from app.cli.progress import Progress, StopSignals
-from app.cli.run_arguments import Asked, demand_one_length, ticks_asked, with_options
+from app.cli.run_arguments import Asked, with_options
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
 from app.cli.terminal import INTERRUPTED

@@ -198,8 +198,6 @@ def local_cluster(workers: int, security: Security) -> Any:
     from distributed import Nanny
     from distributed.deploy.spec import SpecCluster, close_clusters
 
-    pass
-
     here: dict[str, Any] = {"host": "127.0.0.1", "protocol": "tls://", "security": security}
     worker = {
         "cls": Nanny,
@@ -254,14 +252,11 @@ def queue_of(cluster: Cluster, security: Security, faults: list[str]) -> Any:
                 faults.append(f"{self.submit_command}: {' '.join(said)}")
                 await ProcessInterface.start(self)
 
-    pass
-
     return base(job_cls=Job, scheduler_cls=SweepScheduler, **arguments(cluster, security))
 
 
 def arguments(cluster: Cluster, security: Security) -> dict[str, Any]:
     """What dask-jobqueue is told of a cluster."""
-    pass
 
     lifetime, stagger = cluster.lifetime
     logs = logs_of(cluster)

@@ -11,7 +11,7 @@ from agents.observables.order import polarisation
 from app.studies.case_flock import flock_of
 from app.studies.figures.gathering import draw_box
 from app.studies.measure import RARE, SHARE, Measure, Number, Settings
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 
 if TYPE_CHECKING:
     from agents import Flock

@@ -26,7 +26,7 @@ from app.studies.charts.mission_scene import (
     show_box,
 )
 from app.studies.measure import COUNT, EITHER, RARE, RARE_PERCENT, Measure, Number, Settings
-from worlds.queries.surface import clearance
+from worlds.queries.clearance import clearance
 
 if TYPE_CHECKING:
     from agents import Flock

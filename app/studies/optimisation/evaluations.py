@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,15 +10,14 @@ from typing import Any
 import numpy as np
 
 from app.studies.optimisation.study import Study
-from app.studies.runs.database import BROKEN, Outcome, Status
-from app.studies.runs.store import Store, number
+from app.studies.runs.database import BROKEN, Outcome
 from app.studies.search import PENALTY, PointScores
+from app.studies.study_runner import StudyRunner, Tell
 from app.studies.sweeps.designs import Point
 from app.studies.sweeps.sweep_cells import Cell
 from app.studies.sweeps.sweep_job import RunRequest, SweepJob
-from app.studies.sweeps.sweep_runner import SPEC, STOP, Tell, makers_of, prepare
-from app.studies.workers.run_executors import RunExecutor, Task
-from worlds.file_writer import write_text
+from app.studies.sweeps.sweep_runner import prepare
+from app.studies.workers.run_executors import Task
 from worlds.input_error import InputError
 
 
@@ -45,15 +42,6 @@ class OptimisationJob:
         return self.parts[part].run(wanted, seed)
 
 
-@dataclass(frozen=True)
-class StoredOutcome:
-    """What a run has come to, as the store has it."""
-
-    status: Status
-    values: dict[str, Any]
-    reason: str
-
-
 class Evaluations:
     """A context manager: the store of an optimisation, and processes once there are runs to make.
 
@@ -72,53 +60,49 @@ class Evaluations:
         tell: Tell | None = None,
     ):
         self.study = study
-        self.folder = folder
-        self.workers, self.nice, self.retry, self.limit = workers, nice, retry, limit
-        self.tell = tell
-        self.told: Callable[[], None] = lambda: None
-        """Called now and then while runs are made."""
+        names = [*study.default, *(name for one in study.variants for name in one.at)]
+        self.runner = StudyRunner(
+            folder,
+            OptimisationJob(tuple(one.sweep.making for one in study.variants)),
+            {
+                "kind": "optimisation",
+                "title": study.title,
+                "axes": list(dict.fromkeys(names)),
+                "columns": study.columns,
+                "base": study.variants[0].sweep.base.to_toml(),
+                "from_folder": str(study.folder.absolute()),
+                "limit": study.file.run.ticks,
+            },
+            self.prepare,
+            workers=workers,
+            nice=nice,
+            retry=retry,
+            limit=limit,
+            cluster=study.file.cluster,
+            timeout=study.file.run.timeout,
+            spec=study.text,
+            tell=tell,
+        )
         self.cells: dict[str, Cell] = {}
         """Those of the points so far, by their hash, in the order in which they were asked for."""
         self.numbers: dict[str, int] = {}
-        self.seen: dict[tuple[int, int], StoredOutcome] = {}
         self.by_point: dict[tuple, list[Cell]] = {}
         self.refused: dict[tuple, str] = {}
-        self.makers: RunExecutor | None = None
-        self.made = self.taken = 0
+        self.taken = 0
         self.used: set[tuple[int, int]] = set()
 
     def __enter__(self) -> Evaluations:
-        study = self.study
-        with ExitStack() as stack:
-            self.store = stack.enter_context(Store(self.folder, study.columns))
-            with contextlib.suppress(FileNotFoundError):
-                (self.folder / STOP).unlink()
-            write_text("spec", self.folder / SPEC, study.text)
-            names = [*study.default, *(name for one in study.variants for name in one.at)]
-            self.store.lay_out([])
-            self.store.tell(
-                kind="optimisation",
-                title=study.title,
-                axes=list(dict.fromkeys(names)),
-                columns=study.columns,
-                base=study.variants[0].sweep.base.to_toml(),
-                from_folder=str(study.folder.absolute()),
-                limit=study.file.run.ticks,
-            )
-            if self.retry:
-                self.store.forget_broken()
-            self.seen = {
-                key: StoredOutcome(one.status, one.values, one.reason)
-                for key, one in self.store.outcomes().items()
-            }
-            self.stack = stack.pop_all()
+        self.runner.__enter__()
+        self.runner.plan([])
         return self
 
     def __exit__(self, *reason: Any) -> None:
-        if reason[0] is None or issubclass(reason[0], HaltedError | KeyboardInterrupt):
-            self.store.tell(progress=None)
-            self.store.keep()
-        self.stack.__exit__(*reason)
+        self.runner.__exit__(*reason)
+
+    def prepare(self) -> None:
+        """Compile what the runs of all variants call."""
+        for one in self.study.variants:
+            prepare(one.sweep, self.runner.tell)
 
     def cells_of(self, point: Point) -> list[Cell]:
         """The cells of a point, one for each variant. Raises InputError if they cannot be."""
@@ -140,7 +124,7 @@ class Evaluations:
         for cell in wanted:
             self.cells.setdefault(cell.hash, cell)
         if len(self.cells) > before:
-            numbers = self.store.lay_out([(one.hash, one.kept) for one in self.cells.values()])
+            numbers = self.runner.plan([(one.hash, one.kept) for one in self.cells.values()])
             self.numbers = dict(zip(self.cells, numbers, strict=True))
         distinct = {cell.hash: cell for cell in wanted}
         parts = {cell.hash: k for point in points for k, cell in enumerate(self.cells_of(point))}
@@ -148,61 +132,29 @@ class Evaluations:
         for seed in seeds:
             for name, cell in distinct.items():
                 key = self.numbers[name], seed
-                if key not in self.seen:
+                if key not in self.runner.outcomes:
                     tasks.append(Task(*key, (parts[name], RunRequest(cell.spec))))
                 elif key not in self.used:
                     self.taken += 1
                 self.used.add(key)
-        if not tasks:
-            return
-        room = len(tasks) if self.limit is None else max(0, self.limit - self.made)
-        if not self.begun().run(tasks[:room], self.keep, self.beat) or room < len(tasks):
+        if not self.runner.run(tasks):
             raise HaltedError
-        self.store.keep()
-
-    def begun(self) -> RunExecutor:
-        """What makes runs, which begins with the first that are to be made."""
-        if self.makers is None:
-            for one in self.study.variants:
-                prepare(one.sweep, self.tell)
-            job = OptimisationJob(tuple(one.sweep.making for one in self.study.variants))
-            file = self.study.file
-            self.makers = self.stack.enter_context(
-                makers_of(job, file.cluster, self.workers, self.nice, file.run.timeout, self.tell)
-            )
-        return self.makers
-
-    def keep(self, task: Task, outcome: Outcome) -> None:
-        """Take a run that is over."""
-        self.store.add(task.cell, task.seed, outcome)
-        values = {name: number(outcome.values.get(name)) for name in self.store.columns}
-        self.seen[task.cell, task.seed] = StoredOutcome(outcome.status, values, outcome.reason)
-        self.made += 1
-
-    def beat(self) -> bool:
-        """Commit, and whether it is to stop."""
-        self.told()
-        self.store.beat()
-        return (self.folder / STOP).exists()
 
     def values(self, point: Point, variant: int, column: str, seeds: range) -> list[float | None]:
         """A column of the runs of a point, None for a run that gave up, failed or has none."""
         cell = self.numbers[self.cells_of(point)[variant].hash]
-        found = [self.seen[cell, seed] for seed in seeds]
-        return [
-            float(one.values[column])
-            if one.status == "ok" and one.values.get(column) is not None
-            else None
-            for one in found
-        ]
+        found = [self.runner.outcomes[cell, seed] for seed in seeds]
+        kept = [one.values.get(column) if one.status == "ok" else None for one in found]
+        return [None if value is None else float(value) for value in kept]
 
     @property
     def broken(self) -> list[str]:
         """Of each run that failed or was killed: which, and why."""
+        outcomes = self.runner.outcomes
         return [
-            f"cell {cell}, seed {seed}: {self.seen[cell, seed].reason}"
-            for cell, seed in sorted(self.used & self.seen.keys())
-            if self.seen[cell, seed].status in BROKEN
+            f"cell {cell}, seed {seed}: {outcomes[cell, seed].reason}"
+            for cell, seed in sorted(self.used & outcomes.keys())
+            if outcomes[cell, seed].status in BROKEN
         ]
 
 
@@ -250,6 +202,9 @@ class SearchHistory:
         points = [study.point(row) for row in units]
         refused = [self.refusal(point) for point in points]
         self.tell()
+        later = max(0, study.file.search.evaluations - len(self.evaluated) - len(points))
+        each = len(study.variants) * study.file.replicates.count
+        self.runs.runner.progress.later = later * each
         self.runs.run([p for p, why in zip(points, refused, strict=True) if not why], seeds)
         for unit, point, why in zip(units.tolist(), points, refused, strict=True):
             self.evaluated.append(self.worth(tuple(unit), point, why))
@@ -313,8 +268,9 @@ class SearchHistory:
         seeds = self.study.file.replicates
         runs = len(self.study.variants) * seeds.count
         left = max(0, asked - done) * runs
-        made = self.runs.made
-        self.runs.store.tell(runs=len(self.runs.used) + left)
+        made = self.runs.runner.made
+        self.runs.runner.wanted = len(self.runs.used) + left
+        self.runs.runner.store.tell(runs=self.runs.runner.wanted)
         self.at(done / (asked + 1), f"{done} of {asked} points, {made} runs made{self.best_word()}")
 
     def best_word(self) -> str:

@@ -71,7 +71,7 @@ def optimise(
                 seed=asked.seed,
             )
             answer = answer_of(study, runs, course.evaluated, end)
-            runs.store.tell(runs=len(runs.used))
+            runs.runner.store.tell(runs=len(runs.used))
         except HaltedError:
             pass
-    return OptimisationReport(runs.made, runs.taken, runs.broken, answer, course.evaluated)
+    return OptimisationReport(runs.runner.made, runs.taken, runs.broken, answer, course.evaluated)

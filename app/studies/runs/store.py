@@ -25,7 +25,6 @@ from app.studies.runs.database import (
     LONGEST,
     Outcome,
     QueryTimeLimit,
-    Status,
     guarded,
     opened,
     quoted,
@@ -132,41 +131,18 @@ class Store:
             finally:
                 self.connection.set_progress_handler(None, 0)  # what is written is not interrupted
 
-    def done(self, cells: Iterable[int]) -> dict[tuple[int, int], Status]:
-        """How the runs of these cells ended, by cell and seed."""
-        wanted = set(cells)
-        with self._asked():
-            rows = self.connection.execute("SELECT cell, seed, status FROM run")
-            return {(cell, seed): status for cell, seed, status in rows if cell in wanted}
-
-    def outcomes(self, cells: Iterable[int] | None = None) -> dict[tuple[int, int], Outcome]:
-        """The runs of these cells, or of all, by cell and seed, without their series."""
-        wanted = None if cells is None else set(cells)
-        names = ", ".join(map(quoted, [*FIXED, *self.columns]))
+    def outcomes(self, columns: Sequence[str]) -> dict[tuple[int, int], Outcome]:
+        """All runs by cell and seed, with these of their columns and without their series."""
+        names = ", ".join(map(quoted, [*FIXED, *columns]))
         found: dict[tuple[int, int], Outcome] = {}
         with self._asked():
-            for (
-                cell,
-                seed,
-                status,
-                reason,
-                seconds,
-                ticks,
-                astray,
-                *values,
-            ) in self.connection.execute(f"SELECT {names} FROM run"):
-                if wanted is None or cell in wanted:
-                    measured = dict(zip(self.columns, values, strict=True))
-                    said = reason or "", seconds, ticks, astray or ""
-                    found[cell, seed] = Outcome(status, measured, *said)
+            for row in self.connection.execute(f"SELECT {names} FROM run"):
+                cell, seed, status, reason, seconds, ticks, astray, *values = row
+                measured = dict(zip(columns, values, strict=True))
+                found[cell, seed] = Outcome(
+                    status, measured, reason or "", seconds, ticks, astray or ""
+                )
         return found
-
-    def values(self, column: str, cells: Iterable[int]) -> dict[tuple[int, int], float | None]:
-        """One column of the runs of these cells that came to an end; None where there is none."""
-        wanted = set(cells)
-        with self._asked():
-            rows = self.connection.execute(f"SELECT cell, seed, {quoted(column)} FROM run")
-            return {(cell, seed): value for cell, seed, value in rows if cell in wanted}
 
     def others(self, cells: Iterable[int]) -> list[tuple[dict, dict, int]]:
         """Identity, basis and number of runs of the cells that are not among these."""

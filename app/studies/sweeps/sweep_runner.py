@@ -3,143 +3,30 @@
 from __future__ import annotations
 
 import contextlib
-import os
-import time
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
-from itertools import islice
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from agents.flock import Flock
-from app.studies.cluster.cluster_executor import ClusterExecutor
 from app.studies.cluster.cluster_options import Cluster
-from app.studies.runs.database import BROKEN, Outcome, Status
-from app.studies.runs.store import Store, canonical
-from app.studies.runs.store_reader import StoreReader, readable
+from app.studies.runs.store import canonical
+from app.studies.study_runner import At, StudyReport, StudyRunner, Tell
 from app.studies.sweeps.checked_sweep import Sweep
 from app.studies.sweeps.replicates import Rounds
 from app.studies.sweeps.sweep_cells import Cell, changes
 from app.studies.workers.kernels import compile_loop
-from app.studies.workers.processes import Processes
-from app.studies.workers.run_executors import RunExecutor, Task
-from worlds.file_writer import write_text
-from worlds.input_error import InputError
+from app.studies.workers.run_executors import Task
 from worlds.number_text import counted
 
-# How far a sweep is: runs, their rate, and the time left from what each cell's runs have cost.
-
-LATELY = 0.2
-"""How much the last second weighs in the rate."""
-
-
-class SweepProgress:
-    """What is done and what is left of the runs that are expected."""
-
-    def __init__(self) -> None:
-        self.ahead: Counter[int] = Counter()
-        self.done: Counter[int] = Counter()
-        self.spent: dict[int, float] = {}
-        self.count = 0
-        self.all = 0
-        self.rate = 0.0
-        self.began = self.looked = time.monotonic()
-        self.seen = 0
-
-    def expect(self, cells: Sequence[int]) -> None:
-        """Expect these runs, each given by its cell."""
-        self.ahead = Counter(cells)
-        self.all = self.count + len(cells)
-
-    def add(self, cell: int, seconds: float) -> None:
-        """Count a run that is over."""
-        self.ahead[cell] -= 1
-        self.done[cell] += 1
-        self.spent[cell] = self.spent.get(cell, 0.0) + seconds
-        self.count += 1
-
-    @property
-    def seconds(self) -> float:
-        """Seconds of one core for what is left; cells of which no run is done cost the mean."""
-        total = sum(self.spent.values())
-        mean = total / self.count if self.count else 0.0
-        return sum(
-            left * (self.spent[cell] / self.done[cell] if self.done[cell] else mean)
-            for cell, left in self.ahead.items()
-        )
-
-    @property
-    def share(self) -> float:
-        """Share of the work that is done, in [0, 1]."""
-        spent, ahead = sum(self.spent.values()), self.seconds
-        return spent / (spent + ahead) if spent + ahead else 0.0
-
-    def pace(self) -> float:
-        """Runs a second, lately."""
-        now = time.monotonic()
-        if now - self.looked >= 1.0:
-            latest = (self.count - self.seen) / (now - self.looked)
-            first = self.rate == 0.0
-            self.rate = latest if first else self.rate + LATELY * (latest - self.rate)
-            self.looked, self.seen = now, self.count
-        return self.rate or self.count / max(now - self.began, 1e-9)
-
-    def words(self, broken: int, gave_up: int) -> str:
-        """How far it is, for people."""
-        said = f"{self.count} of {self.all} runs, {self.pace():.3g} a second"
-        said += f", {gave_up} gave up" if gave_up else ""
-        return said + (f", {broken} failed" if broken else "")
-
-    def value(self, workers: int) -> dict[str, Any]:
-        """How far it is, for who reads the store."""
-        return {
-            "pid": os.getpid(),
-            "workers": workers,
-            "made": self.count,
-            "of": self.all,
-            "rate": round(self.pace(), 3),
-            "seconds_left": round(self.seconds / workers, 3),
-            "updated": round(time.time(), 3),
-        }
-
-
-SPEC = "spec.toml"
-STOP = ".stop"
-"""A file that asks the process that runs a sweep to stop."""
-Tell = Callable[[str], Any]
-At = Callable[[float, float, str], Any]
-
 
 @dataclass
-class SweepReport:
-    """A sweep carried out, or stopped on the way."""
-
-    made: int = 0
-    """Runs made now."""
-    taken: int = 0
-    """Runs that the store had."""
-    broken: int = 0
-    """Runs that failed or were killed, of all."""
-    gave_up: int = 0
-    whole: bool = True
-    """Whether there is nothing left to run."""
-
-
-@dataclass
-class SweepRunner:
-    """One call: the sweep, its store, and what is done so far."""
+class SweepRounds:
+    """What a sweep lacks, round by round, until its means are as precise as is asked."""
 
     sweep: Sweep
-    store: Store
+    runner: StudyRunner
     numbers: list[int]
     """The number of each cell in the store."""
-    at: At
-    limit: int | None
-    done: dict[tuple[int, int], Status] = field(default_factory=dict)
-    values: dict[tuple[int, int], float | None] = field(default_factory=dict)
-    """What the precision is asked of."""
-    stopped: bool = False
 
     def __post_init__(self) -> None:
         self.cells: dict[int, Cell] = {}
@@ -147,30 +34,19 @@ class SweepRunner:
             self.cells.setdefault(number, cell)
         self.places = {number: place for place, number in enumerate(self.cells, 1)}
         self.rounds = Rounds(self.sweep.file.replicates, list(self.cells))
-        self.done = self.store.done(self.numbers)
-        self.statuses = Counter(self.done.values())
-        self.left = SweepProgress()
-        precision = self.sweep.file.replicates.precision
-        self.column = precision.observable if precision else None
-        if self.column is not None:
-            self.values = self.store.values(self.column, self.numbers)
-        self.made = 0
-        self.workers = 1
-        """Runs that are made at a time."""
+        while self.is_whole and self.more():
+            pass
 
-    def lacking(self) -> Iterator[tuple[int, int, int]]:
-        """Cell, replicate and seed of what this round lacks, replicate by replicate."""
+    def lacking(self) -> Iterator[Task]:
+        """The runs that this round lacks, replicate by replicate."""
         for replicate in range(max(self.rounds.wanted.values())):
             for number, cell in self.cells.items():
                 if replicate < self.rounds.wanted[number]:
                     seed = self.sweep.seed(cell, replicate)
-                    if (number, seed) not in self.done:
-                        yield number, replicate, seed
-
-    def task(self, number: int, replicate: int, seed: int) -> Task:
-        """A run as a process is asked for it."""
-        cell, place = self.cells[number], self.places[number]
-        return Task(number, seed, self.sweep.wanted(cell, place, replicate, self.store.folder))
+                    if (number, seed) not in self.runner.outcomes:
+                        place, folder = self.places[number], self.runner.folder
+                        wanted = self.sweep.wanted(cell, place, replicate, folder)
+                        yield Task(number, seed, wanted)
 
     @property
     def is_whole(self) -> bool:
@@ -180,60 +56,31 @@ class SweepRunner:
     def taken(self) -> int:
         """Runs of this round that the store has."""
         return sum(
-            (number, seed) in self.done
+            (number, seed) in self.runner.outcomes
             for number, cell in self.cells.items()
             for seed in self.sweep.seeds(cell, self.rounds.wanted[number])
         )
 
-    def keep(self, task: Task, outcome: Outcome) -> None:
-        """Take a run that is over."""
-        self.store.add(task.cell, task.seed, outcome)
-        self.done[task.cell, task.seed] = outcome.status
-        self.statuses[outcome.status] += 1
-        if self.column is not None:
-            self.values[task.cell, task.seed] = outcome.values.get(self.column)
-        self.made += 1
-        self.left.add(task.cell, outcome.seconds)
-
-    def beat(self) -> bool:
-        """Commit, tell how far it is; whether it is to stop."""
-        self.store.tell(progress=self.left.value(self.workers), runs=self.rounds.total)
-        self.store.beat()
-        words = self.left.words(self.broken, self.statuses["gave-up"])
-        self.at(self.left.share, self.left.seconds / self.workers, words)
-        self.stopped = self.stopped or (self.store.folder / STOP).exists()
-        return self.stopped
-
-    @property
-    def broken(self) -> int:
-        """Runs that failed or were killed."""
-        return sum(self.statuses[one] for one in BROKEN)
+    def more(self) -> bool:
+        """Ask for the runs of the next round; False if there is none."""
+        added = self.rounds.more(self.first_values)
+        self.runner.wanted = self.rounds.total
+        return added
 
     def first_values(self, number: int, replicates: int) -> list[float]:
         """What the precision is asked of, of the first replicates of a cell."""
+        (column,) = self.runner.remembered or ("",)
         seeds = self.sweep.seeds(self.cells[number], replicates)
-        found = [self.values.get((number, seed)) for seed in seeds]
-        ok = [self.done.get((number, seed)) == "ok" for seed in seeds]
-        return [one for one, good in zip(found, ok, strict=True) if good and one is not None]
+        found = [self.runner.outcomes.get((number, seed)) for seed in seeds]
+        values = [one.values[column] for one in found if one is not None and one.status == "ok"]
+        return [value for value in values if value is not None]
 
-    def run(self, makers: RunExecutor) -> bool:
+    def run(self) -> bool:
         """Make all rounds; False if it was stopped or reached its limit."""
-
-        def beat() -> bool:
-            self.workers = max(1, makers.workers)
-            return self.beat()
-
-        while True:
-            room = None if self.limit is None else max(0, self.limit - self.made)
-            tasks = [self.task(*one) for one in islice(self.lacking(), room)]
-            self.left.expect([task.cell for task in tasks])
-            if not makers.run(tasks, self.keep, beat):
-                return False
-            beat()
-            if not self.is_whole:
-                return False
-            if not self.rounds.more(self.first_values):
+        while self.runner.run(self.lacking()):
+            if not self.more():
                 return True
+        return False
 
 
 def conduct(
@@ -247,7 +94,7 @@ def conduct(
     cluster: Cluster | None = None,
     tell: Tell | None = None,
     at: At = lambda *_: None,
-) -> SweepReport:
+) -> StudyReport:
     """Carry out a sweep in a folder: spec.toml, runs.sqlite and recordings.
 
     `retry`: whether runs that failed or were killed are made again. `limit`: runs to make now.
@@ -255,61 +102,52 @@ def conduct(
     `at` hears of the share that is done, the seconds left and the runs. Raises InputError; after
     KeyboardInterrupt what was finished is in the store.
     """
-    demand_no_paper(folder)
-    with Store(folder, sweep.making.columns) as store:
-        with contextlib.suppress(FileNotFoundError):
-            (folder / STOP).unlink()
-        write_text("spec", folder / SPEC, sweep.text)
-        numbers = store.lay_out([(cell.hash, cell.kept) for cell in sweep.cells])
-        store.tell(
-            kind="sweep",
-            title=sweep.title,
-            axes=sweep.axes,
-            columns=sweep.making.columns,
-            base=sweep.base.to_toml(),
-            from_folder=str(sweep.folder.absolute()),
-            limit=sweep.file.run.ticks,
-            runs=sweep.file.replicates.count * len(set(numbers)),
-        )
-        store.keep()
-        if retry:
-            store.forget_broken()
+    file = sweep.file
+    precision = file.replicates.precision
+    runner = StudyRunner(
+        folder,
+        sweep.making,
+        {
+            "kind": "sweep",
+            "title": sweep.title,
+            "axes": sweep.axes,
+            "columns": sweep.making.columns,
+            "base": sweep.base.to_toml(),
+            "from_folder": str(sweep.folder.absolute()),
+            "limit": file.run.ticks,
+        },
+        lambda: prepare(sweep, tell),
+        workers=workers,
+        nice=nice,
+        retry=retry,
+        limit=limit,
+        cluster=cluster or file.cluster,
+        timeout=file.run.timeout,
+        spec=sweep.text,
+        remembered=[precision.observable] if precision else [],
+        tell=tell,
+        at=at,
+    )
+    with runner:
+        numbers = runner.plan([(cell.hash, cell.kept) for cell in sweep.cells])
+        runner.store.tell(runs=file.replicates.count * len(set(numbers)))
+        runner.store.keep()
         if tell is not None:
-            tell_changes(sweep, store, numbers, tell)
-        call = SweepRunner(sweep, store, numbers, at, limit)
-        while call.is_whole and call.rounds.more(call.first_values):
-            pass
-        taken = call.taken()
-        whole = call.is_whole
+            tell_changes(sweep, runner, numbers, tell)
+        rounds = SweepRounds(sweep, runner, numbers)
+        taken, whole = rounds.taken(), rounds.is_whole
         if not whole:
-            prepare(sweep, tell)
             if tell is not None:
-                tell(f"{counted(call.rounds.total - taken, 'run')} to make, {taken} are there")
-            asked, seconds = cluster or sweep.file.cluster, sweep.file.run.timeout
-            with makers_of(sweep.making, asked, workers, nice, seconds, tell) as makers:
-                whole = call.run(makers)
-        store.tell(progress=None, runs=call.rounds.total)
-        return SweepReport(call.made, taken, call.broken, call.statuses["gave-up"], whole)
+                tell(f"{counted(rounds.rounds.total - taken, 'run')} to make, {taken} are there")
+            whole = rounds.run()
+        runner.store.tell(runs=rounds.rounds.total)
+        gave_up = runner.statuses["gave-up"]
+        return StudyReport(runner.made, taken, runner.broken, gave_up, whole)
 
 
-def makers_of(
-    job: Any, cluster: Cluster, workers: int, nice: int, seconds: float | None, tell: Tell | None
-) -> RunExecutor:
-    """What makes the runs of a job: a cluster if there is one, or processes of this machine."""
-    if cluster.kind:
-        return ClusterExecutor(job, cluster, workers, nice, seconds, tell)
-    return Processes(job, workers, nice, seconds, tell=tell)
-
-
-def demand_no_paper(folder: Path) -> None:
-    """Refuse a folder whose runs are those of a paper, before anything there is changed."""
-    if readable(folder) and StoreReader(folder).state.get("kind") == "paper":
-        raise InputError(f"{str(folder)!r} has the runs of a paper: give the sweep another folder")
-
-
-def tell_changes(sweep: Sweep, store: Store, numbers: list[int], tell: Tell) -> None:
+def tell_changes(sweep: Sweep, runner: StudyRunner, numbers: list[int], tell: Tell) -> None:
     """Say what has changed since runs of the same cells were made that are in the store."""
-    before = store.others(numbers)
+    before = runner.store.others(numbers)
     if not before:
         return
     now = {canonical(cell.identity): cell for cell in sweep.cells}

@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 
 from worlds.input_error import InputError
+from worlds.queries.clearance import clearance
 from worlds.queries.outlines import outlines, shifts
-from worlds.queries.surface import clearance
 from worlds.world import World
 
 GAP = 1e-3

@@ -27,9 +27,9 @@ from app.studies.key_lines import KeyLocations
 from app.studies.runs.database import FILE
 from app.studies.runs.store import is_taken
 from app.studies.runs.store_reader import StoreReader
+from app.studies.study_runner import SPEC, STOP
 from app.studies.sweeps.checked_sweep import checked_file
 from app.studies.sweeps.sweep_file import SweepFile
-from app.studies.sweeps.sweep_runner import SPEC, STOP
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.scene_requests import MARK, WORD, SceneRequests
 from app.viewer.lab.sweeps.stored_sweeps import (

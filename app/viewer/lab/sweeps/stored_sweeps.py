@@ -15,9 +15,9 @@ from agents.observables.catalogue import OBSERVABLES
 from app.strict_table import Value
 from app.studies.runs.database import FILE
 from app.studies.runs.store_reader import StoreReader
+from app.studies.study_runner import SPEC
 from app.studies.sweeps.pictures.cell_runs import CellRuns, groups_of, is_number
 from app.studies.sweeps.pictures.sweep_picture import draw
-from app.studies.sweeps.sweep_runner import SPEC
 from app.studies.sweeps.sweep_table import (
     as_csv,
     axes_of,

@@ -14,7 +14,7 @@ from app.viewer.scene.draw.shapes import ball
 from app.viewer.scene.draw.solids import joined, prism, rims, uprights
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
-from worlds.queries.surface import footprints
+from worlds.queries.outlines import footprints
 from worlds.world import World
 
 # The obstacles of a world: upright solids with a fine line along their edges, and spheres.

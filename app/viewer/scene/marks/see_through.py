@@ -17,7 +17,7 @@ from viser import ClientHandle
 from app.viewer.scene.draw.drawn_frame import Picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.obstacle_marks import PIECES, Piece, drawn_height
-from worlds.queries.surface import footprints
+from worlds.queries.outlines import footprints
 from worlds.world import World
 
 # Which obstacles are between a camera and an agent.

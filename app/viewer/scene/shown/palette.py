@@ -318,7 +318,7 @@ def by_name(names: Sequence[str]) -> dict[str, np.ndarray]:
     """The colours of cars by their names, which keep their order: one that is called by a colour
     has that, the others have those that are left, in turn.
 
-    >>> [palette.css(one) for one in by_name(["car 2", "red"]).values()]
+    >>> [css(one) for one in by_name(["car 2", "red"]).values()]
     ['#016cff', '#e30010']
     """
     asked: dict[str, str] = {}

@@ -1,0 +1,55 @@
+"""The terminal beside a laboratory's page: keys in, events out."""
+
+from __future__ import annotations
+
+import time
+
+import typer
+
+from app.cli.live.operate import actions_of, event_line, watch
+from app.cli.progress import StopSignals
+from app.live.control.loop_status import Event
+from app.viewer.live.session import Session
+
+TERMINAL = "terminal"
+
+
+class SessionConsole:
+    """Passes the keys of the terminal to a session; `verbose`: events are shown."""
+
+    def __init__(self, session: Session, stopping: StopSignals, verbose: bool):
+        self.session = session
+        self.stopping = stopping
+        self.verbose = verbose
+        self.shown = 0
+        self.trouble = ""
+        self.began = time.monotonic()
+
+    def operate(self) -> None:
+        """Until q, Ctrl-C or SIGTERM."""
+        watch(self.obey, self.see, lambda: self.stopping.asked, self.verbose)
+
+    def obey(self, pressed: str) -> None:
+        """Ask the session for what was typed."""
+        for action in actions_of(pressed):
+            if action == "emergency":
+                self.session.emergency(TERMINAL)
+            else:
+                self.session.ask(action, TERMINAL)
+
+    def see(self) -> None:
+        """Show what is new: events, and why no loop is open."""
+        state = self.session.state
+        trouble = state.trouble if state.phase == "failed" else ""
+        if trouble and trouble != self.trouble:
+            typer.echo(trouble, err=True)
+        self.trouble = trouble
+        shown = len(self.session.events)
+        for event in self.session.events[self.shown : shown] if self.verbose else ():
+            self.show(event)
+        self.shown = shown
+
+    def show(self, event: Event) -> None:
+        """Print an event."""
+        self.began = min(self.began, event.time)
+        typer.echo(event_line(event, event.time - self.began))

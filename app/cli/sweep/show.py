@@ -1,0 +1,141 @@
+"""`flockscope sweep show`: what the runs say cell by cell, which failed, and one run as a spec."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from app.cli.outcome_table import as_json
+from app.cli.sweep.sweep_choice import Name, kept_sweep
+from app.cli.terminal import make_console
+from worlds.input_error import InputError
+
+if TYPE_CHECKING:
+    from app.studies.runs.store_reader import StoreReader
+
+MOST = 60
+"""Cells that are shown to people."""
+FAULTS = 20
+"""Failed runs that are named to people."""
+
+
+def show(
+    name: Name,
+    cell: Annotated[int | None, typer.Option(help="A cell, by its number in the table.")] = None,
+    seed: Annotated[int | None, typer.Option(help="A seed: print this run as a spec.")] = None,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Show the mean and interval of each cell, and the runs that failed.
+
+    With --cell and --seed it prints the spec of that run: `flockscope run FILE.toml` repeats it.
+    """
+    from app.studies.runs.store_reader import StoreReader
+    from app.studies.sweeps.sweep_table import spec_at
+
+    kept = StoreReader(kept_sweep(name))
+    if seed is not None:
+        if cell is None:
+            raise InputError("--seed needs --cell: of which cell is the run?")
+        typer.echo(spec_at(kept, cell, seed).to_toml(), nl=False)
+        return
+    rows = summaries(kept)
+    if cell is not None:
+        if not 1 <= cell <= len(rows):
+            raise InputError(
+                f"--cell {cell} is not allowed: a number from 1 to {len(rows)} is needed"
+            )
+        rows = [rows[cell - 1]]
+    if json_asked:
+        typer.echo(as_json({"folder": str(kept.folder), "cells": rows, "failed": faults(kept)}))
+    else:
+        show_cells(kept, rows)
+
+
+def summary_of(kept: StoreReader) -> None:
+    """Print what the runs say, for people."""
+    show_cells(kept, summaries(kept))
+
+
+def summaries(kept: StoreReader) -> list[dict[str, Any]]:
+    """Each cell with the mean and the interval of what was measured, and runs without a value."""
+    from app.studies.sweeps.pictures.cell_runs import groups_of
+    from app.studies.sweeps.sweep_table import measured, places_of
+
+    places = places_of(kept)
+    rows: list[dict[str, Any]] = [
+        {"cell": places[number], "axes": one["axes"], "runs": 0, "gave_up": 0, "failed": 0}
+        for number, one in kept.cells.items()
+    ]
+    at = dict(zip(kept.cells, rows, strict=True))
+    for column in measured(kept):
+        try:
+            groups = groups_of(kept, column)[1]
+        except InputError:
+            break
+        for group in groups:
+            row = at[group.number]
+            row["gave_up"], row["failed"] = group.gave_up, group.broken
+            row["runs"] = max(row["runs"], len(group.values))
+            row[column] = {"mean": group.mean, "half_interval": group.half}
+    return rows
+
+
+def faults(kept: StoreReader) -> list[dict[str, Any]]:
+    """The runs that failed or were killed: cell, seed, why."""
+    from app.studies.runs.database import BROKEN
+    from app.studies.sweeps.sweep_table import places_of
+
+    places = places_of(kept)
+    return [
+        {"cell": places[cell], "seed": seed, "status": status, "reason": reason}
+        for cell, seed, status, reason, *_ in kept.runs([])
+        if status in BROKEN
+    ]
+
+
+def show_cells(kept: StoreReader, rows: list[dict[str, Any]]) -> None:
+    """Print the cells as a table, and the runs that failed."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    from app.studies.sweeps.sweep_table import axes_of, measured
+
+    axes, columns = axes_of(kept), measured(kept)
+    extra = [key for key in ("gave_up", "failed") if any(row[key] for row in rows)]
+    table = Table(
+        "cell", *axes, "runs", *(key.replace("_", " ") for key in extra), *columns,
+        title=str(kept.state.get("title", "")), title_justify="left", box=SIMPLE_HEAD,
+    )  # fmt: skip
+    for row in rows[:MOST]:
+        cells = [str(row["cell"]), *(plain(row["axes"].get(axis)) for axis in axes)]
+        cells += [str(row["runs"]), *(str(row[key] or "") for key in extra)]
+        cells += [interval(row.get(column)) for column in columns]
+        table.add_row(*cells)
+    console = make_console()
+    console.print(table)
+    if len(rows) > MOST:
+        console.print(f"and {len(rows) - MOST} more cells: `flockscope sweep export` has them all")
+    found = faults(kept)
+    for one in found[:FAULTS]:
+        console.print(
+            f"cell {one['cell']}, seed {one['seed']}: {one['status']}: {one['reason']}",
+            markup=False,
+        )
+    if len(found) > FAULTS:
+        console.print(f"and {len(found) - FAULTS} more failed runs")
+
+
+def plain(value: Any) -> str:
+    """A value of an axis."""
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return "" if value is None else str(value)
+
+
+def interval(found: dict[str, float] | None) -> str:
+    """A mean with half of its interval."""
+    if found is None or found["mean"] != found["mean"]:
+        return "-"
+    half = found["half_interval"]
+    return f"{found['mean']:.4g}" + (f" ± {half:.2g}" if half == half else "")
