@@ -19,7 +19,7 @@ from PIL import Image
 from agents.catalogue import collect
 from agents.catalogue import model as by_name
 from app.cli.main import COMMANDS
-from app.studies.experiment import experiment_names, read_experiment
+from app.studies.experiment_reader import experiment_names, read_experiment
 from worlds.layout import layout_names
 
 ROOT = Path(__file__).parents[1]

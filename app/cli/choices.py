@@ -103,7 +103,7 @@ def observables() -> Rows:
 
 def papers() -> Rows:
     """Tables and figures that `flockscope paper` repeats."""
-    from app.studies.experiment import experiment_names, read_experiment
+    from app.studies.experiment_reader import experiment_names, read_experiment
 
     made = [read_experiment(name) for name in experiment_names()]
     return [{"name": one.name, "title": one.title, "source": one.source} for one in made]

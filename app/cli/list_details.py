@@ -96,7 +96,7 @@ def observable(name: str) -> Thing:
 
 def paper(name: str) -> Thing:
     """A table or a figure of a paper."""
-    from app.studies.experiment import read_experiment
+    from app.studies.experiment_reader import read_experiment
 
     one = read_experiment(name)
     return {

@@ -82,7 +82,7 @@ def paper(
         raise InputError("say which paper, or --all: see `flockscope list papers`")
     if everything and (agents or models):
         raise InputError("--all takes all sizes and models: leave --agents and --models out")
-    from app.studies.experiment import experiment_names, find_experiment
+    from app.studies.experiment_reader import experiment_names, find_experiment
 
     wholes = [find_experiment(one) for one in ([name] if name else experiment_names())]
     at_least("--runs", runs, min(2, *(one.runs for one in wholes)), MOST_RUNS)

@@ -1,32 +1,32 @@
-"""An experiment: a table or a figure of a paper, as sets of runs to make."""
+"""A table or a figure of a paper as cases to run, and the flock of a case."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any, Literal
+from functools import cache
+from typing import Literal
 
-from pydantic import ValidationError
+import numpy as np
 
-from agents.catalogue import model
+from agents import Flock
 from agents.spec import Spec
-from app.package_files import EXPERIMENTS
 from app.strict_table import Value
 from app.studies.experiment_file import (
+    PLAIN,
+    START,
     ExpectedVerdict,
-    ExperimentFile,
+    Overrides,
     PaperRow,
     PaperSweep,
-    PhaseClaim,
     PublishedMeasure,
     Said,
+    with_goal,
 )
-from app.studies.figures import kinds, pictures
-from app.studies.key_lines import place
 from app.studies.measure import Measure, Settings
-from worlds.input_error import InputError, needed, unknown
-from worlds.text_file import toml
+from worlds.input_error import unknown
+from worlds.layout import world as build_world
+from worlds.world import World
+from worlds.world_rotation import turned, turned_places
 
 Way = Literal["", "there", "back"]
 
@@ -135,143 +135,39 @@ def goes_on(last: Case, case: Case) -> bool:
     return case.way != "" and same and (last.way, case.way) != ("back", "there")
 
 
-def experiment_names() -> list[str]:
-    """Names of all experiments."""
-    return sorted(path.stem for path in EXPERIMENTS.glob("*.toml"))
+def flock_of(case: Case, seed: int) -> Flock:
+    """The flock of a case at tick 0. Raises InputError."""
+    spec, row = case.spec.but(seed=seed), case.row
+    overrides = row.mission if row else PLAIN
+    if spec.size is None:
+        bare = row is not None and not row.obstacles
+        name = overrides.scene or spec.world
+        spec = spec.but(world=world_of(name, spec.dim, bare, overrides))
+    if overrides.turned:
+        return turned_flock(spec)
+    return Flock(spec, start=overrides.ranks.start(case.agents, seed) if overrides.ranks else None)
 
 
-def read_experiment(name: str) -> Experiment:
-    """The experiment of that name. Raises InputError."""
-    if name not in experiment_names():
-        raise unknown("paper", name, experiment_names())
-    return read_file(EXPERIMENTS / f"{name}.toml")
+def turned_flock(spec: Spec) -> Flock:
+    """The flock of one start in a scene that the seed turns. Raises InputError."""
+    flock = Flock(spec.but(seed=START))
+    rng = np.random.default_rng(spec.seed)
+    angle = float(rng.uniform(0.0, 360.0))
+    middle = np.array(flock.world.low) + 0.5 * np.array(flock.world.size)
+    start = {
+        "position": turned_places(flock.position, angle, middle),
+        "heading": turned_places(flock.heading, angle, np.zeros(2)),
+        "speed": flock.speed,
+        "informed": flock.informed,
+    }
+    return Flock(spec.but(world=turned(flock.world, angle, rng)), start=start)
 
 
-def find_experiment(name: str) -> Experiment:
-    """The experiment of that name, or of a file of one's own that ends in .toml. Raises
-    InputError."""
-    return read_file(Path(name)) if name.lower().endswith(".toml") else read_experiment(name)
+@cache
+def world_of(name: str, dim: int | None, bare: bool, overrides: Overrides) -> World:
+    """The world of a layout in the layout's own size; `bare` without its obstacles.
 
-
-def read_file(path: Path) -> Experiment:
-    """The experiment of a TOML file. Raises InputError naming file and line."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{str(path)!r} cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path} is not TOML: {error}") from None
-    values = toml(text, str(path))
-    kind = values.get("kind", "convergence")
-    if kind not in kinds():
-        raise unknown("kind of experiment", str(kind), kinds(), place(path, text, "kind"))
-    try:
-        of_kind: Any = ExperimentFile.__class_getitem__(kinds()[kind])
-        file: ExperimentFile = of_kind(**values)
-    except ValidationError as error:
-        first = error.errors()[0]
-        keys = [str(part) for part in first["loc"] if not isinstance(part, int)]
-        where = place(path, text, keys[-1], ".".join(keys[:-1]))
-        raise InputError(f"{'.'.join(keys)}: {needed(first)} ({where})") from None
-    if file.picture not in pictures():
-        raise unknown("picture", file.picture, pictures(), place(path, text, "picture"))
-    check_sizes(file, path)
-    check_measures(file, path)
-    try:
-        cases = cases_of(file)
-    except InputError as refusal:
-        raise InputError(f"{refusal} ({path})") from None
-    main = file.settings.measures[0].name
-    return Experiment(
-        path.stem,
-        file.title,
-        file.source,
-        file.picture,
-        file.runs,
-        file.settings,
-        [file.settings.measure(name) for name in file.report or [main]],
-        file.expected,
-        file.not_compared,
-        file.notes,
-        cases,
-        list(file.claims),
-    )
-
-
-def check_sizes(file: ExperimentFile, path: Path) -> None:
-    """Refuse a file that gives sizes, but not for all rows."""
-    if file.sizes or file.settings.kind == "convergence":
-        rows = [row.agents for row in file.rows if row.size is None]
-        for n in rows + [n for one in file.sweeps for n in one.agents]:
-            if str(n) not in file.sizes:
-                raise InputError(f"agents = {n} has no side in [sizes] ({path})")
-
-
-def check_measures(file: ExperimentFile, path: Path) -> None:
-    """Refuse a file that names a measure which its kind of runs does not have."""
-    known = [one.name for one in file.settings.measures]
-    named: list[Iterable[str]] = [file.report, file.expected, file.not_compared]
-    named += [row.published for row in file.rows]
-    named.append(claim.measure for claim in file.claims)
-    for names in named:
-        for name in names:
-            if name not in known:
-                raise unknown("measure", name, known, str(path))
-    for claim in file.claims:
-        if isinstance(claim, PhaseClaim):
-            words = file.settings.measure(claim.measure).words
-            if claim.word not in words:
-                raise unknown(claim.measure, claim.word, words, str(path))
-
-
-def cases_of(file: ExperimentFile) -> list[Case]:
-    """The rows and the sweeps' points, in the order of the file."""
-    stops = file.settings.stops or [None]
-    cases = [
-        Case(
-            spec_of(file, row, row.agents, row.parameters, row.size),
-            row.agents,
-            row,
-            tick=tick,
-            last=tick == stops[-1],
-        )
-        for row in file.rows
-        for tick in stops
-    ]
-    for sweep in file.sweeps:
-        for n in sweep.agents:
-            for fixed, value, way in points_of(sweep):
-                spec = spec_of(file, sweep, n, fixed | {sweep.parameter: value})
-                cases.append(Case(spec, n, sweep=sweep, way=way))
-    return cases
-
-
-def spec_of(
-    file: ExperimentFile,
-    of: PaperRow | PaperSweep,
-    agents: int,
-    parameters: dict[str, Value],
-    size: float | None = None,
-) -> Spec:
-    """The run of a row or a sweep, but for its seed. Raises InputError."""
-    settings = file.settings
-    informed = model(of.model).informed if of.informed is None else of.informed
-    return Spec(
-        of.model,
-        agents=agents - informed if settings.n_counts_informed else agents,
-        size=size or file.sizes.get(str(agents)),
-        dim=settings.dim,
-        world=settings.world,
-        parameters=settings.parameters,
-        **of.chosen,
-    ).taking(**parameters)
-
-
-def points_of(sweep: PaperSweep) -> list[tuple[dict[str, Value], Value, Way]]:
-    """What a sweep sets beside its parameter, the parameter's value, and the way: in order."""
-    others = [{sweep.against: value} for value in sweep.against_values] or [{}]
-    steps: list[tuple[Value, Way]] = [(value, "") for value in sweep.values]
-    if sweep.there_and_back:
-        steps = [(value, "there") for value in sweep.values]
-        steps += [(value, "back") for value in sweep.values[::-1]]
-    return [(sweep.fixed | other, value, way) for other in others for value, way in steps]
+    Raises InputError if the overrides change a part of the mission that the world does not have.
+    """
+    found = with_goal(build_world(name, dim), overrides)
+    return replace(found, obstacles=(), random=None) if bare else found

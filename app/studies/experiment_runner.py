@@ -15,8 +15,8 @@ import numpy as np
 
 from agents.engine.cache import fingerprint as feed
 from agents.spec import versions
-from app.studies.case_flock import PLAIN, flock_of
-from app.studies.experiment import Case, Experiment
+from app.studies.experiment import Case, Experiment, flock_of
+from app.studies.experiment_file import PLAIN
 from app.studies.measure import Number, Settings
 from app.studies.runs.database import BROKEN, FIXED, Outcome
 from app.studies.runs.store import canonical

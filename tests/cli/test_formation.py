@@ -7,7 +7,7 @@ import pytest
 
 from agents.flight.aircraft import Aircraft
 from agents.flight.trim import trim
-from app.studies.experiment import read_experiment
+from app.studies.experiment_reader import read_experiment
 from cli.calling import call, refusal
 
 ENERGY = read_experiment("formation-echelon").settings.energy

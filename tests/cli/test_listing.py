@@ -10,7 +10,7 @@ from agents.catalogue import MODELS
 from agents.models.declare import declared
 from agents.observables.catalogue import OBSERVABLES
 from app.cli import choices
-from app.studies.experiment import experiment_names
+from app.studies.experiment_reader import experiment_names
 from cli.calling import call, refusal
 from worlds.layout import layout_names
 

@@ -15,7 +15,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.record import Recorder
 from app.cli.main import COMMANDS
-from app.studies.experiment import experiment_names
+from app.studies.experiment_reader import experiment_names
 from app.viewer.gallery.saved_scene import SavedScene, command_line
 from app.viewer.gallery.scene_collection import find_scene, scene_names
 from app.viewer.run.flock_run import FlockRun

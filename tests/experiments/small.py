@@ -1,6 +1,6 @@
 """A small experiment for tests: two models, few agents, soon done."""
 
-from app.studies.experiment import read_file
+from app.studies.experiment_reader import read_file
 
 TEXT = """
 title = "Small"

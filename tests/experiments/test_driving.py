@@ -8,8 +8,9 @@ import pytest
 from scipy.optimize import brentq
 
 from agents import Flock
-from app.studies.case_flock import PLAIN, Overrides, Ranks, flock_of, with_goal
-from app.studies.experiment import read_file
+from app.studies.experiment import flock_of
+from app.studies.experiment_file import PLAIN, Overrides, Ranks, with_goal
+from app.studies.experiment_reader import read_file
 from app.studies.experiment_runner import fingerprint
 from app.studies.figures.driving import Drive, DrivingSettings, gaps, lags, lap_of, nearest
 from app.studies.figures.squash import SquashSettings

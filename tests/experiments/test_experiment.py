@@ -3,7 +3,7 @@
 import pytest
 
 from app.package_files import EXPERIMENTS
-from app.studies.experiment import experiment_names, read_experiment
+from app.studies.experiment_reader import experiment_names, read_experiment
 from app.studies.key_lines import line_of, place
 from experiments.small import TEXT, small
 from worlds.input_error import InputError

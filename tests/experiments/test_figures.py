@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.studies import figures
-from app.studies.experiment import experiment_names, read_experiment
+from app.studies.experiment_reader import experiment_names, read_experiment
 
 NEW = """
 from typing import ClassVar

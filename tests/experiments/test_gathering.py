@@ -9,11 +9,11 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.studies.case_flock import flock_of
 from app.studies.claims.claims import claims
 from app.studies.claims.verdict_table import verdicts
-from app.studies.experiment import experiment_names, read_experiment, read_file
+from app.studies.experiment import flock_of
 from app.studies.experiment_file import EveryRunClaim
+from app.studies.experiment_reader import experiment_names, read_experiment, read_file
 from app.studies.experiment_runner import MeasuredCase, conduct, fingerprint
 from app.studies.figures.gathering import GatheringSettings, edges_of, faces_of, groups_of
 from app.studies.judge.verdict import of

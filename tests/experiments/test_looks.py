@@ -8,8 +8,9 @@ import pytest
 
 from agents import Flock
 from agents.mission_record import fly
-from app.studies.case_flock import Overrides, flock_of, with_goal
-from app.studies.experiment import read_experiment
+from app.studies.experiment import flock_of
+from app.studies.experiment_file import Overrides, with_goal
+from app.studies.experiment_reader import read_experiment
 from app.studies.figures.beginning import BeginningSettings, gaps
 from app.studies.figures.detours import A1, A2, A3, DetourSettings, DetourTrack, boundary_end
 from app.studies.figures.evolution import EvolutionSettings

@@ -7,11 +7,11 @@ import pytest
 
 from agents.mission_record import fly
 from app.studies import figures
-from app.studies.case_flock import flock_of
 from app.studies.claims.claims import claims
 from app.studies.claims.verdict_table import verdicts
-from app.studies.experiment import experiment_names, read_experiment, read_file
+from app.studies.experiment import flock_of
 from app.studies.experiment_file import EveryRunClaim, FasterClaim, OrderClaim
+from app.studies.experiment_reader import experiment_names, read_experiment, read_file
 from app.studies.experiment_runner import MeasuredCase, conduct, fingerprint
 from app.studies.figures import draw
 from app.studies.figures.mission import MissionSettings

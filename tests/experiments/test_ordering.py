@@ -10,8 +10,8 @@ from rich.console import Console
 from agents import Flock
 from app.studies.claims.claims import claims
 from app.studies.claims.verdict_table import verdicts
-from app.studies.experiment import read_experiment, read_file
 from app.studies.experiment_file import EqualityClaim, ReachClaim, SizeClaim
+from app.studies.experiment_reader import read_experiment, read_file
 from app.studies.experiment_runner import MeasuredCase, conduct
 from app.studies.figures import draw
 from app.studies.figures.ordering import OrderingSettings, binder

@@ -11,8 +11,8 @@ from rich.console import Console
 from agents import Flock
 from app.studies.claims.claims import claims
 from app.studies.claims.verdict_table import verdicts
-from app.studies.experiment import read_experiment, read_file
 from app.studies.experiment_file import LagClaim, PhaseClaim
+from app.studies.experiment_reader import read_experiment, read_file
 from app.studies.experiment_runner import MeasuredCase, conduct
 from app.studies.figures.phases import PHASES, PhaseSettings, bring_in_sight, detects
 from app.studies.reports.report_formats import as_value, show

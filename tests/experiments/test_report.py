@@ -9,7 +9,7 @@ from rich.console import Console
 
 from app.studies.claims.claims import claims
 from app.studies.claims.verdict_table import verdicts
-from app.studies.experiment import read_experiment
+from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import MeasuredCase
 from app.studies.figures import draw
 from app.studies.reports.report_formats import as_value, show, write_summary

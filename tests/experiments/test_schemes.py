@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from app.studies.case_flock import flock_of
 from app.studies.claims.verdict_table import verdicts
-from app.studies.experiment import read_experiment
+from app.studies.experiment import flock_of
+from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import conduct
 from app.studies.figures import draw, zoning
 from app.studies.figures.branching import BranchingSettings, push_on, with_block

@@ -8,7 +8,8 @@ import random
 import time
 
 from app.live.control.arm import OperatorRequest
-from app.live.emulation.emulated_cars import EmulatedCars, EmulatedPlant, Terminal
+from app.live.emulation.emulated_cars import EmulatedCars, Terminal
+from app.live.emulation.emulated_room import EmulatedPlant
 from app.live.laboratory.lab_file import lab_from_toml
 from app.live.links.firmware import Firmware
 from app.live.operating.lab_choices import open_driven

@@ -17,7 +17,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from app.live.emulation.emulated_cars import Datagrams, EmulatedCars, EmulatedPlant
+from app.live.emulation.emulated_cars import Datagrams, EmulatedCars
+from app.live.emulation.emulated_room import EmulatedPlant
 from app.live.laboratory.lab_file import lab_from_toml
 from app.live.links.firmware import Firmware
 from app.live.links.link import RUN

@@ -14,7 +14,7 @@ from agents.catalogue import cars_by
 from agents.flock import Flock
 from app.live.control.injected_target import InjectedTarget
 from app.live.control.pose import Pose, seen, unseen
-from app.live.emulation.emulated_cars import EmulatedPlant
+from app.live.emulation.emulated_room import EmulatedPlant
 from app.live.operating.flock_driver import FlockDriver, world_of
 from live.rooms import LAB, lab
 from worlds.input_error import InputError

@@ -9,7 +9,7 @@ from oracles import active_brownian as oracle
 from agents import Flock
 from app.studies.claims.claims import claims
 from app.studies.claims.verdict_table import verdicts
-from app.studies.experiment import read_experiment
+from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import conduct
 from app.studies.figures.crowding import CrowdingSettings, along
 from app.studies.figures.diffusion import squared_displacement

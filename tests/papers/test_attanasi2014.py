@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from app.studies.case_flock import flock_of
-from app.studies.experiment import read_experiment
+from app.studies.experiment import flock_of
+from app.studies.experiment_reader import read_experiment
 from app.studies.figures.turns import TurnSettings, distances, sound_of
 from papers.flying import borne_out, flown, values
 

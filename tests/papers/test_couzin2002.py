@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from app.studies.claims.verdict_table import verdicts
-from app.studies.experiment import read_experiment
+from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import conduct
 from app.studies.figures.phases import map_of, ways_of
 

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from agents import Flock
 from app.studies.claims.claims import claims
 from app.studies.claims.verdict_table import verdicts
-from app.studies.experiment import read_experiment
+from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import conduct
 from app.studies.figures.consensus import ConsensusBound, ConsensusSettings
 from app.studies.judge.verdict import of

@@ -8,7 +8,7 @@ import pytest
 from agents import Flock
 from app.studies.claims.claims import claims
 from app.studies.claims.verdict_table import verdicts
-from app.studies.experiment import read_experiment
+from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import conduct
 from app.studies.figures.phases import map_of
 from app.studies.figures.swarming import room, shape_of

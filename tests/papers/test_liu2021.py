@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import pytest
 
-from app.studies.experiment import read_experiment
+from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import conduct
 from app.studies.judge.judge import ranges_of
 from app.studies.judge.statistics import summary

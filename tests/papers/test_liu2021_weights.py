@@ -2,8 +2,8 @@
 
 import pytest
 
-from app.studies.case_flock import flock_of
-from app.studies.experiment import read_experiment
+from app.studies.experiment import flock_of
+from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import Trial, run_trial
 from worlds.input_error import InputError
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -32,9 +32,6 @@ from app.results_folder import RESULTS
 from app.settings import at_least
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
-
-if TYPE_CHECKING:
-    pass
 
 # `flockscope sweep check`: all cells checked, and what they will take; nothing is run.
 

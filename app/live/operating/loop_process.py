@@ -20,7 +20,7 @@ from app.live.control.injected_target import InjectedTarget
 from app.live.control.loop_status import Event, Status
 from app.live.control.pose import Driver
 from app.live.device_kinds import SIMULATED, kind_of
-from app.live.emulation.emulated_cars import open_emulated
+from app.live.emulation.emulated_room import open_emulated
 from app.live.laboratory.lab_file import Lab, lab_from_toml
 from app.live.links.link import CarLink
 from app.live.links.link_catalogue import open_link

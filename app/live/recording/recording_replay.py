@@ -266,7 +266,7 @@ def requests(events: list[Row]) -> Iterator[OperatorRequest]:
     """The requests of a tick."""
     for event in events:
         if event["asked"]:
-            yield OperatorRequest(cast(Action, event["asked"]), event["cause"], event["note"])
+            yield OperatorRequest(cast("Action", event["asked"]), event["cause"], event["note"])
 
 
 def frames(rows: list[Row], poses: list[Row]) -> Iterator[MocapFrame]:

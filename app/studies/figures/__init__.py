@@ -15,15 +15,13 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from app.figure import LOOK, write_figure
 from app.results_folder import PICTURES
+from app.studies.experiment import Experiment
 from app.studies.judge.verdict import Verdict, main_ones
 from app.studies.measure import Settings
-
-if TYPE_CHECKING:
-    from app.studies.experiment import Experiment
 
 
 @cache

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from agents.observables.order import polarisation
-from app.studies.case_flock import flock_of
+from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.gathering import draw_box
 from app.studies.measure import RARE, SHARE, Measure, Number, Settings
 from worlds.queries.clearance import clearance
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # How flocks begin: the flock at tick 0, before anything has moved; thesis, figures 5.3 and 5.6.
 

@@ -11,7 +11,6 @@ from pydantic import Field
 
 from agents.inspection import obstacle_push
 from agents.observables.order import polarisation
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
 from app.studies.charts.mission_scene import draw_obstacles
 from app.studies.charts.scheme_marks import (
@@ -24,6 +23,7 @@ from app.studies.charts.scheme_marks import (
     sign,
     stroke,
 )
+from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.zoning import BRANCHES, around_of, branch_of
 from app.studies.judge.verdict import Verdict, of
 from app.studies.measure import PERCENT, Measure, Number, Settings
@@ -32,7 +32,6 @@ from worlds.obstacles import Box
 if TYPE_CHECKING:
     from agents import Flock
     from agents.snapshot import FlockState
-    from app.studies.experiment import Experiment
 
 # Which way through the algorithm agents take: the thesis, figures 3.5 and 4.5.
 

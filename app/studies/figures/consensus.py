@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
+from app.studies.experiment import Case, Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Case, Experiment
 
 # Runs in which agents fly apart and listen to all others: do they come to one velocity?
 #

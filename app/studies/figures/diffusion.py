@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
+from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # Runs in which free active particles wander: how far they come, beside the closed form.
 #

@@ -10,7 +10,6 @@ import numpy as np
 import shapely
 from pydantic import Field
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
 from app.studies.charts.mission_scene import draw_obstacles
 from app.studies.charts.scheme_marks import (
@@ -24,6 +23,7 @@ from app.studies.charts.scheme_marks import (
     stroke,
     word,
 )
+from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.branching import block_of, push_on, with_block
 from app.studies.figures.zoning import angle_between
 from app.studies.measure import RARE, Measure, Number, Settings
@@ -31,7 +31,6 @@ from app.studies.measure import RARE, Measure, Number, Settings
 if TYPE_CHECKING:
     from agents import Flock
     from agents.snapshot import FlockState
-    from app.studies.experiment import Experiment
 
 # Agents before a block, and what pushes them off: the thesis, figures 4.2, 4.4 and 4.6.
 

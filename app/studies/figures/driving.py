@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
+from app.studies.experiment import Case, Experiment, flock_of
 from app.studies.judge.verdict import Verdict, of
 from app.studies.measure import SUCCESS, Measure, Number, Settings
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Case, Experiment
 
 # Runs of cars that follow an injected car on a circle: Jacobs and Koessler, figures 3 and 11.
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import textwrap
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from agents.catalogue import model as find_model
 from agents.conditions import Conditions
 from agents.spec import OPTIONS
 from app.studies.charts.boxes import explain
+from app.studies.experiment_file import PaperSweep
 from app.studies.judge.verdict import Verdict, of, sweeps_of
-
-if TYPE_CHECKING:
-    from app.studies.experiment_file import PaperSweep
 
 COLOURS = ("#b07d12", "#2166ac", "#1f9d63", "#c0392b", "#7b5ea7", "#3c434b")
 WIDTH, HEIGHT = 3.3, 2.7

@@ -9,12 +9,11 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.energy import furthest, hamiltonian
-from app.studies.case_flock import flock_of
+from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # Runs over which the energy of theorem 1 of Wu et al. 2023 is followed.
 

@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import came, explain
+from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.convergence import ConvergenceSettings
 from app.studies.judge.verdict import Verdict, of
 from app.studies.measure import SHARE, Measure, Number
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # Runs from disorder to consistency, measured at both ends: Liu et al. 2021, figure 4.
 

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import box, explain
+from app.studies.experiment import Experiment, flock_of
 from app.studies.judge.verdict import Verdict, of
 from app.studies.measure import PERCENT, RARE, SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # Runs in which it is measured what birds save by each other's upwash; thesis, section 2.3.
 

@@ -12,8 +12,8 @@ from pydantic import Field, field_validator
 from agents.observables.groups import group_labels, group_sizes
 from agents.observables.neighbours import links
 from agents.observables.order import polarisation
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import came, explain
+from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.convergence import PUBLISHED
 from app.studies.judge.verdict import Verdict, of
 from app.studies.measure import PERCENT, RARE, RARE_PERCENT, SUCCESS, Measure, Number, Settings
@@ -21,7 +21,6 @@ from worlds.number_text import counted
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # Runs in which a flock gathers and agents may crash: the thesis, chapters 5 and 6, figure 3.7.
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import came, explain
+from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.driving import CARS, INJECTED, STOPS
 from app.studies.judge.verdict import Verdict, of
 from app.studies.measure import COUNT, SUCCESS, Measure, Number, Settings
@@ -17,7 +17,6 @@ from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # Runs of cars that are to stay near a place: Jacobs and Koessler, gallery figure 1.
 

@@ -9,14 +9,13 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.lanes import lane_order
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
+from app.studies.experiment import Experiment, flock_of
 from app.studies.judge.verdict import Verdict, of
 from app.studies.measure import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # Runs in which people walk both ways along a corridor: Helbing and Molnar 1995, figure 2.
 

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
+from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
     from agents.inspection import Inspection
-    from app.studies.experiment import Experiment
 
 # Flocks whose layers and weights are looked at agent by agent: Liu et al. 2021, figure 2.
 

@@ -12,7 +12,6 @@ from pydantic import Field
 from agents import Flock
 from agents.mission_record import MissionRecord, fly
 from agents.observables.following import KERNELS
-from app.studies.case_flock import flock_of
 from app.studies.charts.mission_scene import (
     AGENT,
     INFORMED,
@@ -25,13 +24,13 @@ from app.studies.charts.mission_scene import (
     extent,
     show_box,
 )
+from app.studies.experiment import Case, Experiment, flock_of
 from app.studies.measure import COUNT, EITHER, RARE, RARE_PERCENT, Measure, Number, Settings
 from worlds.queries.clearance import clearance
 
 if TYPE_CHECKING:
     from agents import Flock
     from agents.mission_record import MissionRecord
-    from app.studies.experiment import Case, Experiment
 
 # Runs of a mission from its start to the end: Liu et al. 2021, section 3.2; Wu et al. 2023.
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from agents.observables.following import least_clearances, nearest_pairs
 from app.studies.charts.boxes import came, explain
+from app.studies.experiment import Case, Experiment
 from app.studies.figures.convergence import MEASURED, PUBLISHED, published
 from app.studies.figures.mission import FlownMission, flown
 from app.studies.figures.mission_paths import COLOURS
 from app.studies.judge.verdict import Verdict, main_ones, of
-
-if TYPE_CHECKING:
-    from app.studies.experiment import Case, Experiment
 
 # Least distance between an agent and anything in each run: a panel per size of flock.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,10 +15,8 @@ from app.studies.charts.mission_scene import (
     extent,
     show_box,
 )
+from app.studies.experiment import Experiment
 from app.studies.figures.mission import FlownMission, flown
-
-if TYPE_CHECKING:
-    from app.studies.experiment import Experiment
 
 # Two algorithms from the same start: their trajectories side by side, and how they get there.
 

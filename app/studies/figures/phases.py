@@ -11,6 +11,7 @@ from pydantic import Field
 
 from agents.state.start import random_headings
 from app.studies.charts.boxes import explain
+from app.studies.experiment import Case
 from app.studies.judge.statistics import MeasureSummary
 from app.studies.judge.verdict import Verdict
 from app.studies.measure import PERCENT, SHARE, Measure, Number, Settings
@@ -18,7 +19,6 @@ from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Case
 
 # Runs in which a group without walls takes a shape: Couzin et al. 2002, figure 3 and after.
 

@@ -9,15 +9,14 @@ import numpy as np
 from pydantic import Field
 from scipy.optimize import minimize_scalar
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
 from app.studies.charts.scheme_marks import INK, sign, stroke
+from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.squash import SquashSettings
 from app.studies.measure import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # The potential of Tanner et al. between two agents: Jacobs and Koessler, figure 1 and (1).
 

@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
 from app.studies.charts.mission_scene import draw_obstacles
 from app.studies.charts.scheme_marks import INK, arrow, bare, sign, stroke, word
+from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 from worlds.obstacles import Box, Disc
 from worlds.queries.surroundings import nearest_surface
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
     from worlds.world import World
 
 # An agent put down beside a wall or a disc, and its beta agent: Wu et al. 2023, figure 1.

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
 from app.studies.charts.scheme_marks import INK, arrow, bare, sign, stroke, word
+from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # Two agents put down at distances from each other: Wu et al. 2023, figure 2 and (12).
 

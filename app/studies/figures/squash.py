@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.case_flock import flock_of
+from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # The squashing function of Jacobs and Koessler as cars that turn on the spot carry it out.
 

@@ -9,15 +9,14 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.neighbours import nearest_neighbour
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import came, explain
+from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.phases import map_of
 from app.studies.judge.verdict import Verdict, of
 from app.studies.measure import SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # Runs in which driven particles that attract and repel each other take a shape, or come apart.
 

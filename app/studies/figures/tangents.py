@@ -9,15 +9,14 @@ import numpy as np
 import shapely
 from pydantic import Field
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
 from app.studies.charts.mission_scene import draw_obstacles, show_box
+from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.layering import between_angles
 from app.studies.measure import Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
     from worlds.world import World
 
 # A UAV put down near obstacles again and again: Liu et al. 2021, figure 3.

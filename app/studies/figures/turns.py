@@ -11,15 +11,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
+from app.studies.experiment import Experiment, flock_of
 from app.studies.judge.verdict import Verdict, of
 from app.studies.measure import Measure, Number, Settings
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # Runs in which one agent turns and the others follow: Attanasi et al. 2014, figures 2 and 4.
 

@@ -12,7 +12,6 @@ from agents.inspection import NO_POINTS, as_me, as_near, field_of_view
 from agents.inspection import shells as shells_of
 from agents.models.model_calls import call
 from agents.observables.neighbours import separation
-from app.studies.case_flock import flock_of
 from app.studies.charts.boxes import explain
 from app.studies.charts.scheme_marks import (
     BLIND,
@@ -28,11 +27,11 @@ from app.studies.charts.scheme_marks import (
     turned,
     word,
 )
+from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import PERCENT, Measure, Number, Settings
 
 if TYPE_CHECKING:
     from agents import Flock
-    from app.studies.experiment import Experiment
 
 # Who is in which zone, who is seen, and what follows: the thesis, figures 3.1 to 3.4 and 4.3.
 

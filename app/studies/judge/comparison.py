@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
+from app.studies.experiment_file import PublishedMeasure
 from app.studies.judge.claim_verdict import decide, least
 from app.studies.judge.judge import (
     CONFIDENCE,
@@ -27,9 +28,6 @@ from app.studies.judge.judge import (
     typical_spread,
 )
 from worlds.number_text import counted
-
-if TYPE_CHECKING:
-    from app.studies.experiment_file import PublishedMeasure
 
 TOLERANCE = 1.0
 """Standard deviations of a single run within which means count as the same, once it is sure that

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from agents.catalogue import model
+from app.studies.experiment import Case
+from app.studies.experiment_file import ExpectedVerdict, PaperSweep, PublishedMeasure
 from app.studies.judge.comparison import MeanComparison
 from app.studies.judge.judge import RunRanges
 from app.studies.judge.statistics import MeasureSummary
 from app.studies.measure import Measure, Number
-
-if TYPE_CHECKING:
-    from app.studies.experiment import Case
-    from app.studies.experiment_file import ExpectedVerdict, PaperSweep, PublishedMeasure
 
 
 @dataclass(frozen=True)
