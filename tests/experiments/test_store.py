@@ -6,7 +6,9 @@ import pytest
 
 from app.studies.experiment_runner import conduct, fingerprint
 from app.studies.runs.database import FILE
+from app.studies.runs.store import Store
 from app.studies.runs.store_reader import StoreReader
+from app.studies.study_runner import STOP
 from experiments.small import TEXT, small
 from worlds.input_error import InputError
 
@@ -69,3 +71,27 @@ def test_a_parameter_out_of_range_names_the_experiment(tmp_path):
     experiment = small(tmp_path, TEXT.replace("p2 = 7.0", "p2 = 0.5"))
     with pytest.raises(InputError, match=r"p2 = 0.5 is outside .* \(small, hwvem with N = 20\)"):
         carry_out(experiment, tmp_path)
+
+
+def test_a_paper_stops_when_it_is_asked_to_and_goes_on_later(tmp_path):
+    experiment = small(tmp_path)
+
+    def ask(*_):
+        (tmp_path / STOP).touch()
+
+    with pytest.raises(KeyboardInterrupt):
+        conduct(experiment, tmp_path, runs=4, seed=1, workers=1, tell=None, at=ask)
+    assert StoreReader(tmp_path).state["progress"] is None
+    again = carry_out(experiment, tmp_path)
+    assert 0 < again.taken < 8
+    assert again.made + again.taken == 8
+
+
+def test_a_paper_leaves_the_runs_of_a_sweep_alone(tmp_path):
+    experiment = small(tmp_path)
+    folder = tmp_path / "sweep"
+    with Store(folder, []) as store:
+        store.tell(kind="sweep")
+    with pytest.raises(InputError, match="has the runs of a sweep, not of a paper"):
+        carry_out(experiment, folder)
+    assert StoreReader(folder).state["kind"] == "sweep"
