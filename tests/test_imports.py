@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -84,3 +85,21 @@ def test_only_slow_libraries_are_imported_inside_of_functions():
             for name in lazy_imports(ast.parse(path.read_text(encoding="utf-8"))):
                 found.add((path.relative_to(top.parent).as_posix(), name))
     assert found == LAZY
+
+
+VISERS_OWN = re.compile(
+    r"\b(from viser import _|from viser\._|from viser\.infra|import viser\.(_|infra))"
+    r"|\._(impl|websock_\w+|gui_input\w*|handle_(gui|file)\w*|connected_clients|event_loop"
+    r"|viser_server|incoming_handlers|current_file\w+|resolve_client|prop_hints)\b"
+)
+"""Private names of viser."""
+
+
+def test_one_file_alone_knows_private_names_of_viser():
+    top = Path(__file__).parent.parent
+    found = {
+        path.relative_to(top).as_posix()
+        for path in (top / "app").rglob("*.py")
+        if VISERS_OWN.search(path.read_text(encoding="utf-8"))
+    }
+    assert found == {"app/front/viser_internals.py"}

@@ -14,10 +14,9 @@ import typer
 from app.cli.file_argument import is_file
 from app.cli.progress import StopSignals, leave
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port
+from app.front.origin import LOOPBACK, allowed
 from app.results_folder import RESULTS
 from app.studies.workers.processes import cores
-from app.viewer.web.addresses import LOOPBACK
-from app.viewer.web.origin import allowed
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError
 

@@ -18,9 +18,9 @@ from app.cli.progress import StopSignals, leave
 from app.cli.run_arguments import Asked, demand_parameters, given, named, with_options
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.usage import Rules, by_name, first_of
+from app.front.origin import allowed
 from app.settings import assignment
 from app.viewer.run.run_preset import at_home
-from app.viewer.web.origin import allowed
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -70,10 +70,10 @@ def lab(
     open_browser: OpenBrowser = True,
 ) -> None:
     """Open the laboratory: watch a flock in the browser, steer it and measure it."""
+    from app.front.origin import here
+    from app.front.page_front import Front
+    from app.front.server import close_server, open_server
     from app.viewer.lab.scene_requests import SCRIPTS
-    from app.viewer.web.addresses import here
-    from app.viewer.web.server import close_server, open_server
-    from app.viewer.web.serving.front import Front
 
     names = tuple(allowed(name) for name in allow_host or ())
     model = first_of(model, rule)

@@ -39,7 +39,7 @@ AllowHost = Annotated[
 
 def announce(host: str, port: int, leaving: str, whoever: str) -> None:
     """Say where the page is; `whoever`: what anyone in the network can do, if they reach it."""
-    from app.viewer.web.addresses import elsewhere, here
+    from app.front.origin import elsewhere, here
 
     typer.echo(f"flockscope is at {here(host, port)} ({leaving})")
     others = elsewhere(host, port)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.viewer.web.server import admit_browsers, close_server, open_server
+from app.front.server import admit_browsers, close_server, open_server
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import msgspec
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from app.viewer.web.incoming.kinds import LARGEST
+from app.front.kinds import LARGEST
 from tests.attacks.knocking import knock, let_in, request, status, upgrade
 from tests.attacks.raw import TEXT, frame
 from tests.classroom.running import BUSY, Person, number_of, roster, running, seen

@@ -8,15 +8,10 @@ import msgspec
 import pytest
 from websockets.exceptions import InvalidMessage
 
-from app.viewer.web.incoming.client_addresses import (
-    BEHIND_A_FRONT,
-    TIMEOUT,
-    USUAL,
-    ClientAddresses,
-)
-from app.viewer.web.incoming.kinds import KINDS, LARGEST
-from app.viewer.web.incoming.messages import ALL, DROPPED, TOO_MUCH
-from app.viewer.web.server import entrances
+from app.front.client_addresses import BEHIND_A_FRONT, TIMEOUT, USUAL, ClientAddresses
+from app.front.connection import ALL, DROPPED, TOO_MUCH
+from app.front.kinds import KINDS, LARGEST
+from app.front.server import entrances
 from tests.attacks.raw import PROTOCOL, Raw, alone, quietly, said
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until

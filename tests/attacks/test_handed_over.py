@@ -7,8 +7,8 @@ import threading
 
 import pytest
 
-from app.viewer.web.incoming.loop_event import LoopEvent
-from app.viewer.web.server import close_server, open_server
+from app.front.server import close_server, open_server
+from app.front.viser_internals import LoopEvent
 from tests.viewer.waiting import until
 
 

@@ -7,10 +7,10 @@ import random
 import msgspec
 import pytest
 
-from app.viewer.web.incoming.kinds import KINDS, UnusableMessage, demand_shape, kind_of, shape
-from app.viewer.web.incoming.log import MOST, PERIOD, Log
-from app.viewer.web.incoming.messages import Messages
-from app.viewer.web.incoming.rate_limit import RateLimit
+from app.front.client_addresses import RateLimit
+from app.front.connection import Messages
+from app.front.kinds import KINDS, UnusableMessage, demand_shape, kind_of, shape
+from app.front.log import MOST, PERIOD, Log
 from tests.attacks.raw import CONTINUED, TEXT, Raw, frame, said
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until

@@ -13,12 +13,12 @@ from http.client import HTTPConnection
 
 import pytest
 
+from app.front.client_addresses import USUAL
+from app.front.connection_acceptor import UNDECIDED
+from app.front.server import stops
 from app.live.control.arm import OperatorRequest
 from app.live.operating.loop_process import NumberedRequest, RequestForwarder
 from app.live.operating.operator import Operator
-from app.viewer.web.incoming.client_addresses import USUAL
-from app.viewer.web.incoming.connection_acceptor import UNDECIDED
-from app.viewer.web.server import stops
 from tests.attacks.raw import Raw, alone, quietly, said
 from tests.viewer.waiting import until
 

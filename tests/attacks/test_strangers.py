@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from app.viewer.web import uploads
-from app.viewer.web.uploads import AT_ONCE, accept_uploads
+from app.front import uploads
+from app.front.uploads import AT_ONCE, accept_uploads
 from tests.attacks.raw import Raw, said
 from tests.live.stand_in import StandIn
 from tests.viewer.waiting import until

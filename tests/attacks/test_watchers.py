@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app.front.kinds import KINDS, KNOWN
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.run_preset import at_home
 from app.viewer.watching.watch_page import HEARD, WatchPage
-from app.viewer.web.incoming.kinds import KINDS, KNOWN
 from tests.attacks.raw import Raw, said
 from tests.live.stand_in import StandIn
 from tests.viewer.waiting import until

@@ -8,8 +8,8 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
+from app.front.server import admit_browsers, close_server, open_server
 from app.viewer.panels.shell import dress
-from app.viewer.web.server import admit_browsers, close_server, open_server
 from tests.viewer.waiting import until
 
 AWAY = (5.0, 30.0, 150.0)

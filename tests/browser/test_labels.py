@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from app.viewer.web.serving.client_page import Scripts, unpacked, viser_page
+from app.front.client_page import Scripts, unpacked, viser_page
 
 COMPILE = """([kind, source]) => {
   const gl = document.createElement("canvas").getContext("webgl2");

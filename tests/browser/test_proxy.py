@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from app.viewer.web.origin import allowed
-from app.viewer.web.server import admit_browsers, close_server, open_server
-from app.viewer.web.serving.front import Front
+from app.front.origin import allowed
+from app.front.page_front import Front
+from app.front.server import admit_browsers, close_server, open_server
 from tests.browser.proxy import PREFIX, Proxy
 
 SLOW = 60_000

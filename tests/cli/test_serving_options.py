@@ -10,7 +10,7 @@ import ifaddr
 import pytest
 
 from app.cli.serving_options import announce
-from app.viewer.web.addresses import elsewhere, here, interface_addresses
+from app.front.origin import elsewhere, here, interface_addresses
 from cli.calling import refusal
 
 ADAPTERS = [

@@ -19,9 +19,9 @@ from viser.infra._messages import wire_field_names
 from websockets.exceptions import ConnectionClosed
 
 from agents.models.declare import declared
+from app.front.server import UNWANTED
 from app.live.laboratory.example import example
 from app.viewer.live.page import KEYS
-from app.viewer.web.server import UNWANTED
 from tests.live.opened_page import arm, opened
 from tests.live.stand_in import CAMERA, StandIn
 from tests.live.waiting import until

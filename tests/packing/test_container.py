@@ -14,7 +14,7 @@ from pages.blocks import ROOT
 
 from agents.engine import cache
 from app.cli.main import load
-from app.viewer.web.server import close_server, open_server
+from app.front.server import close_server, open_server
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 HEALTH_PORT = "8080"

@@ -19,6 +19,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from agents.spec import Spec
+from app.front.server import renders_of
 from app.viewer.editing.forms import disc
 from app.viewer.gallery.saved_scene import SavedScene, packed
 from app.viewer.lab.laboratory import Laboratory
@@ -27,7 +28,6 @@ from app.viewer.run.allowance import Allowance
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_limits import LONGEST, Share
-from app.viewer.web.server import renders_of
 from tests.live.stand_in import CAMERA
 from tests.viewer.http_client import ask
 from tests.viewer.waiting import until

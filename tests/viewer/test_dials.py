@@ -13,9 +13,9 @@ import viser
 
 from agents.catalogue import MODELS
 from agents.models.declare import Parameters, declared, is_wide, parameter, still_proposed
+from app.front.server import admit_browsers, close_server, open_server
 from app.viewer.panels.dials import Dials, decimals, step_of, stops, widened
 from app.viewer.panels.parameters import add_control
-from app.viewer.web.server import admit_browsers, close_server, open_server
 
 EVERY_MODEL = pytest.mark.parametrize("model", MODELS.values(), ids=lambda model: model.name)
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from app.viewer.web.server import admit_browsers, close_server, open_server
+from app.front.server import admit_browsers, close_server, open_server
 from tests.viewer.test_server import join, say
 from tests.viewer.waiting import until
 

@@ -8,12 +8,12 @@ import threading
 import numpy as np
 import pytest
 
+from app.front.controls import show
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.setup import differs
 from app.viewer.lab.panels.world_panel import BOX, DISC, POLYGON, SELECT
 from app.viewer.run.run_preset import at_home
 from app.viewer.scene.marks.handles import Drag
-from app.viewer.web.values import show
 from tests.viewer.waiting import until
 from worlds.world import World
 

@@ -11,8 +11,8 @@ import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from app.viewer.web.server import admit_browsers, close_server, open_server
-from app.viewer.web.uploads import accept_uploads
+from app.front.server import admit_browsers, close_server, open_server
+from app.front.uploads import accept_uploads
 from tests.viewer.test_laboratory import CAMERA
 from tests.viewer.waiting import until
 

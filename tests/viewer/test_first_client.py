@@ -15,6 +15,10 @@ from websockets.exceptions import InvalidHandshake
 
 from agents.flock import Flock
 from agents.spec import Spec
+from app.front.connection import HELD, Messages
+from app.front.page_front import Front
+from app.front.server import admit_browsers, close_server, entrances, front_of, open_server, stops
+from app.front.waiting import Admission
 from app.live.laboratory.example import example
 from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory
@@ -25,18 +29,6 @@ from app.viewer.notebook.notebook_access import NotebookAccess
 from app.viewer.notebook.notebook_view import NotebookView
 from app.viewer.run.run_preset import at_home
 from app.viewer.watching.watch_page import WatchPage
-from app.viewer.web.incoming.connection import HELD
-from app.viewer.web.incoming.messages import Messages
-from app.viewer.web.incoming.waiting import Admission
-from app.viewer.web.server import (
-    admit_browsers,
-    close_server,
-    entrances,
-    front_of,
-    open_server,
-    stops,
-)
-from app.viewer.web.serving.front import Front
 from tests.attacks.raw import Raw, said
 from tests.live.stand_in import CAMERA
 from tests.viewer.http_client import ask
@@ -250,7 +242,7 @@ def judged(monkeypatch):
 
     monkeypatch.setattr(Messages, "pass_on", counted)
     by_it = partial(Messages, clock=lambda: now[0])
-    monkeypatch.setattr("app.viewer.web.incoming.connection.Messages", by_it)
+    monkeypatch.setattr("app.front.connection.Messages", by_it)
     return now, count
 
 
@@ -320,7 +312,7 @@ def test_what_is_asked_for_waits_until_the_page_is_whole(early):
 
 def test_what_waits_too_long_is_told_so(early, monkeypatch):
     server, _ = early
-    monkeypatch.setattr("app.viewer.web.server.BEGINS", 0.01)
+    monkeypatch.setattr("app.front.server.BEGINS", 0.01)
     answer = ask(server.get_port(), "/scene.json")
     assert answer.status == 503
     assert "just beginning" in answer.text

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from app.viewer.web.origin import allowed, trusted
-from app.viewer.web.server import admit_browsers, close_server, open_server
-from app.viewer.web.serving.front import Front
+from app.front.origin import allowed, trusted
+from app.front.page_front import Front
+from app.front.server import admit_browsers, close_server, open_server
 from tests.viewer.http_client import ask, upgrade
 
 SECRET = "s3cret_-x"

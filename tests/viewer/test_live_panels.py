@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from agents.catalogue import cars_by
+from app.front.server import admit_browsers, close_server, open_server
 from app.live.control.loop_status import Event
 from app.live.control.pose import Pose
 from app.live.control.safety import StopReason
@@ -27,7 +28,6 @@ from app.viewer.live.panels.state_panel import MOVES, banner_html, banner_of
 from app.viewer.live.room_frame import RoomReadings, Setting, frame_of
 from app.viewer.live.session_requests import DragHandle, SessionState
 from app.viewer.scene.shown import palette
-from app.viewer.web.server import admit_browsers, close_server, open_server
 from tests.viewer.stub_operator import car_status, companion, status_at
 
 OPEN = SessionState("emulated cars", "dry run", "squashing", phase="open")

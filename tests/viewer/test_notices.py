@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.viewer.web.notices import AGAIN, Notices
+from app.front.notices import AGAIN, Notices
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import socket
 
 import pytest
 
-from app.viewer.web.origin import allowed, authority, trusted
+from app.front.origin import allowed, authority, trusted
 from worlds.input_error import InputError
 
 NAME = socket.gethostname()

@@ -15,6 +15,7 @@ from viser import uplot
 
 from agents.flock import Flock
 from agents.spec import Spec
+from app.front.server import admit_browsers, close_server, open_server
 from app.viewer.lab.panels.laboratory_plots import Overlay
 from app.viewer.lab.panels.numbers_table import NumbersTable, tabled
 from app.viewer.measuring.flock_numbers import KEPT, EarlierRuns, Number, numbers
@@ -24,7 +25,6 @@ from app.viewer.measuring.run_conditions import MOST, ConditionHistory, RunCondi
 from app.viewer.panels.chart import KINDS, Chart, ChartContents, ChartCurve
 from app.viewer.panels.sending import Sender
 from app.viewer.run.paired_run import companion
-from app.viewer.web.server import admit_browsers, close_server, open_server
 
 ORDER = ("polarisation", "angular-momentum")
 

@@ -10,10 +10,10 @@ import pytest
 from PIL import Image
 from viser import _messages as messages
 
-from app.viewer.web.incoming.kinds import RENDER
-from app.viewer.web.incoming.messages import BYTES, Messages
-from app.viewer.web.incoming.rate_limit import RateLimit
-from app.viewer.web.renders import GROUND, RenderCamera, Renders
+from app.front.client_addresses import RateLimit
+from app.front.connection import BYTES, Messages
+from app.front.kinds import RENDER
+from app.front.renders import GROUND, RenderCamera, Renders
 from worlds.input_error import InputError
 
 EYE = RenderCamera(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]), 0.5)

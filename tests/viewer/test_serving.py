@@ -14,9 +14,7 @@ from http import HTTPStatus
 import pytest
 import viser
 
-from app.viewer.web.origin import allowed
-from app.viewer.web.server import admit_browsers, close_server, open_server
-from app.viewer.web.serving.client_page import (
+from app.front.client_page import (
     ALPHABET,
     SCRIPTS,
     Scripts,
@@ -25,8 +23,9 @@ from app.viewer.web.serving.client_page import (
     unpacked,
     viser_page,
 )
-from app.viewer.web.serving.front import Front, words
-from app.viewer.web.serving.query import MOST, leads_elsewhere
+from app.front.origin import allowed
+from app.front.page_front import MOST, Front, leads_elsewhere, words
+from app.front.server import admit_browsers, close_server, open_server
 from tests.viewer.http_client import ask, tell, upgrade
 from worlds.input_error import InputError
 
@@ -275,7 +274,7 @@ def test_base_88_is_that_of_the_loader():
     ],
 )
 def test_a_page_that_viser_builds_otherwise_is_refused_in_one_line(monkeypatch, page):
-    monkeypatch.setattr("app.viewer.web.serving.client_page.viser_page", lambda: page)
+    monkeypatch.setattr("app.front.client_page.viser_page", lambda: page)
     with pytest.raises(InputError, match=f"the page of viser {viser.__version__}") as refused:
         client_page.__wrapped__(())
     assert "\n" not in str(refused.value)
@@ -303,7 +302,7 @@ def test_an_allowed_name_reaches_the_page_and_its_websocket():
 def test_pages_are_read_as_utf_8_whatever_the_machine_is_set_to():
     makes = (
         "from app.viewer.panels.shell import CSS; from app.classroom.front.pages import own_page; "
-        "from app.viewer.web.serving.client_page import client_page; "
+        "from app.front.client_page import client_page; "
         "from app.viewer.lab.scene_requests import SCRIPTS; "
         "own_page('class.html', ('classroom/student.js',)); client_page(SCRIPTS)"
     )

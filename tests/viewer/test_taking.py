@@ -13,11 +13,11 @@ import pytest
 from imageio_ffmpeg import count_frames_and_secs
 from PIL import Image
 
+from app.front.server import renders_of
 from app.viewer.lab import picture_exporter
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.pictures.browser import darkened
 from app.viewer.run.run_preset import at_home
-from app.viewer.web.server import renders_of
 from tests.viewer.http_client import ask
 from tests.viewer.waiting import until
 from worlds.input_error import InputError

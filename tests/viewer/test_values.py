@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.viewer.web.values import UnusableError, one_of, within
+from app.front.controls import UnusableError, one_of, within
 
 HOSTILE = st.recursive(
     st.none()

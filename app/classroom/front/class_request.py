@@ -11,8 +11,8 @@ from aiohttp import web
 from websockets.datastructures import Headers
 from websockets.http11 import Request
 
-from app.viewer.web.origin import AllowedHost
-from app.viewer.web.serving.front import refusal
+from app.front.origin import AllowedHost
+from app.front.page_front import refusal
 from worlds.input_error import InputError
 
 MARK, WORD = "X-Flockscope", "class"

@@ -8,7 +8,7 @@ from typing import Any
 
 from aiohttp import web
 
-from app.viewer.web.incoming.client_addresses import address_of
+from app.front.client_addresses import address_of
 
 MOST = 2048
 """Open connections in all: of a class of forty some two hundred."""

@@ -10,9 +10,8 @@ from app.classroom.front.class_request import form_of
 from app.classroom.front.limits import JOINS, STRANGERS
 from app.classroom.front.pages import THEME, Page, own_page
 from app.classroom.student import Student
-from app.viewer.web.incoming.client_addresses import address_of
-from app.viewer.web.incoming.rate_limit import RateLimit
-from app.viewer.web.serving.headers import POLICY
+from app.front.client_addresses import RateLimit, address_of
+from app.front.page_front import POLICY
 from worlds.input_error import InputError
 
 LASTS = 12 * 3600

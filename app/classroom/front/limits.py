@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.viewer.web.incoming.kinds import LARGEST
-from app.viewer.web.incoming.rate_limit import RateLimit
+from app.front.client_addresses import RateLimit
+from app.front.kinds import LARGEST
 
 REQUESTS = (10.0, 60.0)
 """Requests by HTTP, a second and at once: a page loads ten files, its gallery twenty pictures."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cache
 from string import Template
 
+from app.front.client_page import font_face, hashed
+from app.front.page_front import policy
 from app.package_files import STATIC
-from app.viewer.web.serving.client_page import font_face, hashed
-from app.viewer.web.serving.headers import policy
 
 FOLDER = STATIC / "classroom"
 THEME = "classroom/theme.js"

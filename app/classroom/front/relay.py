@@ -16,8 +16,8 @@ from yarl import URL
 
 from app.classroom.front.limits import StudentLimits
 from app.classroom.student import LaboratoryAddress
-from app.viewer.web.incoming.connection import PROTOCOL
-from app.viewer.web.incoming.kinds import CAMERA, LARGEST, UnusableMessage, kind_of
+from app.front.kinds import CAMERA, LARGEST, UnusableMessage, kind_of
+from app.front.viser_internals import PROTOCOL
 
 HEARTBEAT = 30.0
 """Seconds between two looks whether a page that says nothing is there still."""

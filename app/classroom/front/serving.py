@@ -22,14 +22,12 @@ from app.classroom.front.relay import Ending, Relay, camera_alone
 from app.classroom.front.student_requests import StudentRequests
 from app.classroom.front.teacher_requests import TeacherRequests
 from app.classroom.student import LaboratoryAddress, Role, Student
+from app.front.client_page import ClientPage, client_page
+from app.front.log import Log, in_a_line, log_failures, logger
+from app.front.origin import AllowedHost, authority, elsewhere, here
+from app.front.page_front import CLOSED, FIXED, POLICY, policy
+from app.front.server import listening
 from app.viewer.lab.scene_requests import MARK, SCRIPTS
-from app.viewer.web.addresses import elsewhere, here
-from app.viewer.web.incoming.failures import in_a_line, log_failures, logger
-from app.viewer.web.incoming.log import Log
-from app.viewer.web.origin import AllowedHost, authority
-from app.viewer.web.server import listening
-from app.viewer.web.serving.client_page import ClientPage, client_page
-from app.viewer.web.serving.headers import CLOSED, FIXED, POLICY, policy
 from worlds.input_error import InputError
 
 IDLE = 20.0

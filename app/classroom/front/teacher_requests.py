@@ -18,7 +18,7 @@ from app.classroom.front.class_request import READING, numbers_in, text_in, valu
 from app.classroom.front.events import stream
 from app.classroom.front.pages import own_page
 from app.classroom.student import Role, Student
-from app.viewer.web.serving.headers import POLICY
+from app.front.page_front import POLICY
 from worlds.input_error import InputError
 
 Values = dict[str, Any]

@@ -18,14 +18,14 @@ from dataclasses import replace
 from typing import Any, BinaryIO
 
 from app.classroom.workers.laboratory_status import LaboratoryStatus, seen
+from app.front.client_addresses import BEHIND_A_FRONT
+from app.front.page_front import Front
+from app.front.server import open_server
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import SCRIPTS
 from app.viewer.run.allowance import Allowance
 from app.viewer.watching.watch_page import WatchPage
-from app.viewer.web.incoming.client_addresses import BEHIND_A_FRONT
-from app.viewer.web.server import open_server
-from app.viewer.web.serving.front import Front
 from worlds.input_error import InputError
 
 LENGTH = struct.Struct("!I")

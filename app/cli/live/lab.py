@@ -52,9 +52,9 @@ def lab(
     Space or Esc in any browser is the emergency stop. Keys in the terminal: a arms, space or any
     other key is the emergency stop, r resets it, d disarms, q leaves.
     """
+    from app.front.origin import allowed
     from app.live.device_kinds import EMULATED
     from app.live.operating.lab_choices import laboratory
-    from app.viewer.web.origin import allowed
 
     if record is not None:
         demand_parquet("--record")

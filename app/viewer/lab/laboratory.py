@@ -15,6 +15,12 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.of_agents import measurable
 from agents.spec import Spec
+from app.front.controls import show
+from app.front.notices import Notices
+from app.front.origin import AllowedHost, here
+from app.front.page_front import Front
+from app.front.server import admit_browsers, close_server, front_of, open_server, when_heard
+from app.front.uploads import accept_uploads
 from app.results_folder import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.downloads import Downloads, SceneFiles
@@ -50,19 +56,6 @@ from app.viewer.scene.shown.colouring import COLOURINGS
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.frame_interpolator import FrameInterpolator
-from app.viewer.web.addresses import here
-from app.viewer.web.notices import Notices
-from app.viewer.web.origin import AllowedHost
-from app.viewer.web.server import (
-    admit_browsers,
-    close_server,
-    front_of,
-    open_server,
-    when_heard,
-)
-from app.viewer.web.serving.front import Front
-from app.viewer.web.uploads import accept_uploads
-from app.viewer.web.values import show
 
 FROM_THE_START = ", from tick 0"
 """Said of a scene that is made of a state or a recording: it has their run, not their tick."""

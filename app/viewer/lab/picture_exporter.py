@@ -25,6 +25,10 @@ from PIL import Image
 from websockets.http11 import Request, Response
 
 from agents.catalogue import MODELS
+from app.front.client_addresses import RateLimit
+from app.front.page_front import content, words
+from app.front.renders import MOST, RenderCamera
+from app.front.server import front_of, renders_of
 from app.viewer.panels.sending import ExportPermit
 from app.viewer.pictures import key
 from app.viewer.pictures.browser import SeenSheet, as_png
@@ -36,10 +40,6 @@ from app.viewer.run.simulation import Simulation
 from app.viewer.scene.draw.drawn_frame import picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.drawing import Drawing
-from app.viewer.web.incoming.rate_limit import RateLimit
-from app.viewer.web.renders import MOST, RenderCamera
-from app.viewer.web.server import front_of, renders_of
-from app.viewer.web.serving.front import content, words
 from worlds.input_error import InputError
 
 # Films of what one browser sees, from when it says so until it says stop: its own pictures, in its

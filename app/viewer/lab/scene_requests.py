@@ -13,9 +13,9 @@ from urllib.parse import parse_qs, quote
 
 from websockets.http11 import Request, Response
 
+from app.front.page_front import Answering, Front, content, words
 from app.viewer.gallery.saved_scene import SavedScene, command_line, packed, python
 from app.viewer.gallery.scene_collection import GalleryCard, cards, find_scene, pictures
-from app.viewer.web.serving.front import Answering, Front, content, words
 from worlds.input_error import InputError
 
 SCRIPTS = ("gallery.js", "take.js", "card.js", "sweep.js")

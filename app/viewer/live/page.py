@@ -9,6 +9,10 @@ from pathlib import Path
 import numpy as np
 import viser
 
+from app.front.notices import Notices
+from app.front.origin import AllowedHost, here
+from app.front.page_front import Front
+from app.front.server import admit_browsers, close_server, open_server, stops
 from app.live.operating.lab_choices import Choices
 from app.viewer.live.panels.live_plots import LivePlots
 from app.viewer.live.panels.log_panel import LogPanel
@@ -27,11 +31,6 @@ from app.viewer.scene.drawing import PANELS, Drawing
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.web.addresses import here
-from app.viewer.web.notices import Notices
-from app.viewer.web.origin import AllowedHost
-from app.viewer.web.server import admit_browsers, close_server, open_server, stops
-from app.viewer.web.serving.front import Front
 
 BANNER = 0.1
 """Time between two updates of the banner, s."""

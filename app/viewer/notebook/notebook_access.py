@@ -15,8 +15,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from app.viewer.web.addresses import EVERYWHERE, LOOPBACK, here
-from app.viewer.web.origin import PORTS, AllowedHost, allowed
+from app.front.origin import EVERYWHERE, LOOPBACK, PORTS, AllowedHost, allowed, here
 from worlds.input_error import InputError, unknown
 
 AUTO, PORT, PROXY = "auto", "port", "proxy"

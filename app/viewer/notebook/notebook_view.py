@@ -19,13 +19,13 @@ from typing import Any
 
 from agents.flock import Flock
 from agents.spec import whole
+from app.front.page_front import Front
+from app.front.server import close_server, open_server
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import SCRIPTS
 from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.notebook.notebook_access import NotebookAccess, find_place
 from app.viewer.run.stored_flock import InMemoryFlock
-from app.viewer.web.server import close_server, open_server
-from app.viewer.web.serving.front import Front
 from worlds.input_error import InputError
 
 LEAST, MOST = 240, 4000

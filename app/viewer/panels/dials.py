@@ -20,6 +20,7 @@ from typing import Any
 import viser
 
 from agents.models.declare import DeclaredParameter, Range, above, below, is_wide
+from app.front.viser_internals import identifier
 from app.viewer.scene.shown.control import Control
 
 # The papers' symbols for places that know no LaTeX, and their equations as pictures.
@@ -159,13 +160,13 @@ class Dials:
         """Tell the page what sliders span and what is not at its default, if it is new."""
         for dial in self.dials:
             dial.fit()
-        now = [(dial.control._impl.uuid, dial.shown) for dial in self.dials]
+        now = [(identifier(dial.control), dial.shown) for dial in self.dials]
         if now != self.told:
             self.told = now
-            told = {dial.control._impl.uuid: dial.told() for dial in self.dials}
+            told = {identifier(dial.control): dial.told() for dial in self.dials}
             text = html.escape(json.dumps(told, separators=(",", ":")))
             self.place.content = f'<div data-dials="{text}" hidden></div>'
-        marked = [made._impl.uuid for one, made in self.controls if made.value != one.default]
+        marked = [identifier(made) for one, made in self.controls if made.value != one.default]
         content = marks(marked)
         if content != self.marks.content:
             self.marks.content = content

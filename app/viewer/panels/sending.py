@@ -10,8 +10,8 @@ from contextlib import contextmanager, nullcontext
 
 import viser
 
+from app.front.client_addresses import RateLimit
 from app.viewer.run.allowance import Allowance
-from app.viewer.web.incoming.rate_limit import RateLimit
 from worlds.input_error import InputError
 
 # Which files may be made for browsers, and when: many pages may ask one machine for them.

@@ -7,6 +7,7 @@ from typing import Any
 
 import viser
 
+from app.front.controls import show
 from app.viewer.panels.dials import Form
 from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
 from app.viewer.scene.shown.control import Control
@@ -18,7 +19,6 @@ from app.viewer.scene.shown.drawing_style import (
     DrawingStyle,
 )
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.web.values import show
 
 Point = Callable[[viser.ClientHandle, str], None]
 """Turns the camera of a browser."""

@@ -22,6 +22,9 @@ import numpy as np
 import viser
 from PIL import Image
 
+from app.front.page_front import Front
+from app.front.renders import LEAST, RenderCamera
+from app.front.server import admit_browsers, close_server, open_server, renders_of
 from app.viewer.pictures import key
 from app.viewer.pictures.picture_sheet import Sheet
 from app.viewer.pictures.plane import Plots
@@ -32,9 +35,6 @@ from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.web.renders import LEAST, RenderCamera
-from app.viewer.web.server import admit_browsers, close_server, open_server, renders_of
-from app.viewer.web.serving.front import Front
 from worlds.input_error import InputError
 
 # What a browser shows, on a sheet with what its colours mean, a scale, and which run it is.

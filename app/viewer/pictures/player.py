@@ -10,16 +10,16 @@ from typing import Any
 
 import numpy as np
 import viser
-from viser import _messages as messages
 
 from agents.snapshot import Snapshot
+from app.front.server import close_server, open_server
+from app.front.viser_internals import change_updates
 from app.viewer.pictures import key
 from app.viewer.pictures.picture_camera import PRESETS, USUAL, CameraRequest
 from app.viewer.pictures.shot import Shot, frame_of, look_of, shot
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.drawing_style import DrawingStyle, as_birds
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.web.server import close_server, open_server
 from worlds.input_error import InputError
 
 GRIDS = {"batched_positions": 256.0, "position": 256.0, "batched_wxyzs": 128.0,
@@ -151,8 +151,7 @@ def rounding(wanted: Callable[[Any], bool]) -> Callable[[Any], bool]:
     def rounded(message: Any) -> bool:
         if not wanted(message):
             return False
-        if isinstance(message, messages.SceneNodeUpdateMessage):
-            message.updates = {name: coarse(name, one) for name, one in message.updates.items()}
+        change_updates(message, coarse)
         return True
 
     return rounded

@@ -8,10 +8,10 @@ from collections import deque
 from collections.abc import Callable
 
 from agents.spec import Spec
+from app.front.client_addresses import RateLimit
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.stored_flock import Beginning
-from app.viewer.web.incoming.rate_limit import RateLimit
 from worlds.input_error import InputError
 from worlds.world import World
 

@@ -15,6 +15,11 @@ import viser
 
 from agents.catalogue import MODELS
 from agents.models.declare import DeclaredParameter, declared
+from app.front.client_addresses import USUAL, ConnectionLimits
+from app.front.kinds import CAMERA, Kind
+from app.front.origin import here
+from app.front.page_front import Front
+from app.front.server import admit_browsers, close_server, open_server, when_heard
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.flock_monitors import BLOCKS
 from app.viewer.lab.panels.laboratory_plots import EARLIER
@@ -37,11 +42,6 @@ from app.viewer.watching.watcher import (
     Watcher,
     wanted,
 )
-from app.viewer.web.addresses import here
-from app.viewer.web.incoming.client_addresses import USUAL, ConnectionLimits
-from app.viewer.web.incoming.kinds import CAMERA, Kind
-from app.viewer.web.server import admit_browsers, close_server, open_server, when_heard
-from app.viewer.web.serving.front import Front
 
 # What is told of the run to those who watch it: whose it is, how it stands, and its parameters.
 

@@ -15,6 +15,7 @@ from viser import ClientHandle, ViserServer
 from agents.inspection import Inspection
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES, usual_charts
+from app.front.controls import show
 from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.lab.panels.laboratory_plots import WINDOWS, Overlay
 from app.viewer.measuring.flock_numbers import EarlierRuns
@@ -28,7 +29,6 @@ from app.viewer.scene.marks.zone_marks import ZoneMarks
 from app.viewer.scene.scene import ROOT, Scene
 from app.viewer.scene.shown.drawing_style import CAMERA, CAMERAS, RIDE, DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.web.values import show
 
 # What one browser sees of the agent that it has chosen, and no other browser does.
 #

@@ -16,6 +16,7 @@ from agents.inspection import UNSEEN, Inspection
 from agents.models.model import whole
 from agents.observables.of_agents import ON_ITS_WAY
 from agents.state.agent_rows import CAUSES, Crashes
+from app.front.viser_internals import identifier
 from app.viewer.measuring import observable_format
 from app.viewer.panels.dials import sight
 from app.viewer.panels.shell import block, table
@@ -255,7 +256,7 @@ class Inspector:
         place = " ".join(f"{one:.4f}" for one in np.asarray(at, float))
         mark = f'data-agent="{html.escape(frame.title)} {frame.ids[row]}" data-at="{place}"'
         self.head.content = block(
-            f'<div class="fs-agent" data-panel="{self.panel._impl.uuid}" {mark}>{words}</div>'
+            f'<div class="fs-agent" data-panel="{identifier(self.panel)}" {mark}>{words}</div>'
         )
         for name, (folder, content) in self.folds.items():
             sight(folder, name in told)

@@ -14,6 +14,7 @@ from viser import uplot
 
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES, usual_charts
+from app.front.controls import show
 from app.viewer.measuring.flock_numbers import EarlierRuns
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_curves import (
@@ -34,7 +35,6 @@ from app.viewer.panels.sending import ExportPermit, Sender
 from app.viewer.panels.shell import BLUE, GREEN, key
 from app.viewer.run.paired_run import ratio
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.web.values import show
 
 # What the plots of a page show: the flocks of now, and under them the runs before.
 

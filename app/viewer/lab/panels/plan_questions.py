@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import viser
-from viser._gui_handles import GuiModalHandle
 
+from app.front.viser_internals import GuiModalHandle
 from app.viewer.panels.shell import block
 from app.viewer.run.simulation import Simulation
 from worlds.readers.drawing_contents import PlanChoice, PlanQuestion

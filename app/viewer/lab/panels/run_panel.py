@@ -9,6 +9,7 @@ import time
 import viser
 
 from agents.catalogue import MODELS
+from app.front.controls import show
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.panels.shell import GREEN, GREY, ORANGE, VIOLET, block
@@ -16,7 +17,6 @@ from app.viewer.run.kernel_compiler import CompileEstimate
 from app.viewer.run.run_preset import lively_speed
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
-from app.viewer.web.values import show
 
 SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 200.0, 1000.0, math.inf)
 """Ticks per second to choose from."""

@@ -12,12 +12,12 @@ from agents.catalogue import MODELS
 from agents.conditions import Conditions
 from agents.models.model import Model
 from agents.spec import OPTIONS, Options, Spec
+from app.front.controls import show
 from app.viewer.panels.dials import handle
 from app.viewer.panels.shell import block
 from app.viewer.run.run_preset import MOST_AGENTS, at_home, home, titled, world_titles
 from app.viewer.run.simulation_state import SimulationState
 from app.viewer.scene.shown.control import Control
-from app.viewer.web.values import show
 from worlds.world import World
 
 DIMENSIONS = {"2-D": 2, "3-D": 3}

@@ -14,6 +14,8 @@ import viser
 from agents.catalogue import MODELS
 from agents.models.declare import DeclaredParameter, is_wide
 from agents.observables.catalogue import OBSERVABLES, usual_charts
+from app.front.controls import show
+from app.front.viser_internals import identifier
 from app.viewer.lab.sweeps import sweep_request
 from app.viewer.lab.sweeps.laboratory_sweeps import SweepPanelState, Sweeps
 from app.viewer.lab.sweeps.stored_sweeps import (
@@ -39,7 +41,6 @@ from app.viewer.panels.parameters import worded
 from app.viewer.panels.shell import GREEN, GREY, ORANGE, block
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
-from app.viewer.web.values import show
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
 
@@ -266,7 +267,7 @@ class SweepPanel:
             return
         self.offer(state.spec.model, offered)
         marks = {
-            control._impl.uuid: name
+            identifier(control): name
             for name, control in controls.items()
             if name in self.first.names.values()
         }

@@ -7,11 +7,11 @@ import time
 
 import viser
 
+from app.front.controls import show
 from app.viewer.panels.shell import block
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState, TimeLineState
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.web.values import show
 
 GO_ON, TO_NOW = "Go on from here", "Back to now"
 HELD = 0.5

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import viser
 
+from app.front.controls import show
 from app.viewer.editing import forms
 from app.viewer.editing.editor import Editor
 from app.viewer.editing.free_places import floor_place, obstacle_hit
@@ -20,7 +21,6 @@ from app.viewer.run.edits import ignoring_gone
 from app.viewer.run.simulation import Simulation
 from app.viewer.scene.marks.handles import Drag, Marks
 from app.viewer.scene.marks.obstacle_marks import drawn_height
-from app.viewer.web.values import show
 from worlds.obstacles import rectangle
 from worlds.world import World
 

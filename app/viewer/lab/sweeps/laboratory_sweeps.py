@@ -23,6 +23,7 @@ from websockets.http11 import Request, Response
 
 from agents.catalogue import FILES, MODELS
 from agents.observables.catalogue import OBSERVABLES
+from app.front.page_front import words
 from app.studies.key_lines import KeyLocations
 from app.studies.runs.database import FILE
 from app.studies.runs.store import is_taken
@@ -48,7 +49,6 @@ from app.viewer.lab.sweeps.sweep_request import (
     demand,
     workers,
 )
-from app.viewer.web.serving.front import words
 from worlds.file_writer import write_text
 from worlds.input_error import InputError
 from worlds.layout import layout_names

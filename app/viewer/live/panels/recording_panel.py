@@ -8,12 +8,12 @@ from pathlib import Path
 
 import viser
 
+from app.front.controls import show
 from app.viewer.live.panels.state_panel import whose
 from app.viewer.live.room_replay import listed, size
 from app.viewer.live.session import Session
 from app.viewer.live.session_requests import SessionState
 from app.viewer.panels.shell import block
-from app.viewer.web.values import show
 
 NONE = "none"
 LOOK = 1.0

@@ -9,6 +9,7 @@ from typing import Any
 
 import viser
 
+from app.front.controls import show
 from app.live.control.injected_target import Injection
 from app.live.control.loop_status import Status
 from app.live.control.safety_limits import CarLimits
@@ -28,7 +29,6 @@ from app.viewer.scene.shown.drawing_style import (
     DrawingStyle,
     turns,
 )
-from app.viewer.web.values import show
 
 # What the picture of a live room shows.
 

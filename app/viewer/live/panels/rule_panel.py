@@ -10,6 +10,7 @@ from typing import Any
 import viser
 
 from agents.models.declare import DeclaredParameter, declared
+from app.front.controls import show
 from app.live.operating.flock_driver import NOT_SIMULATED
 from app.viewer.live.panels.state_panel import whose
 from app.viewer.live.session import Session
@@ -17,7 +18,6 @@ from app.viewer.live.session_requests import SessionState
 from app.viewer.panels.dials import Dials
 from app.viewer.panels.parameters import add_control, sides
 from app.viewer.panels.shell import block
-from app.viewer.web.values import show
 
 CHOOSING = (
     "What drives the cars: another one can be chosen while they are not armed, and the room is "

@@ -10,14 +10,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 import viser
-from viser._gui_handles import GuiModalHandle
 
+from app.front.controls import show
+from app.front.viser_internals import GuiModalHandle, identifier
 from app.live.control.loop_status import Status
 from app.live.links.link import RUN
 from app.viewer.live.session import TRIES, Session
 from app.viewer.live.session_requests import SessionState
 from app.viewer.panels.shell import block
-from app.viewer.web.values import show
 
 # The banner at the top of the panel: the state of the cars in large, plain words.
 
@@ -220,7 +220,7 @@ class StatePanel:
             color="red",
             hint="Stops all cars at once, and latches. Space and Esc do it too, in any browser",
         )
-        gui.add_html(button_style(self.stop._impl.uuid))
+        gui.add_html(button_style(identifier(self.stop)))
         self.banner = gui.add_html("")
         self.arm = gui.add_button(
             "Arm …",

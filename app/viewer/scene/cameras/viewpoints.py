@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from viser import CameraHandle, ClientHandle, ViserServer
 
+from app.front.viser_internals import camera_report
 from app.viewer.scene.cameras.camera import CameraView, Ride, view
 from app.viewer.scene.draw.drawn_frame import Picture
 from app.viewer.scene.draw.stage import Stage
@@ -69,7 +70,7 @@ class SavedCamera:
 
     def is_left(self, camera: CameraHandle) -> bool:
         """Whether a person has moved the camera since."""
-        if camera._state is self.told:
+        if camera_report(camera) is self.told:
             return False
         there = self.has(camera)
         self.arrived |= there or time.monotonic() > self.since + ARRIVES
@@ -140,7 +141,7 @@ class Viewpoints:
             high[2] = max(high[2], risen(self._sights[0].picture))
         aspect = _aspect(client)
         wanted = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
-        told = client.camera._state
+        told = camera_report(client.camera)
         stand = SavedCamera(name, wanted, aspect, time.monotonic(), shows, run, told, leans)
         self._keep(self._stands, client, stand)
         _set(client, wanted)

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from PIL import Image
 from viser import SceneApi
-from viser import _messages as messages
 
+from app.front.viser_internals import show_background
 from app.viewer.scene.draw.drawn_frame import Changes, Picture
 from app.viewer.scene.draw.shapes import box_edges
 from app.viewer.scene.draw.solids import border, panes, prism, rims
@@ -107,9 +107,7 @@ def set_light(scene: SceneApi) -> None:
         cast_shadow=True,
         position=SUN,
     )
-    scene._websock_interface.queue_message(
-        messages.BackgroundImageMessage(format="png", rgb_data=sky(), depth_data=None)
-    )
+    show_background(scene, sky())
 
 
 def sky() -> bytes:

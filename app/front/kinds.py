@@ -10,8 +10,8 @@ from functools import cache
 from typing import Any, Union, get_args, get_origin
 
 import msgspec
-from viser import _messages as messages
-from viser.infra._messages import get_type_hints_cached
+
+from app.front.viser_internals import message_class, message_hints, message_kinds
 
 LONGEST = 16 * 1024
 """Bytes of a message that brings no file."""
@@ -51,7 +51,7 @@ KINDS = {
     RENDER: Kind(40.0, 60.0, LARGEST),
 }
 """Of these a laboratory hears, and of no others."""
-KNOWN = frozenset(messages.Message._subclass_from_type_string())
+KNOWN = message_kinds()
 """All kinds that viser knows."""
 
 
@@ -92,8 +92,7 @@ def demand_shape(kind: str, data: bytes) -> None:
 @cache
 def shape(kind: str) -> msgspec.msgpack.Decoder:
     """What decodes a kind as strictly as viser has declared it."""
-    declared: Any = messages.Message._subclass_from_type_string()[kind]
-    hints = get_type_hints_cached(declared)
+    declared, hints = message_class(kind), message_hints(kind)
     made: list[Any] = [("type", str)]
     for one in fields(declared):
         if one.name in hints and one.init:

@@ -20,8 +20,8 @@ import msgspec
 import numpy as np
 import viser
 from PIL import Image
-from viser import _messages as messages
 
+from app.front.viser_internals import handle_messages, is_connected, messages, send
 from worlds.input_error import InputError
 
 LEAST, MOST = 64, 3840
@@ -116,7 +116,6 @@ class Renders:
         with self.lock:
             self.awaited[name] = wanted
         try:
-            client._viser_server.flush()
             request = messages.GetRenderRequestMessage(
                 format="image/png" if exact else "image/jpeg",
                 height=tall,
@@ -127,8 +126,7 @@ class Renders:
                 fov=eye.fov,
                 render_uuid=name,
             )
-            client._websock_connection.queue_message(request)
-            client.flush()
+            send(client, request)
             return opened(self.wait(client, wanted, timeout), size)
         finally:
             with self.lock:
@@ -142,7 +140,7 @@ class Renders:
                 return wanted.answer.result(min(LOOK, timeout))
             except Late:
                 pass
-            if client.client_id not in client._viser_server._connected_clients:
+            if not is_connected(client):
                 raise InputError("the browser has gone")
             if time.monotonic() > until:
                 raise InputError(
@@ -182,4 +180,4 @@ def before_ground(picture: Image.Image) -> np.ndarray:
 
 def accept_renders(server: viser.ViserServer, renders: Renders) -> None:
     """Let the pictures in that were asked for."""
-    server._websock_server.register_handler(messages.GetRenderResponseMessage, renders.take)
+    handle_messages(server, messages.GetRenderResponseMessage, renders.take)

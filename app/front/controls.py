@@ -1,4 +1,4 @@
-"""Lets only usable values of a browser through to a control."""
+"""What browsers give to controls and handles, before viser and other browsers see it."""
 
 from __future__ import annotations
 
@@ -6,6 +6,11 @@ import math
 from typing import Any
 
 import viser
+
+from app.front.client_addresses import RateLimit
+from app.front.viser_internals import guard_drags, guard_updates
+
+# Lets only usable values of a browser through to a control.
 
 LONGEST_TEXT = 200
 
@@ -80,3 +85,55 @@ def usable(control: Any, value: Any) -> Any:
 def show(control: Any, value: Any) -> None:
     """Give a control a value in all browsers; viser's types do not say that one may."""
     control.value = value
+
+
+PRESSES = (10.0, 20.0)
+"""Presses of buttons by one browser, a second and at once; a value costs far less than what a
+button begins."""
+BUTTONS = (viser.GuiButtonHandle, viser.GuiButtonGroupHandle)
+
+
+class ButtonPresses:
+    """The presses of every browser that is there; used by viser's thread."""
+
+    def __init__(self) -> None:
+        self.limits: dict[int, RateLimit] = {}
+
+    def take(self, browser: int) -> bool:
+        """Whether a browser may press a button now."""
+        return self.limits.setdefault(browser, RateLimit(*PRESSES)).take()
+
+    def forget(self, browser: int) -> None:
+        """A browser is gone."""
+        self.limits.pop(browser, None)
+
+
+def guard(server: viser.ViserServer) -> None:
+    """Look at all that browsers give to the controls of a server."""
+    presses = ButtonPresses()
+    guard_controls(server.gui, presses)
+
+    async def guard_own(client: viser.ClientHandle) -> None:
+        guard_controls(client.gui, presses)
+
+    async def forget(client: viser.ClientHandle) -> None:
+        presses.forget(client.client_id)
+
+    server.on_client_connect(guard_own)
+    server.on_client_disconnect(forget)
+
+
+def guard_controls(gui: viser.GuiApi, presses: ButtonPresses) -> None:
+    """Clamp what browsers send before viser, callbacks and other browsers see it."""
+
+    def check(browser: int, control: Any, updates: dict[str, Any]) -> tuple[bool, Any]:
+        sent = updates["value"]
+        if isinstance(control, BUTTONS) and not presses.take(browser):
+            return False, sent
+        try:
+            return True, usable(control, sent)
+        except UnusableError:
+            return False, control.value
+
+    guard_updates(gui, check)
+    guard_drags(gui, is_pose)

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 import viser
-from viser import _messages as messages
+
+from app.front.viser_internals import UploadStates, handle_messages, messages, send_to_all
 
 AT_ONCE = 4
 """Files on their way at the same time at most."""
@@ -28,8 +29,8 @@ def accept_uploads(
 
     A file whose browser leaves, or that stands still, makes room for others.
     """
-    gui, socket = server.gui, server._websock_server
-    under_way = gui._current_file_upload_states
+    uploads = UploadStates(server)
+    under_way = uploads.under_way
     heard: dict[str, float] = {}
     """When each file was last heard of, s."""
 
@@ -40,21 +41,21 @@ def accept_uploads(
             del heard[transfer], under_way[transfer]
 
     def start(client_id: Any, message: messages.FileTransferStartUpload) -> None:
-        if not well_formed(message) or client_id not in server._connected_clients:
+        if not well_formed(message) or not uploads.has_browser(client_id):
             return
         give_up()
         if message.transfer_uuid in under_way:
             return
-        button = gui._gui_input_handle_from_uuid.get(message.source_component_uuid)
+        button = uploads.control(message.source_component_uuid)
         own = [one for one in under_way.values() if one["client_id"] == client_id]
         if not isinstance(button, viser.GuiUploadButtonHandle) or button.disabled:
             return
         if message.size_bytes > largest or own or len(under_way) >= AT_ONCE:
-            end_progress(socket, message)
+            end_progress(server, message)
             too_large = bound.format(largest) if message.size_bytes > largest else ""
             tell(server, client_id, message, too_large)
             return
-        gui._handle_file_transfer_start(client_id, message)
+        uploads.start(client_id, message)
         heard[message.transfer_uuid] = clock()
 
     def part(client_id: Any, message: messages.FileTransferPart) -> None:
@@ -67,14 +68,11 @@ def accept_uploads(
             under_way.pop(message.transfer_uuid, None)
             return
         heard[message.transfer_uuid] = clock()
-        gui._handle_file_transfer_part(client_id, message)
+        uploads.add(client_id, message)
 
-    async def leave(connection: Any) -> None:
-        gui._drop_uploads_from_client(connection.client_id)
-
-    socket.on_client_disconnect(leave)
-    socket.register_handler(messages.FileTransferStartUpload, start)
-    socket.register_handler(messages.FileTransferPart, part)
+    uploads.when_browsers_leave()
+    handle_messages(server, messages.FileTransferStartUpload, start)
+    handle_messages(server, messages.FileTransferPart, part)
 
 
 def well_formed(message: messages.FileTransferStartUpload) -> bool:
@@ -88,15 +86,16 @@ def well_formed(message: messages.FileTransferStartUpload) -> bool:
     )
 
 
-def end_progress(socket: Any, message: messages.FileTransferStartUpload) -> None:
+def end_progress(server: viser.ViserServer, message: messages.FileTransferStartUpload) -> None:
     """Let the browser think that all has arrived, so that its progress bar goes away."""
-    socket.queue_message(
+    send_to_all(
+        server,
         messages.FileTransferPartAck(
             source_component_uuid=message.source_component_uuid,
             transfer_uuid=message.transfer_uuid,
             transferred_bytes=message.size_bytes,
             total_bytes=message.size_bytes,
-        )
+        ),
     )
 
 

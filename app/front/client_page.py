@@ -12,12 +12,12 @@ import hashlib
 from dataclasses import dataclass
 from functools import lru_cache
 from html.parser import HTMLParser
-from pathlib import Path
 
 import numpy as np
 import viser
 import zstandard
 
+from app.front.viser_internals import PAGE
 from app.package_files import STATIC
 from worlds.input_error import InputError
 
@@ -87,7 +87,7 @@ def font_face() -> str:
 
 def viser_page() -> str:
     """The page that viser would serve."""
-    return (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text("utf-8")
+    return PAGE.read_text("utf-8")
 
 
 def hashed(script: bytes) -> str:

@@ -21,24 +21,28 @@ from weakref import WeakKeyDictionary
 
 import rich
 import viser
-import websockets.asyncio.server
-from viser import _messages as messages
 from websockets.http11 import Request, Response
 
-from app.viewer.web.icons import keep_icons_open
-from app.viewer.web.incoming.client_addresses import USUAL, ClientAddresses, ConnectionLimits
-from app.viewer.web.incoming.connection import FAREWELL, PROTOCOL, Connection
-from app.viewer.web.incoming.connection_acceptor import ConnectionAcceptor
-from app.viewer.web.incoming.controls import guard
-from app.viewer.web.incoming.failures import log_failures, logger
-from app.viewer.web.incoming.kinds import KINDS, LARGEST, Kind
-from app.viewer.web.incoming.log import Log
-from app.viewer.web.incoming.loop_event import hand_over
-from app.viewer.web.incoming.message_notifier import MessageNotifier
-from app.viewer.web.incoming.waiting import BEGINS, Admission
-from app.viewer.web.property_kinds import find_kinds_once
-from app.viewer.web.renders import Renders, accept_renders
-from app.viewer.web.serving.front import BEGINNING, Front, is_websocket, words
+from app.front.client_addresses import USUAL, ClientAddresses, ConnectionLimits
+from app.front.connection import FAREWELL, Connection
+from app.front.connection_acceptor import ConnectionAcceptor
+from app.front.controls import guard
+from app.front.kinds import KINDS, LARGEST, Kind
+from app.front.log import Log, log_failures, logger
+from app.front.page_front import BEGINNING, Front, is_websocket, words
+from app.front.renders import Renders, accept_renders
+from app.front.viser_internals import (
+    PROTOCOL,
+    drop_messages,
+    event_loop,
+    find_kinds_once,
+    keep_icons_open,
+    messages,
+    protocol_factory,
+    served_by,
+    use_loop_events,
+)
+from app.front.waiting import BEGINS, Admission, MessageNotifier
 from worlds.input_error import InputError
 
 UNWANTED = (
@@ -94,20 +98,18 @@ def open_server(
     `limits`: how many connections there may be, of all and of one address, and how soon more.
     Raises InputError if the port is busy or the host is not this machine's.
     """
-    hand_over()
+    use_loop_events()
     find_kinds_once()
     keep_icons_open()
     entrance = ServerEntrance(front or Front(), kinds, ClientAddresses(limits=limits))
     sock = listening(host, port)
     with starting, served_on(sock, entrance), quiet():
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
-    for kind in UNWANTED:
-        server._websock_server.unregister_handler(kind)
+    drop_messages(server, UNWANTED)
     guard(server)
     accept_renders(server, entrance.renders)
-    loop = server._event_loop
-    factory = entrance.inner.server._protocol_factory
-    inside = partial(loop.connect_accepted_socket, factory)
+    loop = event_loop(server)
+    inside = partial(loop.connect_accepted_socket, protocol_factory(entrance.inner))
     entrance.door = ConnectionAcceptor(sock, inside, loop, entrance.visitors, entrance.front.allow)
     entrances[server] = entrance
     return server
@@ -205,7 +207,6 @@ def served_on(sock: socket.socket, entrance: ServerEntrance) -> Iterator[None]:
 
     It takes no connections from the socket: they are brought in by the door.
     """
-    serve = websockets.asyncio.server.serve
     front, log = entrance.front, entrance.log
     own = {
         name: getattr(entrance, name) for name in ("kinds", "visitors", "log", "renders", "heard")
@@ -235,16 +236,13 @@ def served_on(sock: socket.socket, entrance: ServerEntrance) -> Iterator[None]:
             "process_response": finish,
             "logger": logger(log),
         }
-        made = serve(partial(of_one_version, handler), **(options | ours))
+        made = usual(partial(of_one_version, handler), **(options | ours))
         entrance.inner = made.server
-        made.server.is_serving = lambda: made.server.close_task is None  # type: ignore[method-assign]
+        made.server.is_serving = lambda: made.server.close_task is None
         return made
 
-    websockets.asyncio.server.serve = serve_here  # type: ignore[misc, assignment]
-    try:
+    with served_by(serve_here) as usual:
         yield
-    finally:
-        websockets.asyncio.server.serve = serve  # type: ignore[misc]
 
 
 async def of_one_version(handler: Any, connection: Any) -> None:

@@ -1,4 +1,4 @@
-"""What waits on viser's loop: pages for their turn, and all that is asked of a page that begins."""
+"""Tells whoever draws that a browser has sent something, so that nobody has to look for it."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from contextlib import suppress
 from typing import Any
 
 from websockets.http11 import Request, Response
+
+# What waits on viser's loop: pages for their turn, and all that is asked of a page that begins.
 
 BEGINS = 6.0
 """Seconds that a request waits for a page that begins; all has to be answered within 10."""
@@ -61,3 +63,27 @@ def in_turn(admitted: Callable[[], float | Response], answer: Any) -> Callable[.
         return None
 
     return answer_in_turn
+
+
+SOON = 0.002
+"""Time from a message to its being told of, s: by then it has been carried out. Of many within it
+one word is enough."""
+
+
+class MessageNotifier:
+    """Used by viser's thread; `tell` is called there."""
+
+    def __init__(self, tell: Callable[[], None] = lambda: None):
+        self.tell = tell
+        self.waiting = False
+
+    def note(self, loop: asyncio.AbstractEventLoop) -> None:
+        """A message goes to viser now."""
+        if not self.waiting:
+            self.waiting = True
+            loop.call_later(SOON, self.pass_on)
+
+    def pass_on(self) -> None:
+        """Tell of what has been carried out by now."""
+        self.waiting = False
+        self.tell()

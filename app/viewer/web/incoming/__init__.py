@@ -1,1 +1,0 @@
-"""What comes in from browsers: connections, messages and the emergency stop's own way."""
