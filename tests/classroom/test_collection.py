@@ -122,7 +122,7 @@ def test_mean_and_spread_are_those_of_scipy(seed):
 
 def test_one_run_that_two_hand_in_is_one_run():
     found = collected([told(1.5, 0.5, "a", 1), told(1.5, 0.5, "b", 1), told(1.5, 0.7, "c", 2)])
-    assert found.groups()[0].results == (0.5, 0.7)
+    assert found.groups()[0].values == (0.5, 0.7)
     assert found.told() == "3 results of 3 students; 1 run handed in twice, counted once"
 
 
@@ -137,7 +137,7 @@ def test_chosen_values_come_into_bins_that_leave_none_out(values):
     points = [told(value, value, f"S{k}", k) for k, value in enumerate(values)]
     groups = collected(points, CHOSEN).groups()
     assert sum(group.runs for group in groups) == len(values)
-    assert sorted(one for group in groups for one in group.results) == sorted(values)
+    assert sorted(one for group in groups for one in group.values) == sorted(values)
     for group, after in pairwise(groups):
         assert group.low <= group.value <= group.high < after.low
     if len(set(values)) <= 12:
@@ -222,7 +222,7 @@ def test_the_plot_of_a_page_is_small_json_without_nan():
     text = json.dumps(said, allow_nan=False)
     assert len(text) < 100 * len(found.points) + 1000
     assert json.loads(text) == said
-    noise = {"name": "eta", "title": "Noise", "symbol": "η", "unit": "rad"}
+    noise = {"name": "eta", "title": "Noise", "symbol": "η", "unit": "rad", "limits": [0.0, 6.24]}
     assert said["x"] == noise | {"log": False}
     assert said["points"][-1] == [30, "late", 6.0, None, True, ""]
     for row, group in zip(said["groups"], found.groups(), strict=True):

@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 
 from agents.flock import Flock
+from app.studies.charts.run_group import CellRuns
 from app.studies.runs.database import FILE, Outcome
 from app.studies.runs.store import Store, is_taken
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.checked_sweep import read_sweep
-from app.studies.sweeps.pictures.cell_runs import CellRuns
 from app.studies.sweeps.sweep_runner import SPEC, STOP
 from app.studies.sweeps.sweep_table import wide
 from app.viewer.lab.laboratory import Laboratory

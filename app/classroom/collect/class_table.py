@@ -190,6 +190,7 @@ def to_json(collection: Collection, curve: ClassCurve | None = None) -> dict[str
     """
     question = collection.question
     one = question.declared
+    along, up = collection.axis_limits(() if curve is None else curve.groups)
     return {
         "title": question.title,
         "x": {
@@ -198,11 +199,13 @@ def to_json(collection: Collection, curve: ClassCurve | None = None) -> dict[str
             "symbol": plain(one.symbol) if one is not None else "N",
             "unit": question.unit,
             "log": collection.is_log(() if curve is None else curve.values),
+            "limits": list(along),
         },
         "y": {
             "name": question.column,
             "title": question.result_words,
             "unit": question.result_unit,
+            "limits": list(up),
         },
         "told": collection.told(),
         "points": [

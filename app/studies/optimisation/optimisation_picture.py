@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from app.figure import LOOK, write_figure
+from app.figure import ENDINGS, NAMED, new_figure, write_figure
+from app.studies.charts.axis_limits import column_bounds, measure_limits
+from app.studies.charts.colour_table import COLOURS, PALE
+from app.studies.charts.mean_line import draw_missing, interval_sides
 from app.studies.optimisation.evaluations import EvaluatedPoint
 from app.studies.optimisation.optimisation_result import OptimisationResult
 from app.studies.optimisation.study import SearchGoal, Study
 from app.studies.search import TITLES
-from app.studies.sweeps.pictures.mean_lines import CENSORED, COLOURS
-from app.studies.sweeps.pictures.sweep_picture import ENDINGS
 from worlds.file_writer import demand_writable
 from worlds.number_text import counted
 
-TRIED, BEST, DEFAULT = "#9ecae1", COLOURS[0], COLOURS[1]
+TRIED, BEST, DEFAULT = PALE, COLOURS[0], COLOURS[1]
 
 
 def draw(
@@ -29,13 +31,7 @@ def draw(
 ) -> None:
     """Draw the convergence, and of two objectives the front: PNG, SVG or PDF. Raises InputError."""
     demand_writable("picture", path, overwrite, ENDINGS)
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
-        figure: Any = Figure(layout="constrained")
-        FigureCanvasAgg(figure)
+    with new_figure(NAMED) as figure:
         goals = study.goals
         figure.set_size_inches(7.2, 4.6 if len(goals) == 1 else 2.9 * len(goals) + 3.6)
         rows = len(goals) + (len(goals) > 1)
@@ -64,23 +60,21 @@ def draw_course(
         running = np.fmin.accumulate(goal.sign * values)
         panel.step(numbers, goal.sign * running, where="post", color=BEST, label="best so far")
     bad = numbers[~reached]
-    if bad.size:
-        foot = panel.get_xaxis_transform()
-        style = {"color": CENSORED, "linestyle": "", "marker": "v", "clip_on": False}
-        words = "not allowed, or without a value"
-        panel.plot(bad, [0.02] * bad.size, transform=foot, markersize=4, label=words, **style)
+    draw_missing(panel, bad.tolist(), (), ("not allowed, or without a value", ""))
     searched = answer.default.on_search[k]
     if searched is not None:
         panel.axhline(searched, color=DEFAULT, linewidth=1.0, label="the default, same seeds")
+    shown = [*values[reached], *([] if searched is None else [searched])]
     for one, colour, words in ((answer.default, DEFAULT, "default"), (chosen, COLOURS[2], "best")):
         mean = one.means[k] if one is not None else None
         if mean is not None:
             panel.errorbar(
-                [1.04 * len(course) + 1], [mean.value], yerr=[np.nan_to_num(mean.half)], fmt="D",
+                [1.04 * len(course) + 1], [mean.value],
+                yerr=interval_sides([mean.value], [mean.interval]), fmt="D",
                 color=colour, markersize=5, capsize=3, label=f"the {words}, fresh seeds",
             )  # fmt: skip
-    if is_wide(values[reached]):
-        panel.set_yscale("log")
+            shown += [mean.value, *mean.interval]
+    fit_goal(panel.set_yscale, panel.set_ylim, values[reached], shown, goal)
     panel.set_xlabel("points evaluated")
     panel.set_ylabel(f"{goal.name} ({goal.aim} wanted)")
     if k == 0:
@@ -92,6 +86,21 @@ def is_wide(values: np.ndarray) -> bool:
     return values.size > 0 and values.min() > 0.0 and values.max() > 5.0 * np.median(values)
 
 
+def fit_goal(
+    put_scale: Callable[[str], Any],
+    put_limits: Callable[[float, float], Any],
+    tried: np.ndarray,
+    shown: Sequence[float],
+    goal: SearchGoal,
+) -> None:
+    """Set the axis of an objective: by logarithms where the points `tried` ask for it, or within
+    what its quantity can be."""
+    if is_wide(tried):
+        put_scale("log")
+    else:
+        put_limits(*measure_limits(shown, column_bounds(goal.column)))
+
+
 def draw_front(
     panel: Any, study: Study, course: list[EvaluatedPoint], answer: OptimisationResult
 ) -> None:
@@ -99,6 +108,7 @@ def draw_front(
     first, second = study.goals[:2]
     tried = np.array([one.means[:2] for one in course if one.is_good]).reshape(-1, 2)
     panel.plot(*tried.T, "o", color=TRIED, markersize=4, label="points of the search")
+    shown: tuple[list[float], list[float]] = (tried[:, 0].tolist(), tried[:, 1].tolist())
     for points, colour, sign, words in (
         (answer.best, BEST, "o-", "the front, fresh seeds"),
         ([answer.default], DEFAULT, "D", "the default, fresh seeds"),
@@ -107,15 +117,15 @@ def draw_front(
         there = [[mean for mean in row if mean is not None] for row in means if None not in row]
         if there:
             x, y = ([row[k].value for row in there] for k in (0, 1))
-            off = [[np.nan_to_num(row[k].half) for row in there] for k in (0, 1)]
+            across, up = ([row[k].interval for row in there] for k in (0, 1))
+            shown[0] += [*x, *(end for interval in across for end in interval)]
+            shown[1] += [*y, *(end for interval in up for end in interval)]
             panel.errorbar(
-                x, y, xerr=off[0], yerr=off[1], fmt=sign, color=colour, markersize=5,
-                linewidth=1.0, elinewidth=0.8, label=words,
+                x, y, xerr=interval_sides(x, across), yerr=interval_sides(y, up), fmt=sign,
+                color=colour, markersize=5, linewidth=1.0, elinewidth=0.8, label=words,
             )  # fmt: skip
-    if is_wide(tried[:, 0]):
-        panel.set_xscale("log")
-    if is_wide(tried[:, 1]):
-        panel.set_yscale("log")
+    fit_goal(panel.set_xscale, panel.set_xlim, tried[:, 0], shown[0], first)
+    fit_goal(panel.set_yscale, panel.set_ylim, tried[:, 1], shown[1], second)
     panel.grid(axis="both")
     panel.set_xlabel(f"{first.name} ({first.aim} wanted)")
     panel.set_ylabel(f"{second.name} ({second.aim} wanted)")

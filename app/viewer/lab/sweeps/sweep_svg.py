@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from agents.catalogue import MODELS
-from app.studies.sweeps.pictures.cell_runs import CellRuns, is_number
-from app.studies.sweeps.pictures.mean_lines import spans_decades
+from app.studies.charts.axis_limits import spans_decades
+from app.studies.charts.run_group import CellRuns, is_number
 from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, few_of, observable_of
 from app.viewer.lab.sweeps.sweep_request import AGENTS, numbers
 from app.viewer.measuring.observable_format import few, scale, words

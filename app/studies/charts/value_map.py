@@ -1,0 +1,90 @@
+"""A map over two axes: the mean of each cell as a colour; cells without a value are marked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from app.strict_table import Value
+from app.studies.charts.axis_limits import round_limits
+from app.studies.charts.colour_table import CENSORED, EMPTY, FAILED
+from app.studies.charts.run_group import CellRuns, is_number
+from app.studies.measure import UNBOUNDED, MeasureBounds
+
+COLOUR_MAP = "viridis"
+"""Rises evenly in lightness, also for who cannot tell colours apart and in both themes."""
+LABELS = 10
+"""Along an axis, at most."""
+
+
+def map_places(
+    groups: Sequence[CellRuns], across: Sequence[Any], up: Sequence[Any], x: str, y: str
+) -> dict[int, tuple[int, int]]:
+    """Column and row of the cells that stand on a map, by the numbers of the cells."""
+    return {
+        group.number: (across.index(group.axes[x]), up.index(group.axes[y]))
+        for group in groups
+        if x in group.axes and y in group.axes
+    }
+
+
+def draw_map(
+    axes: Any,
+    groups: Sequence[CellRuns],
+    places: dict[int, tuple[int, int]],
+    across: Sequence[Any],
+    up: Sequence[Any],
+    bounds: MeasureBounds = UNBOUNDED,
+    labels: int = LABELS,
+) -> Any:
+    """Draw the map; every cell is as wide as another, whatever its values. Returns the colours.
+
+    The colours span what the means span, within `bounds`: unlike a length along an axis a colour
+    shows no ratio, and small differences would not be seen on the whole range.
+    """
+    means = np.full((len(up), len(across)), np.nan)
+    for group in groups:
+        if group.number in places:
+            column, row = places[group.number]
+            means[row, column] = group.mean
+    low, high = round_limits(means[np.isfinite(means)].tolist())
+    shown = axes.pcolormesh(
+        np.ma.masked_invalid(means), cmap=COLOUR_MAP, vmin=max(low, bounds.low),
+        vmax=min(high, bounds.high), edgecolors="face", linewidth=0.4, gid="fs-cell",
+    )  # fmt: skip
+    axes.set_facecolor(EMPTY)
+    axes.grid(False)
+    mark_cells(axes, groups, places)
+    name_ticks(axes.set_xticks, across, labels)
+    name_ticks(axes.set_yticks, up, labels)
+    return shown
+
+
+def mark_cells(
+    axes: Any, groups: Sequence[CellRuns], places: dict[int, tuple[int, int]]
+) -> list[str]:
+    """Mark cells with runs that gave up or failed, at their feet, for a legend to name."""
+    said = []
+    for name, sign, colour, words in (
+        ("gave_up", "v", CENSORED, "some runs gave up"),
+        ("broken", "x", FAILED, "some failed"),
+    ):
+        at = [places[g.number] for g in groups if getattr(g, name) and g.number in places]
+        if at:
+            said.append(words)
+            axes.plot(
+                [column + 0.5 for column, _ in at], [row + 0.5 for _, row in at], sign,
+                color=colour, markeredgecolor="white" if sign == "v" else colour, markersize=7,
+                label=words, gid=f"fs-{name.replace('_', '-')}",
+            )  # fmt: skip
+    return said
+
+
+def name_ticks(put: Any, values: Sequence[Value], labels: int = LABELS) -> None:
+    """Name some of the values along an axis of equal cells, at their middles."""
+    step = max(1, -(-len(values) // labels))
+    places = list(range(0, len(values), step))
+    words = [f"{v:.4g}" if is_number(v) else str(v) for v in (values[k] for k in places)]
+    put([place + 0.5 for place in places], words)
