@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,21 +19,28 @@ LABELS = 10
 """Along an axis, at most."""
 
 
-def map_places(
-    groups: Sequence[CellRuns], across: Sequence[Any], up: Sequence[Any], x: str, y: str
-) -> dict[int, tuple[int, int]]:
-    """Column and row of the cells that stand on a map, by the numbers of the cells."""
-    return {
-        group.number: (across.index(group.axes[x]), up.index(group.axes[y]))
+class MapCell(NamedTuple):
+    """Where runs stand on a map."""
+
+    column: int
+    row: int
+    group: CellRuns
+
+
+def place_cells(
+    groups: Iterable[CellRuns], across: Sequence[Any], up: Sequence[Any], x: str, y: str
+) -> list[MapCell]:
+    """The cells that have both axes of a map, at their values on these."""
+    return [
+        MapCell(across.index(group.axes[x]), up.index(group.axes[y]), group)
         for group in groups
         if x in group.axes and y in group.axes
-    }
+    ]
 
 
 def draw_map(
     axes: Any,
-    groups: Sequence[CellRuns],
-    places: dict[int, tuple[int, int]],
+    cells: Sequence[MapCell],
     across: Sequence[Any],
     up: Sequence[Any],
     bounds: MeasureBounds = UNBOUNDED,
@@ -45,10 +52,8 @@ def draw_map(
     shows no ratio, and small differences would not be seen on the whole range.
     """
     means = np.full((len(up), len(across)), np.nan)
-    for group in groups:
-        if group.number in places:
-            column, row = places[group.number]
-            means[row, column] = group.mean
+    for cell in cells:
+        means[cell.row, cell.column] = cell.group.mean
     low, high = round_limits(means[np.isfinite(means)].tolist())
     shown = axes.pcolormesh(
         np.ma.masked_invalid(means), cmap=COLOUR_MAP, vmin=max(low, bounds.low),
@@ -56,35 +61,32 @@ def draw_map(
     )  # fmt: skip
     axes.set_facecolor(EMPTY)
     axes.grid(False)
-    mark_cells(axes, groups, places)
+    mark_cells(axes, cells)
     name_ticks(axes.set_xticks, across, labels)
     name_ticks(axes.set_yticks, up, labels)
     return shown
 
 
-def mark_cells(
-    axes: Any, groups: Sequence[CellRuns], places: dict[int, tuple[int, int]]
-) -> list[str]:
-    """Mark cells with runs that gave up or failed, at their feet, for a legend to name."""
-    said = []
+def mark_cells(axes: Any, cells: Sequence[MapCell]) -> None:
+    """Mark cells with runs that gave up or failed, for a legend to name."""
     for name, sign, colour, words in (
         ("gave_up", "v", CENSORED, "some runs gave up"),
         ("broken", "x", FAILED, "some failed"),
     ):
-        at = [places[g.number] for g in groups if getattr(g, name) and g.number in places]
-        if at:
-            said.append(words)
+        marked = [cell for cell in cells if getattr(cell.group, name)]
+        if marked:
             axes.plot(
-                [column + 0.5 for column, _ in at], [row + 0.5 for _, row in at], sign,
+                [cell.column + 0.5 for cell in marked], [cell.row + 0.5 for cell in marked], sign,
                 color=colour, markeredgecolor="white" if sign == "v" else colour, markersize=7,
                 label=words, gid=f"fs-{name.replace('_', '-')}",
             )  # fmt: skip
-    return said
 
 
-def name_ticks(put: Any, values: Sequence[Value], labels: int = LABELS) -> None:
+def name_ticks(
+    put: Any, values: Sequence[Value], labels: int = LABELS, middle: float = 0.5
+) -> None:
     """Name some of the values along an axis of equal cells, at their middles."""
     step = max(1, -(-len(values) // labels))
     places = list(range(0, len(values), step))
     words = [f"{v:.4g}" if is_number(v) else str(v) for v in (values[k] for k in places)]
-    put([place + 0.5 for place in places], words)
+    put([place + middle for place in places], words)

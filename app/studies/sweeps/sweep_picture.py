@@ -12,7 +12,7 @@ from app.studies.charts.distribution import draw_distributions
 from app.studies.charts.mean_line import FEW, draw_lines, draw_sample, mark_missing
 from app.studies.charts.run_group import CellRuns, is_number, values_of, varied
 from app.studies.charts.scaling import CUMULANT, SIZE, Scaling, by_size, draw_scaling
-from app.studies.charts.value_map import draw_map, map_places
+from app.studies.charts.value_map import draw_map, place_cells
 from app.studies.measure import MeasureBounds
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.cell_snapshots import draw_snapshots
@@ -118,10 +118,10 @@ class SweepChart:
         high = max(5.2, 1.4 + wide * len(up)) if snapshots else 5.2
         self.figure.set_size_inches(1.8 + min(14.0, max(4.0, wide * len(across))), min(14.0, high))
         axes = self.figure.subplots()
-        places = map_places(self.groups, across, up, x, y)
-        shown = draw_map(axes, self.groups, places, across, up, self.bounds)
+        cells = place_cells(self.groups, across, up, x, y)
+        shown = draw_map(axes, cells, across, up, self.bounds)
         if snapshots:
-            draw_snapshots(axes, self.kept, places)
+            draw_snapshots(axes, self.kept, {c.group.number: (c.column, c.row) for c in cells})
         self.figure.colorbar(shown, ax=axes, label=f"{self.name}, mean")
         signs = axes.get_legend_handles_labels()[0]
         if signs:
