@@ -16,10 +16,11 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 from scipy import stats
 
 from app.classroom.collect.class_curve import ClassCurve
-from app.classroom.collect.class_picture import FORMATS, picture
+from app.classroom.collect.class_picture import FORMATS, draw, picture
 from app.classroom.collect.class_table import points_from_csv, to_csv, to_json
 from app.classroom.collect.collection import MOST_OF_ONE, Collection, spread_order
 from app.classroom.collect.hand_in import hand_in
@@ -27,7 +28,7 @@ from app.classroom.collect.question import question_of
 from app.classroom.collect.result_groups import ResultGroup
 from app.studies.judge.judge import ranges_of
 from app.studies.judge.statistics import summary
-from tests.classroom.small import LED, ORDER, SCENE, VALUES, made, told
+from tests.classroom.small import AGREE, LED, ORDER, SCENE, VALUES, made, told
 from worlds.input_error import InputError
 
 CHOSEN = question_of(VALUES | {"values": []}, SCENE)
@@ -229,7 +230,9 @@ def test_the_plot_of_a_page_is_small_json_without_nan():
         assert row[:2] == [pytest.approx(group.value), group.runs]
         if group.runs:
             assert row[2] == pytest.approx(group.mean, rel=1e-5)
-    assert said["curve"]["groups"] == [[0.0, 1, 1.0, None, None]]
+        if group.runs > 1:
+            assert row[5:] == pytest.approx(group.summary.interval, rel=1e-5)
+    assert said["curve"]["groups"] == [[0.0, 1, 1.0, None, None, None, None]]
 
 
 def test_pictures_are_what_they_say_and_always_the_same():
@@ -248,6 +251,20 @@ def test_pictures_are_what_they_say_and_always_the_same():
     assert drawn["svg"] == picture(pickle.loads(pickle.dumps(found)), "svg", curve)
     with pytest.raises(InputError, match="kind of picture 'gif'"):
         picture(found, "gif")
+
+
+def test_the_page_and_the_picture_of_a_class_end_where_the_quantities_end():
+    found = collected([told(1.5, 0.4, "A", 1), told(1.5, 0.97, "B", 2), told(3.0, 0.9, "C", 3)])
+    assert found.groups()[0].summary.interval[1] > 1.0
+    axes = Figure().subplots()
+    draw(axes, found, None)
+    said = to_json(found)
+    assert list(axes.get_ylim()) == said["y"]["limits"] == [0.0, 1.0]
+    assert list(axes.get_xlim()) == said["x"]["limits"]
+    assert said["x"]["limits"][0] == 0.0
+    ticks = Collection(AGREE)
+    ticks.add(told(5.0, 217.0, "A"))
+    assert to_json(ticks)["y"]["limits"] == [0.0, 300.0]
 
 
 def test_a_question_without_results_has_a_picture():

@@ -22,7 +22,6 @@ from app.studies.charts.axis_limits import (
     parameter_limits,
     spans_decades,
 )
-from app.studies.charts.mean_line import visible_values
 from worlds.input_error import InputError
 from worlds.number_text import counted as count
 
@@ -142,12 +141,14 @@ class Collection:
         question = self.question
         places = [*question.values, *(point.value for point in self.points)]
         places += [group.value for group in curve]
+        groups = [group for group in (*self.groups(), *curve) if group.values]
         results = [point.result for point in self.points if point.result is not None]
-        results += visible_values([*self.groups(), *curve])
+        results += [group.mean for group in groups]
+        ends = [end for group in groups for end in group.summary.interval]
         log = self.is_log([group.value for group in curve])
         along = parameter_bounds(question.model, question.parameter)
         up = column_bounds(question.column)
-        return parameter_limits(places, along, log), measure_limits(results, up)
+        return parameter_limits(places, along, log), measure_limits(results, up, ends)
 
     def told(self) -> str:
         """How many results there are, in words."""

@@ -62,25 +62,30 @@ def parameter_bounds(model: str, name: str) -> MeasureBounds:
     return MeasureBounds(found.low, found.high)
 
 
-def measure_limits(values: Iterable[float], bounds: MeasureBounds = UNBOUNDED) -> Limits:
+def measure_limits(
+    values: Iterable[float], bounds: MeasureBounds = UNBOUNDED, ends: Iterable[float] = ()
+) -> Limits:
     """The ends of the axis of what is measured, round numbers that seldom change while runs come.
 
     A share has the whole axis from 0 to 1, so that charts can be compared; what cannot be below 0
-    begins there. `values` are what is to be seen: those beyond the bounds, such as the end of an
-    interval, are not.
+    begins there. All `values` are seen, even one that is beyond its bounds; `ends` of intervals
+    only as far as the bounds go.
 
-    >>> measure_limits([0.4, 0.6, 1.2], MeasureBounds(0.0, 1.0)), measure_limits([3.0, 17.0], COUNT)
-    ((0.0, 1.0), (0.0, 20.0))
-    >>> measure_limits([-0.3, 0.2]), measure_limits([])
-    ((-0.4, 0.2), (0.0, 1.0))
+    >>> share = column_bounds("polarisation")
+    >>> measure_limits([0.4, 0.6], share, [0.1, 1.2]), measure_limits([1.3], share)
+    ((0.0, 1.0), (0.0, 1.3))
+    >>> measure_limits([17.0], COUNT), measure_limits([-0.3, 0.2]), measure_limits([])
+    ((0.0, 20.0), (-0.4, 0.2), (0.0, 1.0))
     """
+    known = [value for value in values if math.isfinite(value)]
+    known += [min(max(end, bounds.low), bounds.high) for end in ends if math.isfinite(end)]
     if bounds[:2] == (0.0, 1.0):
-        return 0.0, 1.0
-    known = [min(max(value, bounds.low), bounds.high) for value in values if math.isfinite(value)]
-    if bounds.low == 0.0:
+        known += [0.0, 1.0]
+    elif bounds.low == 0.0:
         known.append(0.0)
     low, high = round_limits(known)
-    return max(low, bounds.low), min(high, bounds.high)
+    least, most = min(known, default=low), max(known, default=high)
+    return max(low, min(bounds.low, least)), min(high, max(bounds.high, most))
 
 
 def parameter_limits(

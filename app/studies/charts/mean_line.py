@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from app.studies.charts.axis_limits import (
+    Limits,
     measure_limits,
     parameter_limits,
     spans_decades,
@@ -128,11 +129,13 @@ def draw_missing(
 def fit_axes(
     axes: Any,
     places: Sequence[float],
-    values: Sequence[float],
+    groups: Sequence[RunGroup],
     along: MeasureBounds = UNBOUNDED,
     up: MeasureBounds = UNBOUNDED,
+    with_runs: bool = False,
 ) -> None:
-    """Set the ends of both axes by what is drawn and by what the quantities can be."""
+    """Set the ends of both axes by what is drawn of groups at `places`, and by what the quantities
+    can be."""
     log = spans_decades(places)
     if log:
         axes.set_xscale("log")
@@ -140,19 +143,17 @@ def fit_axes(
         axes.minorticks_off()  # they take as long to draw as all the rest
     if places:
         axes.set_xlim(*parameter_limits(places, along, log))
-    axes.set_ylim(*measure_limits(values, up))
+    axes.set_ylim(*group_limits(groups, up, with_runs))
 
 
-def visible_values(groups: Sequence[RunGroup], with_runs: bool = False) -> list[float]:
-    """What a chart of groups has to have room for: ends of intervals, means, the runs."""
-    found = [
-        value
-        for group in groups
-        if group.values
-        for value in (group.mean, *group.summary.interval)
-        if math.isfinite(value)
-    ]
-    return found + [value for group in groups for value in group.values if with_runs]
+def group_limits(
+    groups: Sequence[RunGroup], bounds: MeasureBounds = UNBOUNDED, with_runs: bool = False
+) -> Limits:
+    """The ends of an axis that has room for the means of groups, and for their runs if asked."""
+    there = [group for group in groups if group.values]
+    values = [group.mean for group in there]
+    values += [value for group in there for value in group.values if with_runs]
+    return measure_limits(values, bounds, [end for g in there for end in g.summary.interval])
 
 
 def draw_lines(
@@ -181,7 +182,7 @@ def draw_lines(
         places = [float(group.axes[x]) for group in line]
         draw_mean_line(axes, places, [group.summary for group in line], colour, words)
     shown = [group for line in lines.values() for group in line]
-    fit_axes(axes, [float(g.axes[x]) for g in shown], visible_values(shown), along, up)
+    fit_axes(axes, [float(g.axes[x]) for g in shown], shown, along, up)
     mark_missing(axes, shown, x)
 
 

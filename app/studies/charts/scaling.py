@@ -20,7 +20,6 @@ from app.studies.charts.mean_line import (
     draw_mean_bars,
     draw_mean_line,
     fit_axes,
-    visible_values,
 )
 from app.studies.charts.run_group import CellRuns, is_number, varied
 from app.studies.judge.statistics import MeasureSummary
@@ -118,7 +117,7 @@ def draw_sizes(panel: Any, lines: Lines, x: str, along: MeasureBounds, up: Measu
     for (agents, (_, line)), colour in zip(lines.items(), COLOURS, strict=False):
         draw_mean_line(panel, places_of(line, x), summaries_of(line), colour, f"N = {agents}")
     groups = [group for _, line in lines.values() for group in line]
-    fit_axes(panel, places_of(groups, x), visible_values(groups), along, up)
+    fit_axes(panel, places_of(groups, x), groups, along, up)
     panel.set_xlabel(plain_text(x))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +64,7 @@ def draw_course(
     if searched is not None:
         panel.axhline(searched, color=DEFAULT, linewidth=1.0, label="the default, same seeds")
     shown = [*values[reached], *([] if searched is None else [searched])]
+    ends: list[float] = []
     for one, colour, words in ((answer.default, DEFAULT, "default"), (chosen, COLOURS[2], "best")):
         mean = one.means[k] if one is not None else None
         if mean is not None:
@@ -73,8 +73,12 @@ def draw_course(
                 yerr=interval_sides([mean.value], [mean.interval]), fmt="D",
                 color=colour, markersize=5, capsize=3, label=f"the {words}, fresh seeds",
             )  # fmt: skip
-            shown += [mean.value, *mean.interval]
-    fit_goal(panel.set_yscale, panel.set_ylim, values[reached], shown, goal)
+            shown.append(mean.value)
+            ends += mean.interval
+    if is_wide(values[reached]):
+        panel.set_yscale("log")
+    else:
+        panel.set_ylim(*measure_limits(shown, column_bounds(goal.column), ends))
     panel.set_xlabel("points evaluated")
     panel.set_ylabel(f"{goal.name} ({goal.aim} wanted)")
     if k == 0:
@@ -86,21 +90,6 @@ def is_wide(values: np.ndarray) -> bool:
     return values.size > 0 and values.min() > 0.0 and values.max() > 5.0 * np.median(values)
 
 
-def fit_goal(
-    put_scale: Callable[[str], Any],
-    put_limits: Callable[[float, float], Any],
-    tried: np.ndarray,
-    shown: Sequence[float],
-    goal: SearchGoal,
-) -> None:
-    """Set the axis of an objective: by logarithms where the points `tried` ask for it, or within
-    what its quantity can be."""
-    if is_wide(tried):
-        put_scale("log")
-    else:
-        put_limits(*measure_limits(shown, column_bounds(goal.column)))
-
-
 def draw_front(
     panel: Any, study: Study, course: list[EvaluatedPoint], answer: OptimisationResult
 ) -> None:
@@ -108,7 +97,8 @@ def draw_front(
     first, second = study.goals[:2]
     tried = np.array([one.means[:2] for one in course if one.is_good]).reshape(-1, 2)
     panel.plot(*tried.T, "o", color=TRIED, markersize=4, label="points of the search")
-    shown: tuple[list[float], list[float]] = (tried[:, 0].tolist(), tried[:, 1].tolist())
+    shown: list[list[float]] = tried.T.tolist()
+    ends: list[list[float]] = [[], []]
     for points, colour, sign, words in (
         (answer.best, BEST, "o-", "the front, fresh seeds"),
         ([answer.default], DEFAULT, "D", "the default, fresh seeds"),
@@ -118,14 +108,21 @@ def draw_front(
         if there:
             x, y = ([row[k].value for row in there] for k in (0, 1))
             across, up = ([row[k].interval for row in there] for k in (0, 1))
-            shown[0] += [*x, *(end for interval in across for end in interval)]
-            shown[1] += [*y, *(end for interval in up for end in interval)]
+            for k, at, sides in ((0, x, across), (1, y, up)):
+                shown[k] += at
+                ends[k] += [end for interval in sides for end in interval]
             panel.errorbar(
                 x, y, xerr=interval_sides(x, across), yerr=interval_sides(y, up), fmt=sign,
                 color=colour, markersize=5, linewidth=1.0, elinewidth=0.8, label=words,
             )  # fmt: skip
-    fit_goal(panel.set_xscale, panel.set_xlim, tried[:, 0], shown[0], first)
-    fit_goal(panel.set_yscale, panel.set_ylim, tried[:, 1], shown[1], second)
+    for k, goal, put_scale, put_limits in (
+        (0, first, panel.set_xscale, panel.set_xlim),
+        (1, second, panel.set_yscale, panel.set_ylim),
+    ):
+        if is_wide(tried[:, k]):
+            put_scale("log")
+        else:
+            put_limits(*measure_limits(shown[k], column_bounds(goal.column), ends[k]))
     panel.grid(axis="both")
     panel.set_xlabel(f"{first.name} ({first.aim} wanted)")
     panel.set_ylabel(f"{second.name} ({second.aim} wanted)")

@@ -14,7 +14,7 @@ from app.figure import ENDINGS, INK, NAMED, new_figure, write_figure
 from app.studies.charts.axis_limits import measure_limits
 from app.studies.charts.colour_table import COLOURS, PALE, RULER
 from app.studies.charts.mean_line import interval_sides
-from app.studies.measure import SHARE
+from app.studies.measure import SHARE, UNBOUNDED
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sensitivity.sensitivity_result import Sensitivity, analysed, design_of
 from app.studies.sweeps.sweep_api import asked, bounds, is_file, kept_in
@@ -82,10 +82,9 @@ def index_limits(one: Sensitivity) -> tuple[float, float]:
     """
     indices = [index for i in one.influences for index in (i.total, i.alone)]
     values = [index.value for index in indices]
-    if one.kind == "sobol":
-        low, high = measure_limits(values, SHARE)
-        return min(low, *values), max(high, *values)
-    return measure_limits([0.0, *values, *(end for index in indices for end in index.interval)])
+    ends = [end for index in indices for end in index.interval]
+    bounds = SHARE if one.kind == "sobol" else UNBOUNDED
+    return measure_limits([0.0, *values], bounds, ends)
 
 
 @dataclass(frozen=True)

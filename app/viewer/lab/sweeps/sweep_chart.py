@@ -7,7 +7,6 @@ from typing import Any
 from agents.catalogue import MODELS
 from app.studies.charts.axis_limits import (
     column_bounds,
-    measure_limits,
     observable_of,
     parameter_bounds,
 )
@@ -17,7 +16,7 @@ from app.studies.charts.mean_line import (
     draw_missing,
     draw_runs,
     fit_axes,
-    visible_values,
+    group_limits,
 )
 from app.studies.charts.page_svg import CLICKED, ShapeLink, page_figure, page_svg
 from app.studies.charts.run_group import CellRuns, is_number
@@ -76,14 +75,14 @@ def draw_curve(shown: DrawnSweep, axis: str) -> str:
     with page_figure(WIDTH, HEIGHT) as figure:
         chart = figure.subplots()
         bounds = column_bounds(shown.column)
-        seen = visible_values(groups, with_runs)
         if numeric:
             places = [float(value) for value in values]
-            fit_axes(chart, places, seen, parameter_bounds(shown.model, axis), bounds)
+            along = parameter_bounds(shown.model, axis)
+            fit_axes(chart, places, groups, along, bounds, with_runs)
         else:
             name_ticks(chart.set_xticks, [shorten_name(few_of(v)) for v in values], LABELS, 0.0)
             chart.set_xlim(-0.5, len(values) - 0.5)
-            chart.set_ylim(*measure_limits(seen, bounds))
+            chart.set_ylim(*group_limits(groups, bounds, with_runs))
         if with_runs:
             draw_runs(chart, at, groups)
         draw_mean_line(chart, at, [group.summary for group in groups], joined=numeric)
