@@ -1,12 +1,17 @@
-"""A figure of matplotlib as a file, whole or not at all."""
+"""A figure of matplotlib: begun in the look of all, and written whole or not at all."""
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from worlds.file_writer import writing
 
+ENDINGS = (".png", ".svg", ".pdf")
+"""Of the files that a figure is written to."""
 DOTS = 160
 """Dots per inch of a PNG."""
 UNDATED: dict[str, dict[str, None]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
@@ -25,6 +30,8 @@ def save_figure(figure: Any, file: BinaryIO, ending: str, dots: int = DOTS) -> N
     figure.savefig(file, format=kind, dpi=dots, metadata=UNDATED.get(kind))
 
 
+INK, EDGE, GRID = "#3c434b", "#7a828c", "#e3e6ea"
+"""Of words, of axes, of lines behind what is drawn."""
 LOOK = {
     "font.size": 10,
     "axes.spines.top": False,
@@ -32,10 +39,10 @@ LOOK = {
     "axes.grid": True,
     "axes.grid.axis": "y",
     "axes.axisbelow": True,
-    "grid.color": "#e3e6ea",
-    "axes.edgecolor": "#7a828c",
-    "xtick.color": "#3c434b",
-    "ytick.color": "#3c434b",
+    "grid.color": GRID,
+    "axes.edgecolor": EDGE,
+    "xtick.color": INK,
+    "ytick.color": INK,
     "axes.titlesize": 11,
     "lines.solid_capstyle": "butt",
     "figure.titlesize": 11,
@@ -44,3 +51,26 @@ LOOK = {
     "svg.hashsalt": "flockscope",
 }
 """The look of all figures, as settings of matplotlib."""
+NAMED = {"text.parse_math": False}
+"""Settings for labels that hold names of users, in which a dollar begins no mathematics."""
+
+DRAWING = threading.RLock()
+"""Held while a figure is drawn: the settings of matplotlib are those of the whole process, so a
+thread that sets them would change what another is drawing, and put back what that one has set."""
+
+
+@contextmanager
+def new_figure(settings: Mapping[str, Any] | None = None) -> Iterator[Any]:
+    """An empty figure in the look of all, to be drawn and written before this ends.
+
+    `settings`: of matplotlib, beside `LOOK`. One thread draws at a time; the others wait.
+    """
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    look: Any = {**LOOK, **(settings or {})}
+    with DRAWING, matplotlib.rc_context(look):
+        figure = Figure(layout="constrained")
+        FigureCanvasAgg(figure)
+        yield figure

@@ -55,9 +55,9 @@ def optimise(
     from the store. The exit code is 3 if any run failed.
     """
     from app.cli.sweep.sweep_choice import begun_in, folder_of, is_sweep
+    from app.figure import ENDINGS
     from app.studies.optimisation.optimisation_picture import draw
     from app.studies.optimisation.study import read_study, study_of
-    from app.studies.sweeps.pictures.sweep_picture import ENDINGS
     from worlds.file_writer import demand_writable
     from worlds.input_error import InputError
 

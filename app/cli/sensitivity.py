@@ -52,10 +52,10 @@ def sensitivity(
     for elementary effects. What is measured is a mean over seeds that all cells have in common.
     """
     from app.cli.sweep.sweep_choice import read_or_kept
+    from app.figure import ENDINGS
     from app.studies.runs.store_reader import StoreReader
     from app.studies.sensitivity.sensitivity_api import draw
     from app.studies.sensitivity.sensitivity_result import analysed, design_of
-    from app.studies.sweeps.pictures.sweep_picture import ENDINGS
     from worlds.file_writer import demand_writable
     from worlds.input_error import unknown
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from app.figure import write_figure
+from app.figure import new_figure, write_figure
 from app.results_folder import PICTURES, make_folder
 
 # A figure in the house's look, written as PNG and SVG.
@@ -21,16 +21,8 @@ def paint(draw: Callable[[Any], None], title: str, folder: Path, name: str) -> d
 
     Raises InputError if they cannot be written.
     """
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    from app.figure import LOOK
-
     files = {kind: folder / f"{name}.{kind}" for kind in PICTURES}
-    with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
-        figure: Any = Figure(layout="constrained")
-        FigureCanvasAgg(figure)
+    with new_figure() as figure:
         draw(figure)
         figure.suptitle(title, x=0.01, ha="left")
         make_folder(folder)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from agents.observables.formation import THESIS_SPACING, Spacing, upwash_share
-from app.figure import LOOK, write_figure
+from app.figure import new_figure, write_figure
 from app.results_folder import PICTURES, make_folder
 from worlds.file_writer import write_text
 
@@ -22,14 +22,8 @@ SHADES = "BrBG"
 
 def written(folder: Path, name: str, draw: Callable[[Any], None]) -> dict[str, Path]:
     """Draw on a new figure and write it into the folder; the files by kind. Raises InputError."""
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     files = {kind: folder / f"{name}.{kind}" for kind in PICTURES}
-    with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
-        figure: Any = Figure(layout="constrained")
-        FigureCanvasAgg(figure)
+    with new_figure() as figure:
         draw(figure)
         make_folder(folder)
         for path in files.values():

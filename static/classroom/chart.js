@@ -16,23 +16,11 @@ window.flockscopeChart = (place, data, press) => {
   svg.setAttribute("role", "img");
   svg.setAttribute("aria-label", `${data.title}: ${data.told}`);
   const curve = data.curve ? data.curve.groups.filter((one) => one[2] !== null) : [];
-  const there = data.points.filter((one) => one[3] !== null);
-  const xs = [...data.points.map((one) => one[2]), ...curve.map((one) => one[0]), ...data.values];
-  const ys = [...there.map((one) => one[3]), ...curve.flatMap(([, , mean, half]) => [mean - (half || 0), mean + (half || 0)])];
-  const least = Math.min(...xs);
-  const log = data.x.log && least > 0;
+  const log = data.x.log;
   const bend = (x) => log ? Math.log10(x) : x;
-  const ends = (values, none) => {
-    let low = Math.min(...values), high = Math.max(...values);
-    if (!values.length) [low, high] = none;
-    const room = (high - low || Math.abs(high) || 1) * 0.06;
-    return [low - room, high + room];
-  };
-  const [left, right] = ends(xs.map(bend), [0, 1]);
-  let [low, high] = ends(ys, [0, 1]);
-  if (low < 0 && Math.min(...ys, 0) >= 0) low = 0;
+  const [left, right] = data.x.limits.map(bend), [low, high] = data.y.limits;
   const x = (value) => box.left + (bend(value) - left) / (right - left) * (box.right - box.left);
-  const y = (value) => box.bottom - (value - low) / (high - low) * (box.bottom - box.top);
+  const y = (value) => box.bottom - (Math.min(Math.max(value, low), high) - low) / (high - low) * (box.bottom - box.top);
   const steps = (from, to) => {
     const rough = (to - from) / 6, unit = 10 ** Math.floor(Math.log10(rough));
     const step = [1, 2, 5, 10].find((one) => one * unit >= rough) * unit, made = [];
@@ -55,8 +43,8 @@ window.flockscopeChart = (place, data, press) => {
   const up = axis(`${data.y.title}${data.y.title.startsWith("ticks") ? "" : unit(data.y)}`);
   const along = axis(`${data.x.title} ${data.x.symbol}${unit(data.x)}`);
   if (curve.length) {
-    const over = curve.map(([at, , mean, half]) => `${x(at)},${y(mean + (half || 0))}`);
-    const under = [...curve].reverse().map(([at, , mean, half]) => `${x(at)},${y(mean - (half || 0))}`);
+    const over = curve.map(([at, , mean, , , , end]) => `${x(at)},${y(end ?? mean)}`);
+    const under = [...curve].reverse().map(([at, , mean, , , end]) => `${x(at)},${y(end ?? mean)}`);
     draw("polygon", { points: [...over, ...under].join(" "), class: "fs-band" }, svg);
     draw("polyline", { points: curve.map(([at, , mean]) => `${x(at)},${y(mean)}`).join(" "), class: "fs-curve" }, svg);
   }
@@ -70,10 +58,10 @@ window.flockscopeChart = (place, data, press) => {
     dot.addEventListener("click", () => press(number));
     dot.addEventListener("keydown", (event) => { if (event.key === "Enter") press(number); });
   }
-  for (const [at, runs, mean, half] of data.groups) {
+  for (const [at, runs, mean, half, , below, above] of data.groups) {
     if (mean === null || runs < 2) continue;
     const group = draw("g", { class: "fs-mean" }, svg), middle = x(at) + 10;
-    if (half !== null) draw("line", { x1: middle, x2: middle, y1: y(mean - half), y2: y(mean + half) }, group);
+    if (half !== null) draw("line", { x1: middle, x2: middle, y1: y(below), y2: y(above) }, group);
     draw("path", { d: `M${middle} ${y(mean) - 6}l6 6-6 6-6-6z` }, group);
     draw("title", {}, group, `mean of ${runs}: ${mean}${half === null ? "" : ` ± ${half}`}`);
   }

@@ -34,10 +34,10 @@ def test_a_curve_fills_in_opens_a_run_and_is_there_after_a_reload(laboratory, wi
         until(lambda control=control, value=value: control.value == int(value))
     page.get_by_text("6 runs", exact=True).wait_for()
     window.press("Start the sweep")
-    points = page.locator(".fs-sweep [data-cell]")
+    points = page.locator(".fs-figure [data-cell]")
     until(lambda: points.count() == 3, 90, "a point for each value")
     page.get_by_text("6 of 6 runs").wait_for(timeout=30_000)
-    assert page.locator(".fs-sweep .fs-run").count() == 6
+    assert page.locator(".fs-figure .fs-run").count() == 6
     page.mouse.move(640, 60)
     until(lambda: page.get_by_role("tooltip").count() == 0)  # one that fades away is faint
     assert faint(page) == []
@@ -53,5 +53,5 @@ def test_a_curve_fills_in_opens_a_run_and_is_there_after_a_reload(laboratory, wi
     page.reload()
     again = Window(page, laboratory)
     again.tab("Sweep")
-    until(lambda: page.locator(".fs-sweep [data-cell]").count() == 3)
+    until(lambda: page.locator(".fs-figure [data-cell]").count() == 3)
     assert "6 of 6 runs" in again.text()

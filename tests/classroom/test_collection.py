@@ -16,10 +16,11 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 from scipy import stats
 
 from app.classroom.collect.class_curve import ClassCurve
-from app.classroom.collect.class_picture import FORMATS, picture
+from app.classroom.collect.class_picture import FORMATS, draw, picture
 from app.classroom.collect.class_table import points_from_csv, to_csv, to_json
 from app.classroom.collect.collection import MOST_OF_ONE, Collection, spread_order
 from app.classroom.collect.hand_in import hand_in
@@ -27,7 +28,7 @@ from app.classroom.collect.question import question_of
 from app.classroom.collect.result_groups import ResultGroup
 from app.studies.judge.judge import ranges_of
 from app.studies.judge.statistics import summary
-from tests.classroom.small import LED, ORDER, SCENE, VALUES, made, told
+from tests.classroom.small import AGREE, LED, ORDER, SCENE, VALUES, made, told
 from worlds.input_error import InputError
 
 CHOSEN = question_of(VALUES | {"values": []}, SCENE)
@@ -122,7 +123,7 @@ def test_mean_and_spread_are_those_of_scipy(seed):
 
 def test_one_run_that_two_hand_in_is_one_run():
     found = collected([told(1.5, 0.5, "a", 1), told(1.5, 0.5, "b", 1), told(1.5, 0.7, "c", 2)])
-    assert found.groups()[0].results == (0.5, 0.7)
+    assert found.groups()[0].values == (0.5, 0.7)
     assert found.told() == "3 results of 3 students; 1 run handed in twice, counted once"
 
 
@@ -137,7 +138,7 @@ def test_chosen_values_come_into_bins_that_leave_none_out(values):
     points = [told(value, value, f"S{k}", k) for k, value in enumerate(values)]
     groups = collected(points, CHOSEN).groups()
     assert sum(group.runs for group in groups) == len(values)
-    assert sorted(one for group in groups for one in group.results) == sorted(values)
+    assert sorted(one for group in groups for one in group.values) == sorted(values)
     for group, after in pairwise(groups):
         assert group.low <= group.value <= group.high < after.low
     if len(set(values)) <= 12:
@@ -222,14 +223,16 @@ def test_the_plot_of_a_page_is_small_json_without_nan():
     text = json.dumps(said, allow_nan=False)
     assert len(text) < 100 * len(found.points) + 1000
     assert json.loads(text) == said
-    noise = {"name": "eta", "title": "Noise", "symbol": "η", "unit": "rad"}
+    noise = {"name": "eta", "title": "Noise", "symbol": "η", "unit": "rad", "limits": [0.0, 6.24]}
     assert said["x"] == noise | {"log": False}
     assert said["points"][-1] == [30, "late", 6.0, None, True, ""]
     for row, group in zip(said["groups"], found.groups(), strict=True):
         assert row[:2] == [pytest.approx(group.value), group.runs]
         if group.runs:
             assert row[2] == pytest.approx(group.mean, rel=1e-5)
-    assert said["curve"]["groups"] == [[0.0, 1, 1.0, None, None]]
+        if group.runs > 1:
+            assert row[5:] == pytest.approx(group.summary.interval, rel=1e-5)
+    assert said["curve"]["groups"] == [[0.0, 1, 1.0, None, None, None, None]]
 
 
 def test_pictures_are_what_they_say_and_always_the_same():
@@ -248,6 +251,20 @@ def test_pictures_are_what_they_say_and_always_the_same():
     assert drawn["svg"] == picture(pickle.loads(pickle.dumps(found)), "svg", curve)
     with pytest.raises(InputError, match="kind of picture 'gif'"):
         picture(found, "gif")
+
+
+def test_the_page_and_the_picture_of_a_class_end_where_the_quantities_end():
+    found = collected([told(1.5, 0.4, "A", 1), told(1.5, 0.97, "B", 2), told(3.0, 0.9, "C", 3)])
+    assert found.groups()[0].summary.interval[1] > 1.0
+    axes = Figure().subplots()
+    draw(axes, found, None)
+    said = to_json(found)
+    assert list(axes.get_ylim()) == said["y"]["limits"] == [0.0, 1.0]
+    assert list(axes.get_xlim()) == said["x"]["limits"]
+    assert said["x"]["limits"][0] == 0.0
+    ticks = Collection(AGREE)
+    ticks.add(told(5.0, 217.0, "A"))
+    assert to_json(ticks)["y"]["limits"] == [0.0, 300.0]
 
 
 def test_a_question_without_results_has_a_picture():

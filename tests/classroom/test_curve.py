@@ -49,7 +49,7 @@ def test_the_sweep_that_is_said_makes_the_curve_that_is_found(results, question,
     assert set(table["seed"]) == {FIRST_SEED + k for k in range(3)}
     for group in found.groups:
         rows = table[table[question.parameter] == group.value][question.column].dropna()
-        assert group.results == tuple(rows)
+        assert group.values == tuple(rows)
         assert group.mean == pytest.approx(rows.mean())
         assert group.sd == pytest.approx(np.std(rows, ddof=1))
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from app.studies.sweeps.pictures.cell_runs import CellRuns
-from app.studies.sweeps.pictures.scaling import Scaling, by_size, collapse, crossing_of
+from app.studies.charts.run_group import CellRuns
+from app.studies.charts.scaling import Scaling, by_size, crossing_of, draw_collapse
 from worlds.input_error import InputError
 
 BETA, NU, CRITICAL = 0.45, 1.6, 4.3
@@ -38,7 +38,7 @@ def test_lines_of_all_sizes_fall_on_one_with_the_exponents_they_were_made_with()
     lines = by_size(*sweep(scaled), "eta")
     assert {agents: side for agents, (side, _) in lines.items()} == SIZES
     panel = Figure().subplots()
-    collapse(panel, lines, "eta", Scaling(BETA, NU), CRITICAL)
+    draw_collapse(panel, lines, "eta", Scaling(BETA, NU), CRITICAL)
     drawn = [container[0].get_xydata() for container in panel.containers]
     assert len(drawn) == len(SIZES)
     for points in drawn:

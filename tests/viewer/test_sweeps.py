@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import math
+import re
 import shutil
 import tomllib
 from dataclasses import replace
@@ -13,17 +14,18 @@ from pathlib import Path
 import pytest
 
 from agents.flock import Flock
+from app.studies.charts.run_group import CellRuns
 from app.studies.runs.database import FILE, Outcome
 from app.studies.runs.store import Store, is_taken
 from app.studies.runs.store_reader import StoreReader
 from app.studies.study_runner import SPEC, STOP
 from app.studies.sweeps.checked_sweep import read_sweep
-from app.studies.sweeps.pictures.cell_runs import CellRuns
 from app.studies.sweeps.sweep_table import wide
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.sweep_panel import status
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps, demand_from_page
 from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, content, scene_of, shown, typical
+from app.viewer.lab.sweeps.sweep_chart import picture
 from app.viewer.lab.sweeps.sweep_request import (
     AGENTS,
     MOST_CELLS,
@@ -31,7 +33,6 @@ from app.viewer.lab.sweeps.sweep_request import (
     SweepRequest,
     describe_limits,
 )
-from app.viewer.lab.sweeps.sweep_svg import picture
 from app.viewer.run.run_preset import at_home
 from tests.viewer.http_client import ask
 from tests.viewer.waiting import until
@@ -344,8 +345,8 @@ def test_a_map_has_a_colour_for_each_cell_with_a_value():
     }
     groups[9] = CellRuns({"eta": 2.0, "v0": 2.0}, 1)
     made = drawn({"eta": values, "v0": values}, groups)
-    assert made.count('class="fs-cell"') == 8
-    assert len({part.split('"')[0] for part in made.split('fill="')[1:]}) == 4
+    assert made.count('class="fs-cell"') == made.count("data-cell") == 8
+    assert len(set(re.findall("fill: (#[0-9a-f]{6})", made))) == 4
     sample = {k: CellRuns({"eta": 0.1 * k, "v0": 0.3 * k}, k, [0.5], [1]) for k in range(10)}
     axes = {name: [one.axes[name] for one in sample.values()] for name in ("eta", "v0")}
     assert "A sample" in drawn(axes, sample)

@@ -17,10 +17,11 @@ from app.classroom.collect.differences import RunIdentity, differences
 from app.classroom.collect.question import Question
 from app.classroom.collect.question_choices import spread
 from app.classroom.collect.result_groups import ResultGroup
+from app.studies.charts.run_group import is_number, varied
 from app.studies.key_lines import KeyLocations
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.checked_sweep import Sweep, sweep_of
-from app.studies.sweeps.pictures.cell_runs import groups_of, is_number, varied
+from app.studies.sweeps.sweep_groups import groups_of
 from app.studies.sweeps.sweep_table import places_of, spec_at
 from app.viewer.lab.sweeps.stored_sweeps import MOST_SHOWN, named_in
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, demand, run_table

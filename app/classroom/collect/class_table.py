@@ -186,10 +186,11 @@ def to_json(collection: Collection, curve: ClassCurve | None = None) -> dict[str
     """What a page needs for the plot; nothing in it is nan. Names and titles are plain text.
 
     A point is [number, student, value, result or null, counts, differs]; a group, and a place of
-    the curve, is [value, runs, mean, half of its 95 % interval, sd].
+    the curve, is [value, runs, mean, half of its 95 % interval, sd, and the ends of the interval].
     """
     question = collection.question
     one = question.declared
+    along, up = collection.axis_limits(() if curve is None else curve.groups)
     return {
         "title": question.title,
         "x": {
@@ -198,11 +199,13 @@ def to_json(collection: Collection, curve: ClassCurve | None = None) -> dict[str
             "symbol": plain(one.symbol) if one is not None else "N",
             "unit": question.unit,
             "log": collection.is_log(() if curve is None else curve.values),
+            "limits": list(along),
         },
         "y": {
             "name": question.column,
             "title": question.result_words,
             "unit": question.result_unit,
+            "limits": list(up),
         },
         "told": collection.told(),
         "points": [
@@ -222,7 +225,8 @@ def to_json(collection: Collection, curve: ClassCurve | None = None) -> dict[str
 
 def told(group: ResultGroup) -> list[float | int | None]:
     """A group as the page has it."""
-    return [few(group.value), group.runs, few(group.mean), few(group.half), few(group.sd)]
+    numbers = (group.mean, group.half, group.sd, *group.summary.interval)
+    return [few(group.value), group.runs, *map(few, numbers)]
 
 
 def few(value: float | None) -> float | None:

@@ -7,14 +7,21 @@ process, and a `Collection` can be sent to one that draws its picture.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from agents.spec import Spec
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
 from app.classroom.collect.result_groups import ResultGroup, distinct, groups_of
-from app.studies.sweeps.pictures.mean_lines import spans_decades
+from app.studies.charts.axis_limits import (
+    Limits,
+    column_bounds,
+    measure_limits,
+    parameter_bounds,
+    parameter_limits,
+    spans_decades,
+)
 from worlds.input_error import InputError
 from worlds.number_text import counted as count
 
@@ -128,6 +135,20 @@ class Collection:
     def is_log(self, beside: Iterable[float] = ()) -> bool:
         """Whether the values, and those of a curve, are shown on a logarithmic axis."""
         return spans_decades([*self.question.values, *(one.value for one in self.counted), *beside])
+
+    def axis_limits(self, curve: Sequence[ResultGroup] = ()) -> tuple[Limits, Limits]:
+        """The ends of the axes of the parameter and of the result, a curve's groups among them."""
+        question = self.question
+        places = [*question.values, *(point.value for point in self.points)]
+        places += [group.value for group in curve]
+        groups = [group for group in (*self.groups(), *curve) if group.values]
+        results = [point.result for point in self.points if point.result is not None]
+        results += [group.mean for group in groups]
+        ends = [end for group in groups for end in group.summary.interval]
+        log = self.is_log([group.value for group in curve])
+        along = parameter_bounds(question.model, question.parameter)
+        up = column_bounds(question.column)
+        return parameter_limits(places, along, log), measure_limits(results, up, ends)
 
     def told(self) -> str:
         """How many results there are, in words."""

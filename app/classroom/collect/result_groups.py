@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.classroom.collect.hand_in import Point
-from app.studies.sweeps.pictures.mean_lines import spans_decades
-from app.studies.sweeps.replicates import half_width
+from app.studies.charts.axis_limits import spans_decades
+from app.studies.charts.run_group import RunGroup
 
 MOST_ALONE = 12
 """Different values that are each a group, however few results there are of each."""
@@ -18,7 +18,7 @@ MOST_BINS = 15
 
 
 @dataclass(frozen=True)
-class ResultGroup:
+class ResultGroup(RunGroup):
     """Results that are taken together."""
 
     value: float
@@ -26,31 +26,11 @@ class ResultGroup:
     low: float
     high: float
     """Between which theirs lie."""
-    results: tuple[float, ...]
-    """Of different runs: one that two students handed in counts once."""
+    values: tuple[float, ...] = ()
+    """Results of different runs: one that two students handed in counts once."""
     gave_up: int = 0
     """Runs in which it did not happen; they are in no mean."""
-    failed: int = 0
-
-    @property
-    def runs(self) -> int:
-        """Runs with a result."""
-        return len(self.results)
-
-    @property
-    def mean(self) -> float:
-        """Of the results; nan without any."""
-        return float(np.mean(self.results)) if self.results else math.nan
-
-    @property
-    def sd(self) -> float:
-        """Sample standard deviation (n - 1); nan below two results."""
-        return float(np.std(self.results, ddof=1)) if self.runs > 1 else math.nan
-
-    @property
-    def half(self) -> float:
-        """Half of the 95 % interval of the mean; nan below two results, and of equal ones."""
-        return half_width(self.results)
+    broken: int = 0
 
 
 def distinct(points: Sequence[Point]) -> list[Point]:

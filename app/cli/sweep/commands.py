@@ -237,9 +237,9 @@ def plot(
     axis 'agents': a line for each size, Binder's cumulant if 'binder' is observed, and with --beta
     and --nu the collapse.
     """
+    from app.studies.charts.scaling import Scaling
     from app.studies.runs.store_reader import StoreReader
-    from app.studies.sweeps.pictures.scaling import Scaling
-    from app.studies.sweeps.pictures.sweep_picture import draw
+    from app.studies.sweeps.sweep_picture import draw
     from app.studies.sweeps.sweep_table import measured
 
     if (beta is None) != (nu is None) or (critical is not None and beta is None):

@@ -204,7 +204,7 @@ def draw_all(sweep: Sweep, folder: Path) -> list[Path]:
     """Draw a picture of each thing that is measured. Raises InputError."""
     from app.results_folder import PICTURES
     from app.studies.runs.store_reader import StoreReader
-    from app.studies.sweeps.pictures.sweep_picture import draw
+    from app.studies.sweeps.sweep_picture import draw
 
     files = [folder / f"{column}.{kind}" for column in sweep.making.columns for kind in PICTURES]
     for path in files:

@@ -59,7 +59,7 @@ def summary_of(kept: StoreReader) -> None:
 
 def summaries(kept: StoreReader) -> list[dict[str, Any]]:
     """Each cell with the mean and the interval of what was measured, and runs without a value."""
-    from app.studies.sweeps.pictures.cell_runs import groups_of
+    from app.studies.sweeps.sweep_groups import groups_of
     from app.studies.sweeps.sweep_table import measured, places_of
 
     places = places_of(kept)

@@ -1,1 +1,1 @@
-"""Parts of pictures that several figures share."""
+"""What charts of runs consist of: lines with intervals, maps, distributions, scaling, colours."""

@@ -15,9 +15,8 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
 from types import ModuleType
-from typing import Any
 
-from app.figure import LOOK, write_figure
+from app.figure import new_figure, write_figure
 from app.results_folder import PICTURES
 from app.studies.experiment import Experiment
 from app.studies.judge.verdict import Verdict, main_ones
@@ -59,13 +58,7 @@ def draw(
 
     `seed` is that of the run which pictures of single runs show. Raises InputError.
     """
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
-        figure: Any = Figure(layout="constrained")
-        FigureCanvasAgg(figure)
+    with new_figure() as figure:
         offered = {
             "figure": figure,
             "experiment": experiment,

@@ -11,6 +11,8 @@ from pydantic import Field
 
 from agents.state.start import goal_heading
 from app.studies.charts.boxes import WORDS, box, explain
+from app.studies.charts.colour_table import COLOURS, MARKERS
+from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.judge.verdict import Verdict, name, sweeps_of
 from app.studies.measure import COUNT, HALF_TURN, Measure, Number, Settings
 
@@ -160,8 +162,6 @@ def draw_pairs(figure: Any, main: list[Verdict]) -> None:
     explain(figure, signs, WORDS)
 
 
-LINE_COLOURS = ("#7fb3d5", "#2166ac", "#0b2545", "#b07d12", "#c0392b")
-MARKERS = ("o", "s", "^", "D", "v")
 SYMBOLS = {"p1": "$p_1$", "p2": "$p_2$"}
 LINEAR_TO = 0.01
 """The logarithmic axis is linear up to here where it has to show 0."""
@@ -178,16 +178,13 @@ def draw_sweeps(figure: Any, main: list[Verdict]) -> None:
     for axes, sweep in zip(panels, sweeps, strict=True):
         lines = [(agents, points) for one, agents, points in found if one is sweep]
         for k, (agents, points) in enumerate(lines):
-            axes.errorbar(
+            draw_mean_bars(
+                axes,
                 [float(p.case.value or 0.0) for p in points],
-                [p.summary.mean for p in points],
-                yerr=[2.0 * p.summary.standard_error for p in points],
-                color=LINE_COLOURS[k % len(LINE_COLOURS)],
+                [p.summary for p in points],
+                COLOURS[k % len(COLOURS)],
+                f"N = {agents}",
                 marker=MARKERS[k % len(MARKERS)],
-                markersize=5,
-                linewidth=1.6,
-                capsize=2.5,
-                label=f"N = {agents}",
             )
         values = [float(value) for value in sweep.values]
         axes.set_xscale("symlog" if min(values) <= 0.0 else "log", **linear(values))
@@ -201,7 +198,7 @@ def draw_sweeps(figure: Any, main: list[Verdict]) -> None:
             axes.yaxis.set_major_formatter(ScalarFormatter())
         axes.minorticks_off()
     panels[0].set_ylabel("mean $k_{con}$ / ticks")
-    explain(figure, panels[0].get_legend_handles_labels()[0], "bars: two standard errors")
+    explain(figure, panels[0].get_legend_handles_labels()[0], INTERVAL_WORDS)
 
 
 def steep(lines: list[tuple[int, list[Verdict]]]) -> bool:

@@ -9,10 +9,11 @@ from agents.catalogue import model as find_model
 from agents.conditions import Conditions
 from agents.spec import OPTIONS
 from app.studies.charts.boxes import explain
+from app.studies.charts.colour_table import COLOURS
+from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.experiment_file import PaperSweep
 from app.studies.judge.verdict import Verdict, of, sweeps_of
 
-COLOURS = ("#b07d12", "#2166ac", "#1f9d63", "#c0392b", "#7b5ea7", "#3c434b")
 WIDTH, HEIGHT = 3.3, 2.7
 LEAST_WIDTH = 7.0
 LETTERS = 34
@@ -58,7 +59,7 @@ def draw_endurance(figure: Any, made: list[Verdict]) -> None:
                 textcoords="offset points", ha="center", va="bottom", fontsize=9.5,
             )  # fmt: skip
     signs = [sign_of(k, kind, sweeps) for k, kind in enumerate(kinds)]
-    explain(figure, signs, "mean over the runs that have the measure; bars: its 95 % interval")
+    explain(figure, signs, f"mean over the runs that have the measure; {INTERVAL_WORDS}")
 
 
 def column_of(sweep: PaperSweep) -> Column:
@@ -107,11 +108,8 @@ def draw_line(axes: Any, aside: float, colour: str, points: list[Verdict]) -> No
     values = [float(point.case.value or 0.0) for point in points]
     shift = aside * APART * (max(values) - min(values))
     there = [(x + shift, p.summary) for x, p in zip(values, points, strict=True) if p.summary.runs]
-    line = {"color": colour, "linewidth": 1.6}
-    at, means = [x for x, _ in there], [s.mean for _, s in there]
-    low, high = [s.interval[0] for _, s in there], [s.interval[1] for _, s in there]
-    axes.vlines(at, low, high, **line)
-    axes.plot(at, means, marker="o", markersize=4.5, **line)
+    at, summaries = [x for x, _ in there], [one for _, one in there]
+    draw_mean_bars(axes, at, summaries, colour, markersize=4.5, capsize=0.0)
 
 
 PICTURES = {"endurance": draw_endurance}

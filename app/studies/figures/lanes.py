@@ -10,6 +10,8 @@ from pydantic import Field
 
 from agents.observables.lanes import lane_order
 from app.studies.charts.boxes import explain
+from app.studies.charts.colour_table import COLOURS
+from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.experiment import Experiment, flock_of
 from app.studies.judge.verdict import Verdict, of
 from app.studies.measure import Measure, Number, Settings
@@ -85,7 +87,8 @@ def ways_of(flock: Flock) -> np.ndarray:
 
 
 EAST, WEST = "#2166ac", "#c0392b"
-COLOURS = ("#1f9d63", "#7a828c", "#b07d12", "#8e44ad")
+LINE_COLOURS = COLOURS[2:]
+"""Those of people, red and blue, are no lines."""
 DART = np.array([[0.6, 0.0], [-0.4, 0.32], [-0.2, 0.0], [-0.4, -0.32]])
 """Outline of a walker of length 1 that goes along +x."""
 
@@ -116,7 +119,7 @@ def draw_lanes(figure: Any, experiment: Experiment, made: list[Verdict], seed: i
         figure,
         axes.get_legend_handles_labels()[0],
         f"above: seed {seed}, those who want to go to the right blue; below: mean of all runs, "
-        "bars: two standard errors",
+        f"{INTERVAL_WORDS}",
     )
 
 
@@ -145,16 +148,12 @@ def draw_rows(axes: Any, made: list[Verdict], measure: str) -> None:
     for k, label in enumerate(dict.fromkeys(one.case.label for one in rows)):
         line = [one for one in rows if one.case.label == label]
         line.sort(key=lambda one: one.case.agents)
-        axes.errorbar(
+        draw_mean_bars(
+            axes,
             [one.case.agents for one in line],
-            [one.summary.mean for one in line],
-            yerr=[2.0 * np.nan_to_num(one.summary.standard_error) for one in line],
-            color=COLOURS[k % len(COLOURS)],
-            marker="o",
-            markersize=5,
-            linewidth=1.6,
-            capsize=2.5,
-            label=label,
+            [one.summary for one in line],
+            LINE_COLOURS[k % len(LINE_COLOURS)],
+            label,
         )
     axes.set_xlabel("people")
 

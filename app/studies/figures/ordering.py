@@ -14,6 +14,8 @@ from pydantic import Field
 
 from agents.observables.neighbours import nearest_neighbour
 from app.studies.charts.boxes import WORDS, box, explain
+from app.studies.charts.colour_table import COLOURS, MARKERS, RULER
+from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.judge.verdict import Verdict, of, sweeps_of
 from app.studies.measure import SHARE, Measure, Number, Settings
 
@@ -77,8 +79,6 @@ def binder(order: np.ndarray) -> float:
     return 1.0 - float((order**4).mean()) / (3.0 * second * second) if second > 0.0 else 0.0
 
 
-COLOURS = ("#2166ac", "#b07d12", "#1f9d63", "#c0392b", "#0b2545", "#7a4ea3")
-MARKERS = ("s", "+", "x", "^", "o", "D")
 WIDTH = 0.4
 SYMBOLS = {"eta": "$\\eta$", "order": "order", "binder": "Binder cumulant $G$"}
 
@@ -99,7 +99,7 @@ def draw_ordering(figure: Any, made: list[Verdict]) -> None:
         if len({one for one, _ in shown}) > 1:
             axes.set_title(model, loc="left")
     if shown:
-        explain(figure, panels[0].get_legend_handles_labels()[0], "bars: two standard errors")
+        explain(figure, panels[0].get_legend_handles_labels()[0], INTERVAL_WORDS)
     if rows and len({round(density(row), 6) for row in rows}) > 1:
         draw_densities(panels[-1], rows)
     elif rows:
@@ -113,7 +113,7 @@ def draw_sweeps(axes: Any, made: list[Verdict]) -> None:
         draw_line(axes, k, [float(p.case.value or 0.0) for p in points], points, f"N = {agents}")
         axes.set_xlabel(SYMBOLS.get(sweep.parameter, sweep.parameter))
     if min(one.summary.mean for one in made) < 0.0:
-        axes.axhline(0.0, color="#7a828c", linewidth=1.0)
+        axes.axhline(0.0, color=RULER, linewidth=1.0)
 
 
 def draw_densities(axes: Any, rows: list[Verdict]) -> None:
@@ -148,17 +148,15 @@ def density(row: Verdict) -> float:
 
 
 def draw_line(axes: Any, k: int, x: list[float], points: list[Verdict], label: str) -> None:
-    """Means with two standard errors."""
-    axes.errorbar(
+    """Draw means with their intervals."""
+    draw_mean_bars(
+        axes,
         x,
-        [p.summary.mean for p in points],
-        yerr=[2.0 * p.summary.standard_error for p in points],
-        color=COLOURS[k % len(COLOURS)],
+        [p.summary for p in points],
+        COLOURS[k % len(COLOURS)],
+        label,
         marker=MARKERS[k % len(MARKERS)],
-        markersize=5,
         linewidth=1.3,
-        capsize=2.5,
-        label=label,
     )
 
 

@@ -11,6 +11,7 @@ from pydantic import Field
 
 from agents.state.start import random_headings
 from app.studies.charts.boxes import explain
+from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.experiment import Case
 from app.studies.judge.statistics import MeasureSummary
 from app.studies.judge.verdict import Verdict
@@ -223,7 +224,7 @@ def draw_phases(figure: Any, made: list[Verdict]) -> None:
         draw_ways(panels["up"], ways, "p")
         draw_ways(panels["um"], ways, "m")
         handles = panels["up"].get_legend_handles_labels()[0]
-        explain(figure, handles, f"{WORDS}; bars: two standard errors")
+        explain(figure, handles, f"{WORDS}; {INTERVAL_WORDS}")
 
 
 def draw_map(
@@ -274,17 +275,8 @@ def draw_ways(axes: Any, ways: list[tuple[PhasePoint, PhasePoint]], name: str) -
         [(THERE, "o", "wider and wider", ">"), (BACK, "s", "narrower and narrower", "<")]
     ):
         summaries = [getattr(pair[k], name) for pair in ways]
-        axes.errorbar(
-            [pair[k].x for pair in ways],
-            [s.mean for s in summaries],
-            yerr=[2.0 * np.nan_to_num(s.standard_error) for s in summaries],
-            color=colour,
-            marker=marker,
-            markersize=5,
-            linewidth=1.8,
-            capsize=2.5,
-            label=label,
-        )
+        places = [pair[k].x for pair in ways]
+        draw_mean_bars(axes, places, summaries, colour, label, marker=marker, linewidth=1.8)
         middle = len(ways) // 2
         (x0, y0), (x1, y1) = [(ways[i][k].x, summaries[i].mean) for i in (middle, middle + 1)]
         axes.plot(0.5 * (x0 + x1), 0.5 * (y0 + y1), arrow, color=colour, markersize=9)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from app.studies.charts.boxes import WORDS, box
+from app.studies.charts.colour_table import COLOURS
 from app.studies.judge.verdict import Verdict, of
 
-COLOURS = ("#2166ac", "#b07d12", "#1f9d63", "#c0392b", "#7b5ea7", "#3c434b")
 WIDTH, HEIGHT = 4.6, 4.4
 
 

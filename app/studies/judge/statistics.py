@@ -41,6 +41,11 @@ class MeasureSummary:
         """Of the mean."""
         return self.sd / math.sqrt(self.runs) if self.runs else math.nan
 
+    @property
+    def half_width(self) -> float:
+        """Half of the interval, as `half_width` has it."""
+        return half_width(self.mean, self.interval)
+
 
 def summary(values: RunRanges) -> MeasureSummary:
     """Summary of what runs gave.
@@ -85,3 +90,14 @@ def interval_of_mean(
     """
     low, high = values.interval(confidence)
     return (low, high) if math.isfinite(low) or math.isfinite(high) else (math.nan, math.nan)
+
+
+def half_width(mean: float, interval: tuple[float, float]) -> float:
+    """Half of the interval of a mean where one number has to say it: the wider side; NaN where the
+    interval is not finite.
+
+    >>> half_width(2.0, (1.5, 3.0)), half_width(2.0, (1.5, math.inf))
+    (1.0, nan)
+    """
+    low, high = interval
+    return max(mean - low, high - mean) if math.isfinite(high - low) else math.nan

@@ -7,17 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from app.figure import LOOK, write_figure
+from app.figure import ENDINGS, NAMED, new_figure, write_figure
+from app.studies.charts.axis_limits import column_bounds, measure_limits
+from app.studies.charts.colour_table import COLOURS, PALE
+from app.studies.charts.mean_line import draw_missing, interval_sides
 from app.studies.optimisation.evaluations import EvaluatedPoint
 from app.studies.optimisation.optimisation_result import OptimisationResult
 from app.studies.optimisation.study import SearchGoal, Study
 from app.studies.search import TITLES
-from app.studies.sweeps.pictures.mean_lines import CENSORED, COLOURS
-from app.studies.sweeps.pictures.sweep_picture import ENDINGS
 from worlds.file_writer import demand_writable
 from worlds.number_text import counted
 
-TRIED, BEST, DEFAULT = "#9ecae1", COLOURS[0], COLOURS[1]
+TRIED, BEST, DEFAULT = PALE, COLOURS[0], COLOURS[1]
 
 
 def draw(
@@ -29,13 +30,7 @@ def draw(
 ) -> None:
     """Draw the convergence, and of two objectives the front: PNG, SVG or PDF. Raises InputError."""
     demand_writable("picture", path, overwrite, ENDINGS)
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
-        figure: Any = Figure(layout="constrained")
-        FigureCanvasAgg(figure)
+    with new_figure(NAMED) as figure:
         goals = study.goals
         figure.set_size_inches(7.2, 4.6 if len(goals) == 1 else 2.9 * len(goals) + 3.6)
         rows = len(goals) + (len(goals) > 1)
@@ -64,23 +59,26 @@ def draw_course(
         running = np.fmin.accumulate(goal.sign * values)
         panel.step(numbers, goal.sign * running, where="post", color=BEST, label="best so far")
     bad = numbers[~reached]
-    if bad.size:
-        foot = panel.get_xaxis_transform()
-        style = {"color": CENSORED, "linestyle": "", "marker": "v", "clip_on": False}
-        words = "not allowed, or without a value"
-        panel.plot(bad, [0.02] * bad.size, transform=foot, markersize=4, label=words, **style)
+    draw_missing(panel, bad.tolist(), (), ("not allowed, or without a value", ""))
     searched = answer.default.on_search[k]
     if searched is not None:
         panel.axhline(searched, color=DEFAULT, linewidth=1.0, label="the default, same seeds")
+    shown = [*values[reached], *([] if searched is None else [searched])]
+    ends: list[float] = []
     for one, colour, words in ((answer.default, DEFAULT, "default"), (chosen, COLOURS[2], "best")):
         mean = one.means[k] if one is not None else None
         if mean is not None:
             panel.errorbar(
-                [1.04 * len(course) + 1], [mean.value], yerr=[np.nan_to_num(mean.half)], fmt="D",
+                [1.04 * len(course) + 1], [mean.value],
+                yerr=interval_sides([mean.value], [mean.interval]), fmt="D",
                 color=colour, markersize=5, capsize=3, label=f"the {words}, fresh seeds",
             )  # fmt: skip
+            shown.append(mean.value)
+            ends += mean.interval
     if is_wide(values[reached]):
         panel.set_yscale("log")
+    else:
+        panel.set_ylim(*measure_limits(shown, column_bounds(goal.column), ends))
     panel.set_xlabel("points evaluated")
     panel.set_ylabel(f"{goal.name} ({goal.aim} wanted)")
     if k == 0:
@@ -99,6 +97,8 @@ def draw_front(
     first, second = study.goals[:2]
     tried = np.array([one.means[:2] for one in course if one.is_good]).reshape(-1, 2)
     panel.plot(*tried.T, "o", color=TRIED, markersize=4, label="points of the search")
+    shown: list[list[float]] = tried.T.tolist()
+    ends: list[list[float]] = [[], []]
     for points, colour, sign, words in (
         (answer.best, BEST, "o-", "the front, fresh seeds"),
         ([answer.default], DEFAULT, "D", "the default, fresh seeds"),
@@ -107,15 +107,22 @@ def draw_front(
         there = [[mean for mean in row if mean is not None] for row in means if None not in row]
         if there:
             x, y = ([row[k].value for row in there] for k in (0, 1))
-            off = [[np.nan_to_num(row[k].half) for row in there] for k in (0, 1)]
+            across, up = ([row[k].interval for row in there] for k in (0, 1))
+            for k, at, sides in ((0, x, across), (1, y, up)):
+                shown[k] += at
+                ends[k] += [end for interval in sides for end in interval]
             panel.errorbar(
-                x, y, xerr=off[0], yerr=off[1], fmt=sign, color=colour, markersize=5,
-                linewidth=1.0, elinewidth=0.8, label=words,
+                x, y, xerr=interval_sides(x, across), yerr=interval_sides(y, up), fmt=sign,
+                color=colour, markersize=5, linewidth=1.0, elinewidth=0.8, label=words,
             )  # fmt: skip
-    if is_wide(tried[:, 0]):
-        panel.set_xscale("log")
-    if is_wide(tried[:, 1]):
-        panel.set_yscale("log")
+    for k, goal, put_scale, put_limits in (
+        (0, first, panel.set_xscale, panel.set_xlim),
+        (1, second, panel.set_yscale, panel.set_ylim),
+    ):
+        if is_wide(tried[:, k]):
+            put_scale("log")
+        else:
+            put_limits(*measure_limits(shown[k], column_bounds(goal.column), ends[k]))
     panel.grid(axis="both")
     panel.set_xlabel(f"{first.name} ({first.aim} wanted)")
     panel.set_ylabel(f"{second.name} ({second.aim} wanted)")

@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from app.studies.charts.run_group import label
+from app.studies.judge.judge import ranges_of
+from app.studies.judge.statistics import summary
 from app.studies.optimisation.evaluations import EvaluatedPoint, Evaluations
 from app.studies.optimisation.study import SearchGoal, Study, spec_at
 from app.studies.search import End
 from app.studies.sweeps.designs import Point
-from app.studies.sweeps.pictures.cell_runs import label
-from app.studies.sweeps.replicates import half_width
 from app.studies.sweeps.sweep_file import Span
 from worlds.number_text import counted
 
@@ -34,11 +35,14 @@ class Mean:
 
     value: float
     half: float
+    interval: tuple[float, float] = (math.nan, math.nan)
+    """All of it: its sides may be unlike."""
 
     @classmethod
     def of(cls, values: Sequence[float]) -> Mean:
         """That of values."""
-        return cls(float(np.mean(values)), half_width(values))
+        found = summary(ranges_of(values))
+        return cls(found.mean, found.half_width, found.interval)
 
     def __str__(self) -> str:
         return f"{self.value:.4g}" + (f" ± {self.half:.2g}" if self.half == self.half else "")

@@ -10,11 +10,13 @@ from typing import Any, Literal
 import numpy as np
 
 from agents.spec import Spec
-from app.figure import LOOK, write_figure
+from app.figure import ENDINGS, INK, NAMED, new_figure, write_figure
+from app.studies.charts.axis_limits import measure_limits
+from app.studies.charts.colour_table import COLOURS, PALE, RULER
+from app.studies.charts.mean_line import interval_sides
+from app.studies.measure import SHARE, UNBOUNDED
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sensitivity.sensitivity_result import Sensitivity, analysed, design_of
-from app.studies.sweeps.pictures.mean_lines import COLOURS
-from app.studies.sweeps.pictures.sweep_picture import ENDINGS
 from app.studies.sweeps.sweep_api import asked, bounds, is_file, kept_in
 from app.studies.sweeps.sweep_results import Results
 from app.studies.sweeps.sweep_runner import conduct
@@ -25,19 +27,13 @@ from worlds.number_text import counted
 
 # Bars of sensitivity: how much each axis has to do with what is measured, with intervals.
 
-TOTAL, ALONE = COLOURS[0], "#9ecae1"
+TOTAL, ALONE = COLOURS[0], PALE
 
 
 def draw(found: list[Sensitivity], title: str, path: Path, overwrite: bool = True) -> None:
     """Draw a panel for each thing that is measured: PNG, SVG or PDF. Raises InputError."""
     demand_writable("picture", path, overwrite, ENDINGS)
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    with matplotlib.rc_context(LOOK):  # type: ignore[arg-type]
-        figure: Any = Figure(layout="constrained")
-        FigureCanvasAgg(figure)
+    with new_figure(NAMED) as figure:
         axes = len(found[0].influences)
         figure.set_size_inches(7.2, 1.3 + len(found) * (0.8 + 0.5 * axes))
         for panel, one in zip(figure.subplots(len(found), squeeze=False)[:, 0], found, strict=True):
@@ -61,19 +57,34 @@ def draw_bars(panel: Any, one: Sensitivity) -> None:
             places + shift,
             [index.value for index in indices],
             0.36,
-            xerr=np.nan_to_num([index.half for index in indices]),
+            xerr=interval_sides(
+                [index.value for index in indices], [index.interval for index in indices]
+            ),
             color=colour,
             label=label,
-            error_kw={"ecolor": "#3c434b", "elinewidth": 1.0, "capsize": 2.5},
+            error_kw={"ecolor": INK, "elinewidth": 1.0, "capsize": 2.5},
         )
     panel.set_yticks(places, [i.axis for i in one.influences])
     panel.grid(axis="x")
     panel.grid(axis="y", visible=False)
-    panel.axvline(0.0, color="#7a828c", linewidth=0.8)
+    panel.axvline(0.0, color=RULER, linewidth=0.8)
+    panel.set_xlim(*index_limits(one))
     what = "share of the variance" if one.kind == "sobol" else "effect of the whole range"
     chance = "" if one.noise is None else f"; chance {one.noise:.0%} of the variance"
     panel.set_xlabel(f"{one.observable}: {what}, 95 % intervals{chance}")
     panel.legend(fontsize=9, loc="lower right")
+
+
+def index_limits(one: Sensitivity) -> tuple[float, float]:
+    """The ends of the axis of the indices of one thing that is measured.
+
+    Sobol's are shares, from 0 to 1; an estimate that is beyond, by chance, is shown all the same.
+    """
+    indices = [index for i in one.influences for index in (i.total, i.alone)]
+    values = [index.value for index in indices]
+    ends = [end for index in indices for end in index.interval]
+    bounds = SHARE if one.kind == "sobol" else UNBOUNDED
+    return measure_limits([0.0, *values], bounds, ends)
 
 
 @dataclass(frozen=True)

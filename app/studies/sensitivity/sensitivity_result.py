@@ -37,6 +37,11 @@ class Index:
     value: float
     half: float = math.nan
 
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Its 95 % interval, which SALib gives by its half."""
+        return self.value - self.half, self.value + self.half
+
 
 @dataclass(frozen=True)
 class Influence:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from app.studies.judge import statistics
 from app.studies.judge.judge import INTERVAL_CONFIDENCE, ranges_of
 from app.studies.judge.statistics import interval_of_mean
 from app.studies.sweeps.sweep_file import Precision, Replicates
@@ -25,11 +26,8 @@ def half_width(values: Sequence[float], confidence: float = INTERVAL_CONFIDENCE)
     >>> round(half_width([1.0, 2.0, 3.0]), 3)
     9.901
     """
-    low, high = interval_of_mean(ranges_of(values), confidence)
-    if math.isnan(low) or not math.isfinite(high - low):
-        return math.nan
-    mean = float(np.mean(values))
-    return max(mean - low, high - mean)
+    interval = interval_of_mean(ranges_of(values), confidence)
+    return statistics.half_width(float(np.mean(values)) if len(values) else math.nan, interval)
 
 
 def is_precise(values: Sequence[float], asked: Precision) -> bool:

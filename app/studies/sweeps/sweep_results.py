@@ -70,7 +70,7 @@ class Results:
 
     def plot(self, path: str | Path, observable: str | None = None, **asked: Any) -> None:
         """Draw the picture of an observable: PNG, SVG or PDF, as `flockscope sweep plot` does."""
-        from app.studies.sweeps.pictures.sweep_picture import draw
+        from app.studies.sweeps.sweep_picture import draw
 
         draw(self._kept, Path(path), observable, **asked)
 

@@ -20,6 +20,7 @@ from typing import Any
 import viser
 
 from agents.models.declare import DeclaredParameter, Range, above, below, is_wide
+from app.figure import DRAWING
 from app.front.viser_internals import identifier
 from app.viewer.scene.shown.control import Control
 
@@ -95,7 +96,7 @@ def line_svg(latex: str, size: float) -> str | None:
     figure.text(0, 0, f"${latex}$", fontsize=size, math_fontfamily="cm")
     drawn = io.StringIO()
     try:
-        with rc_context({"svg.fonttype": "path"}):
+        with DRAWING, rc_context({"svg.fonttype": "path"}):
             figure.savefig(drawn, format="svg", bbox_inches="tight", transparent=True)
     except ValueError:
         return None

@@ -22,7 +22,6 @@ from app.viewer.lab.sweeps.stored_sweeps import (
     PICTURES,
     SPEC,
     TABLES,
-    DrawnSweep,
     ListedSweep,
     content,
 )
@@ -34,7 +33,6 @@ from app.viewer.lab.sweeps.sweep_request import (
     is_whole,
     numbers,
 )
-from app.viewer.lab.sweeps.sweep_svg import picture
 from app.viewer.measuring.observable_format import words
 from app.viewer.panels.dials import decimals, sight, step_of
 from app.viewer.panels.parameters import worded
@@ -148,7 +146,6 @@ class SweepPanel:
     model: str = ""
     observed: dict[str, str] = field(default_factory=dict)
     """What can be measured, words -> name."""
-    drawn: DrawnSweep | None = None
     busy: bool = False
     """Whether a file is being made, or a sweep begun."""
 
@@ -316,9 +313,7 @@ class SweepPanel:
             show(self.which, chosen)
         one, made = seen.of(chosen), seen.shown
         put(self.status, block(status(one, seen)))
-        if made is not self.drawn:
-            self.drawn = made
-            put(self.picture, block(picture(made)) if made is not None else "")
+        put(self.picture, block(seen.picture) if seen.picture else "")
         if made is not None:
             if tuple(self.column.options) != made.columns:
                 self.column.options = made.columns

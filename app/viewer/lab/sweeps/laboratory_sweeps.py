@@ -41,6 +41,7 @@ from app.viewer.lab.sweeps.stored_sweeps import (
     scene_of,
     shown,
 )
+from app.viewer.lab.sweeps.sweep_chart import picture
 from app.viewer.lab.sweeps.sweep_request import (
     MOST_BEGUN,
     NICE,
@@ -136,6 +137,8 @@ class SweepPanelState:
     sweeps: tuple[ListedSweep, ...] = ()
     """The newest first."""
     shown: DrawnSweep | None = None
+    picture: str = ""
+    """HTML of the sweep that is shown."""
     fault: str = ""
     """Why a sweep could not be begun, or is not drawn."""
     said: str = ""
@@ -166,8 +169,9 @@ class Sweeps:
         """Of what does not change, how far it is, by when it was written last."""
         self.unread: dict[str, str] = {}
         """Why a sweep is not listed."""
-        self.drawn: tuple[object, DrawnSweep | None, str] = (None, None, "")
-        """What was read last: of which sweep when, what is drawn of it, and why nothing is."""
+        self.drawn: tuple[object, DrawnSweep | None, str, str] = (None, None, "", "")
+        """What was read last: of which sweep when, what is drawn of it, its picture, and why there
+        is none."""
         self.now = threading.Event()
         self.closing = threading.Event()
         self.thread = threading.Thread(target=self.live, name="sweeps", daemon=True)
@@ -294,9 +298,9 @@ class Sweeps:
             if before is None or before.done == 0:
                 said = making.said()
         self.follow(found)
-        drawn, fault = self.draw(found)
+        drawn, chart, fault = self.draw(found)
         unread = tuple(f"{name} is not shown: {why}" for name, why in self.unread.items())
-        self.seen = SweepPanelState(tuple(found), drawn, self.fault or fault, said, unread)
+        self.seen = SweepPanelState(tuple(found), drawn, chart, self.fault or fault, said, unread)
 
     def listed(self, name: str) -> ListedSweep | None:
         """How far a sweep is; what nobody writes is read once."""
@@ -326,18 +330,23 @@ class Sweeps:
         first = next((one for one in found if one.runs), found[0] if found else None)
         self.chosen, self.column = (first.name if first else ""), None
 
-    def draw(self, found: list[ListedSweep]) -> tuple[DrawnSweep | None, str]:
-        """What is drawn, read anew only if there is more of it; or why it is not."""
+    def draw(self, found: list[ListedSweep]) -> tuple[DrawnSweep | None, str, str]:
+        """What is drawn and its picture, made anew only if there is more of it; or why not.
+
+        A picture takes up to 0.3 s: here, where `live` keeps looking rare, and not in the thread
+        that the panels are refreshed in.
+        """
         one = next((one for one in found if one.name == self.chosen), None)
         if one is None or not (self.results / one.name / FILE).is_file():
-            return None, ""
+            return None, "", ""
         key = one.name, self.column, one.state == "done", *one.counts.values()
         if key != self.drawn[0]:
             try:
-                self.drawn = key, shown(self.results / one.name, self.column), ""
+                read = shown(self.results / one.name, self.column)
+                self.drawn = key, read, picture(read), ""
             except Exception as error:  # whatever its store holds, the others are listed
                 said = str(error) if isinstance(error, InputError) else f"it is broken ({error!r})"
-                self.drawn = key, None, "" if one.state == "begins" else said[:300]
+                self.drawn = key, None, "", "" if one.state == "begins" else said[:300]
         return self.drawn[1:]
 
     def bury(self) -> None:

@@ -11,13 +11,14 @@ from typing import Any
 from agents.catalogue import FILES
 from agents.catalogue import model as find_model
 from agents.flock_world import find_world
-from agents.observables.catalogue import OBSERVABLES
 from app.strict_table import Value
+from app.studies.charts.axis_limits import observable_of
+from app.studies.charts.run_group import CellRuns, is_number
 from app.studies.runs.database import FILE
 from app.studies.runs.store_reader import StoreReader
 from app.studies.study_runner import SPEC
-from app.studies.sweeps.pictures.cell_runs import CellRuns, groups_of, is_number
-from app.studies.sweeps.pictures.sweep_picture import draw
+from app.studies.sweeps.sweep_groups import groups_of
+from app.studies.sweeps.sweep_picture import draw
 from app.studies.sweeps.sweep_table import (
     as_csv,
     axes_of,
@@ -191,16 +192,6 @@ def plots_of(column: str) -> list[str]:
     """The plot of a column that is an observable."""
     name = observable_of(column)
     return [worded((name,))] if name else []
-
-
-def observable_of(column: str) -> str:
-    """The observable that a column is of; nothing for a measure of somebody's own.
-
-    >>> observable_of("polarisation-over-50"), observable_of("k")
-    ('polarisation', '')
-    """
-    name = column.partition("-over-")[0]
-    return name if name in OBSERVABLES else ""
 
 
 def few_of(value: Any) -> str:

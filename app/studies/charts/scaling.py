@@ -8,15 +8,23 @@ Baglietto and Albano 2008).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from app.studies.charts.axis_limits import column_bounds
+from app.studies.charts.colour_table import COLOURS, RULER
+from app.studies.charts.mean_line import (
+    draw_mean_bars,
+    draw_mean_line,
+    fit_axes,
+)
+from app.studies.charts.run_group import CellRuns, is_number, varied
+from app.studies.judge.statistics import MeasureSummary
+from app.studies.measure import UNBOUNDED, MeasureBounds
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sweeps.pictures.cell_runs import CellRuns, groups_of, is_number, varied
-from app.studies.sweeps.pictures.mean_lines import COLOURS, mark
-from app.studies.sweeps.sweep_table import measured
 from worlds.input_error import InputError
 
 SIZE, CUMULANT = "agents", "binder"
@@ -43,32 +51,28 @@ Lines = dict[int, tuple[float, list[CellRuns]]]
 
 
 def draw_scaling(
-    figure: Any,
-    kept: StoreReader,
+    panels: Sequence[Any],
     name: str,
-    groups: list[CellRuns],
+    lines: Lines,
+    cumulants: Lines,
     x: str,
-    where: str,
     by: Scaling | None,
+    along: MeasureBounds = UNBOUNDED,
 ) -> None:
-    """Draw the panels that the sweep has: `by` for the collapse. Raises InputError."""
-    lines = by_size(kept, groups, x)
-    has_cumulant = CUMULANT in measured(kept) and name != CUMULANT
-    cumulants = by_size(kept, groups_of(kept, CUMULANT, where)[1], x) if has_cumulant else {}
-    across = 1 + has_cumulant + (by is not None)
-    figure.set_size_inches(1.6 + 4.0 * across, 4.4)
-    panels = list(figure.subplots(1, across, squeeze=False)[0])
-    plain(panels[0], lines, x)
-    panels[0].set_ylabel(f"{name}, mean and 95 % interval")
-    mark(panels[0], groups, x)
+    """Draw the lines, the cumulants if there are any, and with `by` the collapse, a panel each.
+
+    Raises InputError.
+    """
+    draw_sizes(panels[0], lines, x, along, column_bounds(name))
+    panels[0].set_ylabel(f"{plain_text(name)}, mean and 95 % interval")
     crossing = None
     if cumulants:
         crossing = crossing_of(cumulants, x)
-        plain(panels[1], cumulants, x)
+        draw_sizes(panels[1], cumulants, x, along, column_bounds(CUMULANT))
         panels[1].set_ylabel("Binder's cumulant U")
         if crossing is not None:
             panels[1].axvline(
-                crossing, color="#555555", linestyle=":", label=f"crossing at {crossing:.4g}"
+                crossing, color=RULER, linestyle=":", label=f"crossing at {crossing:.4g}"
             )
     if by is not None:
         critical = crossing if by.critical is None else by.critical
@@ -77,8 +81,8 @@ def draw_scaling(
                 "it is not known where the transition is: give --critical, or measure 'binder' "
                 "over a range in which the lines of the two largest sizes cross once"
             )
-        collapse(panels[-1], lines, x, by, critical)
-        panels[-1].set_ylabel(rf"{name} $L^{{\beta / \nu}}$")
+        draw_collapse(panels[-1], lines, x, by, critical)
+        panels[-1].set_ylabel(rf"{plain_text(name)} $L^{{\beta / \nu}}$")
     for panel in panels:
         panel.legend(fontsize=8)
 
@@ -108,41 +112,49 @@ def by_size(kept: StoreReader, groups: list[CellRuns], x: str) -> Lines:
     return dict(sorted(found.items()))
 
 
-def plain(panel: Any, lines: Lines, x: str) -> None:
-    """Means along the axis, with bands."""
+def draw_sizes(panel: Any, lines: Lines, x: str, along: MeasureBounds, up: MeasureBounds) -> None:
+    """Draw means along the axis, with bands, a line for each size."""
     for (agents, (_, line)), colour in zip(lines.items(), COLOURS, strict=False):
-        places, means, half = of(line, x)
-        panel.plot(places, means, color=colour, marker="o", markersize=4, label=f"N = {agents}")
-        panel.fill_between(
-            places, means - half, means + half, color=colour, alpha=0.18, linewidth=0
-        )
-    panel.set_xlabel(x)
+        draw_mean_line(panel, places_of(line, x), summaries_of(line), colour, f"N = {agents}")
+    groups = [group for _, line in lines.values() for group in line]
+    fit_axes(panel, places_of(groups, x), groups, along, up)
+    panel.set_xlabel(plain_text(x))
 
 
-def collapse(panel: Any, lines: Lines, x: str, by: Scaling, critical: float) -> None:
-    """The lines in scaled units, in which they fall on one where the exponents are right."""
+def draw_collapse(panel: Any, lines: Lines, x: str, by: Scaling, critical: float) -> None:
+    """Draw the lines in scaled units, in which they fall on one where the exponents are right."""
     for (agents, (side, line)), colour in zip(lines.items(), COLOURS, strict=False):
-        places, means, half = of(line, x)
-        along, up = (places - critical) * side ** (1.0 / by.nu), side ** (by.beta / by.nu)
-        style = {"color": colour, "marker": "o", "markersize": 4, "capsize": 2}
-        panel.errorbar(along, up * means, up * half, label=f"N = {agents}", **style)
-    panel.set_xlabel(rf"({x} - {critical:.4g}) $L^{{1 / \nu}}$")
+        along = (np.array(places_of(line, x)) - critical) * side ** (1.0 / by.nu)
+        up = side ** (by.beta / by.nu)
+        found = [
+            replace(one, mean=up * one.mean, interval=(up * one.interval[0], up * one.interval[1]))
+            for one in summaries_of(line)
+        ]
+        draw_mean_bars(panel, along.tolist(), found, colour, f"N = {agents}", markersize=4)
+    panel.set_xlabel(rf"({plain_text(x)} - {critical:.4g}) $L^{{1 / \nu}}$")
     panel.set_title(rf"$\beta$ = {by.beta:g}, $\nu$ = {by.nu:g}", fontsize=9)
 
 
-def of(line: list[CellRuns], x: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places, means and half intervals of the cells of a line."""
-    return (
-        np.array([float(group.axes[x]) for group in line]),
-        np.array([group.mean for group in line]),
-        np.array([group.half for group in line]),
-    )
+def places_of(line: Sequence[CellRuns], x: str) -> list[float]:
+    """Where the cells of a line are."""
+    return [float(group.axes[x]) for group in line]
+
+
+def summaries_of(line: Sequence[CellRuns]) -> list[MeasureSummary]:
+    """Of the cells of a line."""
+    return [group.summary for group in line]
+
+
+def plain_text(words: str) -> str:
+    """Words of which nothing is taken for mathematics."""
+    return words.replace("$", r"\$")
 
 
 def crossing_of(cumulants: Lines, x: str) -> float | None:
     """Where the lines of the two largest sizes cross; None unless they do so exactly once."""
     (_, smaller), (_, larger) = list(cumulants.values())[-2:]
-    (first, u, _), (second, w, _) = of(smaller, x), of(larger, x)
+    first, second = places_of(smaller, x), places_of(larger, x)
+    u, w = (np.array([one.mean for one in summaries_of(line)]) for line in (smaller, larger))
     places = np.intersect1d(first, second)
     gap = w[np.isin(second, places)] - u[np.isin(first, places)]
     turns = np.flatnonzero(gap[:-1] * gap[1:] < 0.0)
