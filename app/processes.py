@@ -270,11 +270,14 @@ class ChildProcess:
                 self._running.process.kill()
 
     def end(self, within: float | None = GRACE) -> None:
-        """End the process for good, and wait for that; what waits for it is lost.
+        """End the process for good, and wait for that.
 
-        `within`: seconds that it has for what it is at; None: all that it needs.
+        `within`: seconds that it has for what it is at, while what waits is lost; None: it does all
+        that it was asked for.
         """
         with self._changed:
+            if within is None:
+                self._changed.wait_for(lambda: self.is_gone or not (self._working or self._queue))
             self._is_closed = True
             waiting, self._queue = self._queue, []
             self._changed.notify_all()
@@ -314,12 +317,13 @@ class ChildProcess:
                 if not late and not closing:
                     if self._queue:
                         request = heapq.heappop(self._queue)
+                        self._changed.notify_all()
                         if not request.future.set_running_or_notify_cancel():
                             continue  # it was taken back
                         self._working = request
                     self._is_starting = running is None
-            for one in late:
-                one.fail(ProcessTimeoutError(f"it took longer than {one.timeout:g} s"))
+            for one, error in late:
+                one.fail(error)
             if late:
                 continue
             if running is None and not closing:
@@ -374,16 +378,22 @@ class ChildProcess:
         # Threads wait for so many years at most.
         return None if first == math.inf else min(max(0.0, first - time.monotonic()), 1e6)
 
-    def _take_late(self) -> list[Request]:
+    def _take_late(self) -> list[tuple[Request, ProcessTimeoutError]]:
         """Take out the requests that are late; a process that is replaced is killed."""
         now = time.monotonic()
         late = [one for one in self._timed() if self._deadline(one) <= now]
-        if late:
-            self._queue = [one for one in self._queue if one not in late]
-            heapq.heapify(self._queue)
-            if self.restarts:
-                self.kill()
-        return late
+        if not late:
+            return []
+        self._queue = [one for one in self._queue if one not in late]
+        heapq.heapify(self._queue)
+        if self.restarts:
+            self.kill()
+        if self._running is not None and not self._running.is_ready:
+            begun = f"the process has not begun within {self.limits.start:g} s"
+            return [(one, ProcessTimeoutError(begun)) for one in late]
+        return [
+            (one, ProcessTimeoutError(f"it took longer than {one.timeout:g} s")) for one in late
+        ]
 
     # The thread that takes replies, and notices the end.
 

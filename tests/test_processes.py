@@ -183,24 +183,22 @@ def test_the_least_rank_is_next_and_who_waits_no_more_is_left_out(begin, tmp_pat
 
 
 @PRELOADS
-def test_an_end_lets_it_finish_or_kills_it(begin, tmp_path, preload):
+def test_an_end_waits_for_all_that_was_asked_or_kills(begin, tmp_path, preload):
     child = begin(folder=tmp_path, preload=preload)
     working, waiting = child.ask("wait_for", "done"), child.ask("echo")
     wait_begun(tmp_path, "done")
     threading.Timer(0.2, (tmp_path / "done").touch).start()
     child.end(None)
-    assert working.result(BUSY) == "done"
+    assert (working.result(BUSY), waiting.result(BUSY)) == ("done", ())
     assert (child.pid, child.exit_code) == (None, 0)
-    for future in (waiting, child.ask("echo")):
-        with pytest.raises(ProcessLostError, match=r"^the process was ended$"):
-            future.result(BUSY)
     child = begin(folder=tmp_path, preload=preload)
-    working = child.ask("wait_for", "never")
+    working, waiting = child.ask("wait_for", "never"), child.ask("echo")
     wait_begun(tmp_path, "never")
     child.end(0.1)
     assert child.exit_code == -signal.SIGKILL
-    with pytest.raises(ProcessLostError):
-        working.result(BUSY)
+    for future in (working, waiting, child.ask("echo")):
+        with pytest.raises(ProcessLostError, match=r"^the process was ended$"):
+            future.result(BUSY)
 
 
 def test_one_that_is_ended_as_it_begins_or_before_is_gone(begin):
@@ -225,6 +223,16 @@ def test_processor_time_is_a_timeout(begin):
     child = begin(restarts=True)
     with pytest.raises(ProcessTimeoutError, match="more processor time than it may"):
         child.ask("burn").result(BUSY)
+    assert child.ask("echo").result(BUSY) == ()
+
+
+def test_one_that_does_not_begin_in_time_is_told_so(begin, tmp_path):
+    child = begin(folder=tmp_path, restarts=True, limits=ProcessLimits(start=0.5))
+    child.first = ("wait_for", "nothing")
+    with pytest.raises(ProcessTimeoutError, match=r"^the process has not begun within 0\.5 s$"):
+        child.ask("echo").result(BUSY)
+    child.first = ()
+    child.limits = ProcessLimits()
     assert child.ask("echo").result(BUSY) == ()
 
 
