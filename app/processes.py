@@ -211,7 +211,7 @@ class ChildProcess:
         self._working: Request | None = None
         self._running: RunningProcess | None = None
         self._is_wanted = self._is_starting = self._is_closed = self._is_lost = False
-        threading.Thread(target=self._attend, name="requests", daemon=True).start()
+        self._attendant: threading.Thread | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -234,7 +234,7 @@ class ChildProcess:
         """Have the process started now; this does not wait for it."""
         with self._changed:
             self._is_wanted = True
-            self._changed.notify_all()
+            self._wake_attendant()
         return self
 
     def ask(
@@ -258,7 +258,7 @@ class ChildProcess:
         with self._changed:
             if not self.is_gone:
                 heapq.heappush(self._queue, request)
-                self._changed.notify_all()
+                self._wake_attendant()
                 return request.future
         request.fail(self._lost_error())
         return request.future
@@ -304,6 +304,12 @@ class ChildProcess:
 
     # The thread that sends and watches the time. While it writes it watches no time: a child reads
     # at once, as that is all that one of its threads does; one that is halted is for `kill`.
+
+    def _wake_attendant(self) -> None:
+        if self._attendant is None:  # none for who is never asked
+            self._attendant = threading.Thread(target=self._attend, name="requests", daemon=True)
+            self._attendant.start()
+        self._changed.notify_all()
 
     def _attend(self) -> None:
         while True:

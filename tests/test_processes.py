@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 from concurrent.futures import CancelledError
+from multiprocessing import forkserver
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,14 @@ from worlds.input_error import InputError, InputErrors
 BUSY = 60.0
 """Seconds that anything may take on a busy machine."""
 PRELOADS = pytest.mark.parametrize("preload", [(), (Worker.__module__,)], ids=["spawned", "forked"])
+
+
+@pytest.fixture(scope="module", autouse=True)
+def another_forkserver():
+    """A process has one only, and others need one that has imported what theirs call."""
+    forkserver._forkserver._stop()
+    yield
+    forkserver._forkserver._stop()
 
 
 @pytest.fixture
