@@ -9,19 +9,22 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
+from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
+from app.process_worker import ProcessLimits
+from app.processes import ChildError, ChildProcess, ProcessLostError, ProcessTimeoutError
 from worlds.input_error import InputError
 from worlds.text_file import toml
 
 TIMEOUT = 30.0
-"""Seconds that a file may take to be read, those of the process's start included."""
+"""Seconds that a file may take to be read."""
 MEMORY = 4 << 30
 """Bytes of address space that a reader may have, where the system can limit it."""
-FINE, REFUSED = b"+", b"-"
-"""Begin the reply: what was read, or why it cannot be read."""
+PROCESSOR_TIME = 120
+"""Seconds of processor time, of many threads perhaps, after which the system ends a reader: one
+that hangs in a library in C does not notice that its parent is gone."""
 
 
 def read_in_sandbox(reader: str, name: str, content: bytes) -> bytes:
@@ -31,51 +34,31 @@ def read_in_sandbox(reader: str, name: str, content: bytes) -> bytes:
     raises InputError. Raises InputError, also where the process dies or takes longer than
     `TIMEOUT`.
     """
-    # It ends at once: in the usual farewell threads of pyarrow's may end it with another code.
-    begin = (
-        f"import os, sys; sys.path[:] = {sys.path!r}; from {__name__} import serve; serve(); "
-        "sys.stdout.flush(); os._exit(0)"
-    )
-    try:
-        done = subprocess.run(
-            [sys.executable, "-c", begin, reader, name],
-            input=content,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            timeout=TIMEOUT,
-        )
-    except subprocess.TimeoutExpired:
-        raise InputError(f"{name} cannot be read within {TIMEOUT:g} s") from None
-    kind, rest = done.stdout[:1], done.stdout[1:]
-    if done.returncode == 0 and kind == FINE:
-        return rest
-    if done.returncode == 0 and kind == REFUSED:
-        raise InputError(rest.decode())
-    raise InputError(f"{name} cannot be read: it is broken, or takes too much memory")
+    limits = ProcessLimits(memory=MEMORY, processor_time=PROCESSOR_TIME)
+    # Not trusted: a file that takes the reader over could have pickle run anything here.
+    with ChildProcess(
+        SandboxedReader, reader, limits=limits, is_trusted=False, stderr=subprocess.DEVNULL
+    ) as child:
+        try:
+            read: bytes = child.ask("read", name, content, timeout=TIMEOUT).result()
+        except ProcessTimeoutError:
+            raise InputError(f"{name} cannot be read within {TIMEOUT:g} s") from None
+        except (ChildError, ProcessLostError):
+            raise InputError(
+                f"{name} cannot be read: it is broken, or takes too much memory"
+            ) from None
+    return read
 
 
-def serve() -> None:
-    """In the process that reads: the file comes by standard input, the reply goes out."""
-    limit_memory()
-    place, name = sys.argv[1:3]
-    module, function = place.split(":")
-    content = sys.stdin.buffer.read()
-    try:
-        reply = FINE + getattr(import_module(module), function)(name, content)
-    except InputError as refusal:
-        reply = REFUSED + str(refusal).encode()
-    sys.stdout.buffer.write(reply)
+class SandboxedReader:
+    """In the process that reads: a function of ours, "module:function".
 
+    It is imported before any file is there: seconds on a busy machine, which no file is charged.
+    """
 
-def limit_memory() -> None:
-    """Take no more address space than `MEMORY`, where the system knows such limits."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return
-    _, most = resource.getrlimit(resource.RLIMIT_AS)
-    limit = MEMORY if most == resource.RLIM_INFINITY else min(MEMORY, most)
-    resource.setrlimit(resource.RLIMIT_AS, (limit, most))
+    def __init__(self, reader: str):
+        module, function = reader.split(":")
+        self.read: Callable[[str, bytes], bytes] = getattr(import_module(module), function)
 
 
 def read_toml(name: str, content: bytes) -> dict[str, Any]:

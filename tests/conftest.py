@@ -30,6 +30,7 @@ NOT_QUICK = (
     "test_interpret.py",
     "test_mesa.py",
     "test_page.py",
+    "test_processes.py",
     "test_trim.py",
 )
 """Files that are not quick all the same: commands, processes, what takes all models or pages."""

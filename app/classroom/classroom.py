@@ -17,7 +17,7 @@ from app.classroom.flocks import Flocks, allowance
 from app.classroom.names import student_name, unique_name
 from app.classroom.question_service import QuestionService
 from app.classroom.student import LaboratoryAddress, Role, Student
-from app.classroom.workers.process import WorkerProcess
+from app.classroom.workers.worker_process import WorkerProcess
 from app.results_folder import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
 from worlds.input_error import InputError

@@ -16,8 +16,9 @@ from agents.catalogue import model as find_model
 from agents.flock_world import find_world
 from app.classroom.student import LaboratoryAddress, Role, Student
 from app.classroom.workers.laboratory_status import LaboratoryStatus
-from app.classroom.workers.laboratory_worker import Laboratories
-from app.classroom.workers.process import WorkerLostError, WorkerProcess
+from app.classroom.workers.laboratory_worker import NICENESS, Laboratories
+from app.classroom.workers.worker_process import WorkerProcess
+from app.processes import ChildError, ProcessLostError
 from app.studies.workers.processes import cores
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.run.allowance import Allowance
@@ -73,8 +74,6 @@ class Flocks:
         """Begin the processes and the teacher's laboratory. Raises InputError."""
         self.first = scene.to_toml()
         self.workers = [self.new_worker() for _ in range(self.count)]
-        for worker in self.workers:
-            await worker.begin()
         await self.open_teacher()
 
     async def close(self) -> None:
@@ -85,14 +84,18 @@ class Flocks:
         await asyncio.gather(*(one.close() for one in (*self.workers, self.own) if one))
 
     def new_worker(self) -> WorkerProcess:
-        """A process for students' flocks, not begun yet."""
-        return WorkerProcess(self.has_ended, Laboratories, self.allowance)
+        """A process for students' flocks."""
+        worker = WorkerProcess(
+            Laboratories, self.allowance, niceness=NICENESS, ended=self.has_ended
+        )
+        worker.start()
+        return worker
 
     async def open_teacher(self) -> None:
         """Open the teacher's laboratory, and the page of those who watch it, in a new process."""
-        self.own = await WorkerProcess(self.has_ended).begin()
-        self.teacher = LaboratoryAddress(self.own, await self.own.ask("open", TEACHER, self.first))
-        self.watching = LaboratoryAddress(self.own, await self.own.ask("watch", TEACHER))
+        self.own = WorkerProcess(Laboratories, ended=self.has_ended)
+        self.teacher = LaboratoryAddress(self.own, await self.own.do("open", TEACHER, self.first))
+        self.watching = LaboratoryAddress(self.own, await self.own.do("watch", TEACHER))
 
     def task[T](self, work: Coroutine[Any, Any, T]) -> asyncio.Task[T]:
         """Have something done, whoever waits for it or waits no more."""
@@ -108,9 +111,7 @@ class Flocks:
         if worker is self.own:
             self.task(self.open_teacher_again())
         else:
-            another = self.new_worker()
-            self.workers[self.workers.index(worker)] = another
-            self.task(another.begin())
+            self.workers[self.workers.index(worker)] = self.new_worker()
         self.ended(worker)
 
     async def open_teacher_again(self) -> None:
@@ -161,8 +162,8 @@ class Flocks:
     async def tell(self, worker: WorkerProcess, what: str, *given: Any) -> Any:
         """What a process answers. Raises InputError if it is gone."""
         try:
-            return await worker.ask(what, *given)
-        except WorkerLostError:
+            return await worker.do(what, *given)
+        except ProcessLostError:
             raise InputError("the flock is just beginning again") from None
 
     async def tell_own(self, student: Student, what: str, *given: Any) -> Any:
@@ -191,8 +192,8 @@ class Flocks:
 
     async def close_one(self, worker: WorkerProcess, number: int) -> None:
         """Close a laboratory."""
-        with suppress(WorkerLostError, RuntimeError):
-            await worker.ask("close", number)
+        with suppress(ProcessLostError, ChildError):
+            await worker.do("close", number)
 
     # How they stand.
 
@@ -203,17 +204,17 @@ class Flocks:
         if pictures != self.allowance.pictures:
             self.allowance = replace(self.allowance, pictures=pictures)
             for worker in self.workers:
-                with suppress(WorkerLostError, RuntimeError):
-                    await worker.ask("draw_at", pictures)
+                with suppress(ProcessLostError, ChildError):
+                    await worker.do("draw_at", pictures)
         processes = [one for one in (*self.workers, self.own) if one is not None]
         await asyncio.gather(*(self.look_at(one, students) for one in processes))
 
     async def look_at(self, worker: WorkerProcess, students: Mapping[int, Student]) -> None:
         """See how the laboratories of a process stand, and keep their scenes."""
         try:
-            self.seen.update(await worker.ask("seen"))
-            changed: dict[int, str] = await worker.ask("changed")
-        except (WorkerLostError, RuntimeError):
+            self.seen.update(await worker.do("seen"))
+            changed: dict[int, str] = await worker.do("changed")
+        except (ProcessLostError, ChildError):
             return  # another process is about to begin
         for number, scene in changed.items():
             student = students.get(number)

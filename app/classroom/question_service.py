@@ -7,6 +7,7 @@ curves by a third. So none of them waits for what another is at.
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Coroutine
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,9 +21,9 @@ from app.classroom.collect.question import Question, question_of
 from app.classroom.collect.question_choices import measures_of, parameters_of, ready_for
 from app.classroom.lessons.lessons import lesson_of
 from app.classroom.run_queue import RunQueue
-from app.classroom.workers.measuring import CurveWorker, DrawWorker
-from app.classroom.workers.process import WorkerLostError
-from app.classroom.workers.task_process import TaskProcess, finish
+from app.classroom.workers.measuring import DRAW_NICENESS, CurveWorker, DrawWorker
+from app.classroom.workers.worker_process import WorkerProcess
+from app.processes import ProcessLostError
 from app.viewer.gallery.saved_scene import SavedScene
 from worlds.input_error import InputError
 
@@ -45,8 +46,8 @@ class QuestionService:
         self.told = ""
         """What is to be said of the curve that is being made."""
         self.runs = RunQueue()
-        self.drawing = TaskProcess(DrawWorker)
-        self.sweeping = TaskProcess(CurveWorker, results)
+        self.drawing = WorkerProcess(DrawWorker, niceness=DRAW_NICENESS, restarts=True)
+        self.sweeping = WorkerProcess(CurveWorker, results, restarts=True)
         self.handed: set[asyncio.Task[Point]] = set()
         """What is being made, whether or not the page that handed it in still waits."""
         self.curves: asyncio.Task[None] | None = None
@@ -72,11 +73,11 @@ class QuestionService:
         """What the process that draws and writes files answers. Raises InputError."""
         return await self.have(self.drawing, name, *given)
 
-    async def have(self, process: TaskProcess, name: str, *given: Any) -> Any:
+    async def have(self, process: WorkerProcess, name: str, *given: Any) -> Any:
         """What a process answers. Raises InputError."""
         try:
             return await process.do(name, *given)
-        except WorkerLostError:
+        except ProcessLostError:
             raise InputError("this took too long, or its process was ended: try again") from None
 
     def take_over(self, questions: list[Collection], scene: SavedScene) -> None:
@@ -228,3 +229,17 @@ class QuestionService:
         if self.latest is None:
             raise InputError("no question has been asked")
         return self.latest
+
+
+async def finish[T](tasks: set[asyncio.Task[T]], work: Coroutine[Any, Any, T]) -> T:
+    """What some work gives, which goes on to its end among `tasks` even if nobody waits for it."""
+    task = asyncio.get_running_loop().create_task(work)
+    tasks.add(task)
+
+    def forget(done: asyncio.Task[T]) -> None:
+        tasks.discard(done)
+        if not done.cancelled():
+            done.exception()  # else asyncio complains of it where nobody waits
+
+    task.add_done_callback(forget)
+    return await asyncio.shield(task)

@@ -18,8 +18,8 @@ from agents.spec import Spec
 from app.classroom.collect.hand_in import SECONDS, Point
 from app.classroom.collect.question import Question
 from app.classroom.workers.measuring import MadeRun, RunWorker
-from app.classroom.workers.process import WorkerLostError
-from app.classroom.workers.task_process import TaskProcess, TimeUp
+from app.classroom.workers.worker_process import WorkerProcess
+from app.processes import ProcessLostError, ProcessTimeoutError
 from worlds.input_error import InputError
 
 NICENESS = 15
@@ -54,8 +54,8 @@ class RunQueue:
     """For one class, and one question after the other; on one event loop."""
 
     def __init__(self) -> None:
-        self.usual = TaskProcess(RunWorker)
-        self.slow = TaskProcess(RunWorker, NICENESS)
+        self.usual = WorkerProcess(RunWorker, restarts=True)
+        self.slow = WorkerProcess(RunWorker, niceness=NICENESS, restarts=True)
         self.records: dict[str, RunRecord] = {}
         """By student."""
         self.usual_seconds: asyncio.Task[float] | None = None
@@ -126,7 +126,7 @@ class RunQueue:
             made: MadeRun | None = await self.usual.do(
                 "make_usual", question, student, ran, scene, limit, rank=record.seconds
             )
-        except WorkerLostError:
+        except ProcessLostError:
             record.is_slow = True
             record.seconds += limit
             return None
@@ -141,10 +141,10 @@ class RunQueue:
             made: MadeRun = await self.slow.do(
                 "make_any", question, student, ran, scene, SECONDS, rank=record.seconds
             )
-        except WorkerLostError as gone:
+        except ProcessLostError as gone:
             why = (
                 f"took more than {SECONDS:g} s of processor time and was ended"
-                if isinstance(gone, TimeUp)
+                if isinstance(gone, ProcessTimeoutError)
                 else "ended with its process"
             )
             record.seconds += SECONDS

@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from app.classroom.workers.process import WorkerProcess
+from app.classroom.workers.worker_process import WorkerProcess
 
 
 class Role(StrEnum):

@@ -18,8 +18,8 @@ from app.classroom.question_service import QuestionService
 from app.classroom.run_queue import RunQueue
 from app.classroom.student import Role
 from app.classroom.workers.measuring import MadeRun, ProcessorTimeLimit
-from app.classroom.workers.process import WorkerLostError, WorkerProcess
-from app.classroom.workers.task_process import TaskProcess, TimeUp
+from app.classroom.workers.worker_process import WorkerProcess
+from app.processes import ProcessLostError, ProcessTimeoutError
 from app.viewer.gallery.saved_scene import SavedScene, packed
 from app.viewer.run.run_preset import at_home
 from tests.classroom.running import BUSY, roster, running
@@ -75,25 +75,27 @@ def toml(spec):
 
 def test_the_time_of_a_request_is_counted_from_when_the_worker_turns_to_it():
     async def asked():
-        worker = await WorkerProcess(lambda _: None, Tasks).begin()
+        worker = WorkerProcess(Tasks)
         try:
-            await worker.ask("echo", "it is there", timeout=BUSY)
-            each = [worker.ask("sleep", 1.5, timeout=5.0) for _ in range(4)]
+            await worker.do("echo", "it is there", timeout=BUSY)
+            each = [worker.do("sleep", 1.5, timeout=5.0) for _ in range(4)]
             await asyncio.gather(*each)  # six seconds in all
-            assert await worker.ask("echo", "and on time") == "and on time"
-            with pytest.raises(WorkerLostError):
-                await worker.ask("sleep", BUSY, timeout=0.5)
+            assert await worker.do("echo", "and on time") == "and on time"
+            with pytest.raises(ProcessTimeoutError):
+                await worker.do("sleep", BUSY, timeout=0.5)
         finally:
-            worker.process.kill()
+            worker.kill()
             await worker.close()
 
     asyncio.run(asked())
 
 
-@pytest.mark.parametrize(("ends", "how"), [("burn", TimeUp), ("crash", WorkerLostError)])
+@pytest.mark.parametrize(
+    ("ends", "how"), [("burn", ProcessTimeoutError), ("crash", ProcessLostError)]
+)
 def test_a_task_that_is_ended_takes_no_other_with_it(ends, how):
     async def done():
-        process = TaskProcess(Tasks)
+        process = WorkerProcess(Tasks, restarts=True)
         try:
             asked = ["echo", ends, "echo", ends, "echo"]
             given = [(name, *(["x"] if name == "echo" else [])) for name in asked]
@@ -110,14 +112,17 @@ def test_a_task_that_is_ended_takes_no_other_with_it(ends, how):
 def test_of_those_who_wait_the_one_who_has_had_least_is_next():
     order = []
 
-    async def asked(process, rank):
-        await process.do("echo", "", rank=rank)
+    async def asked(process, rank, seconds=0.0):
+        await process.do("sleep", seconds, rank=rank)
         order.append(rank)
 
     async def done():
-        process = TaskProcess(Tasks)
+        process = WorkerProcess(Tasks, restarts=True)
         try:
-            await asyncio.gather(*(asked(process, rank) for rank in (9.0, 3.0, 2.0, 7.0, 2.0)))
+            first = asyncio.create_task(asked(process, 9.0, 1.0))
+            while process.pid is None:
+                await asyncio.sleep(0.01)
+            await asyncio.gather(first, *(asked(process, rank) for rank in (3.0, 2.0, 7.0, 2.0)))
         finally:
             await process.close()
 
@@ -125,15 +130,15 @@ def test_of_those_who_wait_the_one_who_has_had_least_is_next():
     assert order == [9.0, 2.0, 2.0, 3.0, 7.0]  # the first found nobody there
 
 
-def test_those_who_wait_for_a_process_that_is_closed_are_cancelled_and_no_more():
+def test_those_who_wait_for_a_process_that_is_closed_hear_of_it():
     async def closed():
-        process = TaskProcess(Tasks)
+        process = WorkerProcess(Tasks, restarts=True)
         waiting = [asyncio.create_task(process.do("sleep", BUSY)) for _ in range(3)]
-        while len(process.waiting) < 2 or process.worker is None:
-            await asyncio.sleep(0)
+        while process.pid is None:
+            await asyncio.sleep(0.01)
         await process.close()
         found = await asyncio.gather(*waiting, return_exceptions=True)
-        assert [type(one) for one in found] == 3 * [asyncio.CancelledError]
+        assert [type(one) for one in found] == 3 * [ProcessLostError]
 
     asyncio.run(closed())
 

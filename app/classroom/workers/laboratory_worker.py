@@ -1,21 +1,14 @@
-"""A process that holds laboratories: it does what it is told on a line, until that ends.
+"""What a process with laboratories does.
 
-What it is told and what it answers is pickled: both ends are of one program. Every laboratory is
-bound to the loopback, at a port that the system chooses, and behind a secret that others who use
-the machine do not know.
+Every laboratory is bound to the loopback, at a port that the system chooses, and behind a secret
+that others who use the machine do not know.
 """
 
 from __future__ import annotations
 
-import os
-import pickle
 import secrets
-import signal
-import socket
-import struct
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, BinaryIO
+from typing import Any
 
 from app.classroom.workers.laboratory_status import LaboratoryStatus, seen
 from app.front.client_addresses import BEHIND_A_FRONT
@@ -26,37 +19,13 @@ from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import SCRIPTS
 from app.viewer.run.allowance import Allowance
 from app.viewer.watching.watch_page import WatchPage
-from worlds.input_error import InputError
 
-LENGTH = struct.Struct("!I")
-"""Stands before every message: its length, bytes."""
 HOST = "127.0.0.1"
 NICENESS = 10
 """Of processes with students' flocks, which run without end: what somebody waits for, such as a
 result or a page, comes first where processors are busy."""
 ORIGIN = "the class"
 """Where the scenes come from that it is given."""
-
-
-def read(line: BinaryIO) -> Any:
-    """The next message. Raises EOFError where there is none."""
-    head = line.read(LENGTH.size)
-    if len(head) < LENGTH.size:
-        raise EOFError
-    data = line.read(*LENGTH.unpack(head))
-    return pickle.loads(data)
-
-
-def packed(message: Any) -> bytes:
-    """A message as it goes over the line."""
-    data = pickle.dumps(message, -1)
-    return LENGTH.pack(len(data)) + data
-
-
-def lower_priority(niceness: int) -> None:
-    """Have others go before this process where processors are busy, if the system knows of that."""
-    if hasattr(os, "nice"):
-        os.nice(niceness)
 
 
 class Laboratories:
@@ -67,8 +36,6 @@ class Laboratories:
 
     def __init__(self, allowance: Allowance | None = None) -> None:
         self.allowance = allowance
-        if allowance is not None:
-            lower_priority(NICENESS)
         self.secret = secrets.token_hex(16)
         self.all: dict[int, Laboratory] = {}
         self.told: dict[int, Any] = {}
@@ -137,24 +104,3 @@ class Laboratories:
     def go(self, whose: int) -> None:
         """Let one run."""
         self.all[whose].simulation.go()
-
-
-def serve(line: socket.socket, kind: Callable[..., Any], *given: Any) -> None:
-    """The process: have one of a kind do what is told, in order, until nobody tells any more."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the command, which ends the line
-    doing, told = kind(*given), line.makefile("rb")
-    while True:
-        try:
-            number, name, asked = read(told)
-        except (EOFError, OSError):
-            os._exit(0)  # at once, whatever is being compiled
-        try:
-            answer = number, True, getattr(doing, name)(*asked)
-        except InputError as refusal:
-            answer = number, False, refusal
-        except Exception as error:
-            answer = number, False, RuntimeError(f"{type(error).__name__}: {error}")
-        try:
-            line.sendall(packed(answer))
-        except OSError:
-            os._exit(0)

@@ -20,7 +20,6 @@ from app.classroom.collect.collection import Collection
 from app.classroom.collect.hand_in import Point, demand_answer, hand_in, run_of, warm_up
 from app.classroom.collect.question import Question
 from app.classroom.collect.run_cost import estimate_pairs
-from app.classroom.workers.laboratory_worker import lower_priority
 from app.results_folder import make_folder
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps
@@ -42,15 +41,12 @@ class MadeRun:
 
 
 class RunWorker:
-    """Makes runs one after the other; `niceness` is added to that of its process.
+    """Makes runs one after the other.
 
     A run has so much processor time, counted from its start: then the system ends this process.
     Only processor time tells anything on a machine that many share; and compiled code, which may be
     at one call for the whole run, hears of no other way.
     """
-
-    def __init__(self, niceness: int = 0):
-        lower_priority(niceness)
 
     def warm_up(self, question: Question, scene: Spec) -> None:
         """Compile what the runs of a question call."""
@@ -124,9 +120,6 @@ def dearest(question: Question, scene: Spec) -> Spec:
 
 class DrawWorker:
     """Draws pictures of results, and writes the file of the class; usual runs go before it."""
-
-    def __init__(self) -> None:
-        lower_priority(DRAW_NICENESS)
 
     def picture(self, collection: Collection, kind: str, curve: ClassCurve | None) -> bytes:
         """The picture of a question. Raises InputError."""

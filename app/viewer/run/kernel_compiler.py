@@ -6,22 +6,20 @@ when the process that began it is gone; what it was about to compile is then as 
 
 from __future__ import annotations
 
-import os
 import pickle
-import signal
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
 
 from agents.catalogue import FILES, from_file
 from agents.engine.cache import cache_base
 from agents.flock import Flock
+from agents.spec import Spec
+from app.processes import ChildError, ChildProcess, ProcessLostError
 from app.studies.workers.kernels import alone, compile_measures
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameRequest
@@ -30,7 +28,6 @@ from worlds.owned_files import read_owned, write_owned
 
 USUAL = 15.0
 """What one model takes where nothing is known of it on this machine, s."""
-READY = "ready"
 
 
 @dataclass(frozen=True)
@@ -80,7 +77,7 @@ class KernelCompiler:
         self.estimate = estimated(self.kinds)
         self.ready: Future[None] = Future()
         self.closed = False
-        self.process: subprocess.Popen | None = None
+        self.child: ChildProcess | None = None
         threading.Thread(target=self.attend, name="compiling", daemon=True).start()
 
     def covers(self, flocks: Sequence[Flock]) -> bool:
@@ -91,8 +88,8 @@ class KernelCompiler:
     def close(self) -> None:
         """End the process."""
         self.closed = True
-        if self.process is not None:
-            self.process.kill()
+        if self.child is not None:
+            self.child.end(0.0)
 
     def attend(self) -> None:
         """On a thread of its own: wait for the process, and take over what it has compiled."""
@@ -107,59 +104,38 @@ class KernelCompiler:
             self.ready.set_result(None)
         except Exception as error:
             self.ready.set_exception(error)
-        if self.process is not None:
-            self.process.wait()
+        if self.child is not None:
+            self.child.end(None)
 
     def demand(self) -> None:
         """Have the process compile. Raises what the author of a model is to be told."""
-        begin = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import serve; serve()"
-        with suppress(OSError, EOFError, pickle.PickleError):
-            self.process = subprocess.Popen(
-                [sys.executable, "-c", begin],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-            )
+        with suppress(pickle.PickleError, ChildError, ProcessLostError):
+            files = [str(file) for file in FILES.values()]
+            self.child = ChildProcess(CompileWorker, files, self.specs, stderr=subprocess.DEVNULL)
             if self.closed:
-                self.process.kill()
-            assert self.process.stdin is not None
-            assert self.process.stdout is not None
-            pickle.dump((list(map(str, FILES.values())), self.specs), self.process.stdin)
-            self.process.stdin.flush()
-            answer = pickle.load(self.process.stdout)
-            if isinstance(answer, InputError):
-                raise answer
+                self.child.end(0.0)
+            self.child.ask("try_out").result()
+            self.child.ask("compile_rest")
 
 
-def serve() -> None:
-    """The process: read files of rules and specs, compile, answer, and compile the rest."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is meant for the one that began it
-    answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # whatever a rule prints is no answer
-    files, specs = pickle.load(sys.stdin.buffer)
-    threading.Thread(target=watch, daemon=True).start()
-    for path in files:
-        from_file(path)
-    flocks = [Flock(spec) for spec in specs]
-    answer: Any = READY
-    try:
-        for flock in flocks:
+class CompileWorker:
+    """In the process that compiles: knows files of rules, and compiles what flocks call."""
+
+    def __init__(self, files: Sequence[str], specs: Sequence[Spec]):
+        for path in files:
+            from_file(path)
+        self.flocks = [Flock(spec) for spec in specs]
+
+    def try_out(self) -> None:
+        """Compile what a run calls. Raises InputError."""
+        for flock in self.flocks:
             try_out(flock)
-    except InputError as refusal:
-        answer = refusal
-    pickle.dump(answer, answers)
-    answers.flush()
-    if answer == READY:
-        for flock in flocks:
+
+    def compile_rest(self) -> None:
+        """Compile what may be measured, too."""
+        for flock in self.flocks:
             flock.warm()
             compile_measures(flock)
-
-
-def watch() -> None:
-    """End this process when the one that began it is gone."""
-    while os.read(0, 1):
-        pass
-    os._exit(1)
 
 
 def try_out(flock: Flock) -> None:
