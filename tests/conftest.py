@@ -1,8 +1,9 @@
 """Which tests there are, how thoroughly values are drawn, and in which order files are tested.
 
 A test bears its folder's name as a mark (`-m "not browser"`), `quick` if it needs neither a
-browser nor another process, and `exhaustive` if only `.ci/run` asks for it: `-m quick` leaves whole
-folders out before they are read.
+browser nor another process, and `exhaustive` if only `.ci/run` asks for it. Files that the marks of
+README, `-m quick`, `-m exhaustive` and `-m installed` leave out are not read: to read all takes
+longer than to run some.
 Two processes test whole files, the dear ones first, so that none is left alone at the end. All
 that looks into a browser is one file to them: two browsers at once, without a GPU, would keep each
 other waiting. A page of the documentation is one by itself.
@@ -11,6 +12,7 @@ other waiting. A page of the documentation is one by itself.
 from __future__ import annotations
 
 import functools
+import gc
 import os
 import sys
 from pathlib import Path
@@ -22,6 +24,7 @@ from xdist.scheduler import LoadFileScheduling
 
 HERE = Path(__file__).parent
 BROWSER = "tests/browser"
+INSTALLED = HERE / "installed"
 QUICK = ("flight", "oracles", "worlds")
 """Folders of tests that are quick, beside the files of this one."""
 NOT_QUICK = (
@@ -175,26 +178,55 @@ def pytest_configure_node(node):
     node.workerinput["names_files"] = names_files(node.config)
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Look for no garbage while tests are read, nor among what was read while they run.
+
+    Reading makes millions of objects that stay: to go through them again and again took a quarter
+    of the time.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
+class CollectionFilter:
+    """Keeps files from being read in vain, in `app` too: pytest asks a conftest about its own
+    folder only."""
+
+    def pytest_ignore_collect(self, collection_path, config):
+        """Do not even read what the marks would leave out."""
+        return is_left_out(collection_path, config.option.markexpr) or None
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_collect_file(self, file_path):
+        """Look for examples only in files that have some: to look, a file is imported."""
+        found = yield
+        if file_path.suffix == ".py" and ">>>" not in file_path.read_text(encoding="utf-8"):
+            return [item for item in found if not isinstance(item, DoctestModule)]
+        return found
+
+
 def pytest_configure(config):
     """Leave nothing out of files that are named on the command line."""
+    config.pluginmanager.register(CollectionFilter(), "collection filter")
     if config.option.markexpr == DEFAULT and names_files(config):
         config.option.markexpr = "not installed"
 
 
-def pytest_ignore_collect(collection_path, config):
-    """Do not even read what `-m quick` would leave out."""
-    if config.option.markexpr == "quick" and not is_quick(collection_path):
-        return True
-    return None
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_collect_file(file_path):
-    """Look for examples only in files that have some: to look, a file is imported."""
-    found = yield
-    if file_path.suffix == ".py" and ">>>" not in file_path.read_text(encoding="utf-8"):
-        return [one for one in found if not isinstance(one, DoctestModule)]
-    return found
+def is_left_out(path: Path, marks: str) -> bool:
+    """Whether no test of a file or folder can bear the marks that are asked for."""
+    if marks == "quick":
+        return not is_quick(path)
+    if marks == "exhaustive":
+        return path.is_file() and not is_exhaustive(path)
+    installed = path.is_relative_to(INSTALLED)
+    if marks == "installed":
+        return path.is_file() and not installed
+    return marks == DEFAULT and (installed or is_exhaustive(path))
 
 
 @pytest.hookimpl(tryfirst=True)
