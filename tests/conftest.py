@@ -4,9 +4,10 @@ A test bears its folder's name as a mark (`-m "not browser"`), `quick` if it nee
 browser nor another process, and `exhaustive` if only `.ci/run` asks for it. Files that the marks of
 README, `-m quick`, `-m exhaustive` and `-m installed` leave out are not read: to read all takes
 longer than to run some.
-Two processes test whole files, the dear ones first, so that none is left alone at the end. All
-that looks into a browser is one file to them: two browsers at once, without a GPU, would keep each
-other waiting. A page of the documentation is one by itself.
+Two processes test whole files, the dear ones first, so that none is left alone at the end. Then one
+of them goes on with what has appointments to keep (`SERIAL`): browsers, cars that are driven, a
+cluster. Beside a compiler, or beside each other, such tests would measure the machine. A page of
+the documentation is a file by itself.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ from hypothesis import settings
 from xdist.scheduler import LoadFileScheduling
 
 HERE = Path(__file__).parent
-BROWSER = "tests/browser"
+SERIAL = ("tests/browser", "tests/live", "tests/experiments/test_cluster.py")
+"""What is run test by test after the rest, with nothing beside it."""
 INSTALLED = HERE / "installed"
 QUICK = ("flight", "oracles", "worlds")
 """Folders of tests that are quick, beside the files of this one."""
@@ -33,6 +35,7 @@ NOT_QUICK = (
     "test_interpret.py",
     "test_mesa.py",
     "test_page.py",
+    "test_scheduling.py",
     "test_trim.py",
 )
 """Files that are not quick all the same: commands, processes, what takes all models or pages."""
@@ -82,7 +85,6 @@ DEFAULT = "not installed and not exhaustive"
 FEW = 8
 """Examples that hypothesis draws at most for a test, if what is quick is run."""
 DEAR = (
-    "tests/browser",
     "tests/test_solid_walls.py",
     "tests/test_engine_neighbours.py",
     "tests/test_guarded.py",
@@ -97,19 +99,17 @@ DEAR = (
     "tests/test_benchmarks.py",
     "tests/test_cars.py",
     "tests/test_rules.py",
-    "tests/live",
     "tests/flight/test_commands.py",
     "tests/papers",
     "tests/test_tutorials.py",
     "tests/cli/test_missions.py",
     "tests/experiments/test_missions.py",
-    "tests/experiments/test_cluster.py",
     "tests/cli/test_live.py",
     "tests/cli",
 )
 """What takes longest (`--durations=20` says), first."""
 LATE = ("tests/test_conformance.py", "tests/pages")
-"""What runs every model or every printed command: last, when other tests have compiled them."""
+"""What runs every model or every printed command: late, when other tests have compiled them."""
 
 USED = "_hypothesis_internal_use_settings"
 """Where hypothesis keeps the settings of a test."""
@@ -119,14 +119,30 @@ settings.register_profile("ci", deadline=None, max_examples=50, print_blob=True)
 settings.load_profile("ci" if os.environ.get("CI") else "dev")
 
 
-class ByFile(LoadFileScheduling):
-    """Which tests stay together."""
+class FilesThenSerial(LoadFileScheduling):
+    """Hands out whole files; then `SERIAL` to the process that is left when the others ended."""
 
     def _split_scope(self, nodeid):
         file = super()._split_scope(nodeid)
         if file.startswith("tests/pages"):
             return nodeid
-        return BROWSER if file.startswith(BROWSER) else file
+        return "serial" if file.startswith(SERIAL) else file
+
+    def _assign_work_unit(self, node):
+        if "serial" in self.workqueue:
+            self.workqueue.move_to_end("serial")
+        if next(iter(self.workqueue)) != "serial" or len(self.nodes) == 1:
+            super()._assign_work_unit(node)
+        elif not all(other.shutting_down for other in self.nodes if other is not node):
+            node.shutdown()  # after the tests that it has: another one goes on
+        # Else the others are at their last tests: `remove_node` asks again when they have ended.
+
+    def remove_node(self, node):
+        crashed = super().remove_node(node)
+        if self.workqueue:
+            for other in self.nodes:
+                self._reschedule(other)
+        return crashed
 
 
 @pytest.fixture(autouse=True)
@@ -143,7 +159,7 @@ def catalogue_as_it_was():
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
     """Hand out tests so."""
-    return ByFile(config, log)
+    return FilesThenSerial(config, log)
 
 
 @functools.cache
@@ -257,6 +273,8 @@ def marks(path: Path) -> list[str]:
 
 @functools.cache
 def place(file: str) -> int:
-    """Where a file stands: among the dear ones, behind them, or last."""
+    """Where a file stands: among the dear ones, behind them, late, or serial and last."""
+    if file.startswith(SERIAL):
+        return len(DEAR) + 2
     found = (at for at, name in enumerate(DEAR) if file.startswith(name))
     return next(found, len(DEAR) + file.startswith(LATE))
