@@ -56,7 +56,7 @@ def test_a_page_says_that_its_server_is_away_and_is_loaded_again_however_long_th
             servers.append(opened(port))
             until(lambda page=page: is_new(page), 30, "a new page")
             page.get_by_role("button", name="Here").wait_for(timeout=60_000)
-            until(lambda page=page: page.get_by_text(LOST).count() == 0, 15)
+            until(lambda page=page: page.get_by_text(LOST).count() == 0, 60)
             page.close()
     finally:
         for server in servers:
@@ -120,7 +120,7 @@ def test_the_camera_shows_the_whole_at_every_size_until_somebody_moves_it(chromi
     known = set(laboratory.server.get_clients())
     page.goto(laboratory.address)
     page.locator(".fs-card").first.wait_for(timeout=60_000)
-    until(lambda: set(laboratory.server.get_clients()) - known, 20)
+    until(lambda: set(laboratory.server.get_clients()) - known, 60)
     (number,) = set(laboratory.server.get_clients()) - known
     client = laboratory.server.get_clients()[number]
 

@@ -70,7 +70,7 @@ def stand(**changes) -> Stand:
 def test_a_thread_draws_until_it_is_closed():
     made = Stand(frame([heading(0.0)] * 3))
     made.drawing.start()
-    until(lambda: made.looks > 10, 30)
+    until(lambda: made.looks > 10, 60)
     made.drawing.close()
     assert not made.drawing.thread.is_alive()
     assert len(made.shown) == 1

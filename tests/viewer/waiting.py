@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 
-def until(condition: Callable[[], Any], seconds: float = 30.0, what: str = "") -> Any:
+def until(condition: Callable[[], Any], seconds: float = 60.0, what: str = "") -> Any:
     """The condition's value as soon as it is true. Fails after some seconds."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
