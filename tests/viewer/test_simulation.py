@@ -14,6 +14,7 @@ from app.viewer.lab.panels.inspector import facts
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
+from app.viewer.run.simulation_limits import ANSWER
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
@@ -24,8 +25,10 @@ def simulate():
     """Makes simulations and closes them."""
     made = []
 
-    def make(build=StubFlock, running=False, speed=math.inf, **start) -> Simulation:
-        simulation = Simulation(at_home(**start), speed=speed, running=running, build=build)
+    def make(build=StubFlock, running=False, speed=math.inf, clock=time.perf_counter, **start):
+        simulation = Simulation(
+            at_home(**start), speed=speed, running=running, build=build, clock=clock
+        )
         made.append(simulation)
         assert simulation.ready.wait(60)
         return simulation
@@ -178,30 +181,36 @@ def test_a_flock_that_cannot_be_built_stops_nothing(simulate):
 
 
 def test_slow_motion_keeps_its_pace(simulate):
-    simulation = simulate(running=True, speed=20.0)
-    began, first = time.monotonic(), simulation.run.flock.tick
-    time.sleep(1.0)
-    ticks = simulation.run.flock.tick - first
-    assert ticks == pytest.approx(20.0 * (time.monotonic() - began), abs=4)
+    now = [1.0]
+    simulation = simulate(running=True, speed=256.0, clock=lambda: now[0])
+
+    def ticks_at_rest() -> int:
+        for _ in range(3):  # each is answered in another turn of the thread
+            simulation.tell(lambda: None).result(60)
+        return simulation.run.flock.tick
+
+    first = until(ticks_at_rest)
+    for due in (1, 2, 3, 5, 10):
+        now[0] = 1.0 + due / 256.0
+        until(lambda due=due: simulation.run.flock.tick >= first + due)
+        assert ticks_at_rest() == first + due
 
 
 def test_commands_are_answered_soon_while_it_runs_as_fast_as_it_goes(simulate):
     simulation = simulate(build=partial(StubFlock, cost=0.0005), running=True)
-    time.sleep(0.5)
+    until(lambda: simulation.run.flock.tick > 200)
     waits = []
-    for value in np.linspace(0, 6, 20):
-        began = time.monotonic()
-        simulation.set("eta", value).result(60)
-        waits.append(time.monotonic() - began)
-    assert np.median(waits) < 0.05
+    for _ in range(20):
+        before = simulation.run.flock.tick
+        answer = simulation.tell(lambda: simulation.run.flock.tick)
+        waits.append(answer.result(60) - before)
+    assert np.median(waits) <= 2.0 * ANSWER / 0.0005, "ticks that go first"
 
 
 def test_a_slow_pace_does_not_delay_commands(simulate):
-    simulation = simulate(running=True, speed=0.5)
-    began = time.monotonic()
+    simulation = simulate(running=True, speed=0.001)
     simulation.set("eta", 1.0).result(60)
     simulation.run_at(math.inf).result(60)
-    assert time.monotonic() - began < 0.5
     until(lambda: tick(simulation) > 5)
 
 
