@@ -16,6 +16,7 @@ import functools
 import gc
 import os
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -32,13 +33,19 @@ QUICK = ("flight", "oracles", "worlds")
 NOT_QUICK = (
     "test_commands.py",
     "test_docs.py",
+    "test_foreign_kernels.py",
+    "test_glossary.py",
+    "test_imports.py",
     "test_interpret.py",
     "test_mesa.py",
+    "test_names.py",
     "test_page.py",
+    "test_payload.py",
     "test_scheduling.py",
     "test_trim.py",
 )
-"""Files that are not quick all the same: commands, processes, what takes all models or pages."""
+"""Files that are not quick all the same: commands, processes, what takes all models, sources or
+pages."""
 EXHAUSTIVE = (
     "tests/attacks",
     "tests/browser",
@@ -82,6 +89,9 @@ EXHAUSTIVE = (
 minutes: three quarters of the time of all tests. `.ci/run` runs it after the rest."""
 DEFAULT = "not installed and not exhaustive"
 """The marks that `pyproject.toml` asks for."""
+QUICK_SECONDS = 60.0
+"""What all that is quick may take on two cores with nothing else to do, once it is compiled."""
+BEGAN = time.monotonic()
 FEW = 8
 """Examples that hypothesis draws at most for a test, if what is quick is run."""
 DEAR = (
@@ -250,17 +260,30 @@ def pytest_collection_modifyitems(config, items):
     """Mark tests by their folder, put the dear files first, and draw few examples if quick."""
     for item in items:
         for mark in marks(item.path):
-            item.add_marker(mark)
+            if mark != "quick" or item.get_closest_marker("long") is None:
+                item.add_marker(mark)
         if config.option.markexpr == "quick":
-            draw_few(getattr(item, "obj", None))
+            draw_few(getattr(item, "obj", None), USED)
+            draw_few(getattr(item, "cls", None), "settings")
     items.sort(key=lambda item: place(item.nodeid.partition("::")[0]))
 
 
-def draw_few(test):
-    """Draw at most FEW examples for a test of hypothesis, whatever it asks for."""
-    asked = getattr(test, USED, None)
-    if asked is not None and asked.max_examples > FEW:
-        setattr(test, USED, settings(asked, max_examples=FEW))
+def pytest_terminal_summary(terminalreporter, config):
+    """Say if `-m quick` was not."""
+    took = time.monotonic() - BEGAN
+    if config.option.markexpr == "quick" and took > QUICK_SECONDS:
+        load, cores = os.getloadavg()[1], os.cpu_count()
+        terminalreporter.write_line(
+            f"quick took {took:.0f} s, {QUICK_SECONDS:.0f} are wanted; of the last five minutes "
+            f"the load was {load:.1f} on {cores} cores"
+        )
+
+
+def draw_few(test, where):
+    """Draw at most FEW examples for a test of hypothesis, or a class of one, whatever it asks."""
+    asked = getattr(test, where, None)
+    if isinstance(asked, settings) and asked.max_examples > FEW:
+        setattr(test, where, settings(asked, max_examples=FEW))
 
 
 @functools.cache
