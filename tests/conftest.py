@@ -1,18 +1,22 @@
 """Which tests there are, how thoroughly values are drawn, and in which order files are tested.
 
 A test bears its folder's name as a mark (`-m "not browser"`), `quick` if it needs neither a
-browser nor another process, and `exhaustive` if only `.ci/run` asks for it: `-m quick` leaves whole
-folders out before they are read.
-Two processes test whole files, the dear ones first, so that none is left alone at the end. All
-that looks into a browser is one file to them: two browsers at once, without a GPU, would keep each
-other waiting. A page of the documentation is one by itself.
+browser nor another process, and `exhaustive` if only `.ci/run` asks for it. Files that the marks of
+README, `-m quick`, `-m exhaustive` and `-m installed` leave out are not read: to read all takes
+longer than to run some.
+Two processes test whole files, the dear ones first, so that none is left alone at the end. Then one
+of them goes on with what has appointments to keep (`SERIAL`): browsers, cars that are driven, a
+cluster. Beside a compiler, or beside each other, such tests would measure the machine. A page of
+the documentation is a file by itself.
 """
 
 from __future__ import annotations
 
 import functools
+import gc
 import os
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -21,19 +25,28 @@ from hypothesis import settings
 from xdist.scheduler import LoadFileScheduling
 
 HERE = Path(__file__).parent
-BROWSER = "tests/browser"
+SERIAL = ("tests/browser", "tests/live", "tests/experiments/test_cluster.py")
+"""What is run test by test after the rest, with nothing beside it."""
+INSTALLED = HERE / "installed"
 QUICK = ("flight", "oracles", "worlds")
 """Folders of tests that are quick, beside the files of this one."""
 NOT_QUICK = (
     "test_commands.py",
     "test_docs.py",
+    "test_foreign_kernels.py",
+    "test_glossary.py",
+    "test_imports.py",
     "test_interpret.py",
     "test_mesa.py",
+    "test_names.py",
     "test_page.py",
     "test_processes.py",
+    "test_payload.py",
+    "test_scheduling.py",
     "test_trim.py",
 )
-"""Files that are not quick all the same: commands, processes, what takes all models or pages."""
+"""Files that are not quick all the same: commands, processes, what takes all models, sources or
+pages."""
 EXHAUSTIVE = (
     "tests/attacks",
     "tests/browser",
@@ -77,10 +90,12 @@ EXHAUSTIVE = (
 minutes: three quarters of the time of all tests. `.ci/run` runs it after the rest."""
 DEFAULT = "not installed and not exhaustive"
 """The marks that `pyproject.toml` asks for."""
+QUICK_SECONDS = 60.0
+"""What all that is quick may take on two cores with nothing else to do, once it is compiled."""
+BEGAN = time.monotonic()
 FEW = 8
 """Examples that hypothesis draws at most for a test, if what is quick is run."""
 DEAR = (
-    "tests/browser",
     "tests/test_solid_walls.py",
     "tests/test_engine_neighbours.py",
     "tests/test_guarded.py",
@@ -95,19 +110,17 @@ DEAR = (
     "tests/test_benchmarks.py",
     "tests/test_cars.py",
     "tests/test_rules.py",
-    "tests/live",
     "tests/flight/test_commands.py",
     "tests/papers",
     "tests/test_tutorials.py",
     "tests/cli/test_missions.py",
     "tests/experiments/test_missions.py",
-    "tests/experiments/test_cluster.py",
     "tests/cli/test_live.py",
     "tests/cli",
 )
 """What takes longest (`--durations=20` says), first."""
 LATE = ("tests/test_conformance.py", "tests/pages")
-"""What runs every model or every printed command: last, when other tests have compiled them."""
+"""What runs every model or every printed command: late, when other tests have compiled them."""
 
 USED = "_hypothesis_internal_use_settings"
 """Where hypothesis keeps the settings of a test."""
@@ -117,14 +130,30 @@ settings.register_profile("ci", deadline=None, max_examples=50, print_blob=True)
 settings.load_profile("ci" if os.environ.get("CI") else "dev")
 
 
-class ByFile(LoadFileScheduling):
-    """Which tests stay together."""
+class FilesThenSerial(LoadFileScheduling):
+    """Hands out whole files; then `SERIAL` to the process that is left when the others ended."""
 
     def _split_scope(self, nodeid):
         file = super()._split_scope(nodeid)
         if file.startswith("tests/pages"):
             return nodeid
-        return BROWSER if file.startswith(BROWSER) else file
+        return "serial" if file.startswith(SERIAL) else file
+
+    def _assign_work_unit(self, node):
+        if "serial" in self.workqueue:
+            self.workqueue.move_to_end("serial")
+        if next(iter(self.workqueue)) != "serial" or len(self.nodes) == 1:
+            super()._assign_work_unit(node)
+        elif not all(other.shutting_down for other in self.nodes if other is not node):
+            node.shutdown()  # after the tests that it has: another one goes on
+        # Else the others are at their last tests: `remove_node` asks again when they have ended.
+
+    def remove_node(self, node):
+        crashed = super().remove_node(node)
+        if self.workqueue:
+            for other in self.nodes:
+                self._reschedule(other)
+        return crashed
 
 
 @pytest.fixture(autouse=True)
@@ -141,7 +170,7 @@ def catalogue_as_it_was():
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
     """Hand out tests so."""
-    return ByFile(config, log)
+    return FilesThenSerial(config, log)
 
 
 @functools.cache
@@ -176,26 +205,55 @@ def pytest_configure_node(node):
     node.workerinput["names_files"] = names_files(node.config)
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Look for no garbage while tests are read, nor among what was read while they run.
+
+    Reading makes millions of objects that stay: to go through them again and again took a quarter
+    of the time.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
+class CollectionFilter:
+    """Keeps files from being read in vain, in `app` too: pytest asks a conftest about its own
+    folder only."""
+
+    def pytest_ignore_collect(self, collection_path, config):
+        """Do not even read what the marks would leave out."""
+        return is_left_out(collection_path, config.option.markexpr) or None
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_collect_file(self, file_path):
+        """Look for examples only in files that have some: to look, a file is imported."""
+        found = yield
+        if file_path.suffix == ".py" and ">>>" not in file_path.read_text(encoding="utf-8"):
+            return [item for item in found if not isinstance(item, DoctestModule)]
+        return found
+
+
 def pytest_configure(config):
     """Leave nothing out of files that are named on the command line."""
+    config.pluginmanager.register(CollectionFilter(), "collection filter")
     if config.option.markexpr == DEFAULT and names_files(config):
         config.option.markexpr = "not installed"
 
 
-def pytest_ignore_collect(collection_path, config):
-    """Do not even read what `-m quick` would leave out."""
-    if config.option.markexpr == "quick" and not is_quick(collection_path):
-        return True
-    return None
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_collect_file(file_path):
-    """Look for examples only in files that have some: to look, a file is imported."""
-    found = yield
-    if file_path.suffix == ".py" and ">>>" not in file_path.read_text(encoding="utf-8"):
-        return [one for one in found if not isinstance(one, DoctestModule)]
-    return found
+def is_left_out(path: Path, marks: str) -> bool:
+    """Whether no test of a file or folder can bear the marks that are asked for."""
+    if marks == "quick":
+        return not is_quick(path)
+    if marks == "exhaustive":
+        return path.is_file() and not is_exhaustive(path)
+    installed = path.is_relative_to(INSTALLED)
+    if marks == "installed":
+        return path.is_file() and not installed
+    return marks == DEFAULT and (installed or is_exhaustive(path))
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -203,17 +261,30 @@ def pytest_collection_modifyitems(config, items):
     """Mark tests by their folder, put the dear files first, and draw few examples if quick."""
     for item in items:
         for mark in marks(item.path):
-            item.add_marker(mark)
+            if mark != "quick" or item.get_closest_marker("long") is None:
+                item.add_marker(mark)
         if config.option.markexpr == "quick":
-            draw_few(getattr(item, "obj", None))
+            draw_few(getattr(item, "obj", None), USED)
+            draw_few(getattr(item, "cls", None), "settings")
     items.sort(key=lambda item: place(item.nodeid.partition("::")[0]))
 
 
-def draw_few(test):
-    """Draw at most FEW examples for a test of hypothesis, whatever it asks for."""
-    asked = getattr(test, USED, None)
-    if asked is not None and asked.max_examples > FEW:
-        setattr(test, USED, settings(asked, max_examples=FEW))
+def pytest_terminal_summary(terminalreporter, config):
+    """Say if `-m quick` was not."""
+    took = time.monotonic() - BEGAN
+    if config.option.markexpr == "quick" and took > QUICK_SECONDS:
+        load, cores = os.getloadavg()[1], os.cpu_count()
+        terminalreporter.write_line(
+            f"quick took {took:.0f} s, {QUICK_SECONDS:.0f} are wanted; of the last five minutes "
+            f"the load was {load:.1f} on {cores} cores"
+        )
+
+
+def draw_few(test, where):
+    """Draw at most FEW examples for a test of hypothesis, or a class of one, whatever it asks."""
+    asked = getattr(test, where, None)
+    if isinstance(asked, settings) and asked.max_examples > FEW:
+        setattr(test, where, settings(asked, max_examples=FEW))
 
 
 @functools.cache
@@ -226,6 +297,8 @@ def marks(path: Path) -> list[str]:
 
 @functools.cache
 def place(file: str) -> int:
-    """Where a file stands: among the dear ones, behind them, or last."""
+    """Where a file stands: among the dear ones, behind them, late, or serial and last."""
+    if file.startswith(SERIAL):
+        return len(DEAR) + 2
     found = (at for at, name in enumerate(DEAR) if file.startswith(name))
     return next(found, len(DEAR) + file.startswith(LATE))

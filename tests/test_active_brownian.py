@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
+import scipy  # its parts are imported when they are asked for
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import active_brownian as oracle
 from oracles.close_up import close_up
 from oracles.scenes import unit_vectors
-from scipy.stats import kstest
 
 from agents import Flock
 from agents.rules import active_brownian as rule
@@ -115,7 +115,7 @@ def test_the_angle_in_the_plane_is_normal():
     flock.run(1)
     cross = first[:, 0] * flock.heading[:, 1] - first[:, 1] * flock.heading[:, 0]
     angle = np.arctan2(cross, (first * flock.heading).sum(axis=1))
-    assert kstest(angle / math.sqrt(2.0 * 0.3 * 0.04), "norm").pvalue > 0.01
+    assert scipy.stats.kstest(angle / math.sqrt(2.0 * 0.3 * 0.04), "norm").pvalue > 0.01
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -135,7 +135,7 @@ def test_without_drive_kicks_diffuse_in_every_direction():
     flock.run(40)
     for axis in range(3):
         moved = flock.position[:, axis] - first[:, axis]
-        assert kstest(moved / math.sqrt(0.8), "norm").pvalue > 0.01
+        assert scipy.stats.kstest(moved / math.sqrt(0.8), "norm").pvalue > 0.01
 
 
 def test_noise_is_the_runs_own():

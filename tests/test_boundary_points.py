@@ -140,8 +140,18 @@ HOOK = {
 }
 
 
-@pytest.mark.parametrize("shape", [BARRIER, DISC, HOOK], ids=lambda shape: shape["shape"])
-@pytest.mark.parametrize("sense", ["counterclockwise", "clockwise"])
+@pytest.mark.parametrize(
+    ("sense", "shape"),
+    [
+        ("counterclockwise", BARRIER),
+        pytest.param("clockwise", BARRIER, marks=pytest.mark.long),
+        pytest.param("counterclockwise", DISC, marks=pytest.mark.long),
+        ("clockwise", DISC),
+        ("counterclockwise", HOOK),
+        pytest.param("clockwise", HOOK, marks=pytest.mark.long),
+    ],
+    ids=lambda given: given if isinstance(given, str) else given["shape"],
+)
 def test_a_whole_way_round_an_obstacle(shape, sense):
     """Every tick from split to rejoin, and all of them through."""
     rng = np.random.default_rng(6)

@@ -284,8 +284,8 @@ def aligned(n, seed):
     [
         ("squashing-cars", 4, 6, 6),
         ("squashing-cars", 6, 0, 0),
-        ("squashing-best", 6, 6, 6),
-        ("squashing-best", 8, 6, 6),
+        pytest.param("squashing-best", 6, 6, 6, marks=pytest.mark.long),
+        pytest.param("squashing-best", 8, 6, 6, marks=pytest.mark.long),
     ],
 )
 def test_aligned_starts(model, n, least, most):

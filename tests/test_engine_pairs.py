@@ -9,10 +9,10 @@ import threading
 import numba
 import numpy as np
 import pytest
+import scipy  # its parts are imported when they are asked for
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays as drawn
-from scipy.stats import kstest
 
 from agents import Flock
 from agents.catalogue import MODELS
@@ -85,7 +85,7 @@ def test_the_exponential_is_one_at_zero_and_nothing_far_below():
 
 def test_normal_numbers_are_normal():
     found = [normal(np.uint64(7), agent, 4) for agent in range(4000)]
-    assert kstest(found, "norm").pvalue > 0.01
+    assert scipy.stats.kstest(found, "norm").pvalue > 0.01
     assert abs(np.corrcoef(found[::2], found[1::2])[0, 1]) < 0.05
 
 

@@ -135,7 +135,9 @@ def test_every_tick_is_that_of_the_oracle(where, seed, n, spread, alpha):
 
 @pytest.mark.parametrize("activation", ["synchronous", "random"])
 @pytest.mark.parametrize("alpha", [90.0, 270.0])
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize(
+    "seed", [1, pytest.param(2, marks=pytest.mark.long), pytest.param(3, marks=pytest.mark.long)]
+)
 def test_rooms_that_are_apart_stay_apart_and_clear(activation, alpha, seed):
     flock = Flock("guarded", activation=activation, alpha=alpha, rng=seed)
     apart = False

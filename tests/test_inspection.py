@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents import Flock
+from agents.engine.cache import is_kept
 from agents.inspection import UNSEEN, Shell, shells, zones_of
 
 LINEAR = ["vem", "vem-a", "wvem", "hwvem"]
@@ -57,6 +58,14 @@ def test_every_tick_can_be_inspected(seed):
     flock = Flock("hwvem", agents=20, size=2.0, rng=seed)
     flock.run(seed)
     assert flock.inspect(3).id == flock.ids[3]
+
+
+def test_what_an_inspection_calls_is_kept_for_the_next_process():
+    flock = Flock("olfati-saber", agents=3, rng=2)
+    flock.inspect(0)
+    rule = flock.model.rule
+    assert is_kept(rule.weigh.for_python)
+    assert is_kept(rule.explain.for_python)
 
 
 @pytest.mark.parametrize("model", ["olfati-saber", "boundary-points"])

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import nbformat
 import pytest
-from nbclient import NotebookClient
 
 FOLDER = Path(__file__).parents[1] / "docs" / "tutorials"
 NOTEBOOKS = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
@@ -19,6 +17,9 @@ def test_there_are_four():
 @pytest.mark.parametrize("name", NOTEBOOKS)
 def test_a_notebook_runs(name, tmp_path):
     """Its last cell asserts what its text says; a cell that raises fails the test."""
+    import nbformat  # takes two seconds, which collecting need not take
+    from nbclient import NotebookClient
+
     made = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
     assert made.cells[-1].source.startswith(("assert", "for", "means"))
     assert "assert" in made.cells[-1].source
@@ -35,6 +36,8 @@ def test_a_notebook_runs(name, tmp_path):
 
 @pytest.mark.parametrize("name", NOTEBOOKS)
 def test_a_notebook_is_kept_without_its_outputs(name):
+    import nbformat
+
     made = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
     assert all(not cell.outputs for cell in made.cells if cell.cell_type == "code")
     assert made.cells[0].source.startswith("# ")

@@ -114,7 +114,7 @@ class PartDispatcher(LoopDispatcher):
     @functools.cached_property
     def for_python(self) -> Callable:
         """The same function, as Python can call it."""
-        return entry(self.py_func)
+        return entry_of_part(self.py_func)
 
 
 def compiled(function: Callable) -> Any:
@@ -129,6 +129,10 @@ def compiled(function: Callable) -> Any:
 def entry(function: Callable) -> Any:
     """Compile a loop, which Python calls."""
     return LoopDispatcher(function, targetoptions=OPTIONS, pipeline_class=LOOPS)
+
+
+entry_of_part: Callable[[Callable], Any] = entry
+"""Compiles a part that Python calls; `agents.engine.cache` has it kept on disk as well."""
 
 
 def shared(function: Callable) -> Any:

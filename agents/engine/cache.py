@@ -31,6 +31,7 @@ from numba.core.caching import (
 )
 from numba.core.dispatcher import Dispatcher
 
+from worlds import compilation
 from worlds.compilation import entry
 from worlds.owned_files import NotOwned, open_in, owned_folder, read_owned, write_owned
 
@@ -270,3 +271,14 @@ def kept(function):
     fingerprint(made, digest, set())
     keep(made, digest)
     return made
+
+
+def kept_part(function):
+    """The same for a part of a loop, which Python calls by itself: to inspect an agent, in tests.
+
+    A function without a file, such as one that was typed, is compiled in every process.
+    """
+    return kept(function) if Path(function.__code__.co_filename).is_file() else entry(function)
+
+
+compilation.entry_of_part = kept_part

@@ -123,5 +123,5 @@ def laboratory(served):
 @pytest.fixture
 def window(laboratory, shared_window):
     """The window, showing the paused laboratory at tick 0."""
-    until(lambda: shared_window.card("tick") == str(laboratory.simulation.frame.tick), 20)
+    until(lambda: shared_window.card("tick") == str(laboratory.simulation.frame.tick), 60)
     return shared_window

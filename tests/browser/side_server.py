@@ -22,7 +22,7 @@ class SideServer:
 
     def __enter__(self) -> Self:
         self.thread.start()
-        assert self.begun.wait(10)
+        assert self.begun.wait(60)
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -38,7 +38,7 @@ def test_a_second_model_flies_beside_the_first_until_it_is_taken_away(window, la
     window.press("Setup")
     until(lambda: simulation.state.models[1] == "ivem", 60)
     until(lambda: is_compiled(simulation), COMPILED)
-    until(lambda: laboratory.scene._sights[1:], 20)
+    until(lambda: laboratory.scene._sights[1:], 60)
     titles = page.locator(".fs-pair-titles")
     titles.wait_for(timeout=20_000)
     assert "Improved Vicsek model" in titles.inner_text()

@@ -45,7 +45,7 @@ def test_a_flock_that_can_crash_is_watched_and_another_is_not(window, laboratory
     page.get_by_text("More numbers").click()
     page.get_by_label("correlation length").check()
     page.get_by_label("binder").check()
-    until(lambda: window.card("correlation length") not in ("", "–"), 20)
+    until(lambda: window.card("correlation length") not in ("", "–"), 60)
     choose(window, "Plot 3", "largest group")
     until(lambda: "largest-group" in laboratory.plots.names)
 

@@ -95,7 +95,7 @@ def builder(window, laboratory):
     before = simulation.state.run
     simulation.setup(START)
     until(lambda: simulation.state.run > before, 60)
-    until(lambda: laboratory.scene._sights[0].picture.frame.world.name == "obstacles", 20)
+    until(lambda: laboratory.scene._sights[0].picture.frame.world.name == "obstacles", 60)
     simulation.go().result(60)
     until(lambda: simulation.frame.tick > 2, 120, "a first tick")
     window.tab("World")
@@ -188,7 +188,7 @@ def test_a_layout_is_saved_and_opened_in_two_browsers(builder, chromium, tmp_pat
         builder.window.press("Open layout ...")
     run = builder.simulation.state.run
     chooser.value.set_files(file)
-    until(lambda: builder.simulation.state.run > run, 30)
+    until(lambda: builder.simulation.state.run > run, 60)
     assert builder.simulation.run.flock.world.obstacles == world.obstacles
     assert builder.simulation.run.flock.world.name == "mine"
 
@@ -228,7 +228,7 @@ def test_a_drawing_that_may_mean_two_things_is_asked_about(builder, chromium, tm
     opened_plan(builder.window, plan)
     builder.page.get_by_label("Thickness of walls, m").fill("0.5")
     builder.window.press("Walls")
-    until(lambda: builder.simulation.state.run > run, 30)
+    until(lambda: builder.simulation.state.run > run, 60)
     walls = builder.simulation.run.flock.world.obstacles
     area = sum(one.footprint().area for one in walls)
     assert area == pytest.approx(0.5 * 60.0, rel=0.05), "walls of 0.5 m along 60 m"

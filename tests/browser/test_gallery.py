@@ -41,11 +41,11 @@ def test_a_scene_is_found_in_the_gallery_and_opened(window, anew):
     page.get_by_text("Nothing is called").wait_for()
     page.locator(".fs-sheet input").fill("one knows")
     page.locator(".fs-choice:visible").first.click()
-    until(lambda: anew.simulation.state.spec.agents == 1000, 20)
+    until(lambda: anew.simulation.state.spec.agents == 1000, 60)
     page.get_by_text(built_in("spread").watch).wait_for()
     until(lambda: page.locator(".fs-sheet").count() == 0)
     until(lambda: is_compiled(anew.simulation), COMPILED)
-    until(lambda: window.card("agents") == "1\u202f001", 20)
+    until(lambda: window.card("agents") == "1\u202f001", 60)
 
 
 def test_the_gallery_closes_by_escape_a_click_beside_it_and_its_button(window):
@@ -70,7 +70,7 @@ def test_an_address_opens_its_scene_and_asks_where_others_watch(window, anew, ch
     assert anew.simulation.state.spec.model == "hwvem"
     assert "scene=" not in other.url
     other.get_by_role("button", name="Open it for all").click()
-    until(lambda: anew.simulation.state.agents == 44, 20)
+    until(lambda: anew.simulation.state.agents == 44, 60)
     assert anew.simulation.state.spec.seed == 9
     other.goto(f"{anew.address}/?scene=nothing")
     other.get_by_text("unknown scene").wait_for(timeout=60_000)

@@ -26,7 +26,7 @@ def test_the_page_draws_the_flock_and_its_monitors(window):
 def test_go_moves_the_picture_and_pause_stops_it(window, laboratory):
     still = window.pixels()
     window.press("Go")
-    until(lambda: int(window.card("tick") or 0) > 30, 20)
+    until(lambda: int(window.card("tick") or 0) > 30, 60)
     assert np.mean(np.abs(window.pixels() - still) > 40) > 0.003
     window.press("Pause")
     until(lambda: not laboratory.simulation.state.running)
@@ -64,7 +64,7 @@ def test_setup_takes_the_new_number_of_agents(window, laboratory):
     window.page.get_by_text("Press Setup to use it").wait_for()
     assert laboratory.simulation.state.agents == 61
     window.press("Setup")
-    until(lambda: window.card("agents") == "151", 20)
+    until(lambda: window.card("agents") == "151", 60)
     until(lambda: "Press Setup to use it" not in window.text())
     assert laboratory.simulation.state.spec.seed == 4
     box.fill("60")
@@ -76,7 +76,7 @@ def test_another_model_brings_its_own_sliders(window, laboratory):
     window.page.get_by_label("Model", exact=True).click()
     window.page.get_by_role("option", name="Vicsek model", exact=True).click()
     window.press("Setup")
-    until(lambda: laboratory.simulation.state.spec.model == "vem", 20)
+    until(lambda: laboratory.simulation.state.spec.model == "vem", 60)
     until(lambda: is_compiled(laboratory.simulation), COMPILED)
     until(lambda: set(laboratory.parameters.controls) == {"r", "eta", "neighbours", "k", "v0"})
     window.tab("Rule")
@@ -152,9 +152,9 @@ def test_two_browsers_see_the_same_run_and_the_same_sliders(window, laboratory, 
 def test_a_browser_that_lost_its_connection_comes_back(window, laboratory):
     before = set(laboratory.server.get_clients())
     laboratory.server._websock_server.disconnect_all_clients()
-    until(lambda: set(laboratory.server.get_clients()) - before, 20)
+    until(lambda: set(laboratory.server.get_clients()) - before, 60)
     window.press("Step")
-    until(lambda: window.card("tick") == "1", 20)
+    until(lambda: window.card("tick") == "1", 60)
     assert window.shows_a_flock()
 
 
@@ -164,7 +164,7 @@ def test_an_error_is_shown_and_setup_mends_it(window, laboratory):
     window.page.get_by_text("Stopped.").wait_for()
     assert "finite number" in window.text()
     window.press("Setup")
-    until(lambda: "Stopped." not in window.text(), 20)
+    until(lambda: "Stopped." not in window.text(), 60)
     window.press("Step")
     until(lambda: window.card("tick") == "1")
 

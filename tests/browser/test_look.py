@@ -69,11 +69,11 @@ def test_the_picture_can_stand_alone(window):
     before = canvas.bounding_box()["width"]
     page.keyboard.press("p")
     assert not panel.is_visible()
-    until(lambda: canvas.bounding_box()["width"] == 1000, 5)
-    until(lambda: "paused" in page.locator(".fs-caption").inner_text(), 5)
+    until(lambda: canvas.bounding_box()["width"] == 1000, 60)
+    until(lambda: "paused" in page.locator(".fs-caption").inner_text(), 60)
     page.keyboard.press("p")
     assert panel.is_visible()
-    until(lambda: canvas.bounding_box()["width"] == before, 5)
+    until(lambda: canvas.bounding_box()["width"] == before, 60)
 
 
 def test_the_size_of_the_text_goes_round(window):

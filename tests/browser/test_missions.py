@@ -38,7 +38,7 @@ def test_a_model_proposes_its_world_and_the_mission_is_drawn_and_measured(window
     window.press("Setup")
     until(lambda: laboratory.simulation.state.spec.world == "liu2021-mission", 60)
     until(lambda: is_compiled(laboratory.simulation), COMPILED)
-    until(lambda: window.card("waypoint") == "1 / 4", 20)
+    until(lambda: window.card("waypoint") == "1 / 4", 60)
     assert window.card("collisions") == "0"
     assert float(window.card("to path's end")) > 40.0
 
@@ -62,5 +62,5 @@ def test_a_model_proposes_its_world_and_the_mission_is_drawn_and_measured(window
     page.get_by_role("option", name="Hierarchical weighting Vicsek model", exact=True).click()
     until(lambda: not page.get_by_label("Side", exact=True).is_disabled())
     window.press("Setup")
-    until(lambda: "Mission" not in window.text(), 20)
+    until(lambda: "Mission" not in window.text(), 60)
     window.tab("Rule")

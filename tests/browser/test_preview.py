@@ -45,11 +45,11 @@ def test_a_preview_moves_and_says_so_and_nothing_jumps_when_it_is_taken_over(lab
     assert 0 < place["y"] < 640 - place["height"]
     assert window.card("polarisation") == "–"
     tick, before = int(window.card("tick")), pause.bounding_box()
-    until(lambda: int(window.card("tick")) > tick, 30)
+    until(lambda: int(window.card("tick")) > tick, 60)
     laboratory.simulation.compiling.ready.set_result(None)
     bar.wait_for(state="detached")
     assert pause.bounding_box() == before
     assert int(window.card("tick")) >= tick
-    until(lambda: window.card("polarisation") != "–", 30)
+    until(lambda: window.card("polarisation") != "–", 60)
     assert not laboratory.simulation.state.error
     page.close()

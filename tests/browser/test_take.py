@@ -88,7 +88,7 @@ def test_a_page_plays_without_a_server_or_a_network(drawing, tmp_path):
     page.on("websocket", lambda socket: asked.append(socket.url))
     page.goto(out.as_uri())
     clock = page.locator("input").first
-    until(lambda: clock.count() and float(clock.input_value()) > 0.5, 30)
+    until(lambda: clock.count() and float(clock.input_value()) > 0.5, 60)
     page.keyboard.press("Space")
     stands = clock.input_value()
     page.wait_for_timeout(600)

@@ -25,7 +25,7 @@ def drag(window, slider, share: float) -> None:
 def test_a_live_run_is_dragged_back_and_forth_and_gone_on_from(window, laboratory):
     simulation, line = laboratory.simulation, laboratory.time_line
     window.press("Go")
-    until(lambda: simulation.frame.tick > 60, 30)
+    until(lambda: simulation.frame.tick > 60, 60)
     window.press("Pause")
     until(lambda: not simulation.state.running)
     until(lambda: line.slider.value == simulation.frame.tick)

@@ -16,7 +16,7 @@ CARD = "[data-floating-window]:has(.fs-agent)"
 
 def client_of(laboratory, known):
     """The browser that has come since."""
-    (number,) = until(lambda: set(laboratory.server.get_clients()) - known, 20)
+    (number,) = until(lambda: set(laboratory.server.get_clients()) - known, 60)
     return laboratory.server.get_clients()[number]
 
 
@@ -47,13 +47,13 @@ def own(request, chromium, laboratory, window):
         page.goto(laboratory.address)
         page.locator(".fs-card").first.wait_for(state="attached", timeout=90_000)
         client = client_of(laboratory, known)
-        until(lambda: client.camera.image_width > 0, 20)
+        until(lambda: client.camera.image_width > 0, 60)
         page.wait_for_timeout(1500)
         Window.close_notices(SimpleNamespace(page=page))
         yield page, client
     laboratory.select(None)
     page.close()
-    until(lambda: client.client_id not in laboratory.server.get_clients(), 30)
+    until(lambda: client.client_id not in laboratory.server.get_clients(), 60)
 
 
 def tilt(client) -> float:

@@ -43,7 +43,7 @@ def test_two_watch_what_a_third_leads_and_each_sees_its_own_agent(
             assert one.page.get_by_role("button", name=label, exact=True).count() == 0
         assert one.page.locator("input[type=file]").count() == 0
 
-    until(lambda: watching.scene.where(17), 20)
+    until(lambda: watching.scene.where(17), 60)
     first.close_notices()
     first.page.wait_for_timeout(1000)
     first.page.mouse.click(*on_page(first, watching, 0, 17))
@@ -62,7 +62,7 @@ def test_two_watch_what_a_third_leads_and_each_sees_its_own_agent(
     wide, narrow = (cameras[width] for width in sorted(cameras, reverse=True))
     before = [np.array(one.position) for one in (wide, narrow)]
     second.press("side")
-    until(lambda: not np.allclose(narrow.position, before[1]), 20)
+    until(lambda: not np.allclose(narrow.position, before[1]), 60)
     assert np.allclose(wide.position, before[0])
 
     window.press("Step")

@@ -14,10 +14,10 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 import pytest
+import scipy  # its parts are imported when they are asked for
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
-from scipy import stats
 
 from app.classroom.collect.class_curve import ClassCurve
 from app.classroom.collect.class_picture import FORMATS, draw, picture
@@ -115,7 +115,9 @@ def test_mean_and_spread_are_those_of_scipy(seed):
         assert group.mean == pytest.approx(results.mean(), rel=1e-12)
         assert group.sd == pytest.approx(np.sqrt(((results - results.mean()) ** 2).sum()
                                                  / (len(results) - 1)), rel=1e-12)  # fmt: skip
-        low, high = stats.t.interval(0.95, len(results) - 1, results.mean(), stats.sem(results))
+        low, high = scipy.stats.t.interval(
+            0.95, len(results) - 1, results.mean(), scipy.stats.sem(results)
+        )
         assert group.half >= 0.999 * (high - results.mean()), "no narrower than Student's t"
         low, high = summary(ranges_of(results)).interval
         assert group.half == max(group.mean - low, high - group.mean), "that of the papers"

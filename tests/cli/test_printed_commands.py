@@ -155,24 +155,25 @@ def whole(text: str) -> list[str]:
     return [one.strip(' ".,:\\') for one in matches]
 
 
-COMMANDS_PRINTED = printed()
+@pytest.fixture(scope="module")
+def commands_printed() -> dict[str, str]:
+    return printed()
 
 
-def test_every_printed_command_is_typed_here():
+def test_every_printed_command_is_typed_here(commands_printed):
     known = {**RUN, **VISITED, **PARSED, **NAMES}
     unknown = {
         command: place
-        for command, place in COMMANDS_PRINTED.items()
+        for command, place in commands_printed.items()
         if command not in known and not PAPER.fullmatch(command)
     }
     assert unknown == {}, "type it in this file"
-    assert [one for one in known if one not in COMMANDS_PRINTED] == [], "printed nowhere"
-    assert len(COMMANDS_PRINTED) > 40
+    assert [one for one in known if one not in commands_printed] == [], "printed nowhere"
+    assert len(commands_printed) > 40
 
 
-def test_papers_that_models_name_are_there():
-    names = {PAPER.fullmatch(command)[1] for command in COMMANDS_PRINTED if PAPER.match(command)
-             and PAPER.fullmatch(command)}  # fmt: skip
+def test_papers_that_models_name_are_there(commands_printed):
+    names = {paper[1] for command in commands_printed if (paper := PAPER.fullmatch(command))}
     assert len(names) > 10
     assert names <= set(experiment_names())
 

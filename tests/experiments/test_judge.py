@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy  # its parts are imported when they are asked for
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy import stats
 
 from app.studies.judge.judge import (
     bounded_interval,
@@ -129,7 +129,7 @@ def by_hand(values, confidence):
     n, mean, s = len(values), np.mean(values), np.std(values, ddof=1)
     error, freedom = s / math.sqrt(n), (n - 1) / (1 + 2.5 / 2)
     third = np.sum((values - mean) ** 3) / np.sum((values - mean) ** 2) ** 1.5
-    y, a, b = stats.t.ppf(0.5 + confidence / 2, freedom), third / 3, third / 6
+    y, a, b = scipy.stats.t.ppf(0.5 + confidence / 2, freedom), third / 3, third / 6
 
     def inverse(at):
         return at - b if abs(a) < 1e-6 else (np.cbrt(1 + 3 * a * (at - b)) - 1) / a
@@ -175,7 +175,7 @@ def test_two_normal_samples_of_one_size_have_welch_s_error():
     rng = np.random.default_rng(8)
     a, b = rng.normal(0.0, 1.0, 30), rng.normal(0.0, 3.0, 30)
     found = subtract_means(estimate_mean(a), estimate_mean(b))
-    expected = stats.ttest_ind(a, b, equal_var=False)
+    expected = scipy.stats.ttest_ind(a, b, equal_var=False)
     assert float(found.mean / found.error) == pytest.approx(expected.statistic)
     assert float(found.freedom) == pytest.approx(expected.df)
 
@@ -190,8 +190,8 @@ def test_the_typical_spread_is_that_of_a_normal_law_and_less_of_one_with_far_run
 def test_the_difference_of_two_shares():
     """Zou and Donner 2008 by hand: 56 of 70 beside 48 of 80, at 95 %, exact limits of each."""
     low, high = share_difference(56, 70, 48, 80, 0.95)
-    a = stats.binomtest(56, 70).proportion_ci(0.95)
-    b = stats.binomtest(48, 80).proportion_ci(0.95)
+    a = scipy.stats.binomtest(56, 70).proportion_ci(0.95)
+    b = scipy.stats.binomtest(48, 80).proportion_ci(0.95)
     assert float(low) == pytest.approx(0.2 - math.hypot(0.8 - a.low, b.high - 0.6))
     assert float(high) == pytest.approx(0.2 + math.hypot(a.high - 0.8, 0.6 - b.low))
 

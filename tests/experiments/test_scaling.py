@@ -7,7 +7,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from app.studies.charts.run_group import CellRuns
 from app.studies.charts.scaling import Scaling, by_size, crossing_of, draw_collapse
@@ -35,6 +34,8 @@ def scaled(eta, side):
 
 
 def test_lines_of_all_sizes_fall_on_one_with_the_exponents_they_were_made_with():
+    from matplotlib.figure import Figure  # half a second, which collecting need not take
+
     lines = by_size(*sweep(scaled), "eta")
     assert {agents: side for agents, (side, _) in lines.items()} == SIZES
     panel = Figure().subplots()

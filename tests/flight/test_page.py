@@ -26,7 +26,8 @@ def test_every_value_of_the_aircraft_is_on_the_page_and_in_the_list(one):
 
 
 def test_the_energies_of_the_page_are_those_of_the_code(trims):
-    for speed, made in trims.items():
+    for speed in (3.0, 3.5, 4.0, 5.0, 6.0):
+        made = trims[speed]
         (row,) = re.findall(rf"^\| {speed:g} m/s .*$", PAGE, re.MULTILINE)
         assert f"| {made.energy_per_metre:.3f} J/m |" in row
         assert f"| {made.power:.2f} W |" in row

@@ -3,7 +3,7 @@
 import time
 
 
-def until(happens, within=15.0):
+def until(happens, within=60.0):
     """Wait until `happens()` is true; fail if that takes more than `within` seconds."""
     give_up = time.monotonic() + within
     while not happens():

@@ -127,7 +127,7 @@ class Operators:
 
     def __call__(self, lab, opener, recording):
         self.begun += 1
-        assert self.gate.wait(30)
+        assert self.gate.wait(60)
         if self.refuses:
             raise InputError(self.refuses)
         self.made.append(StubOperator(lab, opener, recording))

@@ -91,8 +91,8 @@ def run_of(simulation: Simulation) -> int:
 
 def test_too_many_agents_are_refused_in_words_and_the_flock_goes_on(simulation):
     before = run_of(simulation)
-    simulation.setup(at_home("vem", agents=100_000)).result(10)
-    words = until(lambda: told(simulation), 10)
+    simulation.setup(at_home("vem", agents=100_000)).result(60)
+    words = until(lambda: told(simulation), 60)
     space = "\N{NARROW NO-BREAK SPACE}"
     assert words == [f"a class allows 200 agents a student: 100{space}000 asked for"]
     assert (run_of(simulation), simulation.state.running) == (before, True)
@@ -128,10 +128,10 @@ def test_a_scene_in_an_address_is_held_to_the_same(laboratory):
 def test_obstacles_are_counted_whether_built_or_brought(simulation):
     for k in range(4):
         simulation.edits.change(lambda editor, k=k: editor.add(disc((1.0 + k, 1.0), 0.2)))
-    simulation.watch(()).result(10)
+    simulation.watch(()).result(60)
     assert len(simulation.run.flock.world.obstacles) == 3
     assert told(simulation) == ["a class allows 3 obstacles a student: 4 asked for"]
-    simulation.setup(at_home("vem", agents=20, world="obstacles")).result(10)
+    simulation.setup(at_home("vem", agents=20, world="obstacles")).result(60)
     assert until(lambda: told(simulation), 20) == [
         "a class allows 3 obstacles a student: 12 asked for"
     ]
@@ -142,7 +142,7 @@ def test_changes_of_the_world_are_bounded_a_second(simulation):
     for k in range(60):
         simulation.edits.change(
             lambda editor, k=k: editor.add(disc((1.0, 1.0), 0.2)) if k % 2 == 0 else editor.undo()
-        ).exception(10)
+        ).exception(60)
     most = 10.0 + SMALL.edits * (time.monotonic() - began)
     words = told(simulation)
     refused = words.count("a class allows 4 changes of the world a second: go slower")
@@ -164,16 +164,16 @@ def test_a_flock_that_runs_as_fast_as_it_goes_takes_no_more_than_its_share(speed
         assert took < 0.13
         assert simulation.frame.tick > tick
         began = time.monotonic()
-        simulation.set("eta", 1.0).result(10)
+        simulation.set("eta", 1.0).result(60)
         assert time.monotonic() - began < 1.0, "it answers while it waits"
     finally:
         simulation.close()
 
 
 def test_while_nobody_looks_it_goes_on_with_few_frames(simulation):
-    simulation.run_at(20.0).result(10)
+    simulation.run_at(20.0).result(60)
     simulation.be_seen(False)
-    until(lambda: simulation.pace.timeout > 0.0, 10)
+    until(lambda: simulation.pace.timeout > 0.0, 60)
     frames, began, tick = [], time.monotonic(), simulation.frame.tick
     while time.monotonic() < began + 4.0:
         if not frames or simulation.frame is not frames[-1]:
@@ -190,7 +190,7 @@ def test_while_nobody_looks_it_goes_on_with_few_frames(simulation):
 @pytest.mark.usefixtures("browser")
 def test_whoever_comes_is_shown_what_is_at_once(laboratory):
     assert laboratory.simulation.keeping.seen or until(lambda: laboratory.simulation.keeping.seen)
-    until(lambda: laboratory.drawing.drawn[0].tick >= laboratory.simulation.frame.tick - 20, 5)
+    until(lambda: laboratory.drawing.drawn[0].tick >= laboratory.simulation.frame.tick - 20, 60)
 
 
 def test_pictures_come_no_more_often_than_is_allowed(browser):
@@ -275,8 +275,8 @@ def test_without_an_allowance_everything_is_as_it_was():
     try:
         assert simulation.ready.wait(60)
         simulation.be_seen(False)
-        simulation.setup(at_home("vem", agents=1000)).result(10)
-        until(lambda: run_of(simulation) >= 1000, 20)
+        simulation.setup(at_home("vem", agents=1000)).result(60)
+        until(lambda: run_of(simulation) >= 1000, 60)
         assert simulation.pace.timeout == 0.0
         assert simulation.keeping.wait == 0.0
     finally:

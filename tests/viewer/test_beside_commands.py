@@ -38,7 +38,7 @@ def test_step_set_reset_and_setup_act_on_both(simulate):
     simulation = simulate(at_home("hwvem", agents=12, seed=4), Spec("vem-a"))
     begun = simulation.frame.position.copy()
     assert np.array_equal(simulation.frame.beside.position, begun)
-    simulation.set("eta", 1.5).result(5)
+    simulation.set("eta", 1.5).result(60)
     simulation.step(4).result(60)
     until(lambda: simulation.frame.tick == simulation.frame.beside.tick == 4)
     assert not np.array_equal(simulation.frame.beside.position, simulation.frame.position)
@@ -58,7 +58,7 @@ def test_step_set_reset_and_setup_act_on_both(simulate):
 
 def test_reset_keeps_what_only_the_second_has(simulate):
     simulation = simulate(at_home("boundary-points", agents=6), Spec("olfati-saber"))
-    simulation.set("d_beta", 2.5, beside=True).result(5)
+    simulation.set("d_beta", 2.5, beside=True).result(60)
     assert simulation.state.beside_values["d_beta"] == 2.5
     simulation.reset()
     until(lambda: simulation.frame.run == 2)
@@ -116,5 +116,5 @@ def test_a_broken_second_flock_is_named_and_stops_both(simulate, error, words, t
     assert simulation.notices.get(timeout=5) == words
     assert not simulation.state.running
     with pytest.raises(InputError, match="press Setup"):
-        simulation.go().result(5)
+        simulation.go().result(60)
     assert ("Traceback" in capfd.readouterr().err) == told

@@ -149,6 +149,6 @@ def test_whoever_waits_for_a_command_can_be_woken():
     thread = threading.Thread(target=lambda: found.append(queue.get(None)))
     thread.start()
     queue.wake()
-    thread.join(10)
+    thread.join(60)
     assert found[0]() is None
     assert queue.get(0.0) is None

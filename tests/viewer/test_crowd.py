@@ -41,7 +41,7 @@ def test_links_that_would_fill_the_memory_are_not_listed():
 
 def test_a_setup_that_is_too_dense_leaves_the_old_flock():
     simulation = Simulation(at_home(agents=5), running=False, build=StubFlock)
-    assert simulation.ready.wait(5)
+    assert simulation.ready.wait(60)
     simulation.setup(at_home(agents=21_000, size=1.0))
     assert "pairs of neighbours" in simulation.notices.get(timeout=20)
     until(lambda: not simulation.state.busy)

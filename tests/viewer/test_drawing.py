@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import threading
-import time
 
 import numpy as np
 import pytest
@@ -12,25 +10,41 @@ import pytest
 from app.viewer.scene.draw.attitude import FINE, OF_LENGTH, ROUND, attitude, places, turned
 from app.viewer.scene.drawing import REST, Drawing, Rates, period
 from app.viewer.scene.shown.drawing_style import DrawingStyle
-from tests.viewer.waiting import until
+from tests.viewer.sky import frame, heading
+from tests.viewer.waiting import HandTime, until
 
 
 class Stand:
-    """Stands for the scene and the laboratory."""
+    """Stands for the scene and the laboratory, and moves the clock."""
 
     def __init__(self, frame, watched: int = 1, **rates):
         self.frame, self.watched = frame, watched
+        self.time = HandTime()
+        self.worked = 0.0
         self.shown: list[float] = []
         self.panels = self.looks = self.state = 0
-        self.news = threading.Event()
+        self.news = self.time.event()
         self.moves = math.inf
         self.drawing = Drawing(
             self, self.latest, lambda: self.watched, self.before, self.refresh, self.news,
-            lambda: self.moves, Rates(**rates), lambda: self.state,
+            lambda: self.moves, Rates(**rates), lambda: self.state, self.time, lambda: self.worked,
         )  # fmt: skip
+        self.drawing.come = self.time.event()
+        self.drawing.closing = self.time.event()
+
+    def run(self, seconds: float) -> None:
+        """Have it draw for so long."""
+        end = self.time() + seconds
+        while self.time() < end:
+            self.drawing.turn()
+
+    def another(self) -> None:
+        """There is a frame that was not shown yet."""
+        self.frame = frame([heading(0.0)] * 3)
+        self.news.set()
 
     def show(self, _frame, _look) -> None:
-        self.shown.append(time.monotonic())
+        self.shown.append(self.time())
 
     def look_through(self) -> None:
         pass
@@ -45,89 +59,82 @@ class Stand:
         self.panels += 1
 
 
-@pytest.fixture
-def stand(request):
-    from tests.viewer.sky import frame, heading
+def stand(**changes) -> Stand:
+    """A drawing that has drawn its first frame."""
+    made = Stand(frame([heading(0.0)] * 3), **changes)
+    made.drawing.turn()
+    assert len(made.shown) == 1
+    return made
 
-    made = Stand(frame([heading(0.0)] * 3), **getattr(request, "param", {}))
-    made.another = lambda: frame([heading(0.0)] * 3)
+
+def test_a_thread_draws_until_it_is_closed():
+    made = Stand(frame([heading(0.0)] * 3))
     made.drawing.start()
-    until(lambda: made.shown, 5)
-    yield made
+    until(lambda: made.looks > 10, 60)
     made.drawing.close()
     assert not made.drawing.thread.is_alive()
+    assert len(made.shown) == 1
 
 
-def test_what_is_new_is_drawn_at_once_and_nothing_is_looked_for_without_news(stand):
-    time.sleep(0.3)
-    looks = stand.looks
-    time.sleep(1.0)
-    assert stand.looks - looks <= 1.0 / REST + 6
-    before = len(stand.shown)
-    stand.frame, told = stand.another(), time.monotonic()
-    stand.news.set()
-    until(lambda: len(stand.shown) > before, 5)
-    assert stand.shown[-1] - told < 0.5 * REST
+def test_what_is_new_is_drawn_at_once_and_nothing_is_looked_for_without_news():
+    made = stand()
+    made.run(0.3)
+    looks = made.looks
+    made.run(1.0)
+    assert made.looks - looks <= 1.0 / REST + 6
+    told = made.time() + 0.3 * REST
+    made.time.at(told, made.another)
+    made.run(REST)
+    assert made.shown[1:] == [told]
 
 
-@pytest.mark.parametrize("stand", [{"watched": 0, "unseen": 0.5}], indirect=True)
-def test_with_nobody_there_little_is_drawn_and_who_comes_is_shown_what_is(stand):
-    time.sleep(0.2)
-    before, panels, began = len(stand.shown), stand.panels, time.monotonic()
-    while time.monotonic() < began + 2.2:
-        stand.frame = stand.another()
-        stand.news.set()
-        time.sleep(0.01)
-    assert 1 <= len(stand.shown) - before <= 5
-    assert 1 <= stand.panels - panels <= 5
-    time.sleep(0.1)
-    stand.frame, stand.watched, told = stand.another(), 1, time.monotonic()
-    before = len(stand.shown)
-    stand.drawing.welcome()
-    until(lambda: len(stand.shown) > before, 5)
-    assert stand.shown[before] - told < 0.2
+def test_with_nobody_there_little_is_drawn_and_who_comes_is_shown_what_is():
+    made = stand(watched=0, unseen=0.5)
+    panels = made.panels
+    made.time.at(0.01, made.another, every=0.01)
+    made.run(2.2)
+    assert 4 <= len(made.shown) - 1 <= 5
+    assert 4 <= made.panels - panels <= 5
+    came = made.time() + 0.1
+
+    def come() -> None:
+        made.watched = 1
+        made.drawing.welcome()
+
+    made.time.at(came, come)
+    made.run(0.2)
+    assert came in made.shown
 
 
-@pytest.mark.parametrize("stand", [{"fastest": 0.1}], indirect=True)
-def test_no_more_pictures_than_are_allowed(stand):
-    before, began = len(stand.shown), time.monotonic()
-    while time.monotonic() < began + 1.5:
-        stand.frame = stand.another()
-        stand.news.set()
-        time.sleep(0.005)
-    assert 8 <= len(stand.shown) - before <= 17
+def test_no_more_pictures_than_are_allowed():
+    made = stand(fastest=0.1)
+    made.time.at(0.005, made.another, every=0.005)
+    made.run(1.5)
+    assert 14 <= len(made.shown) - 1 <= 16
 
 
-@pytest.mark.parametrize("stand", [{"panels": 30.0}], indirect=True)
-def test_panels_show_at_once_what_has_been_pressed(stand):
-    before = stand.panels
-    for _ in range(20):
-        stand.frame = stand.another()
-        stand.news.set()
-        time.sleep(0.01)
-    assert stand.panels == before
-    stand.state = 1
-    stand.news.set()
-    until(lambda: stand.panels == before + 1, 1)
+def test_panels_show_at_once_what_has_been_pressed():
+    made = stand(panels=30.0)
+    before = made.panels
+    made.time.at(0.01, made.another, every=0.01)
+    made.run(0.2)
+    assert made.panels == before
+    made.state = 1
+    made.drawing.turn()
+    assert made.panels == before + 1
 
 
-@pytest.mark.parametrize("stand", [{"share": 0.1}], indirect=True)
-def test_a_thread_that_draws_what_is_dear_keeps_to_its_share(stand):
+def test_a_thread_that_draws_what_is_dear_keeps_to_its_share():
+    made = stand(share=0.1)
+
     def work(_frame, _look) -> None:
-        end = time.thread_time() + 0.05
-        while time.thread_time() < end:
-            pass
-        stand.shown.append(time.monotonic())
+        made.worked += 0.05
+        made.time.now += 0.05
 
-    stand.show = work
-    time.sleep(0.6)
-    clock = time.pthread_getcpuclockid(stand.drawing.thread.ident)
-    began, worked = time.monotonic(), time.clock_gettime(clock)
-    while time.monotonic() < began + 2.0:
-        stand.frame = stand.another()
-        stand.news.set()
-        time.sleep(0.005)
-    assert 0.03 < (time.clock_gettime(clock) - worked) / (time.monotonic() - began) < 0.15
+    made.show = work
+    made.time.at(0.005, made.another, every=0.005)
+    made.run(20.0)
+    assert made.worked / made.time() == pytest.approx(0.1, abs=0.01)
 
 
 def test_a_class_has_a_bandwidth_of_its_own():

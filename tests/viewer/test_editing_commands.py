@@ -43,14 +43,14 @@ class Walker(StubFlock):
 @pytest.fixture
 def simulation():
     made = Simulation(START, speed=200.0, running=False, build=Walker)
-    assert made.ready.wait(5)
+    assert made.ready.wait(60)
     yield made
     made.close()
     assert not made.thread.is_alive()
 
 
 def add(simulation: Simulation, at=(5.0, 5.0), radius=2.0) -> int:
-    simulation.edits.change(lambda editor: editor.add(forms.disc(at, radius))).result(5)
+    simulation.edits.change(lambda editor: editor.add(forms.disc(at, radius))).result(60)
     return simulation.edits.editor.newest
 
 
@@ -71,7 +71,7 @@ def test_undo_gives_the_very_world_back_that_setup_made(simulation):
     plain = simulation.run.flock.world
     add(simulation)
     assert isinstance(simulation.state.spec.world, World)
-    simulation.edits.change(Editor.undo).result(5)
+    simulation.edits.change(Editor.undo).result(60)
     assert simulation.run.flock.world is plain
     assert simulation.state.spec == START
 
@@ -82,11 +82,11 @@ def test_reset_keeps_the_world_that_was_built_and_its_history(simulation):
     simulation.reset()
     until(lambda: simulation.state.run == 2)
     assert simulation.run.flock.world is world
-    simulation.edits.change(Editor.undo).result(5)
+    simulation.edits.change(Editor.undo).result(60)
     assert simulation.run.flock.world.obstacles == ()
     simulation.reset()
     until(lambda: simulation.state.run == 3)
-    simulation.edits.change(Editor.redo).result(5)
+    simulation.edits.change(Editor.redo).result(60)
     assert len(simulation.run.flock.world.obstacles) == 1
 
 
@@ -96,7 +96,7 @@ def test_what_is_refused_is_told_and_changes_nothing(simulation):
     with pytest.raises(InputError, match="crosses itself"):
         simulation.edits.change(
             lambda e: e.add(forms.polygon([(0, 0), (4, 4), (4, 0), (0, 4)]))
-        ).result(5)
+        ).result(60)
     assert "crosses itself" in simulation.notices.get(timeout=5)
     assert simulation.run.flock.world is world
     assert simulation.edits.editor is editor
@@ -109,7 +109,7 @@ def test_a_world_without_room_for_the_agents_is_refused(simulation):
     flock = simulation.run.flock
     before = flock.position.copy()
     with pytest.raises(InputError, match="no free place would be left"):
-        simulation.edits.change(lambda e: e.add(rectangle((5, 5), 20.0, 20.0))).result(5)
+        simulation.edits.change(lambda e: e.add(rectangle((5, 5), 20.0, 20.0))).result(60)
     assert flock.world is room
     np.testing.assert_array_equal(flock.position, before)
 
@@ -117,7 +117,7 @@ def test_a_world_without_room_for_the_agents_is_refused(simulation):
 def test_of_a_drag_only_the_newest_change_is_carried_out(simulation):
     key = add(simulation, (2.0, 2.0), 0.5)
     made, hold = [], threading.Event()
-    simulation.tell(lambda: hold.wait(5))
+    simulation.tell(lambda: hold.wait(60))
 
     def to(x: float):
         def change(editor: Editor) -> Editor:
@@ -129,7 +129,7 @@ def test_of_a_drag_only_the_newest_change_is_carried_out(simulation):
     for x in range(1, 7):
         simulation.edits.drag("drag", to(float(x)))
     hold.set()
-    simulation.edits.change(lambda editor: editor).result(5)
+    simulation.edits.change(lambda editor: editor).result(60)
     assert made == [6.0]
     assert simulation.edits.editor.now.obstacle(key).centre == (8.0, 2.0)
 
@@ -137,7 +137,7 @@ def test_of_a_drag_only_the_newest_change_is_carried_out(simulation):
 def test_a_drag_over_what_cannot_be_is_silent_and_its_end_is_not(simulation):
     key = add(simulation, (2.0, 2.0), 0.5)
     simulation.edits.drag("drag", lambda editor: editor.move(key, (1e6, 0.0), gesture="drag"))
-    simulation.edits.change(lambda editor: editor).result(5)
+    simulation.edits.change(lambda editor: editor).result(60)
     assert simulation.notices.empty()
     simulation.edits.change(lambda editor: editor.move(key, (1e6, 0.0), gesture="drag"))
     assert "too far away" in simulation.notices.get(timeout=5)
@@ -149,7 +149,7 @@ def test_a_drag_goes_on_over_a_setup_without_harm(simulation):
     simulation.setup(at_home(agents=5, size=7.0))
     until(lambda: simulation.state.run == 2)
     simulation.edits.drag("drag", lambda editor: editor.move(key, (2.0, 0.0), gesture="drag"))
-    simulation.edits.change(lambda editor: editor).result(5)
+    simulation.edits.change(lambda editor: editor).result(60)
     assert simulation.run.flock.world.obstacles == ()
     assert simulation.edits.editor.past == ()
     assert not simulation.state.error
@@ -157,15 +157,15 @@ def test_a_drag_goes_on_over_a_setup_without_harm(simulation):
 
 def test_the_leader_is_never_put_into_an_obstacle(simulation):
     add(simulation)
-    simulation.place(0, np.array([5.5, 5.0]), np.array([1.0, 0.0])).result(5)
+    simulation.place(0, np.array([5.5, 5.0]), np.array([1.0, 0.0])).result(60)
     np.testing.assert_allclose(simulation.run.flock.position[0], [7.01, 5.0], atol=0.05)
 
 
 def test_a_layout_is_saved_and_opened_again(simulation):
     add(simulation)
-    world, content = simulation.edits.editor.world, simulation.edits.layout().result(5)
-    simulation.edits.change(Editor.clear).result(5)
-    simulation.edits.open_layout("mine.toml", content).result(5)
+    world, content = simulation.edits.editor.world, simulation.edits.layout().result(60)
+    simulation.edits.change(Editor.clear).result(60)
+    simulation.edits.open_layout("mine.toml", content).result(60)
     until(lambda: simulation.state.run == 2)
     opened = simulation.run.flock.world
     assert (opened.obstacles, opened.size) == (world.obstacles, world.size)
@@ -178,7 +178,7 @@ def test_a_file_that_is_refused_changes_nothing(simulation):
     add(simulation)
     editor = simulation.edits.editor
     with pytest.raises(InputError):
-        simulation.edits.open_layout("mine.toml", b"size = ").result(5)
+        simulation.edits.open_layout("mine.toml", b"size = ").result(60)
     assert "mine.toml is not TOML" in simulation.notices.get(timeout=5)
     assert (simulation.state.run, simulation.edits.editor) == (1, editor)
 
@@ -229,7 +229,7 @@ def test_several_people_at_once_leave_a_sound_world_and_a_running_flock(simulati
         thread.start()
     for thread in threads:
         thread.join()
-    simulation.edits.change(lambda editor: editor).result(30)
+    simulation.edits.change(lambda editor: editor).result(60)
     until(lambda: simulation.next is None)
     assert not simulation.state.error
     flock = simulation.run.flock

@@ -47,12 +47,12 @@ def laboratory(served):
 
 def told(laboratory) -> str:
     """A notice that is told now; the drawing thread passes notices on to browsers."""
-    return until(lambda: next(iter(laboratory.notices.shown), ""), 5)
+    return until(lambda: next(iter(laboratory.notices.shown), ""), 60)
 
 
 def settled(laboratory) -> World:
     """The world after all that was told has been done."""
-    laboratory.simulation.edits.change(lambda editor: editor).result(10)
+    laboratory.simulation.edits.change(lambda editor: editor).result(60)
     laboratory.world.refresh()
     return laboratory.simulation.edits.editor.world
 
@@ -113,7 +113,7 @@ def test_corners_make_a_polygon_when_the_last_is_clicked_twice_and_undo_takes_on
     chosen = threading.Event()
     laboratory.simulation.edits.prepare = chosen.set
     show(panel.tool, POLYGON)
-    assert chosen.wait(10)
+    assert chosen.wait(60)
     for corner in [(2.0, 2.0), (6.0, 2.0), (9.0, 9.0)]:
         click(laboratory, *corner)
     panel.undo()
@@ -195,5 +195,5 @@ def test_setup_proposes_the_world_that_was_built_and_reset_keeps_it(laboratory):
     assert len(simulation.run.flock.world.obstacles) == 1
     state = simulation.state
     assert differs(laboratory.setup.chosen(), (state.spec, state.beside)) == []
-    simulation.edits.change(lambda editor: editor.undo()).result(10)
+    simulation.edits.change(lambda editor: editor.undo()).result(60)
     until(lambda: "(edited)" not in laboratory.setup.world.value)

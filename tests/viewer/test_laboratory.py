@@ -189,7 +189,7 @@ def test_the_leader_is_not_steered_to_nowhere(laboratory, position, heading):
     flock = laboratory.simulation.run.flock
     before = flock.position.copy(), flock.heading.copy()
     laboratory.steer(np.array(position), np.array(heading))
-    laboratory.simulation.spec().result(5)
+    laboratory.simulation.spec().result(60)
     np.testing.assert_array_equal(flock.position, before[0])
     np.testing.assert_array_equal(flock.heading, before[1])
 
@@ -248,9 +248,9 @@ def test_it_survives_a_browser_that_sends_nonsense(laboratory, browser):
     simulation = laboratory.simulation
     before = simulation.state.run
     simulation.setup(at_home("vem-a", agents=30))
-    until(lambda: simulation.state.run > before, 30)
+    until(lambda: simulation.state.run > before, 60)
     simulation.run_at(math.inf)
-    simulation.go().result(10)
+    simulation.go().result(60)
     until(lambda: simulation.frame.tick > 5)
     assert laboratory.drawing.thread.is_alive()
 

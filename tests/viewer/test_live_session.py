@@ -125,7 +125,7 @@ def test_a_room_that_is_about_to_be_closed_cannot_be_armed(enter, operators):
 
     def slow(lab, tell):
         if operators.made:
-            assert waits.wait(10)
+            assert waits.wait(60)
         return driver(lab, tell)
 
     session = enter(driver=slow)
@@ -240,7 +240,7 @@ def test_from_a_room_that_cannot_be_looked_at_there_is_a_way_on(enter, operators
 def test_a_desk_that_is_slow_to_close_holds_no_stop_up(enter, operators):
     session = enter()
     waits = threading.Event()
-    operators.last.close = lambda: waits.wait(10)
+    operators.last.close = lambda: waits.wait(60)
     session.reopen("browser 1")
     until(lambda: session.opening is None)
     began = time.monotonic()

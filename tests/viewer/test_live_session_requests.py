@@ -15,7 +15,7 @@ from worlds.input_error import InputError
 
 def test_a_parameter_takes_the_value_that_the_loop_took(enter, operators):
     session = enter()
-    assert session.tune("beta", 2.5, "browser 1").result(5) == 2.5
+    assert session.tune("beta", 2.5, "browser 1").result(60) == 2.5
     assert session.state.values["beta"] == 2.5
     assert operators.last.tuned() == [{"beta": 2.5}]
     operators.last.happens("tune", "C = 0.3", "terminal", "tune", '{"C": 0.3}')
@@ -26,7 +26,7 @@ def test_what_the_loop_refuses_stays_as_it_was(enter, operators):
     session = enter()
     operators.last.refuses = "beta is not to be touched"
     with pytest.raises(InputError, match="beta is not to be touched"):
-        session.tune("beta", 2.5, "browser 1").result(5)
+        session.tune("beta", 2.5, "browser 1").result(60)
     assert session.state.values["beta"] == 2.0
     assert told(session, "beta is not").count("beta is not to be touched") == 1
 
@@ -60,7 +60,7 @@ def test_a_change_without_an_answer_is_given_up(enter, operators, monkeypatch):
     session = enter()
     operators.last.mute = True
     with pytest.raises(InputError, match=r"beta = 2.5 has no answer from the control loop"):
-        session.tune("beta", 2.5, "browser 1").result(5)
+        session.tune("beta", 2.5, "browser 1").result(60)
 
 
 def test_a_change_that_waits_when_the_room_closes_is_answered(enter, operators):

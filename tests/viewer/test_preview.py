@@ -69,7 +69,7 @@ def test_a_preview_moves_says_so_and_is_not_measured(simulate):
 def test_the_compiled_run_repeats_it_from_tick_0_and_goes_on_from_the_tick_on_screen(simulate):
     simulation = simulate(agents=5, running=False)
     preview, coming = simulation.run, simulation.preview.coming
-    simulation.step(7).result(5)
+    simulation.step(7).result(60)
     until(lambda: simulation.frame.tick == 7)
     seen = simulation.frame
     simulation.compiling.ready.set_result(None)
@@ -89,11 +89,11 @@ def test_the_compiled_run_repeats_it_from_tick_0_and_goes_on_from_the_tick_on_sc
 def test_what_is_changed_on_the_way_is_changed_again_at_the_same_tick(simulate):
     simulation = simulate(agents=5, running=False, seed=3)
     coming = simulation.preview.coming.flock
-    simulation.step(3).result(5)
-    simulation.set("eta", 1.25).result(5)
-    simulation.step(2).result(5)
-    simulation.place(1, np.array([0.5, 0.5]), np.array([0.0, 1.0])).result(5)
-    simulation.step(4).result(5)
+    simulation.step(3).result(60)
+    simulation.set("eta", 1.25).result(60)
+    simulation.step(2).result(60)
+    simulation.place(1, np.array([0.5, 0.5]), np.array([0.0, 1.0])).result(60)
+    simulation.step(4).result(60)
     until(lambda: simulation.frame.tick == 9)
     seen = simulation.frame
     assert (coming.tick, coming.parameters.eta) == (0, 0.5)
@@ -111,19 +111,19 @@ def test_what_is_saved_is_only_ever_the_compiled_run(simulate):
     with pytest.raises(
         InputError, match="this is a preview, and what is saved is the compiled run"
     ):
-        simulation.saved().result(5)
+        simulation.saved().result(60)
     simulation.compiling.ready.set_result(None)
     until(lambda: simulation.state.compiling is None)
-    assert simulation.saved().result(5) == b"saved"
+    assert simulation.saved().result(60) == b"saved"
 
 
 def test_a_flock_that_is_too_large_for_a_preview_stands_and_the_page_says_for_how_long(simulate):
     simulation = simulate(agents=301, size=20.0)
     assert not simulation.state.preview
     with pytest.raises(InputError, match=r"stands until it is compiled \(about 8 s more\)"):
-        simulation.step().result(5)
-    simulation.go().result(5)
-    simulation.set("eta", 1.0).result(5)
+        simulation.step().result(60)
+    simulation.go().result(60)
+    simulation.set("eta", 1.0).result(60)
     until(lambda: simulation.frame is not None and not simulation.stale)
     assert simulation.run.flock.tick == 0
     assert simulation.readings.values == {}, "what measures is compiled with the flock"
@@ -148,11 +148,11 @@ def test_a_preview_whose_ticks_take_too_long_stands(simulate, monkeypatch):
 def test_the_same_kernel_goes_on_compiling_over_a_reset_and_another_one_is_begun_afresh(simulate):
     simulation = simulate(agents=5)
     first = simulation.compiling
-    simulation.reset().result(5)
+    simulation.reset().result(60)
     until(lambda: simulation.state.run == 2)
     assert simulation.compiling is first
     first.covers = lambda _: False
-    simulation.reset().result(5)
+    simulation.reset().result(60)
     until(lambda: simulation.state.run == 3)
     assert simulation.compiling is not first
     assert first.closed
@@ -166,7 +166,7 @@ def test_a_change_in_the_very_moment_when_it_is_compiled_begins_no_other_compile
         first.ready.set_result(None)
         simulation.set_now("eta", 1.5, False, None)
 
-    simulation.tell(change).result(5)
+    simulation.tell(change).result(60)
     until(lambda: simulation.state.compiling is None)
     assert simulation.compiling is first
     assert simulation.run.flock.parameters.eta == 1.5
@@ -204,7 +204,7 @@ while not simulation.ready.is_set():
     if simulation.frame is not None and simulation.frame.tick > 3:
         seen.add(simulation.state.preview)
     time.sleep(0.01)
-simulation.pause().result(5)
+simulation.pause().result(60)
 ours, flock = simulation.run.flock, Flock(spec)
 flock.run(ours.tick)
 print(True in seen, ours.interpret, np.array_equal(ours.position, flock.position))
@@ -264,7 +264,7 @@ def test_the_process_that_compiles_ends_with_the_one_that_began_it(tmp_path, num
     time.sleep(4.0)  # until it compiles
     os.kill(child, 0)
     parent.send_signal(number)
-    parent.wait(20)
+    parent.wait(60)
     until(lambda: is_gone(child), 20, "the process is gone")
     assert not list(tmp_path.rglob("advance*.nb?")), "nothing is half written"
 

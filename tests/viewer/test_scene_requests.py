@@ -58,7 +58,7 @@ def test_a_scene_opens_with_its_view_its_words_and_the_fields_of_setup(laborator
     until(lambda: runs(laboratory, "hwvem") and simulation.state.running)
     assert simulation.state.beside.model == "vem"
     assert simulation.state.speed == 2.0
-    until(lambda: "Watch" in laboratory.run.story.content, 20)
+    until(lambda: "Watch" in laboratory.run.story.content, 60)
     assert laboratory.setup.agents.value == 300
     assert laboratory.setup.beside.value != NOBODY
     until(lambda: laboratory.plots.charts[0].choice.value == "polarisation", 60)
@@ -74,7 +74,7 @@ def test_a_scene_opens_with_its_view_its_words_and_the_fields_of_setup(laborator
     assert SavedScene.from_toml(now.to_toml(), "text").spec.parameters == now.spec.parameters
     assert opened(laboratory, "model:vem").status == 200
     until(lambda: runs(laboratory, "vem"))
-    until(lambda: MODELS["vem"].to_try[0].see in laboratory.run.story.content, 20)
+    until(lambda: MODELS["vem"].to_try[0].see in laboratory.run.story.content, 60)
     assert laboratory.view.look().colour == "heading"
 
 
@@ -83,7 +83,7 @@ def test_a_run_that_is_shared_comes_back_as_it_is(laboratory):
     before = simulation.state.run
     opened(laboratory, "model:vem")
     until(lambda: simulation.state.run > before and runs(laboratory, "vem"))
-    simulation.set("eta", 1.5).result(20)
+    simulation.set("eta", 1.5).result(60)
     said = json.loads(ask(laboratory.port, "/scene.json", OPENS).text)
     assert said["command"].endswith("--speed 15")
     assert "--set eta=1.5" in said["command"]

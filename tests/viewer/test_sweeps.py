@@ -249,7 +249,7 @@ def test_it_is_stopped_gone_on_with_and_outlives_the_laboratory(tmp_path):
     other.stop(name)
     assert (tmp_path / name / STOP).exists() or not is_taken(tmp_path / name)
     until(lambda: state_of(other, name) == "stopped", 60)
-    making.process.wait(30)
+    making.process.wait(60)
     other.close()
 
 

@@ -85,7 +85,7 @@ def wanted(laboratory, page, **more):
 def taken(laboratory, page, **more):
     """The file that comes of it."""
     assert wanted(laboratory, page, **more).status == 200
-    until(lambda: page.files, 30)
+    until(lambda: page.files, 60)
     return page.files.pop()
 
 
@@ -124,14 +124,14 @@ def test_a_plan_is_drawn_as_vectors(laboratory, page):
 def test_a_film_lasts_as_long_as_it_was_watched(laboratory, page, tmp_path):
     assert wanted(laboratory, page, do="film", kind="mp4", size="400x320").status == 200
     (visit,) = laboratory.taking.visits.values()
-    until(lambda: visit.filming.seconds > 1.0 and visit.filming.seconds < 30.0, 30)
+    until(lambda: visit.filming.seconds > 1.0 and visit.filming.seconds < 30.0, 60)
     state = json.loads(wanted(laboratory, page).text)
     assert state["filming"]
     again = wanted(laboratory, page, do="film", kind="mp4", size="400x320")
     assert (again.status, again.text) == (400, "one thing at a time: it is being made\n")
     seconds = visit.filming.seconds
     wanted(laboratory, page, do="stop")
-    until(lambda: page.files, 30)
+    until(lambda: page.files, 60)
     until(lambda: not json.loads(wanted(laboratory, page).text)["filming"])
     name, made = page.files.pop()
     (tmp_path / name).write_bytes(made)
@@ -142,11 +142,11 @@ def test_a_film_lasts_as_long_as_it_was_watched(laboratory, page, tmp_path):
 def test_a_page_that_plays_holds_the_frames(laboratory, page):
     wanted(laboratory, page, do="film", kind="html", size="1280x720")
     (visit,) = laboratory.taking.visits.values()
-    until(lambda: visit.filming.seconds > 0.5, 30)
+    until(lambda: visit.filming.seconds > 0.5, 60)
     laboratory.simulation.step(3)
-    until(lambda: laboratory.drawing.drawn[0].tick == 3, 30)
+    until(lambda: laboratory.drawing.drawn[0].tick == 3, 60)
     wanted(laboratory, page, do="stop")
-    until(lambda: page.files, 30)
+    until(lambda: page.files, 60)
     name, made = page.files.pop()
     assert name.endswith(".html")
     assert b"eta = 0.25 rad \xc2\xb7 ticks " in made
@@ -157,7 +157,7 @@ def test_who_goes_leaves_nothing(laboratory, page):
     (visit,) = laboratory.taking.visits.values()
     made = visit.filming
     asyncio.run(laboratory.taking.farewell(page))
-    made.join(20.0)
+    made.join(60)
     assert not made.is_alive()
     assert page.files == []
     answer = wanted(laboratory, page)
@@ -171,13 +171,13 @@ def test_two_browsers_film_at_once_each_its_own(laboratory, page):
         for one, size in ((page, "400x320"), (other, "640x360")):
             assert wanted(laboratory, one, do="film", kind="gif", size=size).status == 200
         visits = list(laboratory.taking.visits.values())
-        until(lambda: all(one.filming.seconds > 0.5 for one in visits), 30)
+        until(lambda: all(one.filming.seconds > 0.5 for one in visits), 60)
         wanted(laboratory, page, do="stop")
-        until(lambda: page.files, 30)
+        until(lambda: page.files, 60)
         assert colours(page.files.pop()[1])[0] == (400, 320)
         assert json.loads(wanted(laboratory, other).text)["filming"]
         wanted(laboratory, other, do="stop")
-        until(lambda: other.files, 30)
+        until(lambda: other.files, 60)
         assert colours(other.files.pop()[1])[0] == (640, 360)
     finally:
         asyncio.run(laboratory.taking.farewell(other))
@@ -199,14 +199,14 @@ def test_films_want_an_extra_and_say_so(laboratory, page, monkeypatch):
 def test_discarded_is_discarded(laboratory, page):
     wanted(laboratory, page, do="film", kind="gif", size="400x320")
     wanted(laboratory, page, do="discard")
-    until(lambda: not json.loads(wanted(laboratory, page).text)["filming"], 20)
+    until(lambda: not json.loads(wanted(laboratory, page).text)["filming"], 60)
     assert page.files == []
 
 
 def test_a_film_ends_by_itself(laboratory, page, monkeypatch):
     monkeypatch.setattr(picture_exporter, "LONGEST", 0.4)
     wanted(laboratory, page, do="film", kind="gif", size="400x320")
-    until(lambda: page.files, 30)
+    until(lambda: page.files, 60)
 
 
 def test_a_browser_that_draws_nothing_is_told(laboratory, page, monkeypatch):
@@ -250,7 +250,7 @@ def test_only_this_page_asks_and_not_too_often(laboratory, page):
     answers = []
     for _ in range(8):
         answers.append(wanted(laboratory, page, do="picture", kind="png", size="320x320").text)
-        until(lambda: not json.loads(wanted(laboratory, page).text)["busy"], 20)
+        until(lambda: not json.loads(wanted(laboratory, page).text)["busy"], 60)
     assert any("try again in a few seconds" in one for one in answers)
 
 

@@ -67,7 +67,7 @@ def shown(simulation: Simulation, tick: int) -> None:
 
 
 def seek(simulation: Simulation, tick: int) -> None:
-    simulation.time_line.seek(tick).result(10)
+    simulation.time_line.seek(tick).result(60)
 
 
 # Recordings.
@@ -96,7 +96,7 @@ def test_a_recording_keeps_the_pace_of_its_ticks(played):
     played.go()
     until(lambda: played.run.clock == 2)
     assert played.frame.tick == 0
-    played.pause().result(10)
+    played.pause().result(60)
 
 
 @pytest.mark.parametrize(("tick", "is_shown"), [(17, 15), (15, 15), (-3, 0), (900, 40)])
@@ -110,9 +110,9 @@ def test_any_tick_can_be_sought_and_the_last_recorded_one_is_shown(
 
 def test_step_shows_the_next_recorded_tick(played):
     seek(played, 10)
-    played.step().result(10)
+    played.step().result(60)
     shown(played, 15)
-    played.step(90).result(10)
+    played.step(90).result(60)
     shown(played, 40)
 
 
@@ -123,7 +123,7 @@ def test_nothing_can_be_changed_in_a_recording(played):
         lambda: played.edits.change(lambda editor: editor.add(Disc(centre=(9.0, 9.0), radius=0.1))),
     ):
         with pytest.raises(InputError, match=r"flight\.parquet is a recording"):
-            command().result(10)
+            command().result(60)
 
 
 def test_what_is_measured_of_a_recording_is_that_of_the_tick(played):
@@ -140,11 +140,11 @@ def test_what_is_measured_of_a_recording_is_that_of_the_tick(played):
 def test_an_agent_of_a_recording_is_looked_at_from_close(played):
     flock = Flock("vem", agents=30, rng=4, eta=0.3)
     flock.run(15)
-    played.want(FrameRequest(row=3, links=True)).result(10)
+    played.want(FrameRequest(row=3, links=True)).result(60)
     seek(played, 15)
 
     def seen():
-        played.look_again().result(10)
+        played.look_again().result(60)
         return played.frame.tick == 15 and played.frame.inspected
 
     there, here = until(seen, 120), flock.inspect(3)
@@ -156,10 +156,10 @@ def test_an_agent_of_a_recording_is_looked_at_from_close(played):
 
 def test_a_recording_is_gone_on_from_to_the_bit(played, recorded):
     seek(played, 20)
-    played.time_line.go_on().result(10)
+    played.time_line.go_on().result(60)
     until(lambda: played.state.line is not None and not played.state.line.recording, 60)
     until(lambda: played.state.compiling is None, 60)
-    played.step(10).result(30)
+    played.step(10).result(60)
     shown(played, 30)
     assert np.array_equal(played.frame.position, recorded[1][30])
 
@@ -187,8 +187,8 @@ def test_a_state_is_begun_again_with_parameters_and_world_as_they_are(simulate, 
     opened = stored("state.parquet", path=tmp_path / "state.parquet")
     live = simulate(spec=opened.spec, stored=opened)
     assert live.frame.tick == 12
-    live.set("eta", 1.0).result(10)
-    live.edits.change(lambda editor: editor.add(Disc(centre=(1.2, 1.2), radius=0.1))).result(30)
+    live.set("eta", 1.0).result(60)
+    live.edits.change(lambda editor: editor.add(Disc(centre=(1.2, 1.2), radius=0.1))).result(60)
     live.reset()
     until(lambda: live.state.run == 2 and live.frame.run == 2, 60)
     assert (live.frame.tick, live.state.values["eta"]) == (12, 1.0)
@@ -198,8 +198,8 @@ def test_a_state_is_begun_again_with_parameters_and_world_as_they_are(simulate, 
 def test_what_is_gone_on_from_comes_to_the_same_bits(simulate):
     live = simulate()
     for _ in range(8):
-        live.step(5).result(10)
-        live.look_again().result(10)
+        live.step(5).result(60)
+        live.look_again().result(60)
         until(lambda: live.state.line.last == live.run.flock.tick)
     shown(live, 40)
     first = live.frame.position.copy()
@@ -208,21 +208,21 @@ def test_what_is_gone_on_from_comes_to_the_same_bits(simulate):
     then = live.frame.tick
     assert 0 <= then <= 12
     assert live.state.line.last == 40
-    live.time_line.go_on().result(10)
+    live.time_line.go_on().result(60)
     until(lambda: live.state.line.last == then)
-    live.step(40 - then).result(10)
+    live.step(40 - then).result(60)
     shown(live, 40)
     assert np.array_equal(live.frame.position, first)
 
 
 def test_back_to_now_is_as_if_nobody_had_looked_back(simulate):
     live = simulate()
-    live.step(30).result(10)
+    live.step(30).result(60)
     shown(live, 30)
     now, values = live.frame.position.copy(), live.readings.series("polarisation").arrays()
     seek(live, 0)
     shown(live, 0)
-    live.time_line.to_now().result(10)
+    live.time_line.to_now().result(60)
     shown(live, 30)
     assert not live.state.line.looks_back
     assert np.array_equal(live.frame.position, now)
@@ -231,10 +231,10 @@ def test_back_to_now_is_as_if_nobody_had_looked_back(simulate):
 
 def test_go_while_looking_back_goes_on_from_there(simulate):
     live = simulate()
-    live.step(30).result(10)
+    live.step(30).result(60)
     shown(live, 30)
     seek(live, 0)
-    live.step(3).result(10)
+    live.step(3).result(60)
     shown(live, 3)
     assert live.state.line.last == 3
     assert live.readings.series("polarisation").arrays()[0].max() <= 3
@@ -242,35 +242,35 @@ def test_go_while_looking_back_goes_on_from_there(simulate):
 
 def test_parameters_are_those_of_the_tick_that_is_gone_on_from(simulate):
     live = simulate()
-    live.set("eta", 1.5).result(10)
-    live.step(20).result(10)
+    live.set("eta", 1.5).result(60)
+    live.step(20).result(60)
     shown(live, 20)
-    live.set("eta", 0.2).result(10)
+    live.set("eta", 0.2).result(60)
     until(lambda: live.time_line.history.moments[-1].snapshots[0].parameters.eta == 0.2)
-    live.step(20).result(10)
+    live.step(20).result(60)
     shown(live, 40)
     seek(live, 0)
     assert live.state.values["eta"] == 1.5
     with pytest.raises(InputError, match="looked back at"):
-        live.set("eta", 0.9).result(10)
-    live.time_line.to_now().result(10)
+        live.set("eta", 0.9).result(60)
+    live.time_line.to_now().result(60)
     assert live.state.values["eta"] == 0.2
     assert live.readings.conditions.changes() == ["eta 1.5 → 0.2 at tick 20"]
     seek(live, 0)
-    live.time_line.go_on().result(10)
+    live.time_line.go_on().result(60)
     assert live.readings.conditions.changes() == []
     assert live.run.flock.parameters.eta == live.state.values["eta"] == 1.5
 
 
 def test_two_flocks_go_back_together(simulate):
     live = simulate(beside=at_home("hwvem"))
-    live.step(20).result(20)
+    live.step(20).result(60)
     shown(live, 20)
     first = live.frame.beside.position.copy()
     seek(live, 0)
     shown(live, 0)
     assert live.frame.beside.tick == 0
-    live.step(20).result(20)
+    live.step(20).result(60)
     shown(live, 20)
     assert np.array_equal(live.frame.beside.position, first)
 

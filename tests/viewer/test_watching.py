@@ -258,6 +258,6 @@ def test_browsers_that_come_and_go_hold_up_nobody(page, laboratory, capfd):
         for _ in range(30):
             StandIn(page.port).socket.close()
         laboratory.simulation.step()
-        until(lambda: tick(stays), 10)
+        until(lambda: tick(stays), 60)
         until(lambda: len(page.watchers) == 1)
     assert "Traceback" not in capfd.readouterr().err

@@ -68,12 +68,12 @@ def test_it_is_told_and_the_answer_is_the_value_taken():
     simulation = Simulation(at_home("safe", agents=4), running=False)
     try:
         assert simulation.ready.wait(60)
-        assert simulation.set("d_r", 4.0).result(10) == 2.5
+        assert simulation.set("d_r", 4.0).result(60) == 2.5
         assert simulation.state.values["d_r"] == 2.5
         words = "d_r stops at 2.5: repulsion ends at 2.5, orientation ends at 2.5"
         assert words in simulation.notices.get(timeout=5)
         with pytest.raises(InputError, match="alpha = 999"):
-            simulation.set("alpha", 999.0).result(10)
+            simulation.set("alpha", 999.0).result(60)
     finally:
         simulation.close()
 

@@ -54,7 +54,7 @@ class Simulation:
     refused. What a user must be told is left in `notices`; `edits` change the world, `time_line`
     goes back in time. While a run is not compiled a preview of it goes on, if it is quick enough,
     and takes the same commands. A recording is played by the same commands. With an `allowance` it
-    keeps to that.
+    keeps to that. `clock`, s, says when ticks and frames are due.
     """
 
     def __init__(
@@ -68,7 +68,9 @@ class Simulation:
         compiling: Callable[[Sequence[Flock]], KernelCompiler] = KernelCompiler,
         stored: Beginning | None = None,
         allowance: Allowance | None = None,
+        clock: Callable[[], float] = time.perf_counter,
     ):
+        self.clock = clock
         self.keeping = SimulationLimits(allowance)
         self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.commands = CommandQueue()
@@ -247,12 +249,13 @@ class Simulation:
             return 0.0
         if self.next is not None:
             return self.keeping.wait
-        now = time.perf_counter()
+        now = self.clock()
         looks = None if self.state.compiling is None else LOOK
         runs = None
         if self.state.running and not self.stands:
             runs = max(self.pace.wait(now), self.keeping.wait)
-        due = [one for one in (looks, runs, self.time_line.unsettled(now)) if one is not None]
+        settles = self.time_line.unsettled(time.perf_counter())
+        due = [wait for wait in (looks, runs, settles) if wait is not None]
         return min(due, default=None)
 
     def run_due(self) -> None:
@@ -260,12 +263,12 @@ class Simulation:
         if self.stands:
             return
         run = self.sound_run()
-        ticks = self.pace.ticks_due(time.perf_counter())
+        ticks = self.pace.ticks_due(self.clock())
         if ticks == 0:
             return
-        began, worked = time.perf_counter(), time.thread_time()
+        began, worked = self.clock(), time.thread_time()
         self.advance(run, ticks)
-        now = time.perf_counter()
+        now = self.clock()
         self.pace.took(ticks, now - began)
         if self.preview is not None:
             self.preview.took((time.thread_time() - worked) / ticks)
@@ -292,7 +295,7 @@ class Simulation:
         if not self.stale or self.run is None:
             return
         self.stale = False
-        now = time.perf_counter()
+        now = self.clock()
         apart = self.keeping.between_frames
         # A tick that is a little early is not left out for it, or every other one would be; frames
         # that commands ask for put none off.

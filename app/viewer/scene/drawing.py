@@ -85,12 +85,15 @@ class Drawing:
         moves: Callable[[], float] = lambda: math.inf,
         rates: Rates | None = None,
         changes: Callable[[], object] = lambda: None,
+        clock: Callable[[], float] = time.monotonic,
+        worked: Callable[[], float] = time.thread_time,
     ):
         """`before` is called before every frame, `panels` four times a second, and as soon as
         `changes` is another than before.
 
         `news` is set by others whenever there may be something new, `moves` says when the picture
-        will be another by itself, s of `time.monotonic`. Without `news` it looks again and again.
+        will be another by itself, s of `clock`. Without `news` it looks again and again. `worked`
+        says how long the thread that asks has worked, s.
         """
         self.scene = scene
         self.latest = latest
@@ -101,6 +104,12 @@ class Drawing:
         self.moves = moves
         self.rates = rates or Rates()
         self.changes = changes
+        self.clock = clock
+        self.worked = worked
+        self.due = self.panels_due = 0.0
+        """When the next frame may be drawn, and the panels are refreshed at the latest, s."""
+        self.shown: object = None
+        """What `changes` was when the panels were refreshed."""
         self.drawn: tuple[Frame, DrawingStyle] | None = None
         self.come = threading.Event()
         """Set when a browser has come."""
@@ -124,41 +133,43 @@ class Drawing:
         self.thread.join(2.0)
 
     def live(self) -> None:
-        """Draw and refresh, until closed; what goes wrong is printed and tried again."""
-        panels_due = due = 0.0
-        shown: object = None
+        """Draw and refresh, until closed."""
         while not self.closing.is_set():
-            began, worked = time.monotonic(), time.thread_time()
-            if self.news is not None:
-                self.news.clear()
-            if self.come.is_set():
-                self.come.clear()
-                panels_due = due = 0.0
-            try:
-                changes = self.changes()
-                self.before()
-                if self.draw():
-                    due = max(due, began - 0.5 * self.period()) + self.period()
-                self.scene.look_through()
-                if self.drawn is not None and (began >= panels_due or changes != shown):
-                    panels_due, shown = began + self.rates.panels, changes
-                    self.panels()
-            except Exception as error:
-                traceback.print_exception(error)
-                self.closing.wait(1.0)
-            worked = time.thread_time() - worked
-            self.rest(max(due, began + worked / self.rates.share), panels_due)
+            self.turn()
 
-    def rest(self, due: float, panels_due: float) -> None:
+    def turn(self) -> None:
+        """Draw and refresh once, then wait; what goes wrong is printed, to be tried again."""
+        began, worked = self.clock(), self.worked()
+        if self.news is not None:
+            self.news.clear()
+        if self.come.is_set():
+            self.come.clear()
+            self.panels_due = self.due = 0.0
+        try:
+            changes = self.changes()
+            self.before()
+            if self.draw():
+                self.due = max(self.due, began - 0.5 * self.period()) + self.period()
+            self.scene.look_through()
+            if self.drawn is not None and (began >= self.panels_due or changes != self.shown):
+                self.panels_due, self.shown = began + self.rates.panels, changes
+                self.panels()
+        except Exception as error:
+            traceback.print_exception(error)
+            self.closing.wait(1.0)
+        worked = self.worked() - worked
+        self.rest(max(self.due, began + worked / self.rates.share))
+
+    def rest(self, due: float) -> None:
         """Wait until a frame may be drawn at `due` (s), and then for something to draw."""
-        now = time.monotonic()
+        now = self.clock()
         if self.news is None:
             self.closing.wait(max(LOOK_AGAIN, due - now))
         elif self.drawn is not None and not self.browsers():
             self.come.wait(self.rates.unseen)
         elif not self.closing.wait(max(0.0, due - now)):
-            now = time.monotonic()
-            self.news.wait(min(max(LOOK_AGAIN, min(panels_due, self.moves()) - now), REST))
+            now = self.clock()
+            self.news.wait(min(max(LOOK_AGAIN, min(self.panels_due, self.moves()) - now), REST))
 
     def period(self) -> float:
         """Time between two frames now, s."""
