@@ -83,6 +83,30 @@ def test_added_and_removed_agents_come_back_from_a_saved_state(tmp_path):
     assert Member(again).unique_id == Member(flock).unique_id
 
 
+@pytest.mark.parametrize(
+    ("model", "words"),
+    [
+        ("hwvem-nav", {"agents": 12}),
+        ("squashing-cars", {}),
+        ("vem", {"activation": "random", "eta": 1.0}),
+        ("vem", {"delay": 2.0, "jitter": 1.0, "eta": 1.0}),
+        ("vem", {"gusts": 0.05, "eta": 1.0}),
+    ],
+)
+def test_compiling_its_tick_leaves_a_flock_as_it_is(model, words):
+    plain, compiled = (Flock(model, rng=3, **words) for _ in range(2))
+    plain.run(3)
+    compiled.run(3)
+    compiled.compile_tick()
+    assert compiled.is_compiled
+    assert compiled.tick == 3
+    for _ in range(2):
+        for mine, other in zip(plain.arrays, compiled.arrays, strict=True):
+            assert np.array_equal(mine, other, equal_nan=True)
+        plain.run(10)
+        compiled.run(10)
+
+
 def test_a_run_from_given_arrays_is_not_begun_from_its_spec():
     start = {"position": [[0.0, 0.0]], "heading": [[1.0, 0.0]]}
     spec = Flock("vem", start=start, size=3.0, rng=1).spec
