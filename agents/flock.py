@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import secrets
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
@@ -14,7 +13,7 @@ import numpy as np
 
 from agents import catalogue
 from agents.clock import TickClock
-from agents.flock_world import at_home, find_world, is_built_in
+from agents.flock_world import complete_spec, find_world, is_built_in
 from agents.inspection import Inspection, inspect, warm
 from agents.member import FlockSpace, Member
 from agents.models.declare import checked
@@ -24,7 +23,7 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.record import STATES, Recorder
 from agents.recording import Recording
 from agents.snapshot import Snapshot
-from agents.spec import DEFAULT, OPTIONS, Spec, versions, whole
+from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec, versions, whole
 from agents.state.agent_rows import begun, chosen, demand_memory_for, joined, with_past
 from agents.state.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.input_error import InputError, unknown
@@ -82,8 +81,8 @@ class Flock(TickClock, Motion):
     True
     """
 
-    options: Spec
-    """The run as it began, with nothing left open but the size of its world."""
+    options: CompleteSpec
+    """The run as it began; its size is None unless it was asked for."""
 
     def __init__(
         self,
@@ -106,19 +105,18 @@ class Flock(TickClock, Motion):
         rng = seed_from(rng)
         if rng is not None and words.setdefault("seed", rng) != rng:
             raise InputError(f"rng = {rng} and seed = {words['seed']}: both are the seed, give one")
-        spec = (model if isinstance(model, Spec) else Spec(model)).taking(**words)
-        if spec.start == "given" and start is None:
+        asked = (model if isinstance(model, Spec) else Spec(model)).taking(**words)
+        if asked.start == "given" and start is None:
             raise InputError(
                 "start = 'given' in the spec: a run from given arrays begins again only from its "
                 "saved state, with Flock.load"
             )
-        self.model = catalogue.model(spec.model)
+        self.model = catalogue.model(asked.model)
         self.threads = whole("threads", threads, 1, MOST_THREADS)
-        spec = at_home(spec, self.model)
+        spec = complete_spec(asked, self.model)
         demand_memory_for(self.model, spec.count, self.threads)
-        self.seed = secrets.randbelow(2**31) if spec.seed is None else spec.seed
-        begins = "random" if start is None else "given"
-        self.options = spec.model_copy(update={"seed": self.seed, "start": begins})
+        self.seed = spec.seed
+        self.options = spec.model_copy(update={"start": "random" if start is None else "given"})
         self.interpret = interpret
         self.parameters = checked(
             self.model.parameters, spec.parameters, others=(*OPTIONS, *OWN_WORDS)
@@ -138,7 +136,7 @@ class Flock(TickClock, Motion):
         self._acted: set[int] = set()
         self._lay_out(begin)
         reporters: dict[str, Any] = {name: partial(observed, name=known(name)) for name in collect}
-        if spec.seed is None:
+        if asked.seed is None:
             reporters["seed"] = "seed"
         self.datacollector = mesa.DataCollector(
             model_reporters=reporters | dict(model_reporters or {}),
@@ -148,9 +146,7 @@ class Flock(TickClock, Motion):
     def _begin(self) -> Start:
         """A random start, with the speeds that the body begins with. Raises InputError."""
         run = self.options
-        begin = random_start(
-            self.world, run.agents or 0, run.informed or 0, self.rng, run.spacing, self._gap
-        )
+        begin = random_start(self.world, run.agents, run.informed, self.rng, run.spacing, self._gap)
         return self._set_off(begin, bool(begin.speed.any()))
 
     def _given(self, start: Mapping[str, Any]) -> Start:
@@ -382,14 +378,15 @@ class Flock(TickClock, Motion):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
+        self.options = CompleteSpec(**dict(self.options))  # those of before were of type `Spec`
         self.model = catalogue.model(state["model"])
         self.parameters = checked(self.model.parameters, state["parameters"])
         self._use(self.arrays)
 
     @property
-    def spec(self) -> Spec:
+    def spec(self) -> CompleteSpec:
         """This run as a value, with its world and its parameters as they are now."""
-        return self.options.but(
+        return self.options.with_values(
             world=self.world.name,
             size=self.world.size,
             dim=self.world.dim,
@@ -424,8 +421,9 @@ class Flock(TickClock, Motion):
     def from_snapshot(cls, spec: Spec, saved: Snapshot, **more: Any) -> Flock:
         """The run of a spec as it was in a snapshot, from which it goes on. Raises InputError."""
         start = {"position": saved.position, "heading": saved.heading}
-        flock = cls(spec, start=start, **more)
-        flock.options = spec
+        run = complete_spec(spec, catalogue.model(spec.model))
+        flock = cls(run, start=start, **more)
+        flock.options = run
         flock.return_to(saved)
         return flock
 

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import secrets
 from typing import Any
 
 from agents.models.model import Model
-from agents.spec import Options, Spec
+from agents.spec import CompleteSpec, Options, Spec
 from worlds.generators import drawn
 from worlds.input_error import InputError
 from worlds.layout import layout_dim, layout_names, own_dim, world_from_layout
 from worlds.layout import world as build_world
 from worlds.world import World
 
+LARGEST_DRAWN = 2**31
+"""Seeds that are drawn are below: short enough to be typed again."""
 
-def at_home(spec: Spec, model: Model) -> Spec:
-    """The spec with what its model and its world have of their own, where it says nothing.
 
-    A kind of noise that is part of the rule's definition is that of the run. The seed and the size
-    stay open. Raises InputError for a world that cannot be read.
+def complete_spec(spec: Spec, model: Model) -> CompleteSpec:
+    """The run with what its model and its world have of their own, where nothing is asked for.
+
+    A kind of noise that is part of the rule's definition is that of the run. A seed is drawn where
+    there is none; a size that is not given stays None. Raises InputError for a world that cannot be
+    read.
     """
     world = model.world if spec.world is None else spec.world
     if isinstance(world, World):
@@ -34,17 +39,16 @@ def at_home(spec: Spec, model: Model) -> Spec:
     }
     if model.rule.noise:
         chosen["noise"] = model.rule.noise
-    return spec.but(world=world, dim=dim, **chosen)
+    seed = secrets.randbelow(LARGEST_DRAWN) if spec.seed is None else spec.seed
+    return CompleteSpec(**{**dict(spec), "world": world, "dim": dim, "seed": seed, **chosen})
 
 
-def find_world(spec: Spec, model: Model) -> World:
-    """The world of a spec that is `at_home`, in the dimensions in which the model is defined.
+def find_world(spec: CompleteSpec, model: Model) -> World:
+    """The world of a run, in the dimensions in which the model is defined.
 
     By default it has room for the agents. Obstacles that it leaves to chance are drawn from the
     seed. Raises InputError.
     """
-    assert spec.world is not None
-    assert spec.seed is not None
     if isinstance(spec.world, World):
         found = spec.world
     elif spec.layout is not None:

@@ -13,7 +13,7 @@ from agents.models.model import Model
 from agents.parquet import BATCH, MOST_NUMBERS, ParquetTable
 from agents.record import arrays_of
 from agents.snapshot import Snapshot
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from agents.state.agent_rows import LARGEST, demand_usable
 from worlds.input_error import InputError
 from worlds.world import World
@@ -104,7 +104,9 @@ class TickIndex:
 class SnapshotReader:
     """Takes snapshots from a recording; the rows that lie together are kept at hand."""
 
-    def __init__(self, index: TickIndex, spec: Spec, model: Model, world: World, next_id: int):
+    def __init__(
+        self, index: TickIndex, spec: CompleteSpec, model: Model, world: World, next_id: int
+    ):
         self.file, self.index = index.file, index
         self.ticks, self.starts, self.ends = index.ticks, index.starts, index.ends
         self.origin = self.file.origin
@@ -129,9 +131,15 @@ class SnapshotReader:
         arrays = arrays_of(table, self.world.dim, self.model, self.origin)
         demand_usable(arrays, self.world, self.origin)
         next_id = max(self.next_id, int(arrays.ids.max()) + 1)
-        seed = self.spec.seed or 0
         return Snapshot(
-            self.model, self.world, self.parameters, seed, int(tick), arrays, next_id, True
+            self.model,
+            self.world,
+            self.parameters,
+            self.spec.seed,
+            int(tick),
+            arrays,
+            next_id,
+            True,
         )
 
     def rows(self, first: int, end: int) -> Any:

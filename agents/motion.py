@@ -28,7 +28,7 @@ from agents.models.model_calls import call
 from agents.observables.consistency import DESIRED, HOLD, is_consistent, until_consistent
 from agents.snapshot import FlockState, Snapshot
 from agents.spec import Options
-from agents.state.agent_rows import StrayAgents, stray, with_past
+from agents.state.agent_rows import StrayAgents, chosen, stray, with_past
 from worlds.compilation import DISABLED
 from worlds.input_error import InputError
 from worlds.memory import demand_memory
@@ -100,10 +100,10 @@ class Motion(FlockState):
     def engine(self) -> SynchronousEngine | PairEngine | SequentialEngine:
         """The compiled loop over these arrays."""
         if self._engine is None:
-            self._engine = self._make_engine()
+            self._engine = self._make_engine(self.arrays)
         return self._engine
 
-    def _make_engine(self) -> SynchronousEngine | PairEngine | SequentialEngine:
+    def _make_engine(self, arrays: Arrays) -> SynchronousEngine | PairEngine | SequentialEngine:
         space = Space(
             in_space(self.world.size, float),
             in_space(self.world.wraps, int),
@@ -114,16 +114,27 @@ class Motion(FlockState):
         if self.options.is_late:
             late = messages(self.options, self.dt)
             module = delayed_module(self.loop)
-            return DelayedEngine(module, self.arrays, place, self.seed, late, self.call)
+            return DelayedEngine(module, arrays, place, self.seed, late, self.call)
         if self.options.activation == "synchronous":
-            split = not self.interpret and len(self.ids) >= self.split_from
+            split = not self.interpret and len(arrays.ids) >= self.split_from
             threads = self.threads if split else 1
             engine = PairEngine if self.of_pairs else SynchronousEngine
-            return engine(self.loop, self.arrays, place, self.seed, threads, self.call)
+            return engine(self.loop, arrays, place, self.seed, threads, self.call)
         shuffled = self.options.activation == "random"
         return SequentialEngine(
-            turns_module(self.loop), self.arrays, place, self.seed, shuffled, self.call
+            turns_module(self.loop), arrays, place, self.seed, shuffled, self.call
         )
+
+    def compile_tick(self) -> None:
+        """Compile what ticks and `stray` call, or load it from the cache.
+
+        The flock stays as it is: a copy of its first agent runs a tick by itself.
+        """
+        if len(self.ids):
+            # It has surroundings of its own: a tick writes the place of the mission's goal there.
+            engine = self._make_engine(chosen(self.arrays, np.arange(1)))
+            engine.run(self._during(1), self.tick, 1)
+            self.stray()
 
     def call(self, function: Callable, *arguments: Any) -> Any:
         """Call a compiled function of the model, as plain Python where that is asked for."""

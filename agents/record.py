@@ -21,7 +21,7 @@ from agents.engine.arrays import Arrays
 from agents.models.model import Model
 from agents.part_stream import PartStream
 from agents.snapshot import Snapshot
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from agents.state.agent_rows import no_crashes
 from worlds.file_writer import demand_writable, writing
 from worlds.input_error import InputError
@@ -45,7 +45,7 @@ class RecordableFlock(Protocol):
     """What a recorder needs of a flock."""
 
     @property
-    def spec(self) -> Spec: ...
+    def spec(self) -> CompleteSpec: ...
     def snapshot(self, copy: bool = True, signals: bool = False) -> Snapshot: ...
 
 
@@ -206,7 +206,7 @@ def batch_of(flock: Snapshot, with_past: bool = False):
     return pa.RecordBatch.from_pydict(columns)
 
 
-def metadata(spec: Spec, now: Snapshot, names: Collection[str]) -> dict[str, Any]:
+def metadata(spec: CompleteSpec, now: Snapshot, names: Collection[str]) -> dict[str, Any]:
     """What a reader needs beside the columns of these names: run, time, units, world."""
     return {
         "format": FORMAT,

@@ -43,7 +43,7 @@ class Recording:
 
     Attributes
     ----------
-    path: Path. spec: Spec, the run. model, title: its model's name, and that for people.
+    path: Path. spec: CompleteSpec, the run. model, title: its model's name, and that for people.
     time_per_tick: the time that a tick stands for, in `time_unit` ("ticks" or "s").
     length_unit: "m", or "length" where the model's paper names none.
     columns: name -> {"unit", "meaning"}, in their order. world: World.
@@ -62,8 +62,7 @@ class Recording:
         written_in = demand_format(meta, FORMAT, self.file.origin)
         try:
             text = text_of(meta["spec"])
-            self.spec = Spec.from_toml(text, str(path))
-            self.spec.demand_complete(str(path))
+            self.spec = Spec.from_toml(text, str(path)).demand_complete(str(path))
             if written_in == 1:
                 meta = self.of_before(meta)
             self.next_id = meta["next_id"]

@@ -100,12 +100,12 @@ class Options(Conditions):
 
 
 class Spec(Options):
-    """A run: the same spec gives the same numbers, to the bit, on the same machine.
+    """A run as it is asked for: by a command line, a TOML file, a script or a panel.
 
     What is None is as the model, or its world, has it; a seed is drawn then. `Flock(spec)` begins
-    the run, `flock.spec` leaves nothing open. `start = "given"` marks a run that began from a
-    user's arrays: its spec describes it, but only a saved state can begin it again. Raises
-    InputError.
+    the run, `flock.spec` is a `CompleteSpec`, which leaves nothing open. `start = "given"` marks a
+    run that began from a user's arrays: its spec describes it, but only a saved state can begin it
+    again. Raises InputError.
 
     >>> Spec("vem", agents=30, size=5.0).agents
     30
@@ -162,6 +162,10 @@ class Spec(Options):
                 "inexact (delay, jitter, lost, place_error): agents then decide all at once"
             )
 
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the same run; how much of it has been checked to be there is no matter."""
+        return dict(self) == dict(other) if isinstance(other, Spec) else NotImplemented
+
     @property
     def count(self) -> int:
         """All agents, information agents among them."""
@@ -216,13 +220,46 @@ class Spec(Options):
         """A spec from a TOML file. Raises InputError."""
         return cls.from_toml(read_text(f"spec {str(path)!r}", path), str(path))
 
-    def demand_complete(self, origin: str) -> None:
-        """Raise InputError if it leaves open what a run that was made has."""
-        for key in ("agents", "informed", "seed", "world", "size"):
+    def demand_complete(self, origin: str) -> CompleteSpec:
+        """The same run, of which nothing may be open, its size neither. Raises InputError."""
+        for key in ("agents", "informed", "seed", "world", "size", "dim"):
             if getattr(self, key) is None:
                 raise InputError(f"{key} is missing ({origin})")
+        return CompleteSpec(**dict(self))
 
 
+class CompleteSpec(Spec):
+    """A run that can be made: the same one gives the same numbers, to the bit, on the same machine.
+
+    `agents.flock_world.complete_spec` makes it of a `Spec`, and `flock.spec` is one. Its size alone
+    may be None: the world's own then, or by the number of agents such that the density is the
+    model's. Raises InputError.
+    """
+
+    agents: Annotated[int, from_(0)]
+    informed: Annotated[int, from_(0)]
+    seed: Annotated[int, from_(0, LARGEST_SEED)]
+    dim: Annotated[int, BeforeValidator(dimensions)]
+    world: Annotated[str | World, PlainValidator(name_or_world)]
+
+    def with_values(self, **changes: Any) -> CompleteSpec:
+        """The same run with some values changed, none of them opened but the size.
+
+        Raises InputError.
+        """
+        return CompleteSpec(**{**dict(self), **changes})
+
+    def but(self, **changes: Any) -> Spec:
+        """The same run with some things changed: open again where None stands for one of them.
+
+        Raises InputError.
+        """
+        opened = any(changes.get(key, "") is None for key in CLOSED)
+        return super().but(**changes) if opened else self.with_values(**changes)
+
+
+CLOSED = tuple(CompleteSpec.__annotations__)
+"""What a complete run cannot leave open."""
 FIRST = ("model", "agents", "informed", "seed", "world", "size", "dim")
 ACTS = ("activation", "noise", "spacing")
 KEYS = tuple(dict.fromkeys([*FIRST, *ACTS, *Spec.model_fields]))

@@ -13,7 +13,7 @@ from crowds import clearing, scattered
 
 from agents import Flock
 from agents.catalogue import model
-from agents.flock_world import at_home, find_world
+from agents.flock_world import complete_spec, find_world
 from agents.spec import Spec
 from worlds.world import World
 
@@ -57,7 +57,7 @@ def mixed(case: Case) -> Mapping[str, Any]:
 def home(name: str) -> World:
     """The world that a model is at home in."""
     spec = Spec(name, seed=1)
-    return find_world(at_home(spec, model(name)), model(name))
+    return find_world(complete_spec(spec, model(name)), model(name))
 
 
 def lattice(low: float, gap: float) -> Callable[[Case], Mapping[str, Any]]:

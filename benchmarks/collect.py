@@ -36,7 +36,7 @@ from app.classroom.collect.collection import Collection
 from app.classroom.collect.hand_in import Point, hand_in, run_of, warm_up
 from app.classroom.collect.question import Question
 from app.classroom.collect.question_choices import ready_for
-from app.classroom.collect.run_cost import MOST_PAIRS, count_agents, mean_neighbours
+from app.classroom.collect.run_cost import MOST_PAIRS, mean_neighbours
 from app.classroom.student import Role
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.run.run_preset import at_home
@@ -91,7 +91,7 @@ def time_pairs() -> None:
             except InputError:
                 found.append("cannot be crowded: its world has a size of its own")
                 continue
-            pairs = count_agents(spec) * max(1.0, mean_neighbours(spec)) * TICKS
+            pairs = spec.count * max(1.0, mean_neighbours(spec)) * TICKS
             found.append(f"{1e6 * took / pairs:8.2f} ns of {pairs / TICKS:9.0f} pairs a tick")
             if spec is crowded:
                 slowest = max(slowest, took / pairs)

@@ -8,7 +8,7 @@ import pytest
 from agents import Flock, flock_world
 from agents.catalogue import MODELS
 from agents.record import Recorder
-from agents.spec import Options, Spec
+from agents.spec import CompleteSpec, Options, Spec
 from worlds.input_error import InputError
 from worlds.obstacles import Disc
 from worlds.world import World
@@ -83,6 +83,30 @@ def test_added_and_removed_agents_come_back_from_a_saved_state(tmp_path):
     assert Member(again).unique_id == Member(flock).unique_id
 
 
+@pytest.mark.parametrize(
+    ("model", "words"),
+    [
+        ("hwvem-nav", {"agents": 12}),
+        ("squashing-cars", {}),
+        ("vem", {"activation": "random", "eta": 1.0}),
+        ("vem", {"delay": 2.0, "jitter": 1.0, "eta": 1.0}),
+        ("vem", {"gusts": 0.05, "eta": 1.0}),
+    ],
+)
+def test_compiling_its_tick_leaves_a_flock_as_it_is(model, words):
+    plain, compiled = (Flock(model, rng=3, **words) for _ in range(2))
+    plain.run(3)
+    compiled.run(3)
+    compiled.compile_tick()
+    assert compiled.is_compiled
+    assert compiled.tick == 3
+    for _ in range(2):
+        for mine, other in zip(plain.arrays, compiled.arrays, strict=True):
+            assert np.array_equal(mine, other, equal_nan=True)
+        plain.run(10)
+        compiled.run(10)
+
+
 def test_a_run_from_given_arrays_is_not_begun_from_its_spec():
     start = {"position": [[0.0, 0.0]], "heading": [[1.0, 0.0]]}
     spec = Flock("vem", start=start, size=3.0, rng=1).spec
@@ -97,6 +121,45 @@ def test_a_part_of_a_spec_is_completed_by_the_model_and_its_world():
     assert flock.spec == words.spec
     assert np.array_equal(flock.position, words.position)
     assert Flock(part, agents=7, eta=1.0).spec == Flock("vem", agents=7, rng=4, eta=1.0).spec
+
+
+def test_a_flock_has_a_complete_spec_which_is_equal_to_what_was_asked_for():
+    flock = Flock("vem", agents=7, rng=4)
+    asked = Spec.from_toml(flock.spec.to_toml())
+    assert type(asked) is Spec
+    assert type(flock.spec) is type(flock.options) is CompleteSpec
+    assert asked == flock.spec
+    assert flock.spec == asked
+    assert asked != flock.spec.but(seed=5)
+    assert asked.to_toml() == flock.spec.to_toml()
+
+
+def test_a_complete_spec_stays_so_unless_something_is_opened():
+    spec = Flock("vem", agents=7, rng=4).spec
+    assert type(spec.but(seed=5, size=None)) is CompleteSpec
+    opened = spec.but(agents=None)
+    assert type(opened) is Spec
+    assert opened.agents is None
+    assert Flock(opened).spec.agents == MODELS["vem"].agents
+    with pytest.raises(InputError, match="seed = None is not allowed"):
+        spec.with_values(seed=None)
+
+
+def test_a_flock_that_was_pickled_with_a_plain_spec_has_a_complete_one():
+    flock = Flock("vem", agents=7, rng=4)
+    state = flock.__getstate__() | {"options": Spec(**dict(flock.options))}
+    again = Flock.__new__(Flock)
+    again.__setstate__(state)
+    assert type(again.options) is CompleteSpec
+    assert again.spec == flock.spec
+
+
+def test_a_seed_is_drawn_once():
+    spec = flock_world.complete_spec(Spec("vem"), MODELS["vem"])
+    assert 0 <= spec.seed < 2**31
+    assert Flock(spec).seed == spec.seed
+    assert Flock(Spec("vem")).datacollector.model_reporters.keys() == {"polarisation", "seed"}
+    assert Flock(spec).datacollector.model_reporters.keys() == {"polarisation"}
 
 
 def test_sides_say_the_dimensions():
@@ -169,5 +232,5 @@ def test_an_option_that_no_model_knows_of_stays_open(monkeypatch):
 
     monkeypatch.setattr(flock_world, "Options", MoreOptions)
     monkeypatch.setattr(Spec, "extra_option", None, raising=False)
-    spec = flock_world.at_home(Spec("vem"), MODELS["vem"])
+    spec = flock_world.complete_spec(Spec("vem"), MODELS["vem"])
     assert (spec.agents, spec.extra_option) == (MODELS["vem"].agents, None)

@@ -191,8 +191,8 @@ class Classroom:
         """
         asked = self.asking.begins(student.name, scene)
         if asked is None:
-            seed = (scene.spec.seed or 0) + student.number
-            asked = replace(scene, spec=scene.spec.but(seed=seed))
+            seed = scene.spec.seed + student.number
+            asked = replace(scene, spec=scene.spec.with_values(seed=seed))
         return asked.to_toml()
 
     def connect(self, student: Student) -> None:

@@ -36,10 +36,9 @@ BEGINS = "the teacher's flock is just beginning"
 def allowance(scene: SavedScene, seats: int) -> Allowance:
     """What each student's flock may take: the scene of the class in any case."""
     model = find_model(scene.spec.model)
-    agents = scene.spec.agents or model.agents
     beside = 1 if scene.beside is None else 2
     return Allowance(
-        agents=max(Allowance.agents, beside * agents),
+        agents=max(Allowance.agents, beside * scene.spec.agents),
         obstacles=max(Allowance.obstacles, len(find_world(scene.spec, model).obstacles)),
         share=min(max(LEAST, cores() / seats), MOST),
         pictures=PICTURES,

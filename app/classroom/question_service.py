@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from app.classroom.collect.class_curve import ClassCurve
 from app.classroom.collect.class_table import to_csv, to_json
 from app.classroom.collect.collection import Collection
@@ -116,7 +116,7 @@ class QuestionService:
         self.curves = asyncio.create_task(self.look_for_curve(question, scene.spec))
         return question
 
-    async def look_for_curve(self, question: Question, scene: Spec) -> None:
+    async def look_for_curve(self, question: Question, scene: CompleteSpec) -> None:
         """Find the curve that a sweep has made of the question."""
         try:
             self.curve = await self.have(self.sweeping, "find_curve", question, scene)
@@ -136,7 +136,7 @@ class QuestionService:
         self.curves = asyncio.create_task(self.follow(name, question, scene))
         return f"the sweep {name} has begun"
 
-    async def follow(self, name: str, question: Question, scene: Spec) -> None:
+    async def follow(self, name: str, question: Question, scene: CompleteSpec) -> None:
         """Look at a sweep while it runs."""
         self.told = "the sweep begins"
         try:
@@ -180,7 +180,7 @@ class QuestionService:
         return await finish(self.handed, work)
 
     async def make_point(
-        self, collection: Collection, student: str, ran: str, scene: Spec
+        self, collection: Collection, student: str, ran: str, scene: CompleteSpec
     ) -> Point:
         """Have a run made, and take its result. Raises InputError."""
         point = await self.runs.make(student, collection.question, ran, scene)

@@ -14,7 +14,7 @@ import time
 from contextlib import suppress
 from dataclasses import dataclass
 
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from app.classroom.collect.hand_in import SECONDS, Point
 from app.classroom.collect.question import Question
 from app.classroom.workers.measuring import MadeRun, RunWorker
@@ -60,14 +60,14 @@ class RunQueue:
         """By student."""
         self.usual_seconds: asyncio.Task[float] | None = None
 
-    def begin(self, question: Question, scene: Spec) -> None:
+    def begin(self, question: Question, scene: CompleteSpec) -> None:
         """Make runs for another question: compile them, and see what a usual one takes."""
         self.records = {}
         self.usual.first = ("warm_up", question, scene)
         # What is measured for the question before is not cancelled: students' runs wait for it.
         self.usual_seconds = asyncio.create_task(self.measure_usual(question, scene))
 
-    async def measure_usual(self, question: Question, scene: Spec) -> float:
+    async def measure_usual(self, question: Question, scene: CompleteSpec) -> float:
         """Processor time (s) that a usual run of a question may take."""
         took = SECONDS
         with suppress(Exception):  # what fails here fails in the runs too, and is told of those
@@ -100,7 +100,7 @@ class RunQueue:
                 f"your last run was refused or ended: hand in again in {math.ceil(left)} s"
             )
 
-    async def make(self, student: str, question: Question, ran: str, scene: Spec) -> Point:
+    async def make(self, student: str, question: Question, ran: str, scene: CompleteSpec) -> Point:
         """The result of a student's run, the scene `ran` as TOML. Raises InputError."""
         record = self.record(student)
         try:
@@ -116,7 +116,7 @@ class RunQueue:
             record.busy = False
 
     async def try_usual(
-        self, record: RunRecord, question: Question, student: str, ran: str, scene: Spec
+        self, record: RunRecord, question: Question, student: str, ran: str, scene: CompleteSpec
     ) -> MadeRun | None:
         """The result of a usual run; None for one that is not. Raises InputError."""
         if record.is_slow or self.usual_seconds is None:
@@ -133,7 +133,7 @@ class RunQueue:
         return made
 
     async def make_slow(
-        self, record: RunRecord, question: Question, student: str, ran: str, scene: Spec
+        self, record: RunRecord, question: Question, student: str, ran: str, scene: CompleteSpec
     ) -> MadeRun:
         """The result of any run. Raises InputError, and for one that is ended has the student
         wait."""

@@ -81,11 +81,12 @@ def lab(
     opened = opened_by(file, scene, model, beside, asked, set)
     model = model or DEFAULT
     own, others = parameters(find_model(model).name, set or [], beside)
-    spec, origins = given(model, asked, [])
+    request, origins = given(model, asked, [])
     with origins.named():
-        if isinstance(spec.size, tuple):
-            raise InputError(f"size = {list(spec.size)} is not allowed: here all sides are alike")
-        spec = at_home(**{**dict(spec), "parameters": own})
+        if isinstance(request.size, tuple):
+            sides = list(request.size)
+            raise InputError(f"size = {sides} is not allowed: here all sides are alike")
+        spec = at_home(**{**dict(request), "parameters": own})
         find_world(spec, find_model(spec.model))
         second = None if beside is None else Spec(beside, parameters=others)
     if opened is not None:

@@ -36,6 +36,52 @@ def test_the_same_seed_gives_the_same_numbers_and_another_seed_others():
     assert first != other
 
 
+@pytest.fixture
+def built(monkeypatch):
+    """The models of the flocks that are built."""
+    models = []
+    begin = Flock.__init__
+
+    def noted(flock, model, **more):
+        models.append(getattr(model, "model", model))
+        begin(flock, model, **more)
+
+    monkeypatch.setattr(Flock, "__init__", noted)
+    return models
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        (),
+        ("--json",),
+        ("--record", "new.parquet", "--every", 2),
+        ("--save", "new.parquet", "--save-spec", "new.toml"),
+        ("--over", 3, "--observe", "all"),
+        ("--interpret",),
+    ],
+)
+@pytest.mark.parametrize(
+    "what",
+    [
+        ("vem", "--seed", 1, "--activation", "random"),
+        ("hwvem-nav", "--agents", 12),
+        ("run.toml",),
+        ("--spec", "run.toml", "--agents", 7),
+        ("state.parquet",),
+    ],
+)
+def test_a_run_builds_one_flock(what, more, built, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    flock = Flock("vem", agents=5, rng=1)
+    flock.save("state.parquet")
+    (tmp_path / "run.toml").write_text(flock.spec.to_toml())
+    built.clear()
+    result = call("run", *what, "--ticks", 3, *more)
+    assert result.exit_code == 0, result.stderr
+    assert built == ["hwvem-nav" if "hwvem-nav" in what else "vem"]
+
+
 def test_every_option_reaches_the_spec():
     made = outcome(
         "vem", "--agents", 30, "--size", "4,6,5", "--dim", 3, "--world", "open", "--informed", 2,

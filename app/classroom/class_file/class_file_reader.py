@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from agents.spec import LARGEST_SEED, Spec
+from agents.spec import LARGEST_SEED, CompleteSpec
 from app.classroom.class_file.archive import ClassArchive, content_of
 from app.classroom.class_file.class_file_writer import FORMAT
 from app.classroom.class_file.state import (
@@ -147,7 +147,7 @@ def points_of(key: str, question: Question, pack: ClassArchive) -> list[Point]:
 def demand_same_run(point: Point, question: Question, origin: str) -> None:
     """Refuse a spec that is not the run of its row, or that could not be opened. Raises
     InputError."""
-    spec: Spec = read_scene(origin, point.spec.encode()).spec
+    spec: CompleteSpec = read_scene(origin, point.spec.encode()).spec
     values = tuple(question.value_of(spec, name) for name in question.free)
     if (spec.seed, question.value_of(spec), values) != (point.seed, point.value, point.free):
         raise InputError(f"{origin} is not the run of its row: seed or {question.parameter} differ")

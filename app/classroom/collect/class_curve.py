@@ -10,9 +10,8 @@ from typing import Any
 
 import tomlkit
 
-from agents.catalogue import MODELS
 from agents.flock import Flock
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from app.classroom.collect.differences import RunIdentity, differences
 from app.classroom.collect.question import Question
 from app.classroom.collect.question_choices import spread
@@ -60,7 +59,7 @@ class ClassCurve:
         return sum(group.runs for group in self.groups)
 
 
-def curve_of(folder: Path, question: Question, scene: Spec) -> ClassCurve:
+def curve_of(folder: Path, question: Question, scene: CompleteSpec) -> ClassCurve:
     """The curve of a stored sweep. Raises InputError if it is not one of this question."""
     kept, name = StoreReader(folder), folder.name
     state = kept.state
@@ -81,7 +80,7 @@ def curve_of(folder: Path, question: Question, scene: Spec) -> ClassCurve:
         groups.append(ResultGroup(value, value, value, results, one.gave_up, one.broken))
     place = places_of(kept)[found[0].number]
     spec = spec_at(kept, place, 1)
-    meant = question.with_value(scene.but(seed=1), float(found[0].axes[question.parameter]))
+    meant = question.with_value(scene.with_values(seed=1), float(found[0].axes[question.parameter]))
     differs = differences(
         RunIdentity.of(Flock(spec)), RunIdentity.of(Flock(meant)), [question.parameter]
     )
@@ -104,7 +103,7 @@ def demand_same(name: str, identities: Sequence[dict[str, Any]], question: Quest
             raise InputError(f"{name} does not measure {question.column}")
 
 
-def find_curve(results: Path, question: Question, scene: Spec) -> ClassCurve | None:
+def find_curve(results: Path, question: Question, scene: CompleteSpec) -> ClassCurve | None:
     """The curve of the newest stored sweep of a question, one like the class's scene before others.
 
     It reads stores, which takes a while: not on every look.
@@ -123,7 +122,7 @@ class CurveAsked:
     """The sweep that makes the curve of a question, as the laboratory's sweeps are begun."""
 
     question: Question
-    scene: Spec
+    scene: CompleteSpec
     runs: int = RUNS
 
     @property
@@ -149,12 +148,8 @@ class CurveAsked:
         """What a sweep's file says, world.toml beside it. Raises InputError beyond a page's
         bounds."""
         question, axis = self.question, self.axis()
-        agents = (
-            max(axis)
-            if question.parameter == AGENTS
-            else self.scene.agents or MODELS[question.model].agents
-        )
-        demand(len(axis), self.runs, int(agents) + (self.scene.informed or 0), question.ticks)
+        agents = max(axis) if question.parameter == AGENTS else self.scene.agents
+        demand(len(axis), self.runs, int(agents) + self.scene.informed, question.ticks)
         said: dict[str, Any] = {
             "title": question.title,
             "run": run_table(self.scene, question.ticks, {question.parameter}),

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
 from app.classroom.collect.result_groups import ResultGroup, distinct, groups_of
@@ -91,10 +91,10 @@ class Collection:
         if not any(point.student == student for point in self.points):
             self.given.pop(student, None)
 
-    def begins(self, student: str, scene: Spec) -> Spec:
+    def begins(self, student: str, scene: CompleteSpec) -> CompleteSpec:
         """The run that a student begins with: the class's, with their value and their seed."""
         given = self.give(student)
-        spec = scene.but(seed=given.seed)
+        spec = scene.with_values(seed=given.seed)
         return spec if given.value is None else self.question.with_value(spec, given.value)
 
     def demand_room(self, student: str, ended: int = 0) -> None:

@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 
 from agents.catalogue import FILES, MODELS
 from agents.flock import Flock
-from agents.spec import Spec, versions
+from agents.spec import CompleteSpec, versions
 from app.classroom.collect.differences import RunIdentity, differences, on_one_line
 from app.classroom.collect.question import Question
 from app.studies.runs.database import Outcome, Status, failure
@@ -70,7 +70,11 @@ class Point:
 
 
 def hand_in(
-    question: Question, student: str, spec: Spec, scene: Spec, when: datetime | None = None
+    question: Question,
+    student: str,
+    spec: CompleteSpec,
+    scene: CompleteSpec,
+    when: datetime | None = None,
 ) -> Point:
     """Make a student's run for a question, from its first tick, and measure it.
 
@@ -81,10 +85,9 @@ def hand_in(
     demand_answer(question, spec)
     value = question.value_of(spec)
     flock = Flock(spec)
-    seeded = spec.but(seed=flock.seed)
-    kept = whole(seeded, flock)
+    kept = whole(spec.with_values(seed=flock.seed), flock)
     meant = as_meant(question, scene, value, flock.seed)
-    outcome = run_of(question, seeded)
+    outcome = run_of(question, spec, flock.seed)
     result, reason = measured(question, outcome)
     return Point(
         student,
@@ -101,7 +104,7 @@ def hand_in(
     )
 
 
-def whole(spec: Spec, flock: Flock) -> str:
+def whole(spec: CompleteSpec, flock: Flock) -> str:
     """A run with all its parameters, as a scene opens it again. Raises InputError if none can."""
     made = at_home(**dict(spec)).but(
         agents=flock.options.agents,
@@ -114,7 +117,7 @@ def whole(spec: Spec, flock: Flock) -> str:
     return text
 
 
-def demand_answer(question: Question, spec: Spec) -> None:
+def demand_answer(question: Question, spec: CompleteSpec) -> None:
     """Refuse a run that is no answer to a question. Raises InputError."""
     if spec.model in FILES:
         raise InputError(f"{spec.model} is a model of a file: hand in one of the catalogue's")
@@ -127,13 +130,12 @@ def demand_answer(question: Question, spec: Spec) -> None:
     question.demand_cheap(spec)
 
 
-def run_of(question: Question, spec: Spec) -> Outcome:
+def run_of(question: Question, spec: CompleteSpec, seed: int) -> Outcome:
     """The run as the sweep engine makes it; one that raises is an outcome too."""
     making = question.making
     making.prepare()
-    assert spec.seed is not None
     try:
-        return making.run(RunRequest(spec), spec.seed)
+        return making.run(RunRequest(spec), seed)
     except Exception as error:
         return failure(error)
 
@@ -150,16 +152,16 @@ def measured(question: Question, outcome: Outcome) -> tuple[float | None, str]:
     return float(value), on_one_line(outcome.astray, 200)
 
 
-def as_meant(question: Question, scene: Spec, value: float, seed: int) -> RunIdentity:
+def as_meant(question: Question, scene: CompleteSpec, value: float, seed: int) -> RunIdentity:
     """The run of the class's scene with a student's value and seed."""
-    meant = scene.but(seed=seed)
+    meant = scene.with_values(seed=seed)
     if question.parameter == AGENTS or question.parameter in meant.parameters:
         meant = question.with_value(meant, value)
     return RunIdentity.of(Flock(meant))
 
 
-def warm_up(question: Question, scene: Spec) -> None:
+def warm_up(question: Question, scene: CompleteSpec) -> None:
     """Compile what a run of the question calls, so that the first student need not wait."""
     making = question.making
     making.prepare()
-    making.try_out(Flock(scene.but(seed=1)))
+    making.try_out(Flock(scene.with_values(seed=1)))

@@ -15,7 +15,7 @@ from agents.catalogue import FILES, MODELS
 from agents.flock import Flock
 from agents.models.declare import DeclaredParameter
 from agents.observables.catalogue import OBSERVABLES
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from app.classroom.collect.run_cost import MOST_TICKS, demand_cheap
 from app.strict_table import StrictTable
 from app.studies.sweeps.sweep_file import ObservableBound, Observe, comparison
@@ -151,11 +151,11 @@ class Question(StrictTable):
         """What may be other than in the class's scene."""
         return (self.parameter, *self.free)
 
-    def value_of(self, spec: Spec, name: str = "") -> float:
+    def value_of(self, spec: CompleteSpec, name: str = "") -> float:
         """The value of the parameter in a run, or of a free one. Raises InputError without it."""
         name = name or self.parameter
         if name == AGENTS:
-            return float(spec.agents if spec.agents is not None else MODELS[spec.model].agents)
+            return float(spec.agents)
         found = MODELS[spec.model].parameters.model_fields.get(name)
         if found is None:
             raise InputError(
@@ -168,14 +168,14 @@ class Question(StrictTable):
         """The unit of a parameter by name; 1 for a pure number."""
         return next((one.unit for one in numbers(self.model) if one.name == name), "1")
 
-    def with_value(self, spec: Spec, value: float) -> Spec:
+    def with_value(self, spec: CompleteSpec, value: float) -> CompleteSpec:
         """A run with another value of the parameter. Raises InputError."""
         number: float = round(value) if self.is_whole else value
         if self.parameter == AGENTS:
-            return spec.but(agents=number)
-        return spec.but(parameters={**spec.parameters, self.parameter: number})
+            return spec.with_values(agents=number)
+        return spec.with_values(parameters={**spec.parameters, self.parameter: number})
 
-    def demand_cheap(self, spec: Spec) -> None:
+    def demand_cheap(self, spec: CompleteSpec) -> None:
         """Refuse a run that would take too long for one of a class. Raises InputError."""
         one = self.measure
         looks = self.ticks if one.until else one.over or 1
@@ -190,7 +190,7 @@ class Question(StrictTable):
         return tomlkit.dumps(self.to_values())
 
 
-def question_of(values: object, scene: Spec, origin: str = "the question") -> Question:
+def question_of(values: object, scene: CompleteSpec, origin: str = "the question") -> Question:
     """A question from a browser or a file, checked for the class's scene. Raises InputError.
 
     `model` is that of the scene, whether it is given or not.
@@ -218,12 +218,12 @@ def question_of(values: object, scene: Spec, origin: str = "the question") -> Qu
         raise InputError(told if origin in told else f"{told} ({origin})") from None
 
 
-def question_from_toml(text: str, scene: Spec, origin: str) -> Question:
+def question_from_toml(text: str, scene: CompleteSpec, origin: str) -> Question:
     """A question from a file. Raises InputError."""
     return question_of(toml(text, origin), scene, origin)
 
 
-def fitted(made: Question, scene: Spec) -> Question:
+def fitted(made: Question, scene: CompleteSpec) -> Question:
     """A question whose names, ranges and costs are those of a scene. Raises InputError."""
     title = titled(made.title)
     low, high = allowed(made.model, made.parameter)
@@ -255,7 +255,7 @@ def titled(text: str) -> str:
     return title
 
 
-def demand_measured(made: Question, scene: Spec) -> None:
+def demand_measured(made: Question, scene: CompleteSpec) -> None:
     """Refuse what cannot be measured of a run of a scene. Raises InputError."""
     asked = made.measure
     name = asked.observable

@@ -14,7 +14,7 @@ from agents.flock import Flock
 from agents.models.declare import DeclaredParameter, is_wide
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from app.classroom.collect.question import Question, question_of
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
 from app.viewer.measuring.observable_format import words
@@ -62,21 +62,19 @@ class MeasureChoice:
     how: tuple[How, ...]
 
 
-def parameters_of(spec: Spec) -> tuple[ParameterChoice, ...]:
+def parameters_of(spec: CompleteSpec) -> tuple[ParameterChoice, ...]:
     """The parameters of a scene's run that a question may be about, `agents` last."""
-    model = MODELS[spec.model]
     low, high = allowed(spec.model, AGENTS)
-    agents = spec.agents or model.agents
-    around = max(10.0, agents / 4), min(high, 4.0 * agents)
+    around = max(10.0, spec.agents / 4), min(high, 4.0 * spec.agents)
     found = [chosen(spec, one) for one in numbers(spec.model)]
     suggested = spread(*around, count=5, whole=True, log=True)
     return (
         *found,
-        ParameterChoice(AGENTS, "Agents", "N", "1", low, high, True, agents, suggested),
+        ParameterChoice(AGENTS, "Agents", "N", "1", low, high, True, spec.agents, suggested),
     )
 
 
-def chosen(spec: Spec, one: DeclaredParameter) -> ParameterChoice:
+def chosen(spec: CompleteSpec, one: DeclaredParameter) -> ParameterChoice:
     """A parameter as a form has it."""
     low, high = allowed(spec.model, one.name)
     least, most = one.proposed or (low, high)
@@ -101,7 +99,7 @@ def spread(
     return tuple(sorted({min(max(one, low), high) for one in figures}))
 
 
-def measures_of(spec: Spec) -> tuple[MeasureChoice, ...]:
+def measures_of(spec: CompleteSpec) -> tuple[MeasureChoice, ...]:
     """What may be measured of a scene's run, what tells most of its model first."""
     flock, model = Flock(spec), MODELS[spec.model]
     there = [one for one in OBSERVABLES.values() if isinstance(one.range, Range)]
@@ -134,7 +132,7 @@ PAPERS = 0.9984
 WITH_NOISE = 0.99
 
 
-def order_against_noise(spec: Spec) -> tuple[str, dict[str, Any]] | None:
+def order_against_noise(spec: CompleteSpec) -> tuple[str, dict[str, Any]] | None:
     """How order is lost, for a model whose noise turns headings."""
     noise = next(
         (one for one in numbers(spec.model) if one.noise and one.name in ("eta", "sigma")), None
@@ -151,7 +149,7 @@ def order_against_noise(spec: Spec) -> tuple[str, dict[str, Any]] | None:
     }
 
 
-def until_all_agree(spec: Spec) -> dict[str, Any] | None:
+def until_all_agree(spec: CompleteSpec) -> dict[str, Any] | None:
     """Measure and ticks of a question after how long a flock that is led takes to agree."""
     model = MODELS[spec.model]
     if not model.rule.converges or "p2" not in model.parameters.model_fields:
@@ -164,7 +162,7 @@ def until_all_agree(spec: Spec) -> dict[str, Any] | None:
     }
 
 
-def who_leads(spec: Spec) -> tuple[str, dict[str, Any]] | None:
+def who_leads(spec: CompleteSpec) -> tuple[str, dict[str, Any]] | None:
     """How fast word of the one who knows spreads with the weight from layer to layer."""
     asked = until_all_agree(spec)
     if asked is None:
@@ -179,7 +177,7 @@ def who_leads(spec: Spec) -> tuple[str, dict[str, Any]] | None:
     )
 
 
-def field_of_view(spec: Spec) -> tuple[str, dict[str, Any]] | None:
+def field_of_view(spec: CompleteSpec) -> tuple[str, dict[str, Any]] | None:
     """What becomes of a flock whose agents see less of the others: of its ring, or of its order."""
     rule = MODELS[spec.model].rule
     view = rule.view or "fov"
@@ -200,7 +198,7 @@ def field_of_view(spec: Spec) -> tuple[str, dict[str, Any]] | None:
     }
 
 
-def beat_the_paper(spec: Spec) -> tuple[str, dict[str, Any]] | None:
+def beat_the_paper(spec: CompleteSpec) -> tuple[str, dict[str, Any]] | None:
     """Students look for the weights with which their flock agrees soonest."""
     asked = until_all_agree(spec)
     if asked is None:
@@ -213,7 +211,7 @@ def beat_the_paper(spec: Spec) -> tuple[str, dict[str, Any]] | None:
     )
 
 
-MAKERS: dict[str, Callable[[Spec], tuple[str, dict[str, Any]] | None]] = {
+MAKERS: dict[str, Callable[[CompleteSpec], tuple[str, dict[str, Any]] | None]] = {
     "order-against-noise": order_against_noise,
     "who-leads": who_leads,
     "field-of-view": field_of_view,
@@ -221,7 +219,7 @@ MAKERS: dict[str, Callable[[Spec], tuple[str, dict[str, Any]] | None]] = {
 }
 
 
-def ready_for(spec: Spec, first: str = "") -> tuple[PreparedQuestion, ...]:
+def ready_for(spec: CompleteSpec, first: str = "") -> tuple[PreparedQuestion, ...]:
     """The questions that are ready for a scene: those whose parameter its model has.
 
     The one called `first` stands first; one that its flock is too large for is not among them.

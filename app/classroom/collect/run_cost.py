@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 
 from agents.catalogue import MODELS
-from agents.flock_world import at_home, find_world
+from agents.flock_world import complete_spec, find_world
 from agents.models.declare import checked
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from worlds.input_error import InputError
 from worlds.world import World
 
@@ -33,12 +33,12 @@ MOST_SEEN = 200_000
 """Agents times looks at what takes longer than a look at each agent."""
 
 
-def demand_cheap(spec: Spec, ticks: int, observable: str, looks: int) -> None:
+def demand_cheap(spec: CompleteSpec, ticks: int, observable: str, looks: int) -> None:
     """Refuse a run of so many ticks that would take too long for one of a class. Raises InputError.
 
     `looks`: at how many of its ticks the observable is measured.
     """
-    agents = count_agents(spec)
+    agents = spec.count
     if agents > MOST_AGENTS:
         raise InputError(f"{agents:,} agents are too many to hand in: at most {MOST_AGENTS:,}")
     if agents * ticks > MOST_STEPS:
@@ -61,17 +61,12 @@ def demand_cheap(spec: Spec, ticks: int, observable: str, looks: int) -> None:
         )
 
 
-def estimate_pairs(spec: Spec, ticks: int) -> float:
+def estimate_pairs(spec: CompleteSpec, ticks: int) -> float:
     """How much work a run of so many ticks is, in pairs. Raises InputError."""
-    return count_agents(spec) * (ALONE + mean_neighbours(spec)) * ticks
+    return spec.count * (ALONE + mean_neighbours(spec)) * ticks
 
 
-def count_agents(spec: Spec) -> int:
-    """The agents of a run, those that are informed among them."""
-    return (spec.agents or MODELS[spec.model].agents) + (spec.informed or 0)
-
-
-def mean_neighbours(spec: Spec) -> float:
+def mean_neighbours(spec: CompleteSpec) -> float:
     """How many others an agent looks at in a tick, of a flock spread evenly. Raises InputError.
 
     They are those in the 3^dim cells around it, which are as wide as its reach; where the nearest k
@@ -80,7 +75,7 @@ def mean_neighbours(spec: Spec) -> float:
     model = MODELS[spec.model]
     parameters = checked(model.parameters, spec.parameters)
     world = world_of(spec, model)
-    agents, nearest = count_agents(spec), model.nearest(parameters)
+    agents, nearest = spec.count, model.nearest(parameters)
     around = (
         (nearest + 1) * 3.0**world.dim
         if nearest
@@ -92,7 +87,6 @@ def mean_neighbours(spec: Spec) -> float:
     return min(float(agents), around)
 
 
-def world_of(spec: Spec, model: Model) -> World:
+def world_of(spec: CompleteSpec, model: Model) -> World:
     """The world of a run. Raises InputError."""
-    seeded = spec if spec.seed is not None else spec.but(seed=1)
-    return find_world(at_home(seeded, model), model)
+    return find_world(complete_spec(spec, model), model)

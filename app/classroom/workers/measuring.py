@@ -11,7 +11,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from app.classroom.class_file.class_file_writer import packed, save
 from app.classroom.class_file.state import ClassState
 from app.classroom.collect.class_curve import ClassCurve, CurveAsked, curve_of, find_curve
@@ -48,21 +48,21 @@ class RunWorker:
     at one call for the whole run, hears of no other way.
     """
 
-    def warm_up(self, question: Question, scene: Spec) -> None:
+    def warm_up(self, question: Question, scene: CompleteSpec) -> None:
         """Compile what the runs of a question call."""
         warm_up(question, scene)
 
-    def measure_usual(self, question: Question, scene: Spec, limit: float) -> float:
+    def measure_usual(self, question: Question, scene: CompleteSpec, limit: float) -> float:
         """Processor time (s) of a question's dearest run of the scene, made once to see."""
         spec = dearest(question, scene)
         warm_up(question, spec)
         with ProcessorTimeLimit(limit):
             begun = time.process_time()
-            run_of(question, spec.but(seed=1))
+            run_of(question, spec, 1)
             return time.process_time() - begun
 
     def make_usual(
-        self, question: Question, student: str, ran: str, scene: Spec, limit: float
+        self, question: Question, student: str, ran: str, scene: CompleteSpec, limit: float
     ) -> MadeRun | None:
         """The result of a student whose laboratory runs the scene `ran`, TOML. Raises InputError.
 
@@ -79,7 +79,7 @@ class RunWorker:
             return MadeRun(point, time.process_time() - begun)
 
     def make_any(
-        self, question: Question, student: str, ran: str, scene: Spec, limit: float
+        self, question: Question, student: str, ran: str, scene: CompleteSpec, limit: float
     ) -> MadeRun:
         """Likewise, whatever it is; what has to be compiled for it first is not counted."""
         spec = spec_of(ran, student)
@@ -106,12 +106,12 @@ class ProcessorTimeLimit:
             signal.setitimer(signal.ITIMER_PROF, 0.0)
 
 
-def spec_of(ran: str, student: str) -> Spec:
+def spec_of(ran: str, student: str) -> CompleteSpec:
     """The run of a scene, TOML. Raises InputError."""
     return SavedScene.from_toml(ran, f"the run of {student}").spec
 
 
-def dearest(question: Question, scene: Spec) -> Spec:
+def dearest(question: Question, scene: CompleteSpec) -> CompleteSpec:
     """The run of the class's scene with that value of the question that is the most work."""
     values = question.values or [question.value_of(scene)]
     runs = [question.with_value(scene, value) for value in values]
@@ -142,17 +142,19 @@ class CurveWorker:
         self.results = results
         self.sweeps: Sweeps | None = None
 
-    def find_curve(self, question: Question, scene: Spec) -> ClassCurve | None:
+    def find_curve(self, question: Question, scene: CompleteSpec) -> ClassCurve | None:
         """The curve of a sweep that is there."""
         return find_curve(self.results.absolute(), question, scene)
 
-    def begin_curve(self, question: Question, scene: Spec) -> str:
+    def begin_curve(self, question: Question, scene: CompleteSpec) -> str:
         """Begin the sweep that makes the curve of a question; its name. Raises InputError."""
         if self.sweeps is None:
             self.sweeps = Sweeps(self.results)
         return self.sweeps.begin(CurveAsked(question, scene))
 
-    def curve(self, name: str, question: Question, scene: Spec) -> tuple[ClassCurve | None, str]:
+    def curve(
+        self, name: str, question: Question, scene: CompleteSpec
+    ) -> tuple[ClassCurve | None, str]:
         """The curve of a sweep that was begun here, as far as it is, and how far it is in words.
 
         The words are empty once it has ended. Raises InputError if it cannot be read.

@@ -13,15 +13,11 @@ if TYPE_CHECKING:
 
 def compile_loop(flock: Flock, tell: Callable[[str], Any] | None) -> None:
     """Compile the loop of a flock, or load it from the cache; the flock stays as it is."""
-    from agents import Flock
-
     if flock.interpret:
         return
     if tell and not flock.is_compiled:
         tell(f"compiling {flock.model.name} (only its first start takes these seconds) ...")
-    twin = Flock(alone(flock))
-    twin.run(1)
-    twin.stray()
+    flock.compile_tick()
 
 
 def alone(flock: Flock) -> Spec:

@@ -17,7 +17,7 @@ import tomlkit
 
 from agents.catalogue import model as find_model
 from agents.models.declare import checked
-from agents.spec import DEFAULT, OPTIONS, Spec
+from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec
 from app.viewer.editing.layout_file import demand_few, demand_small
 from app.viewer.run.run_preset import MOST_AGENTS, at_home
 from app.viewer.scene.shown.control import Control, controls_of
@@ -47,8 +47,8 @@ class SavedScene:
     """What opens together. As TOML it has these keys, `look` only where it is not the usual one."""
 
     title: str
-    spec: Spec
-    """With parameters and a world: nothing is left open but what the model has of its own."""
+    spec: CompleteSpec
+    """With its own parameters; those that it does not name are the model's."""
     beside: Spec | None = None
     """The model beside it, and what it has of its own."""
     watch: str = ""
@@ -173,7 +173,7 @@ def table(values: Mapping[str, Any], key: str) -> dict[str, Any]:
     return found
 
 
-def run_of(values: dict[str, Any], origin: str) -> Spec:
+def run_of(values: dict[str, Any], origin: str) -> CompleteSpec:
     """The run of a scene, which the laboratory can carry. Raises InputError."""
     own = dict(values)
     layout, parameters = own.pop("layout", None), own.pop("parameters", {})
@@ -197,9 +197,9 @@ def run_of(values: dict[str, Any], origin: str) -> Spec:
     return found
 
 
-def demand_bounded(spec: Spec) -> None:
+def demand_bounded(spec: CompleteSpec) -> None:
     """Raise InputError for what a panel would not offer either."""
-    if spec.agents is not None and spec.agents > MOST_AGENTS:
+    if spec.agents > MOST_AGENTS:
         raise InputError(f"agents = {spec.agents} is not allowed: at most {MOST_AGENTS}")
     if isinstance(spec.size, float) and spec.size > MOST_SIDE:
         raise InputError(f"size = {spec.size:g} is not allowed: at most {MOST_SIDE:g}")

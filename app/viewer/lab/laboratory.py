@@ -14,7 +14,7 @@ import viser
 from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.of_agents import measurable
-from agents.spec import Spec
+from agents.spec import CompleteSpec, Spec
 from app.front.controls import show
 from app.front.notices import Notices
 from app.front.origin import AllowedHost, here
@@ -86,7 +86,7 @@ class Laboratory:
 
     def __init__(
         self,
-        spec: Spec | None = None,
+        spec: CompleteSpec | None = None,
         host: str = "127.0.0.1",
         port: int = 8080,
         speed: float | None = None,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
-from agents.flock_world import at_home
+from agents.flock_world import complete_spec
 from agents.models.model import Model
 from agents.spec import Spec
 from app.viewer.measuring.observable_format import few
@@ -170,7 +170,7 @@ class ConditionHistory:
     def departures(self) -> list[str]:
         """All that is not as the model has it by default, and all that was changed."""
         model = self.first.model
-        usual = model.parameters().model_dump() | at_home(Spec(model.name), model).chosen
+        usual = model.parameters().model_dump() | complete_spec(Spec(model.name), model).chosen
         known = self.first.options.keys() | usual.keys()
         return [
             self.described(name, steps)

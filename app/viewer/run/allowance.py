@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from agents.catalogue import model as find_model
-from agents.spec import Spec
+from agents.spec import CompleteSpec, Spec
 from app.viewer.measuring.observable_format import spaced
 from app.viewer.run.stored_flock import Beginning, StoredFlock
 from worlds.input_error import InputError
@@ -50,11 +49,11 @@ class Allowance:
     upload: int = 1_000_000
     """Bytes of a file at most."""
 
-    def demand(self, spec: Spec, beside: Spec | None, stored: Beginning | None) -> None:
+    def demand(self, spec: CompleteSpec, beside: Spec | None, stored: Beginning | None) -> None:
         """Raise InputError for a run that is too much, before it is built."""
-        flocks, model = 1 if beside is None else 2, find_model(spec.model)
-        self.demand_agents(flocks * (model.agents if spec.agents is None else spec.agents))
-        self.demand_agents(flocks * (spec.informed or 0))
+        flocks = 1 if beside is None else 2
+        self.demand_agents(flocks * spec.agents)
+        self.demand_agents(flocks * spec.informed)
         if stored is None:
             return
         if isinstance(stored, StoredFlock):

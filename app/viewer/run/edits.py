@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from agents.flock import Flock
-from agents.spec import Spec
+from agents.spec import CompleteSpec, Spec
 from app.viewer.editing.editor import Editor, MissingObstacleError
 from app.viewer.editing.free_places import set_free
 from app.viewer.editing.layout_file import layout_from_browser
@@ -44,7 +44,7 @@ class EditsHost(Protocol):
 
     def change(self, change: Callable[[FlockRun], None]) -> None: ...
 
-    def schedule(self, spec: Spec, beside: Spec | None) -> None: ...
+    def schedule(self, spec: CompleteSpec, beside: Spec | None) -> None: ...
 
 
 class Edits:
@@ -57,7 +57,7 @@ class Edits:
         is there."""
         self.untouched: World | None = None
         """The world before the first change."""
-        self.plain: Spec | None = None
+        self.plain: CompleteSpec | None = None
         """What sets it up."""
         self.drags: dict[str, Change] = {}
         """The newest change of each drag that is not carried out yet."""
@@ -132,9 +132,9 @@ class Edits:
         self.editor = after
         spec, plain = self.host.state.spec, self.plain
         if after.world is self.untouched and plain is not None:
-            spec = spec.but(world=plain.world, size=plain.size)
+            spec = spec.with_values(world=plain.world, size=plain.size)
         else:
-            spec = spec.but(world=after.world, size=None)
+            spec = spec.with_values(world=after.world, size=None)
         self.host.state = replace(self.host.state, spec=spec)
         self.host.stale = True
 
@@ -163,9 +163,9 @@ class Edits:
             ask(question)
             return
         spec, beside = self.host.state.again()
-        self.host.schedule(spec.but(world=world, size=None, dim=world.dim), beside)
+        self.host.schedule(spec.with_values(world=world, size=None, dim=world.dim), beside)
 
-    def take_over(self, run: FlockRun, spec: Spec) -> None:
+    def take_over(self, run: FlockRun, spec: CompleteSpec) -> None:
         """Edit the world of a new run; the history goes on where it is the same world."""
         world = run.flock.world
         known = self.editor is not None and self.editor.world == world

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from agents import flock_world as agents_home
 from agents.catalogue import model as find_model
-from agents.spec import DEFAULT, Spec
+from agents.flock_world import complete_spec
+from agents.spec import DEFAULT, CompleteSpec, Spec
 from app.viewer.scene.shown.drawing_style import DrawingDefaults, usual
 from worlds.layout import layout_names, own_dim, shared_layout
 from worlds.world import World
@@ -44,7 +44,7 @@ def home(world: str | World) -> WorldDefaults:
     return WorldDefaults(own_dim(layout, world), "size" in layout)
 
 
-def at_home(model: str = DEFAULT, **given: Any) -> Spec:
+def at_home(model: str = DEFAULT, **given: Any) -> CompleteSpec:
     """A run of a model in the world that it is at home in, where nothing else is `given`.
 
     What is None counts as not given; the seed is 1 then. Raises InputError.
@@ -53,7 +53,7 @@ def at_home(model: str = DEFAULT, **given: Any) -> Spec:
     ('wrap', 'open')
     """
     said = {name: value for name, value in given.items() if value is not None}
-    return agents_home.at_home(Spec(model, **{"seed": 1, **said}), find_model(model))
+    return complete_spec(Spec(model, **{"seed": 1, **said}), find_model(model))
 
 
 def lively_speed(spec: Spec) -> float:

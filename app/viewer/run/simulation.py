@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from agents.flock import Flock
-from agents.spec import Spec
+from agents.spec import CompleteSpec, Spec
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.run.allowance import Allowance
@@ -42,7 +42,7 @@ OBEDIENCE = 0.03
 
 Models = tuple[str, str | None]
 """Names of the model and of the one beside it."""
-Next = tuple[Spec, Spec | None, Beginning | None]
+Next = tuple[CompleteSpec, Spec | None, Beginning | None]
 """A run, what is beside it, and what it begins from if that is not its start."""
 
 
@@ -59,7 +59,7 @@ class Simulation:
 
     def __init__(
         self,
-        spec: Spec,
+        spec: CompleteSpec,
         beside: Spec | None = None,
         speed: float = 15.0,
         running: bool = True,
@@ -139,7 +139,7 @@ class Simulation:
             self.notices.put(in_words(error))
             waiting.answer.set_exception(error)
 
-    def setup(self, spec: Spec, beside: Spec | None = None) -> Future:
+    def setup(self, spec: CompleteSpec, beside: Spec | None = None) -> Future:
         """Build a new flock; of several set-ups at once only the last is built."""
         return self.tell(lambda: self.schedule(spec, beside), "set up")
 
@@ -461,7 +461,9 @@ class Simulation:
                 self.notices.put(words)
             one.warned = words
 
-    def schedule(self, spec: Spec, beside: Spec | None, stored: Beginning | None = None) -> None:
+    def schedule(
+        self, spec: CompleteSpec, beside: Spec | None, stored: Beginning | None = None
+    ) -> None:
         self.next = spec, beside, stored
 
     def begin(self, stored: Beginning) -> None:

@@ -7,7 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-from agents.spec import Spec
+from agents.spec import CompleteSpec, Spec
 from app.front.client_addresses import RateLimit
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.flock_run import FlockRun
@@ -180,7 +180,7 @@ class SimulationLimits:
         if self.allowance is not None:
             self.share.become(self.allowance.share if self.seen else self.allowance.unseen_share)
 
-    def demand(self, spec: Spec, beside: Spec | None, stored: Beginning | None) -> None:
+    def demand(self, spec: CompleteSpec, beside: Spec | None, stored: Beginning | None) -> None:
         """Raise InputError for a run that is too much, before it is built."""
         if self.allowance is not None:
             self.allowance.demand(spec, beside, stored)

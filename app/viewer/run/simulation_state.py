@@ -6,7 +6,7 @@ import threading
 from dataclasses import dataclass, field
 from typing import Any
 
-from agents.spec import Spec
+from agents.spec import CompleteSpec, Spec
 from app.viewer.run.kernel_compiler import CompileEstimate
 from app.viewer.run.stored_flock import Beginning
 
@@ -58,7 +58,7 @@ class TimeLineState:
 class SimulationState:
     """How the simulation stands; replaced as a whole, never changed."""
 
-    spec: Spec
+    spec: CompleteSpec
     """The run that was set up."""
     beside: Spec | None = None
     """A second model, whose flock flies in the same world from the same start: what it has of its
@@ -94,10 +94,10 @@ class SimulationState:
         """Names of the model and of the one beside it."""
         return self.spec.model, None if self.beside is None else self.beside.model
 
-    def again(self) -> tuple[Spec, Spec | None]:
+    def again(self) -> tuple[CompleteSpec, Spec | None]:
         """This run, and what is beside it, with the parameters as they are now."""
         beside = self.beside
-        spec = self.spec.but(parameters=dict(self.values)) if self.values else self.spec
+        spec = self.spec.with_values(parameters=dict(self.values)) if self.values else self.spec
         if beside is not None and self.beside_values:
             beside = beside.but(parameters=dict(self.beside_values))
         return spec, beside

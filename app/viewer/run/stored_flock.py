@@ -15,7 +15,7 @@ from agents.catalogue import model as find_model
 from agents.flock import Flock
 from agents.recording import Recording
 from agents.snapshot import Snapshot
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from app.viewer.editing.layout_file import demand_few, demand_small, plain_name
 from app.viewer.run.run_preset import MOST_AGENTS, lively_speed
 from worlds.input_error import InputError, unknown
@@ -62,7 +62,7 @@ class StoredFlock:
         return "recording" if self.is_played else "saved state"
 
     @cached_property
-    def spec(self) -> Spec:
+    def spec(self) -> CompleteSpec:
         """The run that Setup begins from it, at tick 0; what started from arrays starts anew."""
         return anew(self.recording.spec, self.recording.world)
 
@@ -94,7 +94,7 @@ class StoredFlock:
 class InMemoryFlock:
     """A flock of this process, as it is, to go on from."""
 
-    run: Spec
+    run: CompleteSpec
     """What it is a run of, with its parameters as they are."""
     now: Snapshot
     is_played = False
@@ -106,7 +106,7 @@ class InMemoryFlock:
         return f"{self.run.model} at tick {self.now.tick}"
 
     @cached_property
-    def spec(self) -> Spec:
+    def spec(self) -> CompleteSpec:
         """The run that Setup begins from it, at tick 0; what started from arrays starts anew."""
         return anew(self.run, self.now.world)
 
@@ -129,7 +129,7 @@ Beginning = StoredFlock | InMemoryFlock
 """What a run begins from, if not from its start."""
 
 
-def anew(spec: Spec, world: World) -> Spec:
+def anew(spec: CompleteSpec, world: World) -> CompleteSpec:
     """The same run at tick 0; what started from arrays starts at random."""
     known = spec.layout is None and spec.world in layout_names()
     alike = len(set(world.size)) == 1
@@ -137,12 +137,12 @@ def anew(spec: Spec, world: World) -> Spec:
         where: dict[str, Any] = {"world": spec.world, "size": float(world.size[0])}
     else:
         where = {"world": world, "size": None}
-    return spec.but(**where, layout=None, dim=world.dim, start="random", versions={})
+    return spec.with_values(**where, layout=None, dim=world.dim, start="random", versions={})
 
 
-def gone_on(spec: Spec, saved: Snapshot, build: Callable[..., Flock], **more: Any) -> Flock:
+def gone_on(spec: CompleteSpec, saved: Snapshot, build: Callable[..., Flock], **more: Any) -> Flock:
     """The flock of a run as it was in a snapshot, from which it goes on. Raises InputError."""
-    spec = spec.but(world=saved.world, layout=None)
+    spec = spec.with_values(world=saved.world, layout=None)
     start = {"position": saved.position, "heading": saved.heading}
     flock = build(spec, start=start, **more)
     flock.options = spec

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from agents.snapshot import Snapshot
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from app.viewer.editing.editor import Editor
 from app.viewer.measuring.background_worker import WorkThrottle
 from app.viewer.run.edits import Edits
@@ -44,7 +44,7 @@ class RunCheckpoint:
     """How close agents of each had come to each other and to what is solid."""
     owed: float
     """Part of a tick by which the second flock was behind."""
-    spec: Spec
+    spec: CompleteSpec
     """What it was set up as, with the world as it was then."""
     editor: Editor | None
     """That world with its history."""

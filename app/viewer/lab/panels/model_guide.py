@@ -11,6 +11,7 @@ from typing import Any
 import viser
 
 from agents.catalogue import MODELS
+from agents.flock_world import complete_spec
 from agents.models.declare import declared
 from agents.models.model import Model
 from agents.models.tries import LessonStep, in_short
@@ -101,7 +102,8 @@ class TryRunner:
             options = {name: value for name, value in values.items() if name in OPTIONS}
             others = {name: value for name, value in values.items() if name not in OPTIONS}
             parameters = {**spec.parameters, **others}
-            spec = spec.but(**options, parameters=parameters)
+            changed = spec.but(**options, parameters=parameters)
+            spec = complete_spec(changed, MODELS[spec.model])
             self.simulation.setup(spec, beside)
             self.setup.follow(spec, beside)
         else:

@@ -11,7 +11,7 @@ import viser
 from agents.catalogue import MODELS
 from agents.conditions import Conditions
 from agents.models.model import Model
-from agents.spec import OPTIONS, Options, Spec
+from agents.spec import OPTIONS, CompleteSpec, Options, Spec
 from app.front.controls import show
 from app.viewer.panels.dials import handle
 from app.viewer.panels.shell import block
@@ -24,7 +24,7 @@ DIMENSIONS = {"2-D": 2, "3-D": 3}
 LARGEST_SEED = 2**31 - 1
 MOST_SIDE = 1000
 NOBODY = "none"
-Pairing = tuple[Spec, Spec | None]
+Pairing = tuple[CompleteSpec, Spec | None]
 """A run, and the one beside it."""
 
 
@@ -33,7 +33,6 @@ class SetupPanel:
 
     def __init__(self, gui: viser.GuiApi, state: SimulationState):
         spec = state.spec
-        assert spec.world is not None
         self.running: Pairing = spec, state.beside
         self.offered = spec.world
         self.shown_run = -1
@@ -48,7 +47,7 @@ class SetupPanel:
         self.summary = gui.add_html("")
         self.beside = gui.add_dropdown(
             "Beside",
-            self.companions(model, spec.dim or 2),
+            self.companions(model, spec.dim),
             initial_value=NOBODY if beside is None else MODELS[beside].title,
             hint="A second model in the same world, from the same start, with the same controls",
         )
@@ -141,18 +140,18 @@ class SetupPanel:
         stays = spec.model == self.running[0].model
         if beside is not None and stays and (spec.model, beside.model) == state.models:
             beside = beside.but(parameters=state.beside_values)
-        return spec.but(seed=self.seed.value, parameters=state.values if stays else {}), beside
+        values = state.values if stays else {}
+        return spec.with_values(seed=self.seed.value, parameters=values), beside
 
-    def catch_up(self, spec: Spec) -> None:
+    def catch_up(self, spec: CompleteSpec) -> None:
         """Choose the running world if it has become another since Setup, as by the World tab."""
-        if spec.world is not None and spec.world is not self.offered:
+        if spec.world is not self.offered:
             self.offered = spec.world
             self.offer(spec.world)
 
-    def follow(self, spec: Spec, beside: Spec | None) -> None:
+    def follow(self, spec: CompleteSpec, beside: Spec | None) -> None:
         """Choose what a run has that is set up from elsewhere."""
         model = MODELS[spec.model]
-        assert spec.world is not None
         if model.title not in self.model.options:
             self.model.options = (*self.model.options, model.title)
         show(self.model, model.title)

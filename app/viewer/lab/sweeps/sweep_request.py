@@ -12,7 +12,7 @@ import tomlkit
 from agents.catalogue import FILES, MODELS
 from agents.models.declare import DeclaredParameter, declared
 from agents.observables.catalogue import OBSERVABLES
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from app.studies.workers.processes import cores
 from worlds.input_error import InputError, unknown
 from worlds.world import World
@@ -117,7 +117,7 @@ class SweepSource(Protocol):
 class SweepRequest:
     """A sweep around a run: `spec` with its parameters, as they are now."""
 
-    spec: Spec
+    spec: CompleteSpec
     axes: Sequence[Axis]
     observable: str
     runs: int
@@ -168,9 +168,9 @@ class SweepRequest:
         for name, value in (("runs", self.runs), ("ticks", self.ticks)):
             if value < 1:
                 raise InputError(f"{value} {name} are not allowed: 1 at least")
-        agents = max(grid.get(AGENTS, [self.spec.agents or MODELS[self.spec.model].agents]))
+        agents = max(grid.get(AGENTS, [self.spec.agents]))
         cells = int(np.prod([len(values) for values in grid.values()]))
-        demand(cells, self.runs, agents + (self.spec.informed or 0), self.ticks)
+        demand(cells, self.runs, agents + self.spec.informed, self.ticks)
         return grid
 
     @property
@@ -179,7 +179,7 @@ class SweepRequest:
         return "-".join([self.spec.model, *(axis.name for axis in self.axes)])
 
 
-def demand_catalogued(spec: Spec) -> None:
+def demand_catalogued(spec: CompleteSpec) -> None:
     """Refuse a run of a model that only this process knows. Raises InputError."""
     if spec.model in FILES:
         raise InputError(
@@ -188,7 +188,7 @@ def demand_catalogued(spec: Spec) -> None:
         )
 
 
-def run_table(spec: Spec, ticks: int, axes: Collection[str]) -> dict[str, Any]:
+def run_table(spec: CompleteSpec, ticks: int, axes: Collection[str]) -> dict[str, Any]:
     """A run as the table [run] of a file, without what `axes` set. Raises InputError.
 
     A world that is none of the built-in ones is in WORLD.
