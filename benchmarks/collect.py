@@ -27,9 +27,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from agents import Flock
 from agents.catalogue import MODELS
 from agents.spec import Spec
-from app.classroom.class_file.class_file_reader import load
-from app.classroom.class_file.class_file_writer import save
-from app.classroom.class_file.state import ClassState, SavedStudent
+from app.classroom.class_file import ClassState, SavedStudent, load, save
 from app.classroom.collect.class_picture import FORMATS, picture
 from app.classroom.collect.class_table import to_json
 from app.classroom.collect.collection import Collection

@@ -13,7 +13,7 @@ from agents.mission_record import MissionRecord, fly
 from agents.series import Series, follow
 
 if TYPE_CHECKING:
-    from app.viewer.notebook.notebook_view import NotebookView
+    from app.viewer.notebook_view import NotebookView
     from app.viewer.pictures.flock_picture import FlockPicture
 
 __all__ = [
@@ -48,7 +48,7 @@ class Flock(RunningFlock):
         reached from elsewhere. origin: of the notebook's page, such as https://hub.example.org,
         where it cannot be found out. Raises InputError.
         """
-        from app.viewer.notebook.notebook_view import show
+        from app.viewer.notebook_view import show
 
         return show(self, height, running=running, through=through, origin=origin)
 

@@ -27,7 +27,7 @@ ALLOWED = {
     "app/cli/take/recording.py": {"car"},  # a real one
     "app/cli/outcome_table.py": {"crashes"},  # who crashed, in the JSON of a run
     "app/cli/formation.py": {"thesis"},  # a spacing that a thesis gives
-    "app/cli/world/commands.py": {"layers"},  # of a drawing
+    "app/cli/world.py": {"layers"},  # of a drawing
 }
 """Words that mean something else where they stand, or that must stand there."""
 

@@ -12,8 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from app.classroom.class_file.class_file_reader import load
-from app.classroom.class_file.state import ClassState, SavedStudent
+from app.classroom.class_file import ClassState, SavedStudent, load
 from app.classroom.class_keys import new_code, plain
 from app.classroom.classroom import Classroom
 from app.classroom.student import Student

@@ -14,9 +14,8 @@ from pathlib import Path
 
 from app.classroom.class_keys import hashed, new_code, new_key, same
 from app.classroom.flocks import Flocks, allowance
-from app.classroom.names import student_name, unique_name
 from app.classroom.question_service import QuestionService
-from app.classroom.student import LaboratoryAddress, Role, Student
+from app.classroom.student import LaboratoryAddress, Role, Student, student_name, unique_name
 from app.classroom.workers.worker_process import WorkerProcess
 from app.results_folder import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene

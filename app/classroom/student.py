@@ -3,11 +3,110 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import time
+import unicodedata
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
 from app.classroom.workers.worker_process import WorkerProcess
+from worlds.input_error import InputError, shortened
+
+# What students may be called: text that a page, a table and a file can show as it is.
+
+MOST_LETTERS = 30
+"""Characters of a name."""
+MOST_GIVEN = 500
+"""Characters that are looked at: blanks are among what is sent, and marks that are joined."""
+MOST_MARKS = 2
+"""Combining marks in a row: more would tower over other lines."""
+MOST_ALIKE = 1000
+"""Students of one name that get a number each."""
+FORMULA = "=+-@"
+"""What a spreadsheet takes for the beginning of a formula."""
+BLANK = ("Zs", "Zl", "Zp")
+HIDDEN = ("Cc", "Cf", "Cs", "Co", "Cn")
+"""Categories of control and format characters, bidirectional ones too, and of no character."""
+INVISIBLE = frozenset("\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0")
+"""Letters and signs without ink: Hangul fillers, vowels that Khmer implies, Braille's blank."""
+
+
+def student_name(text: object) -> str:
+    """A name as it is shown: 1 to 30 characters in NFC, on one line, blanks single. Raises
+    InputError.
+
+    >>> student_name("  Ada   Lovelace "), student_name("Zoe\\u0308")
+    ('Ada Lovelace', 'Zoë')
+    """
+    if not isinstance(text, str) or len(text) > MOST_GIVEN:
+        raise InputError(f"name = {shortened(text)} is not allowed: {allowed()}")
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:
+        raise refused(text, "half of a character is in it") from None
+    blank = "".join(" " if unicodedata.category(one) in BLANK else one for one in text)
+    name = " ".join(unicodedata.normalize("NFC", blank).split(" ")).strip()
+    name = re.sub(" +", " ", name)
+    if not 1 <= len(name) <= MOST_LETTERS:
+        raise refused(text, allowed())
+    for one in name:
+        if unicodedata.category(one) in HIDDEN or one in INVISIBLE:
+            raise refused(text, f"U+{ord(one):04X} in it is no character that can be seen")
+    if is_mark(name[0]) or not any(map(is_letter, name)):
+        raise refused(text, "a letter or a figure is needed")
+    if any(all(map(is_mark, name[k : k + MOST_MARKS + 1])) for k in range(len(name) - MOST_MARKS)):
+        raise refused(text, f"at most {MOST_MARKS} marks are set on a letter")
+    if unicodedata.normalize("NFKC", name)[0] in FORMULA:
+        raise refused(text, "it begins as a formula of a spreadsheet does")
+    return name
+
+
+def allowed() -> str:
+    """How long a name may be, in words."""
+    return f"1 to {MOST_LETTERS} characters are needed"
+
+
+def refused(text: str, why: str) -> InputError:
+    """The refusal of a name, which shows nothing of it that cannot be shown."""
+    return InputError(f"name = {text[:MOST_LETTERS]!a} is not allowed: {why}")
+
+
+def is_mark(one: str) -> bool:
+    """Whether a character is set on the one before it."""
+    return unicodedata.category(one).startswith("M")
+
+
+def is_letter(one: str) -> bool:
+    """Whether a character is a letter or a figure of any script."""
+    return unicodedata.category(one)[0] in "LN"
+
+
+def same(name: str) -> str:
+    """What two names have in common that only differ by case or by how they are written.
+
+    >>> same("ADA") == same("ada"), same("Ａｄａ") == same("ada")
+    (True, True)
+    """
+    return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
+
+
+def unique_name(name: str, taken: Iterable[str]) -> str:
+    """A checked name with the first number behind it that makes it one of its own. Raises
+    InputError.
+
+    >>> unique_name("Ada", ["ada", "Ada 2"])
+    'Ada 3'
+    """
+    there = {same(one) for one in taken}
+    if same(name) not in there:
+        return name
+    for number in range(2, MOST_ALIKE + 1):
+        behind = f" {number}"
+        found = name[: MOST_LETTERS - len(behind)].rstrip() + behind
+        if same(found) not in there:
+            return found
+    raise InputError(f"name = {name!r} is not allowed: there are {MOST_ALIKE} of that name")
 
 
 class Role(StrEnum):

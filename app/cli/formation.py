@@ -52,7 +52,7 @@ def spacing(
     demand("--span", span, 0.01, 100.0)
     demand_folder("--out", out, ("spacing.csv", *picture_files("spacing", pictures)), overwrite)
     from agents.observables.formation import THESIS_SPACING, best_spacing, upwash_share
-    from app.formation.formation_pictures import TIPS, curve, draw_spacing, table, written
+    from app.formation import TIPS, curve, draw_spacing, table, written
 
     best = best_spacing(core, behind, above)
     at_thesis = float(upwash_share(behind, 1.0 + THESIS_SPACING, above, core))
@@ -119,7 +119,7 @@ def vee(
     demand_folder("--out", out, ("vee.csv", *picture_files("vee", pictures)), overwrite)
     from agents.observables.formation import vee as placed
     from agents.observables.formation import vee_saved
-    from app.formation.formation_pictures import draw_vee, table, written
+    from app.formation import draw_vee, table, written
 
     alone = trimmed(speed) if energy is None else energy
     rows = []
@@ -171,14 +171,7 @@ def behind_one(
     demand("--above", above, -20.0, 20.0)
     demand_folder("--out", out, ("map.csv", *picture_files("map")), overwrite)
     from agents.observables.formation import best_spacing
-    from app.formation.formation_pictures import (
-        ASIDE,
-        BACK,
-        draw_behind,
-        from_above,
-        table,
-        written,
-    )
+    from app.formation import ASIDE, BACK, draw_behind, from_above, table, written
 
     best = best_spacing(core, behind)
     rows = (

@@ -18,7 +18,7 @@ from app.cli.choices import (
     names,
     observables,
 )
-from app.cli.world.commands import worlds
+from app.cli.world import worlds
 from worlds.input_error import InputError, shortened, suggestion
 from worlds.number_text import counted
 

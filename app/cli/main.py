@@ -41,9 +41,9 @@ COMMANDS = {
     "optimise": Entry(".optimise", "optimise", "Search for the best values of parameters."),
     "live": Entry(".live.commands", "live", "Drive real cars: check, run, replay, emulate."),
     "flight": Entry(
-        ".flight.commands", "flight", "Fly a flapping-wing aircraft: trim, sweep, load."
+        ".flight", "flight", "Fly a flapping-wing aircraft: trim, sweep, load."
     ),
-    "world": Entry(".world.commands", "world", "List, draw, check, import and make worlds."),
+    "world": Entry(".world", "world", "List, draw, check, import and make worlds."),
     "formation": Entry(".formation", "formation", "Say what birds save in formation flight."),
     "list": Entry(".listing", "listing", "List models, worlds, observables, papers, lessons."),
     "check": Entry(".check", "check", "Check that a model keeps to what every model does."),

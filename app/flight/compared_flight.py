@@ -12,7 +12,7 @@ import numpy as np
 from agents.flight.flight_motion import MOVING, THETA, Q, U, W, fly
 from agents.flight.power import FlightHistory, history
 from agents.flight.trim import Trim, trim
-from app.flight.request import Request, within
+from app.flight.request import FlightRequest, within
 from app.settings import assignment
 from worlds.input_error import InputError, unknown
 from worlds.number_text import counted
@@ -103,7 +103,7 @@ class ComparedFlight:
 
 
 def flown(
-    asked: Request,
+    asked: FlightRequest,
     speed: float,
     seconds: float,
     push: dict[int, float],

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from agents.flight.aircraft import Aircraft, demand_possible
 from agents.flight.trim import SPEEDS, Trim, trim
-from app.flight.request import SPEED, Request
+from app.flight.request import SPEED, FlightRequest
 from app.flight.trim_report import as_value
 from worlds.input_error import InputError
 
@@ -48,7 +48,7 @@ def loaded(aircraft: Aircraft, load: float, origin: str = "") -> Aircraft:
 
 
 def carried(
-    asked: Request,
+    asked: FlightRequest,
     loads: list[float],
     battery: Battery,
     speed: float | None,
@@ -90,7 +90,7 @@ def value_of(made: Trim, load: float, battery: Battery) -> dict[str, Any]:
     }
 
 
-def flight(asked: Request, craft: Aircraft, speed: float, near: Trim | None) -> Trim | None:
+def flight(asked: FlightRequest, craft: Aircraft, speed: float, near: Trim | None) -> Trim | None:
     """The level flight at a speed, m/s, found from a known one; None if it is not found so."""
     if not SPEEDS[0] <= speed <= SPEEDS[1]:
         return None
@@ -100,13 +100,13 @@ def flight(asked: Request, craft: Aircraft, speed: float, near: Trim | None) -> 
         return None
 
 
-def begun(asked: Request, craft: Aircraft, speed: float, near: Trim | None) -> Trim | None:
+def begun(asked: FlightRequest, craft: Aircraft, speed: float, near: Trim | None) -> Trim | None:
     """The same, from the flight with the load before or, if that does not lead there, from none."""
     found = None if near is None else flight(asked, craft, speed, near)
     return found or flight(asked, craft, speed, None)
 
 
-def cheapest(asked: Request, craft: Aircraft, near: Trim | None) -> Trim | None:
+def cheapest(asked: FlightRequest, craft: Aircraft, near: Trim | None) -> Trim | None:
     """The level flight of the least power; None if there is none at the speeds that are tried.
 
     Speeds are tried faster and slower in strides that halve: power over speed is a U.
@@ -126,7 +126,7 @@ def cheapest(asked: Request, craft: Aircraft, near: Trim | None) -> Trim | None:
     return best
 
 
-def first_flight(asked: Request, craft: Aircraft, near: Trim | None) -> Trim | None:
+def first_flight(asked: FlightRequest, craft: Aircraft, near: Trim | None) -> Trim | None:
     """A level flight to begin with, at the speed of the load before or faster."""
     speed = SPEED if near is None else near.speed
     while speed <= SPEEDS[1]:

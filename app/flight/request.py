@@ -17,7 +17,7 @@ SPEED, FREQUENCY, TWIST = 3.5, 1.5, 20.0
 
 
 @dataclass(frozen=True)
-class Request:
+class FlightRequest:
     """A flight that is asked for."""
 
     aircraft: Aircraft
@@ -41,7 +41,7 @@ def asked_speed(option: str, speed: float) -> float:
     return within(option, speed, *SPEEDS, "m/s")
 
 
-def request(frequency: float, twist: float, settings: list[str] | None) -> Request:
+def request(frequency: float, twist: float, settings: list[str] | None) -> FlightRequest:
     """The aircraft with its settings, and how its wings beat (Hz, deg). Raises InputError."""
     from agents.flight.aircraft import Aircraft, demand_possible
     from agents.flight.trim import FREQUENCIES, TWISTS
@@ -53,4 +53,4 @@ def request(frequency: float, twist: float, settings: list[str] | None) -> Reque
     craft = checked(Aircraft, given, "--set")
     assert isinstance(craft, Aircraft)
     demand_possible(craft, "--set")
-    return Request(craft, frequency, math.radians(twist))
+    return FlightRequest(craft, frequency, math.radians(twist))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from agents.flight.trim import Trim, trim
-from app.flight.request import SPEED, Request
+from app.flight.request import SPEED, FlightRequest
 from app.results_folder import make_folder
 from worlds.file_writer import csv_text, write_text
 from worlds.input_error import InputError
@@ -125,7 +125,7 @@ def lines(value: dict[str, Any]) -> list[str]:
 
 
 def swept(
-    asked: Request, speeds: list[float], at: Callable[[float], None]
+    asked: FlightRequest, speeds: list[float], at: Callable[[float], None]
 ) -> tuple[list[dict[str, Any]], list[float]]:
     """Values of the trims at speeds (m/s, rising), and the speeds without a level flight.
 

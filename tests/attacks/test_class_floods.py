@@ -12,7 +12,7 @@ import psutil
 import pytest
 from websockets.exceptions import InvalidStatus
 
-from app.classroom.front.limits import MOST_PAGES, MOST_STREAMS
+from app.classroom.front.class_request import MOST_PAGES, MOST_STREAMS
 from tests.attacks.knocking import let_in, request, upgrade
 from tests.attacks.raw import frame
 from tests.classroom.running import BUSY, Person, number_of, roster, running, seen

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from app.viewer.notebook.notebook_access import NotebookAccess
-from app.viewer.notebook.notebook_view import NotebookView
+from app.viewer.notebook_view import NotebookAccess, NotebookView
 from flockscope import Flock
 from tests.browser.attacker import Attacker
 from tests.browser.conftest import POLICY, absent

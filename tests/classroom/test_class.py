@@ -17,7 +17,7 @@ from cli.calling import refusal
 from websockets.exceptions import ConnectionClosed
 
 from agents import Flock
-from app.classroom.class_file.class_file_reader import load
+from app.classroom.class_file import load
 from tests.classroom.running import BUSY, SCENE, number_of, roster, running, seen
 from tests.viewer.waiting import until
 

@@ -14,16 +14,22 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from agents.flock import Flock
-from app.classroom.class_file.archive import MOST_ENTRIES, OPENED, PICTURE
-from app.classroom.class_file.class_file_reader import load, opened
-from app.classroom.class_file.class_file_writer import packed, save
-from app.classroom.class_file.state import ClassState, SavedStudent
+from app.classroom.class_file import (
+    MOST_ENTRIES,
+    OPENED,
+    PICTURE,
+    ClassState,
+    SavedStudent,
+    load,
+    opened,
+    packed,
+    save,
+)
 from app.classroom.collect.class_table import points_from_csv, to_csv
 from app.classroom.collect.collection import Collection, StudentAssignment
 from app.classroom.collect.hand_in import hand_in
 from app.classroom.collect.question import question_of
-from app.classroom.names import same, student_name
-from app.classroom.student import Role
+from app.classroom.student import Role, same, student_name
 from app.viewer.gallery.saved_scene import SavedScene, read_scene
 from app.viewer.gallery.scene_collection import find_scene
 from app.viewer.run.run_preset import at_home
@@ -154,13 +160,13 @@ def test_a_full_disk_leaves_the_file_that_was_there(state, tmp_path):
     [("class.txt", "ends in .zip"), ("nowhere/class.zip", "there is no folder"), (".", "a folder")],
 )
 def test_a_place_that_takes_no_class_is_refused_first(state, tmp_path, monkeypatch, name, said):
-    monkeypatch.setattr("app.classroom.class_file.class_file_writer.packed", None)
+    monkeypatch.setattr("app.classroom.class_file.packed", None)
     with pytest.raises(InputError, match=said):
         save(state, tmp_path / name)
 
 
 def test_a_fault_while_it_is_made_leaves_nothing(state, tmp_path, monkeypatch):
-    monkeypatch.setattr("app.classroom.class_file.class_file_writer.picture", lambda *_: 1 // 0)
+    monkeypatch.setattr("app.classroom.class_file.picture", lambda *_: 1 // 0)
     with pytest.raises(ZeroDivisionError):
         save(state, tmp_path / "class.zip")
     assert not list(tmp_path.iterdir())

@@ -22,10 +22,9 @@ from matplotlib.figure import Figure
 from app.classroom.collect.class_curve import ClassCurve
 from app.classroom.collect.class_picture import FORMATS, draw, picture
 from app.classroom.collect.class_table import points_from_csv, to_csv, to_json
-from app.classroom.collect.collection import MOST_OF_ONE, Collection, spread_order
+from app.classroom.collect.collection import MOST_OF_ONE, Collection, ResultGroup, spread_order
 from app.classroom.collect.hand_in import hand_in
 from app.classroom.collect.question import question_of
-from app.classroom.collect.result_groups import ResultGroup
 from app.studies.judge.judge import ranges_of
 from app.studies.judge.statistics import summary
 from tests.classroom.small import AGREE, LED, ORDER, SCENE, VALUES, made, told

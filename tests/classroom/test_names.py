@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.classroom.names import MOST_LETTERS, same, student_name, unique_name
+from app.classroom.student import MOST_LETTERS, same, student_name, unique_name
 from worlds.input_error import InputError
 
 

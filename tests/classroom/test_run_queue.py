@@ -12,8 +12,7 @@ import time
 import pytest
 
 from app.classroom import run_queue
-from app.classroom.class_file.class_file_reader import load
-from app.classroom.class_file.state import ClassState, SavedStudent
+from app.classroom.class_file import ClassState, SavedStudent, load
 from app.classroom.question_service import QuestionService
 from app.classroom.run_queue import RunQueue
 from app.classroom.student import Role

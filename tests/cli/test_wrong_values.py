@@ -77,7 +77,7 @@ def place(tmp_path, monkeypatch):
         "app.cli.formation.trimmed", "app.flight.compared_flight.flown",
         "app.flight.trim_report.swept", "app.flight.load.carried", "agents.flight.trim.trim",
         "app.worlds.world_picture.draw_world",
-        "app.formation.formation_pictures.table", "agents.observables.formation.vee_saved",
+        "app.formation.table", "agents.observables.formation.vee_saved",
         "app.cli.live.commands.emulate", "webbrowser.open", "app.cli.take.source.compile_loop",
     ):  # fmt: skip
         monkeypatch.setattr(thing, stop)

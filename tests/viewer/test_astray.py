@@ -1,9 +1,8 @@
 """An agent that is where it cannot be is a notice in the laboratory, once."""
 
 from agents import Flock
-from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.flock_run import FlockRun, StrayAgentError, in_words
 from app.viewer.run.frame_builder import FrameRequest
-from app.viewer.run.run_errors import StrayAgentError, in_words
 from worlds.obstacles import Box
 from worlds.world import World
 

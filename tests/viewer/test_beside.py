@@ -17,9 +17,9 @@ from agents.spec import Spec
 from app.cli.lab import parameters
 from app.viewer.lab.panels.flock_monitors import compared
 from app.viewer.lab.panels.setup import NOBODY, SetupPanel, differs
+from app.viewer.run.flock_run import ComparedFlockError
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.paired_run import PairedRun, companion, named, pace_note, ratio, shared_by
-from app.viewer.run.run_errors import ComparedFlockError
 from app.viewer.run.run_preset import at_home
 from tests.viewer.stub_flock import timed_stub
 from tests.viewer.waiting import until

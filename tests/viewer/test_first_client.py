@@ -25,8 +25,7 @@ from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import SCRIPTS
 from app.viewer.live.page import LivePage
 from app.viewer.live.session import Session
-from app.viewer.notebook.notebook_access import NotebookAccess
-from app.viewer.notebook.notebook_view import NotebookView
+from app.viewer.notebook_view import NotebookAccess, NotebookView
 from app.viewer.run.run_preset import at_home
 from app.viewer.watching.watch_page import WatchPage
 from tests.attacks.raw import Raw, said
@@ -111,7 +110,7 @@ def test_a_flock_begins_for_who_connects_at_the_first_byte(beside):
 def test_a_flock_that_is_shown_answers_who_connects_at_the_first_byte(monkeypatch):
     port = free_port()
     monkeypatch.setattr(
-        "app.viewer.notebook.notebook_view.open_server",
+        "app.viewer.notebook_view.open_server",
         lambda **_: open_server(port=port, front=Front(SCRIPTS)),
     )
     flock = Flock(at_home("vem-a", agents=30, seed=2))

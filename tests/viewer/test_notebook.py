@@ -12,8 +12,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.viewer.notebook.notebook_access import NotebookAccess, Server, find_place, running_servers
-from app.viewer.notebook.notebook_view import NotebookView, open_views, show
+from app.viewer.notebook_view import (
+    NotebookAccess,
+    NotebookView,
+    Server,
+    find_place,
+    open_views,
+    running_servers,
+    show,
+)
 from flockscope import Disc, Flock, world
 from tests.viewer.waiting import until
 from worlds.input_error import InputError

@@ -301,7 +301,8 @@ def test_an_allowed_name_reaches_the_page_and_its_websocket():
 
 def test_pages_are_read_as_utf_8_whatever_the_machine_is_set_to():
     makes = (
-        "from app.viewer.panels.shell import CSS; from app.classroom.front.pages import own_page; "
+        "from app.viewer.panels.shell import CSS; "
+        "from app.classroom.front.entrance import own_page; "
         "from app.front.client_page import client_page; "
         "from app.viewer.lab.scene_requests import SCRIPTS; "
         "own_page('class.html', ('classroom/student.js',)); client_page(SCRIPTS)"

@@ -168,7 +168,7 @@ def test_a_curve_is_drawn_by_a_bounded_number_of_chords(bomb):
 
 
 def test_a_name_cannot_write_to_the_terminal(bomb):
-    from app.cli.world.commands import printable
+    from app.cli.world import printable
 
     bomb.modelspace().add_circle((0, 0), 1, dxfattribs={"layer": "a\x1b[2Jb"})
     line = refused(bomb.path())

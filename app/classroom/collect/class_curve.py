@@ -12,10 +12,10 @@ import tomlkit
 
 from agents.flock import Flock
 from agents.spec import CompleteSpec
+from app.classroom.collect.collection import ResultGroup
 from app.classroom.collect.differences import RunIdentity, differences
 from app.classroom.collect.question import Question
 from app.classroom.collect.question_choices import spread
-from app.classroom.collect.result_groups import ResultGroup
 from app.studies.charts.run_group import is_number, varied
 from app.studies.key_lines import KeyLocations
 from app.studies.runs.store_reader import StoreReader

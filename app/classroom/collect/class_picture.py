@@ -10,10 +10,9 @@ from collections.abc import Sequence
 from typing import Any, Literal, get_args
 
 from app.classroom.collect.class_curve import ClassCurve
-from app.classroom.collect.collection import Collection
+from app.classroom.collect.collection import Collection, ResultGroup
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
-from app.classroom.collect.result_groups import ResultGroup
 from app.figure import NAMED, new_figure, save_figure
 from app.studies.charts.colour_table import COLOURS
 from app.studies.charts.mean_line import draw_mean_bars, draw_mean_line, draw_missing

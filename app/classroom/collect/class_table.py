@@ -12,11 +12,10 @@ from typing import Any, get_args
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
 from app.classroom.collect.class_curve import ClassCurve
-from app.classroom.collect.collection import MOST_POINTS, Collection
+from app.classroom.collect.collection import MOST_POINTS, Collection, ResultGroup
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
-from app.classroom.collect.result_groups import ResultGroup
-from app.classroom.names import student_name
+from app.classroom.student import student_name
 from app.studies.runs.database import Status
 from app.studies.sweeps.sweep_table import as_csv
 from app.viewer.panels.dials import plain

@@ -14,7 +14,7 @@ import aiohttp
 from aiohttp import web
 from yarl import URL
 
-from app.classroom.front.limits import StudentLimits
+from app.classroom.front.class_request import StudentLimits
 from app.classroom.student import LaboratoryAddress
 from app.front.kinds import CAMERA, LARGEST, UnusableMessage, kind_of
 from app.front.viser_internals import PROTOCOL

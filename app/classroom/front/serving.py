@@ -14,10 +14,16 @@ from aiohttp import web
 
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import TEACHER
-from app.classroom.front.class_request import LARGEST, READING, refused
-from app.classroom.front.connections import Connections
+from app.classroom.front.class_request import (
+    LARGEST_BODY,
+    MOST_AT_ONCE,
+    MOST_PAGES,
+    READING,
+    Connections,
+    StudentLimits,
+    refused,
+)
 from app.classroom.front.entrance import ClassEntrance
-from app.classroom.front.limits import MOST_AT_ONCE, MOST_PAGES, StudentLimits
 from app.classroom.front.relay import Ending, Relay, camera_alone
 from app.classroom.front.student_requests import StudentRequests
 from app.classroom.front.teacher_requests import TeacherRequests
@@ -87,7 +93,7 @@ class ClassFront:
         """Serve, until closed."""
         self.relay = Relay()
         log_failures(asyncio.get_running_loop(), self.log)
-        app = web.Application(client_max_size=LARGEST, middlewares=[self.answer])
+        app = web.Application(client_max_size=LARGEST_BODY, middlewares=[self.answer])
         app.on_response_prepare.append(self.finish)
         self.runner = web.AppRunner(
             app,

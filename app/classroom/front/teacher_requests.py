@@ -15,8 +15,8 @@ from app.classroom.class_keeper import state_of
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import TEACHER
 from app.classroom.front.class_request import READING, numbers_in, text_in, values_of
-from app.classroom.front.events import stream
-from app.classroom.front.pages import own_page
+from app.classroom.front.entrance import own_page
+from app.classroom.front.student_requests import stream
 from app.classroom.student import Role, Student
 from app.front.page_front import POLICY
 from worlds.input_error import InputError

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from agents.spec import CompleteSpec
-from app.classroom.class_file.class_file_writer import packed, save
-from app.classroom.class_file.state import ClassState
+from app.classroom.class_file import ClassState, packed, save
 from app.classroom.collect.class_curve import ClassCurve, CurveAsked, curve_of, find_curve
 from app.classroom.collect.class_picture import picture
 from app.classroom.collect.collection import Collection

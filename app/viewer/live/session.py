@@ -27,7 +27,7 @@ from app.viewer.live.loop_connection import LoopConnection, OperatorProtocol
 from app.viewer.live.room_frame import RoomReadings, Setting, deserted
 from app.viewer.live.room_replay import RoomReplay
 from app.viewer.live.session_requests import CLOSED, SessionRequests, new_folder
-from app.viewer.run.run_errors import in_words
+from app.viewer.run.flock_run import in_words
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
 

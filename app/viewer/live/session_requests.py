@@ -26,7 +26,7 @@ from app.live.operating.flock_driver import NOT_SIMULATED
 from app.live.operating.lab_choices import Choices
 from app.viewer.live.loop_connection import LoopConnection
 from app.viewer.live.room_replay import RoomReplay, on_shelf
-from app.viewer.run.run_errors import in_words
+from app.viewer.run.flock_run import in_words
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError, unknown

@@ -17,9 +17,30 @@ from agents.state.agent_rows import StrayAgents
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.run.frame_builder import FrameBuilder, FrameRequest
-from app.viewer.run.run_errors import StrayAgentError
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
+
+# Errors in the words of whoever has to read them.
+
+
+class ComparedFlockError(RuntimeError):
+    """What one of two flocks raised, told with the name of its model."""
+
+
+class StrayAgentError(Exception):
+    """An agent is where it cannot be; the flock runs on."""
+
+
+def in_words(error: BaseException) -> str:
+    """An error as one line for the user.
+
+    >>> in_words(IndexError("out of reach")), in_words(InputError("there is no flock"))
+    ('IndexError: out of reach', 'there is no flock')
+    """
+    if isinstance(error, InputError | ArithmeticError | ComparedFlockError | StrayAgentError):
+        return str(error)
+    return f"{type(error).__name__}: {error}"
+
 
 # Keeps the zones around an agent in their order while somebody moves a slider.
 

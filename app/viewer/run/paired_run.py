@@ -18,9 +18,8 @@ from agents.catalogue import model as find_model
 from agents.flock import Flock
 from agents.models.declare import DeclaredParameter, declared
 from agents.spec import Spec
-from app.viewer.run.flock_run import FlockRun
+from app.viewer.run.flock_run import ComparedFlockError, FlockRun, StrayAgentError, in_words
 from app.viewer.run.frame_builder import FrameRequest
-from app.viewer.run.run_errors import ComparedFlockError, StrayAgentError, in_words
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
 

@@ -21,12 +21,11 @@ from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.command_queue import GO, CommandQueue, QueuedCommand
 from app.viewer.run.edits import Edits, freed
-from app.viewer.run.flock_run import FlockRun, stopped
+from app.viewer.run.flock_run import FlockRun, StrayAgentError, in_words, stopped
 from app.viewer.run.flock_run_builder import FlockRunBuilder, Playback
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.kernel_compiler import KernelCompiler, Preview, is_quick
 from app.viewer.run.paired_run import companion
-from app.viewer.run.run_errors import StrayAgentError, in_words
 from app.viewer.run.simulation_limits import SimulationLimits
 from app.viewer.run.simulation_state import ChangeNotifier, SimulationState
 from app.viewer.run.stored_flock import Beginning

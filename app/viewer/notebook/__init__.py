@@ -1,1 +1,0 @@
-"""A laboratory in a cell of a notebook."""
