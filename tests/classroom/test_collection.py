@@ -265,7 +265,7 @@ def test_the_page_and_the_picture_of_a_class_end_where_the_quantities_end():
     assert said["x"]["limits"][0] == 0.0
     ticks = Collection(AGREE)
     ticks.add(told(5.0, 217.0, "A"))
-    assert to_json(ticks)["y"]["limits"] == [0.0, 300.0]
+    assert to_json(ticks)["y"]["limits"] == [0.0, 250.0]
 
 
 def test_a_question_without_results_has_a_picture():

@@ -23,6 +23,7 @@ from app.studies.sweeps.checked_sweep import read_sweep
 from app.studies.sweeps.sweep_table import wide
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.sweep_panel import status
+from app.viewer.lab.sweeps import laboratory_sweeps
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps, demand_from_page
 from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, content, scene_of, shown, typical
 from app.viewer.lab.sweeps.sweep_chart import picture
@@ -153,6 +154,20 @@ def test_a_sweep_fills_in_and_is_found_again(laboratory, finished):
     assert again.seen.of(finished.name).done == 6
     assert again.seen.shown.cells[1].seeds == [1, 2]
     assert again.close() == ""
+
+
+def test_a_picture_is_drawn_only_if_there_is_more_to_show(finished, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(laboratory_sweeps, "picture", lambda one: drawn.append(one) or "<i></i>")
+    again = Sweeps(finished.parent, watched=lambda: False)
+    for _ in range(3):
+        again.look()
+    assert [one is again.seen.shown for one in drawn] == [True]
+    assert again.seen.picture == "<i></i>"
+    again.choose(finished.name, "polarisation")
+    again.look()
+    assert len(drawn) == 2
+    again.close()
 
 
 def test_a_run_of_a_sweep_is_the_run_that_opens(laboratory, finished):

@@ -21,7 +21,8 @@ TICKS = "k"
 AGENTS = "agents"
 """The axis that is no parameter of a model."""
 ROOM = 0.04
-"""Of an axis, before the first value of a parameter and after the last."""
+"""Of an axis, before the first value of a parameter and after the last, and around what is beyond
+its bounds."""
 
 
 def observable_of(column: str) -> str:
@@ -73,9 +74,9 @@ def measure_limits(
 
     >>> share = column_bounds("polarisation")
     >>> measure_limits([0.4, 0.6], share, [0.1, 1.2]), measure_limits([1.3], share)
-    ((0.0, 1.0), (0.0, 1.3))
+    ((0.0, 1.0), (0.0, 1.352))
     >>> measure_limits([17.0], COUNT), measure_limits([-0.3, 0.2]), measure_limits([])
-    ((0.0, 20.0), (-0.4, 0.2), (0.0, 1.0))
+    ((0.0, 20.0), (-0.3, 0.2), (0.0, 1.0))
     """
     known = [value for value in values if math.isfinite(value)]
     known += [min(max(end, bounds.low), bounds.high) for end in ends if math.isfinite(end)]
@@ -85,7 +86,10 @@ def measure_limits(
         known.append(0.0)
     low, high = round_limits(known)
     least, most = min(known, default=low), max(known, default=high)
-    return max(low, min(bounds.low, least)), min(high, max(bounds.high, most))
+    room = ROOM * (most - least)
+    low = max(low, bounds.low) if least >= bounds.low else least - room
+    high = min(high, bounds.high) if most <= bounds.high else most + room
+    return low, high
 
 
 def parameter_limits(
@@ -122,7 +126,7 @@ def round_limits(values: Iterable[float]) -> Limits:
     low, high = min(known), max(known)
     if high - low < 1e-9 * max(1.0, abs(high)):
         low, high = low - 0.5 * max(abs(low), 1.0), high + 0.5 * max(abs(high), 1.0)
-    step = round_step((high - low) / 4.0)
+    step = round_step((high - low) / 6.0)
     ends = math.floor(low / step + 1e-9) * step, math.ceil(high / step - 1e-9) * step
     return round(ends[0], 12), round(ends[1], 12)
 
