@@ -235,6 +235,20 @@ def test_processor_time_is_a_timeout(begin):
     assert child.ask("echo").result(BUSY) == ()
 
 
+def test_where_the_system_has_no_process_left_the_next_request_tries_again(begin, monkeypatch):
+    def none_left():
+        raise BlockingIOError(11, "Resource temporarily unavailable")
+
+    child = begin(restarts=True)
+    with monkeypatch.context() as changed:
+        changed.setattr(child, "begin", none_left)
+        with pytest.raises(
+            ProcessLostError, match=r"cannot begin: BlockingIOError: .* unavailable$"
+        ):
+            child.start().ask("echo").result(BUSY)
+    assert child.ask("echo").result(BUSY) == ()
+
+
 def test_one_that_does_not_begin_in_time_is_told_so(begin, tmp_path):
     child = begin(folder=tmp_path, restarts=True, limits=ProcessLimits(start=0.5))
     child.first = ("wait_for", "nothing")

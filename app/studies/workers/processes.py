@@ -3,7 +3,6 @@
 A process that is killed is replaced, and the run that it was at is made once more; one that kills
 its process twice is recorded as `killed`, and so is one that takes longer than it may. A process
 that stands still, halted or hung as a whole, is killed; one that is slow shows that it lives.
-Processes end by themselves when their parent is gone.
 """
 
 from __future__ import annotations
@@ -11,12 +10,9 @@ from __future__ import annotations
 import math
 import mmap
 import os
-import pickle
 import queue
-import subprocess
 import sys
 import tempfile
-import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -24,12 +20,12 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from app.process_worker import ProcessLimits
+from app.processes import ChildProcess, describe_exit
 from app.studies.runs.database import Outcome
-from app.studies.workers import run_worker
 from app.studies.workers.run_executors import LOOK, AwakeClock, Beat, Keep, Task
-from app.studies.workers.run_worker import PATIENT, WorkerSetup
+from app.studies.workers.run_worker import RunWorker, WorkerSetup
 from worlds.input_error import InputError
-from worlds.number_text import signal_name
 
 AHEAD = 0.2
 """Seconds of work that a process has waiting."""
@@ -52,9 +48,9 @@ FIRST_GUESS = 0.05
 class Process:
     """One worker, the runs that were sent to it, and how far it is."""
 
-    popen: subprocess.Popen
     started: mmap.mmap
     """Its first eight bytes: how many runs it has begun; the next: its signs of life so far."""
+    child: ChildProcess = field(init=False)
     waiting: deque[Task] = field(default_factory=deque)
     """Sent, and not yet reported."""
     reported: int = 0
@@ -77,17 +73,6 @@ class Process:
     def begun(self) -> int:
         """Runs that it has begun."""
         return int.from_bytes(self.started[:8], "little")
-
-    def send(self, tasks: list[Task]) -> bool:
-        """Send it runs; False if it is gone, of which its reader will tell."""
-        assert self.popen.stdin is not None
-        self.waiting.extend(tasks)
-        try:
-            pickle.dump([(one.payload, one.seed) for one in tasks], self.popen.stdin, -1)
-            self.popen.stdin.flush()
-        except (BrokenPipeError, OSError):
-            return False
-        return True
 
     def is_late(self, now: float, limit: float) -> bool:
         """Whether the run that it is at has taken longer than it may."""
@@ -137,8 +122,8 @@ class Processes:
         tell: Callable[[str], None] | None = None,
     ):
         self.tell = tell or print_line
-        self.beginning = job if isinstance(job, WorkerSetup) else WorkerSetup.of(job, nice)
-        self.beginning = replace(self.beginning, timeout=timeout)
+        self.setup = job if isinstance(job, WorkerSetup) else WorkerSetup.of(job, nice)
+        self.timeout = timeout
         self.workers = workers
         self.limit = math.inf if limit is None else limit
         self.processes: list[Process] = []
@@ -153,13 +138,9 @@ class Processes:
 
     def __exit__(self, *_: object) -> None:
         for one in self.processes:
-            one.popen.kill()
+            one.child.kill()
         for one in self.processes:
-            one.popen.wait()
-            for pipe in (one.popen.stdin, one.popen.stdout):
-                with suppress(OSError):
-                    if pipe is not None:
-                        pipe.close()
+            one.child.end(0.0)
             one.started.close()
         self.processes.clear()
 
@@ -192,10 +173,10 @@ class Processes:
         for one in self.processes:
             if not one.overran and one.is_late(now, self.limit):
                 one.overran = True
-                one.popen.kill()
+                one.child.kill()
             elif not one.halted and one.is_silent(now):
                 one.halted = True
-                one.popen.kill()
+                one.child.kill()
                 at, _ = one.left()
                 what = "a process that was to make runs"
                 if at is not None:
@@ -207,35 +188,34 @@ class Processes:
 
     def begin(self) -> Process:
         """A new process."""
-        serve = f"from {run_worker.__name__} import serve; serve()"
-        begin = f"import sys; sys.path[:] = {sys.path!r}; {serve}"
         named = tempfile.NamedTemporaryFile(prefix="flockscope-", delete=False)  # noqa: SIM115
         with named:
             named.truncate(mmap.PAGESIZE)
         with open(named.name, "r+b") as file:
-            started = mmap.mmap(file.fileno(), mmap.PAGESIZE)
-        popen = subprocess.Popen(
-            [sys.executable, "-c", begin],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env=os.environ | {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
-        )
-        process = Process(popen, started)
-        assert popen.stdin is not None
-        with suppress(BrokenPipeError):
-            pickle.dump(replace(self.beginning, place=named.name), popen.stdin, -1)
-            popen.stdin.flush()
-        threading.Thread(target=self.listen, args=(process,), name="runs", daemon=True).start()
+            process = Process(mmap.mmap(file.fileno(), mmap.PAGESIZE))
+        process.child = ChildProcess(
+            RunWorker,
+            self.setup,
+            named.name,
+            # It may compile as long as it likes; whether it stands still is seen here.
+            limits=ProcessLimits(niceness=self.setup.nice, start=math.inf, idle=self.timeout),
+            ended=lambda: self.events.put((process, None)),
+            environment={"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+        ).start()
         return process
 
-    def listen(self, process: Process) -> None:
-        """On a thread of its own: pass on what a process reports, None when it is gone."""
-        assert process.popen.stdout is not None
-        try:
-            while True:
-                self.events.put((process, pickle.load(process.popen.stdout)))
-        except (EOFError, OSError, ValueError, pickle.UnpicklingError):
-            self.events.put((process, None))
+    def send(self, process: Process, tasks: list[Task]) -> None:
+        """Send runs to a process; one that is gone has said so in `events`."""
+        process.waiting.extend(tasks)
+        made = process.child.ask(
+            "make",
+            [(task.payload, task.seed) for task in tasks],
+            receive=lambda outcomes: self.events.put((process, outcomes)),
+        )
+        # Of runs that cannot be reported nothing would come: they count as having killed it.
+        made.add_done_callback(
+            lambda done: process.child.kill() if done.exception() is not None else None
+        )
 
     def hand_out(self, ahead: deque[Task]) -> None:
         """Give each process as much as keeps it busy for a while, the order kept."""
@@ -247,7 +227,7 @@ class Processes:
             if not one.waiting:
                 one.heard = self.awake.seconds
             some = max(1, min(int((2.0 * AHEAD - busy) / self.seconds), share, 1000))
-            one.send([ahead.popleft() for _ in range(min(some, len(ahead)))])
+            self.send(one, [ahead.popleft() for _ in range(min(some, len(ahead)))])
 
     def take(
         self, process: Process, found: list[Outcome] | None, ahead: deque[Task], keep: Keep
@@ -270,15 +250,17 @@ class Processes:
     def bury(self, process: Process, ahead: deque[Task], keep: Keep) -> None:
         """Put the runs of a process that is gone back, the one that it was at with its count."""
         self.processes.remove(process)
-        code = process.popen.wait()
+        code, reason = process.child.exit_code, process.child.reason
+        how = reason if code is None else describe_exit(code)
         at, rest = process.left()
         process.started.close()
         ahead.extendleft(reversed(rest))
         if at is None:
-            self.stillborn += code != PATIENT and not process.overran
+            self.stillborn += code != 0 and not process.overran  # 0: it was asked for nothing
             if self.stillborn >= STILLBORN * self.workers:
+                why = f" ({reason})" if reason and code is not None else ""
                 raise InputError(
-                    f"no process that makes runs can be begun: they end with {ended(code)}"
+                    f"no process that makes runs can be begun: they end with {how}{why}"
                 )
             return
         at = replace(at, tries=at.tries + 1)
@@ -287,19 +269,10 @@ class Processes:
         elif at.tries < TRIES:
             ahead.appendleft(at)
         else:
-            how = "stood still" if process.halted else "ended"
-            keep(at, Outcome("killed", reason=f"its process {how} twice, with {ended(code)}"))
+            what = "stood still" if process.halted else "ended"
+            keep(at, Outcome("killed", reason=f"its process {what} twice, with {how}"))
 
 
 def print_line(line: str) -> None:
     """A line on stderr."""
     print(f"flockscope: {line}", file=sys.stderr, flush=True)
-
-
-def ended(code: int) -> str:
-    """How a process ended, in words.
-
-    >>> ended(-9), ended(-40), ended(1)
-    ('signal SIGKILL', 'signal 40', 'code 1')
-    """
-    return f"code {code}" if code >= 0 else f"signal {signal_name(-code)}"

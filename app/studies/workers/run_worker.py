@@ -1,15 +1,12 @@
-"""A process that makes runs: what it is sent it runs, in order, and reports how each ended."""
+"""What a process that makes runs does: it makes them in order, and reports how each ended."""
 
 from __future__ import annotations
 
 import mmap
-import os
 import pickle
-import queue
-import signal
-import sys
 import threading
 import time
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,8 +18,6 @@ REPORTS = 0.05
 """Seconds for which what is done is held back, so that many short runs make one report."""
 BEATS = 1.0
 """Seconds between two signs of life."""
-PATIENT = 0
-"""The code with which a process ends that is asked for nothing."""
 
 
 @dataclass(frozen=True)
@@ -33,11 +28,7 @@ class WorkerSetup:
     """The pickled job."""
     nice: int
     files: tuple[str, ...]
-    """Files of rules, which the process is to know too."""
-    place: str = ""
-    """The file in which it keeps how many runs it has begun, and its signs of life."""
-    timeout: float | None = None
-    """Seconds after which it ends if it is asked for nothing; None: never."""
+    """Files of rules, which the process is to know before it unpickles the job."""
 
     @classmethod
     def of(cls, job: Any, nice: int) -> WorkerSetup:
@@ -47,73 +38,52 @@ class WorkerSetup:
         return cls(pickle.dumps(job, -1), nice, tuple(map(str, FILES.values())))
 
 
-def serve() -> None:
-    """The process: read the job, then runs until there is nobody to send them."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is meant for the one that began it
-    reports = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # whatever a rule or a measure prints is no report
-    beginning: WorkerSetup = pickle.load(sys.stdin.buffer)
-    asked: queue.SimpleQueue[list[tuple[Any, int]]] = queue.SimpleQueue()
-    threading.Thread(target=listen, args=(asked,), daemon=True).start()
-    if beginning.nice and hasattr(os, "nice"):
-        os.nice(beginning.nice)
-    with open(beginning.place, "r+b") as file:
-        begun = mmap.mmap(file.fileno(), mmap.PAGESIZE)
-    threading.Thread(target=show_life, args=(begun,), daemon=True).start()
-    with suppress(OSError):  # where a file in use cannot be removed it stays, a page long
-        Path(beginning.place).unlink()
-    job = prepared(beginning)
-    count = 0
-    while True:
-        done: list[Outcome] = []
-        told = time.monotonic()
-        for payload, seed in next_of(asked, beginning.timeout):
-            count += 1
-            begun[:8] = count.to_bytes(8, "little")
-            done.append(made(job, payload, seed))
-            if time.monotonic() - told >= REPORTS:
-                report(reports, done)
-                done, told = [], time.monotonic()
-        if done:
-            report(reports, done)
+class RunWorker:
+    """Makes the runs of a job.
 
-
-def show_life(place: mmap.mmap) -> None:
-    """On a thread of its own: count in the second eight bytes while the process is not halted.
-
-    However long a run takes: kernels and the interpreter let this thread have its turn.
+    `place`: the file, a page long, in which it keeps how many runs it has begun and its signs of
+    life. The parent reads them in memory, even those of a process that was killed in between; a
+    message for each run would cost more than a short run does.
     """
-    beats = 0
-    while True:
-        beats += 1
-        place[8:16] = beats.to_bytes(8, "little")
-        time.sleep(BEATS)
 
-
-def next_of(
-    asked: queue.SimpleQueue[list[tuple[Any, int]]], timeout: float | None
-) -> list[tuple[Any, int]]:
-    """The runs that are asked for next; the process ends if there are none for too long."""
-    try:
-        return asked.get(timeout=timeout)
-    except queue.Empty:
-        os._exit(PATIENT)
-
-
-def prepared(beginning: WorkerSetup) -> Any:
-    """The job, ready to make runs; the process ends with a line if that cannot be."""
-    try:
+    def __init__(self, setup: WorkerSetup, place: str):
+        with open(place, "r+b") as file:
+            self.progress = mmap.mmap(file.fileno(), mmap.PAGESIZE)
+        threading.Thread(target=self.show_life, daemon=True).start()
+        with suppress(OSError):  # where a file in use cannot be removed it stays
+            Path(place).unlink()
         from agents.catalogue import from_file
 
-        for one in beginning.files:
-            from_file(one)
-        job = pickle.loads(beginning.job)
-        job.prepare()
-    except BaseException as error:
-        words = " ".join(f"{type(error).__name__}: {error}".split())
-        print(f"flockscope: a process cannot begin ({words})", file=sys.stderr, flush=True)
-        os._exit(1)  # in the usual farewell the thread that listens would be in the way
-    return job
+        for path in setup.files:
+            from_file(path)
+        self.job = pickle.loads(setup.job)
+        self.job.prepare()
+        self.count = 0
+
+    def make(self, runs: Sequence[tuple[Any, int]]) -> Iterator[list[Outcome]]:
+        """Make runs, each a payload and a seed; how they ended, some at a time."""
+        done: list[Outcome] = []
+        reported = time.monotonic()
+        for payload, seed in runs:
+            self.count += 1
+            self.progress[:8] = self.count.to_bytes(8, "little")
+            done.append(made(self.job, payload, seed))
+            if time.monotonic() - reported >= REPORTS:
+                yield done
+                done, reported = [], time.monotonic()
+        if done:
+            yield done
+
+    def show_life(self) -> None:
+        """On a thread of its own: count in the second eight bytes while the process is not halted.
+
+        However long a run takes: kernels and the interpreter let this thread have its turn.
+        """
+        beats = 0
+        while True:
+            beats += 1
+            self.progress[8:16] = beats.to_bytes(8, "little")
+            time.sleep(BEATS)
 
 
 def made(job: Any, payload: Any, seed: int) -> Outcome:
@@ -124,17 +94,3 @@ def made(job: Any, payload: Any, seed: int) -> Outcome:
     except Exception as error:
         outcome = failure(error)
     return outcome._replace(seconds=time.perf_counter() - began)
-
-
-def report(reports: Any, done: list[Outcome]) -> None:
-    """Report how runs ended."""
-    pickle.dump(done, reports, -1)
-    reports.flush()
-
-
-def listen(asked: queue.SimpleQueue[list[tuple[Any, int]]]) -> None:
-    """On a thread of its own: take what is sent, and end the process when its parent is gone."""
-    with suppress(EOFError, OSError, pickle.UnpicklingError):
-        while True:
-            asked.put(pickle.load(sys.stdin.buffer))
-    os._exit(1)
