@@ -7,7 +7,7 @@ import pytest
 from app.studies import figures
 from app.studies.experiment import experiment_names, read_experiment
 
-NEW = '''
+NEW = """
 from typing import ClassVar
 
 from app.studies.figures.energy import EnergySettings
@@ -22,7 +22,7 @@ def draw_hum(figure, seed):
 
 
 PICTURES = {"hum": draw_hum}
-'''
+"""
 
 
 @pytest.fixture
