@@ -12,19 +12,19 @@ from oracles.close_up import close_up
 from oracles.scenes import unit_vectors
 
 from agents import Flock
+from agents.engine.cache import kept
 from agents.rules import active_brownian as rule
-from worlds.compilation import entry
 from worlds.world import World
 
 SETTINGS = settings(max_examples=60, deadline=None, derandomize=True)
 
 
-@entry
+@kept
 def explain(me, near, surroundings, p, out):
     rule.explain(me, near, surroundings, p, out)
 
 
-@entry
+@kept
 def weigh(me, near, p, out):
     rule.weigh(me, near, p, out)
 

@@ -16,7 +16,6 @@ from agents import Flock
 from agents.engine.block import Me, NeighbourBlock
 from agents.engine.cache import kept
 from agents.rules import boundary_points as rule
-from worlds.compilation import entry
 from worlds.input_error import InputError
 from worlds.obstacles import obstacle
 
@@ -111,7 +110,7 @@ def test_three_ticks_are_those_of_the_reading(scene, given_):
         demand(compare_tick(flock) is not None)
 
 
-@entry
+@kept
 def explain(me, near, surroundings, p, out):
     rule.perceive(me, near, surroundings, p)
     rule.explain(me, near, surroundings, p, out)
@@ -171,7 +170,7 @@ def test_a_whole_way_round_an_obstacle(shape, sense):
 # --- what an agent perceives ------------------------------------------------------------------
 
 
-@entry
+@kept
 def boundary_end(me, near, ax, ay, p):
     return rule.boundary_end(me, near, ax, ay, p)
 

@@ -11,18 +11,18 @@ from oracles.close_up import close_up
 from oracles.flocks import in_open_space, velocity_of
 
 from agents import Flock
+from agents.engine.cache import kept
 from agents.rules import dorsogna as rule
-from worlds.compilation import entry
 
 SETTINGS = settings(max_examples=60, deadline=None, derandomize=True)
 
 
-@entry
+@kept
 def explain(me, near, surroundings, p, out):
     rule.explain(me, near, surroundings, p, out)
 
 
-@entry
+@kept
 def weigh(me, near, p, out):
     rule.weigh(me, near, p, out)
 

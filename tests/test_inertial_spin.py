@@ -118,10 +118,10 @@ def test_friction_stops_a_lone_turn():
 
 LAWS = [
     (0.05, 5.0, 0.05),
-    (1.0, 0.1, 0.05),
     (0.001, 100.0, 1.0),
-    (100.0, 0.01, 1.0),
     (1.5, 3.0, 0.02),
+    pytest.param(1.0, 0.1, 0.05, marks=pytest.mark.long),
+    pytest.param(100.0, 0.01, 1.0, marks=pytest.mark.long),
 ]
 """chi, eta and dt from one end of their ranges to the other."""
 

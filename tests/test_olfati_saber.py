@@ -15,7 +15,6 @@ from agents.engine.cache import kept
 from agents.observables.energy import potential
 from agents.rules import olfati_saber as rule
 from agents.rules.terms import sigma
-from worlds.compilation import entry
 
 CLEAR = 1e-7
 """Cases nearer to a threshold than this are left out: they hang on the last bits."""
@@ -57,12 +56,12 @@ def phi(z, a, b):
     return sigma.phi(z, a, b)
 
 
-@entry
+@kept
 def phi_alpha(s, p):
     return sigma.phi_alpha(s, p)
 
 
-@entry
+@kept
 def push(d2, p):
     return sigma.push(d2, p)
 
@@ -72,12 +71,12 @@ def level(d2, alarm, d, tau_a, tau_e, tau_s):
     return sigma.level(d2, alarm, d, tau_a, tau_e, tau_s)
 
 
-@entry
+@kept
 def explain(me, near, surroundings, p, out):
     rule.explain(me, near, surroundings, p, out)
 
 
-@entry
+@kept
 def weigh(me, near, p, out):
     sigma.weigh(me, near, p, out)
 

@@ -11,8 +11,8 @@ from oracles import vasarhelyi as oracle
 from oracles.scenes import unit_vectors
 
 from agents import Flock
+from agents.engine.cache import kept
 from agents.rules.vasarhelyi import braking
-from worlds.compilation import entry
 from worlds.obstacles import Disc, Polygon, Sphere
 from worlds.queries.clearance import clearance
 from worlds.world import World
@@ -28,7 +28,7 @@ ROUND = (
 )
 
 
-@entry
+@kept
 def curve(r, a, p):
     return braking(r, a, p)
 

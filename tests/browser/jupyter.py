@@ -82,7 +82,7 @@ class Jupyter:
             f"http://127.0.0.1:{self.port}{BASE}{what}",
             headers={"Authorization": f"token {self.token}"},
         )
-        with urllib.request.urlopen(asked, timeout=10) as answer:
+        with urllib.request.urlopen(asked, timeout=60) as answer:
             return json.load(answer)
 
     def notebook(self, *cells: str) -> str:

@@ -41,7 +41,7 @@ def start(*args, **more):
     )
 
 
-def wait_until(condition, process, seconds=60.0):
+def wait_until(condition, process, seconds=240.0):
     """Wait until a condition holds while the process runs."""
     end = time.monotonic() + seconds
     while not condition():

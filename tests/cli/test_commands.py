@@ -30,13 +30,6 @@ def test_help_names_every_command_with_a_summary():
         assert entry.summary in " ".join(result.stdout.replace("│", " ").split())
 
 
-@pytest.mark.parametrize("name", list(main_module.COMMANDS))
-def test_every_command_has_help(name):
-    result = call(name, "--help")
-    assert result.exit_code == 0
-    assert "Usage: flockscope" in result.stdout
-
-
 def test_without_a_command_the_laboratory_opens(monkeypatch):
     opened = []
 

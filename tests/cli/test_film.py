@@ -144,7 +144,7 @@ def test_ctrl_c_leaves_no_half_film_and_the_old_one(tmp_path):
                     env=environment(tmp_path))  # fmt: skip
     wait_until(lambda: list(tmp_path.glob("flockscope-film-*/film.mp4")), process)
     process.send_signal(signal.SIGINT)
-    stdout, stderr = process.communicate(timeout=30)
+    stdout, stderr = process.communicate(timeout=60)
     assert (process.returncode, stdout) == (130, "")
     assert stderr.splitlines()[-1] == "flockscope: stopped; no film was written"
     assert [path.name for path in tmp_path.iterdir()] == ["flock.mp4"]

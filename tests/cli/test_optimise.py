@@ -59,7 +59,7 @@ def test_killed_and_gone_on_with_it_is_the_same_answer(tmp_path, file):
         process = start("optimise", file, "--out", out, "--workers", 1, "--quiet")
         wait_until(lambda before=before: done(out) >= before + 20, process)
         process.send_signal(kind)
-        _, stderr = process.communicate(timeout=20)
+        _, stderr = process.communicate(timeout=60)
         assert process.returncode == (-9 if kind == signal.SIGKILL else 130), stderr
     assert "go on with: flockscope optimise" in stderr
     rest = call("optimise", out, "--json", "--quiet")

@@ -45,7 +45,7 @@ def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path):
     process = start(*args, "--runs", 100, "--quiet", "--json")
     wait_until(lambda: done() > 2, process)
     process.send_signal(signal.SIGINT)
-    stdout, stderr = process.communicate(timeout=10)
+    stdout, stderr = process.communicate(timeout=60)
     assert process.returncode == 130
     assert stdout == ""
     (line,) = stderr.strip().split("\n")

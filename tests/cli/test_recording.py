@@ -83,7 +83,7 @@ def test_a_stopped_run_leaves_a_recording_that_goes_on(tmp_path, sent):
     process = start(*LONG, "--every", 5, "--record", path, "--json")
     wait_until(lambda: size(tmp_path / "run.parquet.part") > 100_000, process)
     process.send_signal(sent)
-    stdout, stderr = process.communicate(timeout=20)
+    stdout, stderr = process.communicate(timeout=60)
     assert process.returncode == 130
     assert stdout == ""
     (line,) = stderr.strip().split("\n")
@@ -104,7 +104,7 @@ def test_a_stopped_run_without_a_file_says_so(tmp_path):
     with pytest.raises(subprocess.TimeoutExpired):
         process.communicate(timeout=1.0)
     process.send_signal(signal.SIGINT)
-    stdout, stderr = process.communicate(timeout=20)
+    stdout, stderr = process.communicate(timeout=60)
     assert process.returncode == 130
     assert stdout == ""
     assert "nothing was kept" in stderr
@@ -115,7 +115,7 @@ def test_what_a_kill_leaves_can_be_recovered(tmp_path):
     process = start(*LONG, "--record", path)
     wait_until(lambda: size(part) > 3_000_000, process)
     process.kill()
-    process.communicate(timeout=20)
+    process.communicate(timeout=60)
     assert not path.exists()
     again = call(*LONG, "--record", path)
     assert again.exit_code == 2

@@ -64,7 +64,7 @@ def test_killed_at_any_moment_and_gone_on_with_it_is_the_same_table(tmp_path, un
         target = before + chance.randint(1, 150)
         wait_until(lambda target=target: done(out) >= target, process)
         process.send_signal(kind)
-        _, stderr = process.communicate(timeout=20)
+        _, stderr = process.communicate(timeout=60)
         assert process.returncode == (-9 if kind == signal.SIGKILL else 130), stderr
         assert ("go on with: flockscope sweep run" in stderr) == (kind != signal.SIGKILL)
         assert target <= done(out) < 400
@@ -85,7 +85,7 @@ def test_another_process_looks_and_stops_it_and_none_other_writes(tmp_path):
     assert value["rate"] > 0.0
     assert "by another process" in refusal("sweep", "run", path, "--out", out, "--quiet")
     assert call("sweep", "stop", out, "--quiet").exit_code == 0
-    process.communicate(timeout=20)
+    process.communicate(timeout=60)
     assert process.returncode == 0
     assert "stopped" in call("sweep", "status", out).stdout
     listed = json.loads(call("sweep", "list", "--in", out.parent, "--json").stdout)["sweeps"]

@@ -74,7 +74,7 @@ def test_ctrl_c_ends_all_its_processes_and_loses_nothing_that_was_finished(tmp_p
     process = begun(undisturbed, tmp_path, start_new_session=True)
     makers = children(process)
     os.killpg(process.pid, signal.SIGINT)
-    _, stderr = process.communicate(timeout=20)
+    _, stderr = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "go on with: flockscope sweep run" in stderr
     assert makers

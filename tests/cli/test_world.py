@@ -264,13 +264,6 @@ def test_no_file_is_replaced_unless_asked(hall, tmp_path):
         assert path.stat().st_size > 100
 
 
-@pytest.mark.parametrize("command", ["list", "show", "check", "import", "make"])
-def test_every_command_has_help(command):
-    shown = made(command, "--help").stdout
-    assert f"Usage: flockscope world {command}" in shown
-    assert command in made("--help").stdout
-
-
 def test_the_page_of_worlds_has_the_tables_and_pictures_that_are_declared():
     script = runpy.run_path(str(DOCS / "make_worlds.py"))
     text = (DOCS / "worlds.md").read_text(encoding="utf-8")

@@ -39,7 +39,7 @@ def ask(port: int, path: str = "/", headers: dict[str, str] | None = None, metho
 def tell(port: int, request: bytes) -> Answer | None:
     """Send these bytes, and read the answer to its end (to HEAD: whatever comes until the line is
     closed) or, of a websocket, to its first frame."""
-    with socket.create_connection(("127.0.0.1", port), timeout=20) as line:
+    with socket.create_connection(("127.0.0.1", port), timeout=60) as line:
         line.sendall(request)
         got = b""
         while b"\r\n\r\n" not in got:

@@ -68,7 +68,7 @@ def test_reset_keeps_what_only_the_second_has(simulate):
 def test_a_second_flock_that_cannot_be_built_leaves_the_old_ones(simulate):
     simulation = simulate(at_home("hwvem", agents=12), Spec("vem-a"))
     simulation.setup(simulation.state.spec.but(dim=3), Spec("ivem"))
-    notice = simulation.notices.get(timeout=10)
+    notice = simulation.notices.get(timeout=60)
     assert notice.startswith("Improved Vicsek model: dim = 3")
     simulation.step().result(60)
     until(lambda: simulation.frame.beside.tick == 1)
@@ -113,7 +113,7 @@ def test_a_broken_second_flock_is_named_and_stops_both(simulate, error, words, t
     simulation.go()
     until(lambda: simulation.state.error)
     assert simulation.state.error == words
-    assert simulation.notices.get(timeout=5) == words
+    assert simulation.notices.get(timeout=60) == words
     assert not simulation.state.running
     with pytest.raises(InputError, match="press Setup"):
         simulation.go().result(60)

@@ -118,7 +118,7 @@ def test_more_than_can_wait_is_refused_and_what_can_be_merged_is_not(held):
     assert len(refused) == 5
     with pytest.raises(InputError, match=f"{MOST} commands wait already"):
         refused[0].result()
-    assert "too much at once" in simulation.notices.get(timeout=5)
+    assert "too much at once" in simulation.notices.get(timeout=60)
     paused = simulation.pause()
     kept = [simulation.setup(at_home(agents=2 + k)) for k in range(9)]
     kept += [simulation.set("eta", 0.1 * k) for k in range(9)]

@@ -43,7 +43,7 @@ def test_a_setup_that_is_too_dense_leaves_the_old_flock():
     simulation = Simulation(at_home(agents=5), running=False, build=StubFlock)
     assert simulation.ready.wait(60)
     simulation.setup(at_home(agents=21_000, size=1.0))
-    assert "pairs of neighbours" in simulation.notices.get(timeout=20)
+    assert "pairs of neighbours" in simulation.notices.get(timeout=60)
     until(lambda: not simulation.state.busy)
     assert simulation.state.agents == 5
     simulation.close()

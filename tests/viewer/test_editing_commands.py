@@ -97,7 +97,7 @@ def test_what_is_refused_is_told_and_changes_nothing(simulation):
         simulation.edits.change(
             lambda e: e.add(forms.polygon([(0, 0), (4, 4), (4, 0), (0, 4)]))
         ).result(60)
-    assert "crosses itself" in simulation.notices.get(timeout=5)
+    assert "crosses itself" in simulation.notices.get(timeout=60)
     assert simulation.run.flock.world is world
     assert simulation.edits.editor is editor
 
@@ -140,7 +140,7 @@ def test_a_drag_over_what_cannot_be_is_silent_and_its_end_is_not(simulation):
     simulation.edits.change(lambda editor: editor).result(60)
     assert simulation.notices.empty()
     simulation.edits.change(lambda editor: editor.move(key, (1e6, 0.0), gesture="drag"))
-    assert "too far away" in simulation.notices.get(timeout=5)
+    assert "too far away" in simulation.notices.get(timeout=60)
 
 
 def test_a_drag_goes_on_over_a_setup_without_harm(simulation):
@@ -179,7 +179,7 @@ def test_a_file_that_is_refused_changes_nothing(simulation):
     editor = simulation.edits.editor
     with pytest.raises(InputError):
         simulation.edits.open_layout("mine.toml", b"size = ").result(60)
-    assert "mine.toml is not TOML" in simulation.notices.get(timeout=5)
+    assert "mine.toml is not TOML" in simulation.notices.get(timeout=60)
     assert (simulation.state.run, simulation.edits.editor) == (1, editor)
 
 
@@ -192,7 +192,7 @@ def test_a_world_in_which_the_flock_cannot_be_leaves_the_old_one(simulation):
     simulation.building.build = build
     world = World("tall", (5.0, 5.0, 5.0), ("open",) * 3)
     simulation.edits.open_layout("tall.toml", world.to_toml().encode())
-    assert "dim = 3" in simulation.notices.get(timeout=5)
+    assert "dim = 3" in simulation.notices.get(timeout=60)
     until(lambda: simulation.next is None)
     assert simulation.state.spec == START
     assert simulation.run.flock.world.dim == 2

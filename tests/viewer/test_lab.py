@@ -44,9 +44,9 @@ def stopped(process, how):
     try:
         line = process.stdout.readline()
         address = re.search(r"http://localhost:\d+", line)[0]
-        assert b"<html" in urllib.request.urlopen(address, timeout=10).read()
+        assert b"<html" in urllib.request.urlopen(address, timeout=60).read()
         process.send_signal(how)
-        out, err = process.communicate(timeout=20)
+        out, err = process.communicate(timeout=60)
     except subprocess.TimeoutExpired:
         process.send_signal(signal.SIGABRT)  # what its threads are at
         pytest.fail(process.communicate()[1])

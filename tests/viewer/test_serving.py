@@ -141,7 +141,7 @@ def test_no_websocket_is_opened_by_head(port):
 
 def test_a_request_may_come_byte_by_byte(port):
     whole = f"HEAD /alive HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode()
-    with socket.create_connection(("127.0.0.1", port), timeout=20) as line:
+    with socket.create_connection(("127.0.0.1", port), timeout=60) as line:
         line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         for at in range(len(whole)):
             line.sendall(whole[at : at + 1])

@@ -117,7 +117,7 @@ def test_a_parameter_acts_at_once_and_one_out_of_range_is_refused(simulate):
     with pytest.raises(InputError, match=r"eta = 99 is outside \[0, 6.28\]"):
         simulation.set("eta", 99).result(60)
     assert simulation.run.flock.parameters.eta == 1.5
-    assert "eta = 99" in simulation.notices.get(timeout=5)
+    assert "eta = 99" in simulation.notices.get(timeout=60)
     assert not simulation.state.error
 
 
@@ -135,7 +135,7 @@ def test_a_control_of_a_model_that_is_gone_sets_nothing(simulate):
 def test_a_refused_setup_leaves_the_old_flock_running(simulate):
     simulation = simulate(running=True)
     simulation.setup(at_home(parameters={"eta": -1.0}))
-    assert "eta = -1" in simulation.notices.get(timeout=5)
+    assert "eta = -1" in simulation.notices.get(timeout=60)
     before = tick(simulation)
     until(lambda: tick(simulation) > before)
     assert simulation.state.run == 1
@@ -155,7 +155,7 @@ def test_a_rule_that_raises_stops_the_run_and_setup_mends_it(simulate, error, wo
     simulation = simulate(build=lambda start: next(builds)(start), running=True)
     until(lambda: simulation.state.error)
     assert words in simulation.state.error
-    assert words in simulation.notices.get(timeout=5)
+    assert words in simulation.notices.get(timeout=60)
     assert not simulation.state.running
     with pytest.raises(InputError, match="press Setup"):
         simulation.go().result(60)
@@ -299,7 +299,7 @@ def test_what_cannot_be_observed_is_told_once_and_the_flock_runs_on(simulate, ca
     simulation.want(FrameRequest(row=1))
     before = tick(simulation)
     until(lambda: tick(simulation) > before + 20)
-    told = {simulation.notices.get(timeout=5), simulation.notices.get(timeout=5)}
+    told = {simulation.notices.get(timeout=60), simulation.notices.get(timeout=60)}
     assert told == {"int too big to convert", "KeyError: 'nothing to see'"}
     assert simulation.notices.empty()
     assert not simulation.state.error

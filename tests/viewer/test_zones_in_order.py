@@ -71,7 +71,7 @@ def test_it_is_told_and_the_answer_is_the_value_taken():
         assert simulation.set("d_r", 4.0).result(60) == 2.5
         assert simulation.state.values["d_r"] == 2.5
         words = "d_r stops at 2.5: repulsion ends at 2.5, orientation ends at 2.5"
-        assert words in simulation.notices.get(timeout=5)
+        assert words in simulation.notices.get(timeout=60)
         with pytest.raises(InputError, match="alpha = 999"):
             simulation.set("alpha", 999.0).result(60)
     finally:
