@@ -87,11 +87,12 @@ class Flocks:
         """A process for students' flocks, not begun yet."""
         return WorkerProcess(self.has_ended, Laboratories, self.allowance)
 
-    async def open_teacher(self) -> None:
+    async def open_teacher(self) -> WorkerProcess:
         """Open the teacher's laboratory, and the page of those who watch it, in a new process."""
-        self.own = await WorkerProcess(self.has_ended).begin()
-        self.teacher = LaboratoryAddress(self.own, await self.own.ask("open", TEACHER, self.first))
-        self.watching = LaboratoryAddress(self.own, await self.own.ask("watch", TEACHER))
+        self.own = own = await WorkerProcess(self.has_ended).begin()
+        self.teacher = LaboratoryAddress(own, await own.ask("open", TEACHER, self.first))
+        self.watching = LaboratoryAddress(own, await own.ask("watch", TEACHER))
+        return own
 
     def task[T](self, work: Coroutine[Any, Any, T]) -> asyncio.Task[T]:
         """Have something done, whoever waits for it or waits no more."""
@@ -114,9 +115,7 @@ class Flocks:
 
     async def open_teacher_again(self) -> None:
         """Open the teacher's laboratory anew; pages that wait for it connect to it."""
-        await self.open_teacher()
-        assert self.own is not None
-        self.ended(self.own)
+        self.ended(await self.open_teacher())
 
     # What each student sees.
 
