@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from agents.flock import Flock
-from agents.models.declare import declared, demand_proposed
+from agents.models.declare import NumberParameter, declared, demand_proposed
 from agents.models.model import Model
 from agents.models.model_calls import ModelCodeError
 from agents.models.tries import LessonStep
@@ -268,11 +268,9 @@ def other_dimensions(model: Model) -> None:
 def proposed(model: Model) -> None:
     """The range that a slider proposes is within what is allowed, and the default is in it."""
     for one in declared(model.parameters):
-        if one.proposed is None:
+        if not isinstance(one, NumberParameter):
             demand(one.kind != "number", f"{one.name}: no range for a slider")
             continue
-        assert one.low is not None
-        assert one.high is not None
         try:
             demand_proposed(one.proposed, one.default, one.low, one.high)
         except ValueError as why:

@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from agents import Flock
 from agents.catalogue import MODELS
-from agents.spec import Spec
+from agents.spec import CompleteSpec
 from app.classroom.class_file import ClassState, SavedStudent, load, save
 from app.classroom.collect.class_picture import FORMATS, picture
 from app.classroom.collect.class_table import to_json
@@ -48,7 +48,7 @@ def timed[Made](work: Callable[[], Made]) -> tuple[Made, float]:
     return made, 1e3 * (time.perf_counter() - begun)
 
 
-def answered(question: Question, scene: Spec, students: int) -> Collection:
+def answered(question: Question, scene: CompleteSpec, students: int) -> Collection:
     """A class's results, and what each of them cost, printed."""
     found = Collection(question)
     warm_up(question, scene)
@@ -56,7 +56,7 @@ def answered(question: Question, scene: Spec, students: int) -> Collection:
     for number in range(students):
         name = f"Student {number}"
         spec = found.begins(name, scene)
-        alone.append(timed(lambda spec=spec: run_of(question, spec))[1])
+        alone.append(timed(lambda spec=spec: run_of(question, spec, spec.seed))[1])
         point: Point
         point, took = timed(lambda spec=spec, name=name: hand_in(question, name, spec, scene))
         whole.append(took)

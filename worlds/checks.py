@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 
 from worlds.input_error import InputError
+from worlds.mission import Mission
 from worlds.queries.clearance import clearance
 from worlds.world import World
 
@@ -46,9 +47,11 @@ def problems(world: World) -> list[Problem]:
     """
     found = [p for number, _ in enumerate(world.obstacles) for p in shape_problems(world, number)]
     if not found and world.mission is not None:
-        found = dimension_problems(world)
+        found = dimension_problems(world, world.mission)
         if not found:
-            found = start_problems(world) + place_problems(world) + leg_problems(world)
+            found = start_problems(world, world.mission)
+            found += place_problems(world, world.mission)
+            found += leg_problems(world, world.mission)
     return found
 
 
@@ -99,20 +102,18 @@ def needs_space(obstacle) -> bool:
     )
 
 
-def dimension_problems(world: World) -> list[Problem]:
+def dimension_problems(world: World, mission: Mission) -> list[Problem]:
     """Parts of the mission with another number of coordinates than the world has."""
-    assert world.mission is not None
     return [
         Problem(part, (), f"{part} has {dim} coordinates, the world has {world.dim}")
-        for part, dim in world.mission.dims().items()
+        for part, dim in mission.dims().items()
         if dim != world.dim
     ]
 
 
-def start_problems(world: World) -> list[Problem]:
+def start_problems(world: World, mission: Mission) -> list[Problem]:
     """A start region without free space outside the obstacles."""
-    assert world.mission is not None
-    start = world.mission.start
+    start = mission.start
     if start is None or start.high is None or not world.is_solid:
         return []
     low, high = np.array(start.low), np.array(start.high)
@@ -131,11 +132,10 @@ def start_problems(world: World) -> list[Problem]:
     ]
 
 
-def place_problems(world: World) -> list[Problem]:
+def place_problems(world: World, mission: Mission) -> list[Problem]:
     """Waypoints and goals inside what is solid."""
-    assert world.mission is not None
     found = []
-    for part, points in way(world).items():
+    for part, points in way(mission).items():
         depth = clearance(world, np.array(points))
         for number in np.flatnonzero(depth < 0.0):
             where = (
@@ -154,13 +154,13 @@ def is_beyond(world: World, place: tuple[float, ...]) -> bool:
     )
 
 
-def leg_problems(world: World) -> list[Problem]:
+def leg_problems(world: World, mission: Mission) -> list[Problem]:
     """Legs of a path that cross an obstacle, as warnings."""
-    assert world.mission is not None
-    if world.mission.path is None:
+    path = mission.path
+    if path is None:
         return []
-    points = world.mission.path.waypoints
-    legs = list(zip(points, points[1:] + points[:1] * world.mission.path.closed, strict=False))
+    points = path.waypoints
+    legs = list(zip(points, points[1:] + points[:1] * path.closed, strict=False))
     found = []
     for number, (start, end) in enumerate(legs):
         share = np.linspace(0.0, 1.0, LEG_STEPS)[:, None]
@@ -173,14 +173,13 @@ def leg_problems(world: World) -> list[Problem]:
     return found
 
 
-def way(world: World) -> dict[str, tuple[tuple[float, ...], ...]]:
-    """The waypoints of the mission's path and of its goal, by the key in the layout."""
-    assert world.mission is not None
+def way(mission: Mission) -> dict[str, tuple[tuple[float, ...], ...]]:
+    """The waypoints of a mission's path and of its goal, by the key in the layout."""
     found: dict[str, tuple[tuple[float, ...], ...]] = {}
-    if world.mission.path is not None:
-        found["mission.path.waypoints"] = world.mission.path.waypoints
-    if world.mission.goal is not None:
-        found["mission.goal.route"] = world.mission.goal.route
+    if mission.path is not None:
+        found["mission.path.waypoints"] = mission.path.waypoints
+    if mission.goal is not None:
+        found["mission.goal.route"] = mission.goal.route
     return found
 
 

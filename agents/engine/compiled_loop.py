@@ -102,8 +102,8 @@ def load(kind: str, globals_: dict, fields) -> types.ModuleType:
 def made(kind: str, module_name: str, globals_: dict, fields) -> types.ModuleType:
     """The template `kind` executed as a module of that name."""
     spec = importlib.util.spec_from_file_location(module_name, TEMPLATES[kind])
-    assert spec is not None
-    assert spec.loader is not None
+    if spec is None or spec.loader is None:
+        raise ImportError(f"no loader for the template {TEMPLATES[kind]}")
     module = importlib.util.module_from_spec(spec)
     parameters = parameter_tuple(module_name, fields)
     module.__dict__.update(globals_, P=parameters, **{parameters.__name__: parameters})

@@ -128,8 +128,8 @@ def parameter(
     proposed range that is not within the range or does not hold the default.
     """
     if proposed is not None:
-        assert low is not None
-        assert high is not None
+        if low is None or high is None:
+            raise ValueError(f"proposed = {proposed} is given without a range: give low and high")
         demand_proposed(proposed, default, low, high)
     return Field(
         default,
@@ -185,6 +185,20 @@ class DeclaredParameter:
         return f"[{self.low:g}, {self.high:g}]{unit}"
 
 
+@dataclass(frozen=True)
+class NumberParameter(DeclaredParameter):
+    """A number with a range: what a slider sets and a sweep varies."""
+
+    low: float
+    high: float
+    proposed: Range
+
+    @property
+    def bounds(self) -> Range:
+        """The least and the largest value that are allowed."""
+        return self.low, self.high
+
+
 @cache
 def declared(model: type[Parameters]) -> tuple[DeclaredParameter, ...]:
     """The declared parameters of a model, in order."""
@@ -206,22 +220,24 @@ def describe(name: str, field: FieldInfo) -> DeclaredParameter:
     proposed: Any = extra["proposed"]
     if proposed is None and low is not None and high is not None:
         proposed = around(field.default, low, high, extra["step"])  # type: ignore[arg-type]
-    return DeclaredParameter(
-        name,
-        str(extra["symbol"]),
-        str(extra["unit"]),
-        field.description or "",
-        str(extra["source"]),
-        field.default,
-        kind,
-        low,
-        high,
-        extra["step"],  # type: ignore[arg-type]
-        choices,
-        bool(extra["noise"]),
-        str(extra["words"] or name.replace("_", " ")),
-        proposed,
-    )
+    is_ranged = kind == "number" and low is not None and high is not None
+    values: dict[str, Any] = {
+        "name": name,
+        "symbol": str(extra["symbol"]),
+        "unit": str(extra["unit"]),
+        "description": field.description or "",
+        "source": str(extra["source"]),
+        "default": field.default,
+        "kind": kind,
+        "low": low,
+        "high": high,
+        "step": extra["step"],
+        "choices": choices,
+        "noise": bool(extra["noise"]),
+        "words": str(extra["words"] or name.replace("_", " ")),
+        "proposed": proposed,
+    }
+    return NumberParameter(**values) if is_ranged else DeclaredParameter(**values)
 
 
 def checked(

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from worlds.checks import demand_free, demand_in_box
 from worlds.input_error import InputError, unknown
-from worlds.mission import StartRegion
+from worlds.mission import Mission, StartRegion
 from worlds.queries.clearance import clearance
 from worlds.world import World
 
@@ -70,8 +70,9 @@ def random_start(
     of its own, where all are spread alike. Raises InputError where there is no room.
     """
     n = agents + informed
-    if world.mission is not None and world.mission.start is not None:
-        return mission_start(world, n, informed, rng, spacing, gap)
+    mission = world.mission
+    if mission is not None and mission.start is not None:
+        return mission_start(world, mission, mission.start, n, informed, rng, spacing, gap)
     position = free_positions(world, agents, rng, spacing or 0.0, gap)
     heading = random_headings(rng, agents, world.dim)
     position = position[along_space(position, np.array(world.size))]
@@ -177,20 +178,18 @@ def start_box(region: StartRegion, n: int) -> tuple[np.ndarray, np.ndarray]:
 
 def mission_start(
     world: World,
+    mission: Mission,
+    region: StartRegion,
     n: int,
     informed: int,
     rng: np.random.Generator,
     spacing: float | None = None,
     gap: float = 0.0,
 ) -> Start:
-    """A start from the mission's region; the first `informed` agents head for the first waypoint.
+    """A start from a mission's region; the first `informed` agents head for the first waypoint.
 
     The region's spacing holds unless `spacing` is given. Raises InputError where there is no room.
     """
-    mission = world.mission
-    assert mission is not None
-    region = mission.start
-    assert region is not None
     low, size = start_box(region, n)
     if spacing is None:
         position = spread(world, low, size, n, region.spacing, rng, gap)

@@ -90,11 +90,12 @@ class Flocks:
         worker.start()
         return worker
 
-    async def open_teacher(self) -> None:
+    async def open_teacher(self) -> WorkerProcess:
         """Open the teacher's laboratory, and the page of those who watch it, in a new process."""
-        self.own = WorkerProcess(Laboratories, ended=self.has_ended)
-        self.teacher = LaboratoryAddress(self.own, await self.own.do("open", TEACHER, self.first))
-        self.watching = LaboratoryAddress(self.own, await self.own.do("watch", TEACHER))
+        self.own = own = WorkerProcess(Laboratories, ended=self.has_ended)
+        self.teacher = LaboratoryAddress(own, await own.do("open", TEACHER, self.first))
+        self.watching = LaboratoryAddress(own, await own.do("watch", TEACHER))
+        return own
 
     def task[T](self, work: Coroutine[Any, Any, T]) -> asyncio.Task[T]:
         """Have something done, whoever waits for it or waits no more."""
@@ -115,9 +116,7 @@ class Flocks:
 
     async def open_teacher_again(self) -> None:
         """Open the teacher's laboratory anew; pages that wait for it connect to it."""
-        await self.open_teacher()
-        assert self.own is not None
-        self.ended(self.own)
+        self.ended(await self.open_teacher())
 
     # What each student sees.
 

@@ -174,7 +174,8 @@ class QuestionService:
         who leaves and comes back has not two runs at a time.
         """
         collection = self.demand_turn(student)
-        assert self.scene is not None
+        if self.scene is None:
+            raise InputError("no question has been asked")
         self.runs.record(student).busy = True
         work = self.make_point(collection, student, ran, self.scene.spec)
         return await finish(self.handed, work)

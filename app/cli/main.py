@@ -40,9 +40,7 @@ COMMANDS = {
     ),
     "optimise": Entry(".optimise", "optimise", "Search for the best values of parameters."),
     "live": Entry(".live.commands", "live", "Drive real cars: check, run, replay, emulate."),
-    "flight": Entry(
-        ".flight", "flight", "Fly a flapping-wing aircraft: trim, sweep, load."
-    ),
+    "flight": Entry(".flight", "flight", "Fly a flapping-wing aircraft: trim, sweep, load."),
     "world": Entry(".world", "world", "List, draw, check, import and make worlds."),
     "formation": Entry(".formation", "formation", "Say what birds save in formation flight."),
     "list": Entry(".listing", "listing", "List models, worlds, observables, papers, lessons."),

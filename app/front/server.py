@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from http import HTTPStatus
-from typing import Any
+from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
 import rich
@@ -71,13 +71,25 @@ class ServerEntrance:
     log: Log = field(default_factory=Log)
     renders: Renders = field(default_factory=Renders)
     heard: MessageNotifier = field(default_factory=MessageNotifier)
-    admission: Admission | None = None
-    inner: Any = None
+
+
+class ServedWebsockets(NamedTuple):
+    """What viser serves, once its loop runs."""
+
+    admission: Admission
+    server: Any
     """The server of websockets, which takes no connections itself."""
-    door: ConnectionAcceptor | None = None
 
 
-entrances: WeakKeyDictionary[viser.ViserServer, ServerEntrance] = WeakKeyDictionary()
+@dataclass(kw_only=True)
+class OpenEntrance(ServerEntrance):
+    """An entrance whose server is there."""
+
+    served: ServedWebsockets
+    door: ConnectionAcceptor
+
+
+entrances: WeakKeyDictionary[viser.ViserServer, OpenEntrance] = WeakKeyDictionary()
 """Of every server that is open."""
 
 
@@ -103,24 +115,23 @@ def open_server(
     keep_icons_open()
     entrance = ServerEntrance(front or Front(), kinds, ClientAddresses(limits=limits))
     sock = listening(host, port)
-    with starting, served_on(sock, entrance), quiet():
+    with starting, served_on(sock, entrance) as begun, quiet():
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
     drop_messages(server, UNWANTED)
     guard(server)
     accept_renders(server, entrance.renders)
     loop = event_loop(server)
-    inside = partial(loop.connect_accepted_socket, protocol_factory(entrance.inner))
-    entrance.door = ConnectionAcceptor(sock, inside, loop, entrance.visitors, entrance.front.allow)
-    entrances[server] = entrance
+    served = begun[-1]
+    inside = partial(loop.connect_accepted_socket, protocol_factory(served.server))
+    door = ConnectionAcceptor(sock, inside, loop, entrance.visitors, entrance.front.allow)
+    entrances[server] = OpenEntrance(**vars(entrance), served=served, door=door)
     return server
 
 
 def admit_browsers(server: viser.ViserServer) -> None:
     """Let browsers use what a server serves: the last step of whoever makes what it serves."""
     entrance = entrances[server]
-    assert entrance.admission is not None
-    assert entrance.door is not None
-    entrance.admission.decide(True)
+    entrance.served.admission.decide(True)
     entrance.door.settled.set()
 
 
@@ -142,7 +153,6 @@ def when_heard(server: viser.ViserServer, tell: Callable[[], None]) -> None:
 def stops(server: viser.ViserServer, stop: Callable[[str], None]) -> None:
     """Have emergency stops carried out, on the door's thread; `stop` is told by whom."""
     door = entrances[server].door
-    assert door is not None
     door.stop = stop
     door.settled.set()
 
@@ -150,19 +160,19 @@ def stops(server: viser.ViserServer, stop: Callable[[str], None]) -> None:
 def close_server(server: viser.ViserServer) -> None:
     """Stop a server without a word on standard output."""
     entrance = entrances.pop(server, None)
-    if entrance is not None and entrance.door is not None:
+    if entrance is not None:
         entrance.door.close()
-    if entrance is not None and entrance.admission is not None:
-        entrance.admission.decide(False)
+        admission = entrance.served.admission
+        admission.decide(False)
         with contextlib.suppress(RuntimeError):  # the loop is closed, and nobody is there
-            entrance.admission.loop.call_soon_threadsafe(end_lines, entrance)
+            admission.loop.call_soon_threadsafe(end_lines, entrance)
     with starting, quiet():
         server.stop()
     if entrance is not None:
         entrance.log.close()
 
 
-def end_lines(entrance: ServerEntrance) -> None:
+def end_lines(entrance: OpenEntrance) -> None:
     """On viser's loop: let all have read what they are told last, then end their lines.
 
     websockets would wait until they go, and viser for that, 6 s in all: a client that keeps its
@@ -170,7 +180,7 @@ def end_lines(entrance: ServerEntrance) -> None:
     """
 
     def end() -> None:
-        for connection in list(entrance.inner.handlers):
+        for connection in list(entrance.served.server.handlers):
             connection.transport.abort()
 
     asyncio.get_running_loop().call_later(FAREWELL, end)
@@ -202,18 +212,20 @@ def listening(host: str, port: int) -> socket.socket:
 
 
 @contextlib.contextmanager
-def served_on(sock: socket.socket, entrance: ServerEntrance) -> Iterator[None]:
+def served_on(sock: socket.socket, entrance: ServerEntrance) -> Iterator[list[ServedWebsockets]]:
     """Within it, viser serves on this socket what an entrance lets in.
 
-    It takes no connections from the socket: they are brought in by the door.
+    It takes no connections from the socket: they are brought in by the door. What is served is put
+    into the list once viser's loop has begun it.
     """
+    begun: list[ServedWebsockets] = []
     front, log = entrance.front, entrance.log
     own = {
         name: getattr(entrance, name) for name in ("kinds", "visitors", "log", "renders", "heard")
     }
 
     def serve_here(handler: Any, _host: str, _port: int, *, process_request: Any, **options: Any):
-        entrance.admission = admission = Admission(asyncio.get_running_loop())
+        admission = Admission(asyncio.get_running_loop())
 
         async def answer(connection: Any, request: Request) -> Response | None:
             early = front.loads_page(request.path) or is_websocket(request)
@@ -237,12 +249,12 @@ def served_on(sock: socket.socket, entrance: ServerEntrance) -> Iterator[None]:
             "logger": logger(log),
         }
         made = usual(partial(of_one_version, handler), **(options | ours))
-        entrance.inner = made.server
+        begun.append(ServedWebsockets(admission, made.server))
         made.server.is_serving = lambda: made.server.close_task is None
         return made
 
     with served_by(serve_here) as usual:
-        yield
+        yield begun
 
 
 async def of_one_version(handler: Any, connection: Any) -> None:

@@ -55,6 +55,13 @@ class Case:
         return (of.label if of else "") or self.spec.model
 
     @property
+    def own_sweep(self) -> PaperSweep:
+        """The sweep that it is a point of. Raises ValueError for a row of a table."""
+        if self.sweep is None:
+            raise ValueError(f"{self.label} is no point of a sweep")
+        return self.sweep
+
+    @property
     def value(self) -> Value | None:
         """The value of the swept parameter or option."""
         return self.spec.setting(self.sweep.parameter) if self.sweep else None

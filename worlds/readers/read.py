@@ -308,8 +308,9 @@ class LayerShapes:
                     lines.setdefault(item.layer, []).append(shape)
                 else:
                     self.take(row, shape)
-        for layer, held in lines.items():
-            self.joined(row_of[layer], held)
+        if join is not None:
+            for layer, held in lines.items():
+                self.joined(row_of[layer], held, join)
         self.note_walls()
 
     def take(self, row: LayerRole, shape: Solid) -> None:
@@ -344,12 +345,11 @@ class LayerShapes:
         self.changed(change)
         return made
 
-    def joined(self, row: LayerRole, lines: list[DrawnLine]) -> None:
-        """Take the lines of a layer, joined."""
-        assert self.join is not None
+    def joined(self, row: LayerRole, lines: list[DrawnLine], join: float) -> None:
+        """Take the lines of a layer, joined where their ends are nearer than `join`, m."""
         walls = row.role == WALL and self.thickness is not None
         try:
-            made = joined(lines, self.join / self.metres, self.metres, walls)
+            made = joined(lines, join / self.metres, self.metres, walls)
         except InputError as refusal:
             self.problems.append(str(refusal))
             return

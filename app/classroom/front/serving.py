@@ -105,8 +105,10 @@ class ClassFront:
             auto_decompress=False,
         )
         await self.runner.setup()
-        assert self.runner.server is not None
-        self.connections = Connections(self.runner.server)
+        server = self.runner.server
+        if server is None:
+            raise RuntimeError("aiohttp's runner has no server after its setup")
+        self.connections = Connections(server)
         await web.SockSite(self.runner, self.sock, ssl_context=self.tls).start()
 
     async def close(self) -> None:
@@ -312,7 +314,8 @@ class ClassFront:
     ) -> web.StreamResponse:
         """A laboratory's page, or what that asks its laboratory for."""
         if is_websocket(request):
-            assert place is not None
+            if place is None:
+                raise web.HTTPNotFound(text="there is no such page\n")
             return await self.relay.connect(request, place, limits)
         if path == "/alive":
             return web.Response(text=f"{self.name}\n")

@@ -152,7 +152,6 @@ def film(
     wanted = names(plot) if plot else []
     taken_at: Callable[[list[int]], Iterator[Snapshot]]
     if is_recording(spec):
-        assert spec is not None
         recorded = recording_of(spec, asked, settings or [], rule)
         model, unit = recorded.spec.model, recorded.time_unit
         length = ticks_asked(length, seconds, model, unit, recorded.time_per_tick)

@@ -119,7 +119,6 @@ def taken(
 ) -> Snapshot:
     """The flock to draw, of a recording or of a run that is made. Raises InputError."""
     if is_recording(spec):
-        assert spec is not None
         return recording_of(spec, asked, settings, rule).at(tick)
     flock = flock_of(spec, asked, settings, rule, quiet)
     wanted = TICK if tick is None else tick

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 from app.cli.outcome_table import tell
 from app.cli.run import built
@@ -20,7 +20,7 @@ STATES = (".parquet", ".pq")
 """Endings of recordings and saved states."""
 
 
-def is_recording(what: str | None) -> bool:
+def is_recording(what: str | None) -> TypeGuard[str]:
     """Whether it names a recording or a saved state."""
     return what is not None and Path(what).suffix.lower() in STATES
 

@@ -150,8 +150,10 @@ class FlockDriver(Motion):
         self.lab = lab
         self.names = sorted(lab.cars)
         self.model = cars_by(lab.rule)
-        assert self.model.body.vehicle is not None
-        self.vehicle = self.model.body.vehicle
+        vehicle = self.model.body.vehicle
+        if vehicle is None:
+            raise InputError(f"rule {lab.rule} cannot drive cars: its body is no vehicle")
+        self.vehicle = vehicle
         self.world = world_of(lab)
         self.seed, self.tick, self.threads = 0, 0, 1
         self._acted = set()

@@ -76,7 +76,8 @@ class LoopRecorder:
         """The thread: carry out what is asked."""
         while (request := self.asked.get()) is not None:
             loop = self.loop
-            assert loop is not None
+            if loop is None:  # it has not begun: there is nothing to record
+                continue
             try:
                 if request.folder is None:
                     self.stop(loop, request.cause)

@@ -252,9 +252,8 @@ class Feed:
         return self._lives or self._state == "pausing"
 
     @property
-    def process_id(self) -> int:
-        """Of the child."""
-        assert self._process.pid is not None
+    def process_id(self) -> int | None:
+        """Of the child; None before it has begun."""
         return self._process.pid
 
     def first(self, within: float) -> MocapFrame:

@@ -75,9 +75,9 @@ def lag_claim(one: LagClaim, made: list[Verdict]) -> list[tuple[str, ClaimVerdic
         return []
     pairs = list(zip(there, back[::-1], strict=True))
     up, down = max(pairs, key=lambda pair: pair[1].summary.mean - pair[0].summary.mean)
-    assert up.case.sweep is not None
     text = (
-        f"{up.measure.symbol} remembers: at {up.case.sweep.parameter} = {up.case.value:g} it is "
+        f"{up.measure.symbol} remembers: "
+        f"at {up.case.own_sweep.parameter} = {up.case.value:g} it is "
         f"{up.summary.mean:.2f} on the way there, {down.summary.mean:.2f} on the way back; "
         f"asked: {one.by:g} more"
     )
@@ -117,18 +117,16 @@ def reaches_claim(one: ReachClaim, made: list[Verdict]) -> list[tuple[str, Claim
     if not rows:
         return []
     below = one.below is not None
-    bound = one.below if one.below is not None else one.above
-    assert bound is not None
+    bound = next(value for value in (one.below, one.above) if value is not None)
     sign = -1.0 if below else 1.0
     margins = [row.ranges.plus(-bound).times(sign) for row in rows]
     most = max(zip(margins, rows, strict=True), key=lambda pair: float(pair[0].least.mean()))[1]
-    assert most.case.sweep is not None
     low, high = most.ranges.interval()
     words = f"{'below' if below else 'above'} {bound:g}"
     text = (
         f"{one.label}, N = {', '.join(map(str, one.agents))}: mean {rows[0].measure.symbol} "
         f"{words} {'nowhere' if one.nowhere else 'somewhere'}; {'least' if below else 'most'} "
-        f"{most.summary.mean:.3f} at {most.case.sweep.parameter} = {name(most.case.value)} "
+        f"{most.summary.mean:.3f} at {most.case.own_sweep.parameter} = {name(most.case.value)} "
         f"(99 %: {low:.3f} to {high:.3f})"
     )
     if one.nowhere:

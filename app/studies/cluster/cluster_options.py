@@ -61,8 +61,6 @@ class Cluster(StrictTable):
     @field_validator("walltime")
     @classmethod
     def _is_time(cls, value: str) -> str:
-        if not WALLTIME.fullmatch(value):
-            raise ValueError(f"{value!r} is not HH:MM:SS or D-HH:MM:SS")
         if seconds_of(value) < LEAST_WALLTIME:
             raise ValueError(f"{value!r} is too short: five minutes, 00:05:00, are needed")
         return value
@@ -70,8 +68,6 @@ class Cluster(StrictTable):
     @field_validator("memory")
     @classmethod
     def _is_memory(cls, value: str) -> str:
-        if value and not MEMORY.fullmatch(value):
-            raise ValueError(f"{value!r} is not a number of MB, GB, TB, MiB, GiB or TiB")
         if value and bytes_of(value) < LEAST_MEMORY:
             raise ValueError(f"{value!r} is too little: 256 MiB are needed")
         return value
@@ -148,23 +144,25 @@ class Cluster(StrictTable):
 
 
 def seconds_of(walltime: str) -> int:
-    """Seconds of a walltime.
+    """Seconds of a walltime. Raises ValueError for what is none.
 
     >>> seconds_of("01:30:00"), seconds_of("2-00:00:00")
     (5400, 172800)
     """
     found = WALLTIME.fullmatch(walltime)
-    assert found is not None
+    if found is None:
+        raise ValueError(f"{walltime!r} is not HH:MM:SS or D-HH:MM:SS")
     days, hours, minutes, seconds = (int(part or 0) for part in found.groups())
     return ((24 * days + hours) * 60 + minutes) * 60 + seconds
 
 
 def bytes_of(memory: str) -> int:
-    """Bytes of a memory.
+    """Bytes of a memory. Raises ValueError for what is none.
 
     >>> bytes_of("1.5 GB"), bytes_of("2GiB")
     (1500000000, 2147483648)
     """
     found = MEMORY.fullmatch(memory)
-    assert found is not None
+    if found is None:
+        raise ValueError(f"{memory!r} is not a number of MB, GB, TB, MiB, GiB or TiB")
     return int(float(found[1]) * BYTES[found[2]])

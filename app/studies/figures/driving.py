@@ -14,6 +14,7 @@ from app.studies.experiment import Case, Experiment, flock_of
 from app.studies.judge.verdict import Verdict, of
 from app.studies.measure import SUCCESS, Measure, Number, Settings
 from worlds.input_error import InputError
+from worlds.mission import Goal
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -191,12 +192,20 @@ class DrivingSettings(Settings):
         return self.every * round(self.limit / dt / self.every)
 
 
+def goal_of(flock: Flock) -> Goal:
+    """The goal of its world, which the injected car goes after. Raises InputError without one."""
+    mission = flock.world.mission
+    goal = None if mission is None else mission.goal
+    if goal is None:
+        raise InputError(f"the world {flock.world.name!r} has no injected car that goes round")
+    return goal
+
+
 def lap_of(flock: Flock) -> int:
     """Ticks in which the injected car goes round its route once. Raises InputError if it does
     not."""
-    mission = flock.world.mission
-    goal = None if mission is None else mission.goal
-    if goal is None or not goal.closed or goal.speed == 0.0:
+    goal = goal_of(flock)
+    if not goal.closed or goal.speed == 0.0:
         raise InputError(f"the world {flock.world.name!r} has no injected car that goes round")
     route = np.array([*goal.route, goal.route[0]])
     return round(
@@ -210,9 +219,7 @@ def lags(flock: Flock, position: np.ndarray, last: int) -> np.ndarray:
     `position` (T, N, 2) are the last ticks up to `last`. The angle of a car goes on from tick to
     tick; at the first one it is within half a turn.
     """
-    assert flock.world.mission is not None
-    assert flock.world.mission.goal is not None
-    middle = np.array(flock.world.mission.goal.route).mean(axis=0)
+    middle = np.array(goal_of(flock).route).mean(axis=0)
     goal = flock.goal_at(np.arange(last - len(position) + 1, last + 1)) - middle
     away = position - middle
     turned = np.arctan2(goal[:, 1], goal[:, 0])[:, None] - np.arctan2(away[..., 1], away[..., 0])

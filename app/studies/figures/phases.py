@@ -255,8 +255,7 @@ def draw_map(
             linespacing=1.1,
             color="white" if value > 0.55 else "#2b3138",
         )
-    sweep = found[0].case.sweep
-    assert sweep is not None
+    sweep = found[0].case.own_sweep
     axes.grid(visible=False)
     axes.set_xticks(np.arange(len(xs)) + 0.5, [f"{x:g}" for x in xs])
     axes.set_yticks(np.arange(len(ys)) + 0.5, [f"{y:g}" for y in ys])
@@ -280,8 +279,7 @@ def draw_ways(axes: Any, ways: list[tuple[PhasePoint, PhasePoint]], name: str) -
         middle = len(ways) // 2
         (x0, y0), (x1, y1) = [(ways[i][k].x, summaries[i].mean) for i in (middle, middle + 1)]
         axes.plot(0.5 * (x0 + x1), 0.5 * (y0 + y1), arrow, color=colour, markersize=9)
-    sweep = ways[0][0].case.sweep
-    assert sweep is not None
+    sweep = ways[0][0].case.own_sweep
     fixed = ", ".join(f"{symbol(key)} = {value:g}" for key, value in sweep.fixed.items())
     axes.set_title(f"{symbol(sweep.parameter)} up and down within a run, {fixed}", loc="left")
     axes.set_xlabel(symbol(sweep.parameter))

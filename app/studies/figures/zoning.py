@@ -29,6 +29,7 @@ from app.studies.charts.scheme_marks import (
 )
 from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import PERCENT, Measure, Number, Settings
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
@@ -118,7 +119,8 @@ def zones_by_rule(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
     other = np.array([row])
     found = np.full(len(places), -1)
     weigh, parameters = flock.model.rule.weigh, flock.context.parameters
-    assert weigh is not None
+    if weigh is None:
+        raise InputError(f"{flock.model.name} weighs no others: it has no zones to look at")
     for k, apart in enumerate(places):
         near = as_near(flock, row, other, apart[None], signals, NO_POINTS)
         weight = np.zeros(1)
@@ -191,7 +193,8 @@ def wish_of(flock: Flock, row: int) -> np.ndarray:
     me = as_me(flock, row, signals[:, row].copy())
     near = as_near(flock, row, one.neighbours, one.separation, signals, NO_POINTS)
     decide = flock.model.rule.decide
-    assert decide is not None
+    if decide is None:
+        raise InputError(f"{flock.model.name} decides in pairs: it cannot be asked by itself")
     surroundings, parameters = flock.engine.surroundings, flock.context.parameters
     wish = call(flock.model, flock.interpret, decide, me, near, surroundings, parameters)
     found = np.array([wish.x, wish.y, wish.z][: flock.world.dim])

@@ -116,7 +116,7 @@ def absences(experiment: Experiment, made: list[Verdict]) -> list[str]:
     lines = []
     for measure in experiment.measures:
         rows = [one for one in of(made, measure.name) if one.summary.absent]
-        lines += [given_up(one) for one in rows if one.summary.limit is not None]
+        lines += [given_up(one, one.summary.limit) for one in rows if one.summary.limit is not None]
         rows = [one for one in rows if one.summary.limit is None]
         rows = [one for one in rows if one.summary.runs or one.published]
         if rows:
@@ -144,10 +144,9 @@ def reasons_of_rows(made: list[Verdict]) -> list[str]:
     ]
 
 
-def given_up(one: Verdict) -> str:
-    """What can be said of a row of which runs were given up."""
-    runs, limit = one.ranges.runs, one.summary.limit
-    assert limit is not None
+def given_up(one: Verdict, limit: float) -> str:
+    """What can be said of a row of which runs were given up at a limit."""
+    runs = one.ranges.runs
     low, high = RunRanges(
         one.ranges.least, one.ranges.least, (one.ranges.bounds[0], limit)
     ).interval()

@@ -121,8 +121,7 @@ def map_table(found: list[PhasePoint]) -> Any | None:
     """Three lines for each value of the second parameter: p, m and the commonest phase."""
     if not found:
         return None
-    sweep = found[0].case.sweep
-    assert sweep is not None
+    sweep = found[0].case.own_sweep
     xs = sorted({spot.x for spot in found})
     table = blank("", *(f"{x:g}" for x in xs))
     table.title = f"columns: {sweep.parameter}, rows: {sweep.against}"
@@ -139,8 +138,7 @@ def ways_table(pairs: list[tuple[PhasePoint, PhasePoint]]) -> Any | None:
     """A line for each value: p, m and the commonest phase on the way there and back."""
     if not pairs:
         return None
-    sweep = pairs[0][0].case.sweep
-    assert sweep is not None
+    sweep = pairs[0][0].case.own_sweep
     heads = ("p", "m", "there", "p", "m", "back")
     table = blank(sweep.parameter, *heads)
     for up, down in pairs:

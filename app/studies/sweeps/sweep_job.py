@@ -247,9 +247,9 @@ class SweepJob:
             frame: Callable[[], None] | None = None
             if wanted.recording:
                 frame = stack.enter_context(recorder(wanted.recording, flock)).write
-            if self.is_compiled(flock) and frame is None:
-                assert self.until is not None
-                bound, hold = self.until.says.bound, self.until.hold
+            until = self.until
+            if until is not None and self.is_compiled(flock) and frame is None:
+                bound, hold = until.says.bound, until.hold
                 k = flock.run_until_consistent(self.ticks, bound, hold, between=glance)
             else:
                 k = self.look_on(flock, looks, glance, frame, wanted.every)

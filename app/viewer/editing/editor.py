@@ -226,6 +226,9 @@ def demand_possible(world: World) -> None:
     """Raise InputError if a goal, a waypoint or all of the start region is inside an obstacle."""
     if world.mission is None:
         return
-    for problem in (*place_problems(world), *start_problems(world)):
+    for problem in (
+        *place_problems(world, world.mission),
+        *start_problems(world, world.mission),
+    ):
         if problem.severity == "error":
             raise InputError(problem.text)

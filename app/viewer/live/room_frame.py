@@ -170,13 +170,10 @@ def pace(places: Sequence[Place | None]) -> float:
 def deserted(frame: Frame) -> Frame:
     """The last frame of a loop that is gone: nobody knows where its cars are."""
     live = frame.live
-    assert live is not None
-    states = tuple(state if state == SIMULATED else LOST for state in live.states)
-    return replace(
-        frame,
-        speed=np.zeros(len(frame.ids)),
-        live=replace(live, states=states, arm="safe"),
-    )
+    if live is not None:
+        states = tuple(state if state == SIMULATED else LOST for state in live.states)
+        live = replace(live, states=states, arm="safe")
+    return replace(frame, speed=np.zeros(len(frame.ids)), live=live)
 
 
 # What is measured of a room: the times of its loop, how close its cars are, how they lag.

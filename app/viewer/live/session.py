@@ -162,8 +162,7 @@ class Session(SessionRequests):
         """Open what is chosen and poll it, until closed; whatever goes wrong becomes a notice."""
         while not self.closing.is_set():
             try:
-                if self.next is not None:
-                    self.open_next()
+                self.open_next()
                 self.poll()
             except Exception as error:
                 if in_words(error) != self.state.trouble:
@@ -174,10 +173,11 @@ class Session(SessionRequests):
             self.woken.clear()
 
     def open_next(self) -> None:
-        """Close what is open, and open what was chosen last."""
+        """Close what is open, and open what was chosen last, if anything was."""
         with self.changing:
             wanted, self.next = self.next, None
-        assert wanted is not None
+        if wanted is None:
+            return
         choices, cause = wanted
         with suppress(Exception):  # what is wrong with the loop that is left has become a notice
             self.poll()

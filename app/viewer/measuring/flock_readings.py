@@ -293,7 +293,8 @@ class FlockReadings:
         """An observable that is measured over a run, over its `last` ticks or all of it."""
         series = self.series(SERIES).arrays(last)[1]
         take = OBSERVABLES[name].over
-        assert take is not None
+        if take is None:
+            raise InputError(f"{name} is not measured over a run")
         crashed = 0 if self.crashes is None else len(self.crashes)
         return take(series, float(len(self.flock.ids) - crashed)) if len(series) > 1 else math.nan
 

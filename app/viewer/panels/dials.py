@@ -19,7 +19,7 @@ from typing import Any
 
 import viser
 
-from agents.models.declare import DeclaredParameter, Range, above, below, is_wide
+from agents.models.declare import DeclaredParameter, NumberParameter, Range, above, below, is_wide
 from app.figure import DRAWING
 from app.front.viser_internals import identifier
 from app.viewer.scene.shown.control import Control
@@ -114,7 +114,7 @@ DECIMALS = 8
 class Dial:
     """The slider of one parameter."""
 
-    one: DeclaredParameter
+    one: NumberParameter
     control: Any
     shown: Range
 
@@ -122,9 +122,9 @@ class Dial:
         """Span what is proposed, and more where the value is outside: until the default is back."""
         value = self.control.value
         if value == self.one.default:
-            self.shown = proposed(self.one)
+            self.shown = self.one.proposed
         else:
-            self.shown = widened(self.shown, value, allowed(self.one))
+            self.shown = widened(self.shown, value, self.one.bounds)
 
     def told(self) -> dict[str, Any]:
         """What the page is told of it."""
@@ -154,8 +154,8 @@ class Dials:
     def add(self, one: DeclaredParameter, control: Any) -> None:
         """Another control."""
         self.controls.append((one, control))
-        if one.kind == "number":
-            self.dials.append(Dial(one, control, proposed(one)))
+        if isinstance(one, NumberParameter):
+            self.dials.append(Dial(one, control, one.proposed))
 
     def refresh(self) -> None:
         """Tell the page what sliders span and what is not at its default, if it is new."""
@@ -184,23 +184,9 @@ def marks(uuids: list[str]) -> str:
     )
 
 
-def proposed(one: DeclaredParameter) -> Range:
-    """What the slider of a number spans."""
-    assert one.proposed is not None
-    return one.proposed
-
-
-def allowed(one: DeclaredParameter) -> Range:
-    """What a number may be."""
-    assert one.low is not None
-    assert one.high is not None
-    return one.low, one.high
-
-
-def step_of(one: DeclaredParameter) -> float:
+def step_of(one: NumberParameter) -> float:
     """From one value to the next in a box."""
-    low, high = allowed(one)
-    return one.step or (high - low) / MOST
+    return one.step or (one.high - one.low) / MOST
 
 
 def widened(shown: Range, value: float, allowed: Range) -> Range:
@@ -250,10 +236,10 @@ def grain(low: float, high: float, step: float) -> float:
     return step if steps >= FEWEST or step >= 1.0 else below((high - low) / FEWEST)
 
 
-def decimals(one: DeclaredParameter) -> int:
+def decimals(one: NumberParameter) -> int:
     """So many decimals has the box of a number: all of the declared ones, and three figures of the
     least of them."""
-    numbers = [one.default, *allowed(one), step_of(one)]
+    numbers = [one.default, *one.bounds, step_of(one)]
     finest = min(abs(x) for x in numbers if x)
     written = (-int(Decimal(f"{x:.{DECIMALS}g}").normalize().as_tuple().exponent) for x in numbers)
     return min(DECIMALS, max(2, 2 - math.floor(math.log10(finest)), *written))

@@ -15,13 +15,14 @@ from typing import Any
 import viser
 
 from agents.catalogue import MODELS
-from agents.models.declare import DeclaredParameter, declared
+from agents.models.declare import DeclaredParameter, NumberParameter, declared
 from agents.models.model import Model
-from app.viewer.panels.dials import Dials, allowed, decimals, plain, step_of
+from app.viewer.panels.dials import Dials, decimals, plain, step_of
 from app.viewer.panels.shell import block, table
 from app.viewer.run.paired_run import shared_by
 from app.viewer.run.simulation import Models, Simulation
 from app.viewer.run.simulation_state import SimulationState
+from worlds.input_error import InputError
 
 UNDO, DEFAULTS = "Undo", "All to defaults"
 DRAG = 1.0
@@ -196,7 +197,9 @@ def add_control(gui: viser.GuiApi, one: DeclaredParameter, value: Any) -> Any:
         return gui.add_checkbox(label, bool(value), hint=hint)
     if one.kind == "choice":
         return gui.add_dropdown(label, one.choices, initial_value=value, hint=hint)
-    low, high = allowed(one)
+    if not isinstance(one, NumberParameter):
+        raise InputError(f"{one.name} has no range for a slider: declare its low and high")
+    low, high = one.bounds
     made = gui.add_slider(label, float(low), float(high), step_of(one), float(value), hint=hint)
     made.precision = decimals(one)
     return made

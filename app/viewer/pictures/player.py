@@ -126,9 +126,8 @@ def page_of(
             player.add(frame, look, 1.0 / fps)
             first, last = first or shot(now, look), now
             went_on(done)
-        assert player is not None
-        assert first is not None
-        assert last is not None
+        if player is None or first is None or last is None:
+            raise InputError("no picture was taken: there is nothing to play")
         return player.page(key.title(first), told(first, last, fps * apart(first, last, count)),
                            HOLDS)  # fmt: skip
 

@@ -123,7 +123,8 @@ class Edits:
 
     def edit_now(self, change: Change) -> None:
         run, before = self.host.sound_run(), self.editor
-        assert before is not None
+        if before is None:
+            raise InputError("there is no world to change yet")
         self.host.keeping.demand_turn()
         after = change(before)
         self.host.keeping.demand_world(after.world, before.world)

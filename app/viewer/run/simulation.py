@@ -321,7 +321,8 @@ class Simulation:
 
     def set_up(self) -> None:
         """Build the flock that is to be set up, and the one beside it."""
-        assert self.next is not None
+        if self.next is None:
+            return
         (spec, beside, stored), self.next = self.next, None
         self.state = replace(self.state, busy=True)
         try:
@@ -376,14 +377,13 @@ class Simulation:
         if self.preview is None and all(run.is_at_hand for run in runs):
             self.state = replace(self.state, compiling=None)
             return
-        before = self.compiling
-        over = self.preview is None and before is not None and before.ready.done()
-        if before is None or over or not before.covers(flocks):
-            if before is not None:
-                before.close()
-            self.compiling = self.compile(flocks)
-        assert self.compiling is not None
-        self.state = replace(self.state, compiling=self.compiling.estimate)
+        compiling = self.compiling
+        over = self.preview is None and compiling is not None and compiling.ready.done()
+        if compiling is None or over or not compiling.covers(flocks):
+            if compiling is not None:
+                compiling.close()
+            self.compiling = compiling = self.compile(flocks)
+        self.state = replace(self.state, compiling=compiling.estimate)
 
     def look_for_kernels(self) -> None:
         """Go on with the compiled run as soon as it can: from where the preview is."""

@@ -189,7 +189,8 @@ class TimeLine:
             host.begin(replace(run.stored, tick=run.flock.tick))
         elif self.present is not None:
             then = self.history.before(run.flock.tick)
-            assert then is not None
+            if then is None:
+                raise InputError("nothing is kept of this run that it could go on from")
             self.present = None
             self.history.cut(then.tick)
             number = host.state.run + 1

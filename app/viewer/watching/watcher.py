@@ -83,22 +83,21 @@ class OwnMarks:
         if seen is None:
             return
         with self.client.atomic():
-            if self.drawn is None or (
-                now >= self.since + period
-                and not (picture is self.drawn[0] and seen is self.drawn[1])
+            drawn = self.drawn
+            if drawn is None or (
+                now >= self.since + period and not (picture is drawn[0] and seen is drawn[1])
             ):
                 self.draw(picture, seen)
+                drawn = self.drawn = picture, seen
                 self.since = now
-            assert self.drawn is not None
             row = self.choice.row
-            self.goes.position = picture.at[row] - self.drawn[0].at[row]
+            self.goes.position = picture.at[row] - drawn[0].at[row]
 
     def draw(self, picture: Picture, seen: Inspection) -> None:
         """Make all anew."""
         own = replace(picture, frame=replace(picture.frame, inspected=seen))
         for handle, name, value in [one for part in self.marks for one in part.draw(own)]:
             setattr(handle, name, value)
-        self.drawn = picture, seen
 
     def end(self) -> None:
         """Draw nothing any more; what all browsers see is there again."""

@@ -50,14 +50,16 @@ class PlanQuestions:
         options: Mapping[str, Any] | None = None,
     ) -> None:
         """Set up the flock in the world of a file, and ask in this browser if it is not clear."""
+        options = options or {}
+        if client is None:
+            self.simulation.edits.open_layout(name, content, options)
+            return
         loop = asyncio.get_running_loop()
 
         def ask(question: PlanQuestion) -> None:
-            assert client is not None
-            loop.call_soon_threadsafe(self.ask, client, name, content, options or {}, question)
+            loop.call_soon_threadsafe(self.ask, client, name, content, options, question)
 
-        asked = None if client is None else ask
-        self.simulation.edits.open_layout(name, content, options or {}, asked)
+        self.simulation.edits.open_layout(name, content, options, ask)
 
     def ask(
         self,

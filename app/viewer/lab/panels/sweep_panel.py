@@ -12,7 +12,7 @@ from typing import Any
 import viser
 
 from agents.catalogue import MODELS
-from agents.models.declare import DeclaredParameter, is_wide
+from agents.models.declare import NumberParameter, is_wide
 from agents.observables.catalogue import OBSERVABLES, usual_charts
 from app.front.controls import show
 from app.front.viser_internals import identifier
@@ -125,12 +125,10 @@ class AxisForm:
         return Axis(name, self.low.value, self.high.value, int(self.count.value), self.log.value)
 
 
-def spanned(one: DeclaredParameter) -> tuple[float, float]:
+def spanned(one: NumberParameter) -> tuple[float, float]:
     """What a slider of a number spans, and what is allowed where that is nothing."""
-    assert one.low is not None
-    assert one.high is not None
-    low, high = one.proposed or (one.low, one.high)
-    return (low, high) if low < high else (one.low, one.high)
+    low, high = one.proposed
+    return (low, high) if low < high else one.bounds
 
 
 @dataclass

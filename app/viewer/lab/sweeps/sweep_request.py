@@ -10,7 +10,7 @@ import numpy as np
 import tomlkit
 
 from agents.catalogue import FILES, MODELS
-from agents.models.declare import DeclaredParameter, declared
+from agents.models.declare import NumberParameter, declared
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import CompleteSpec
 from app.studies.workers.processes import cores
@@ -209,9 +209,10 @@ def run_table(spec: CompleteSpec, ticks: int, axes: Collection[str]) -> dict[str
     return run
 
 
-def numbers(model: str) -> list[DeclaredParameter]:
+def numbers(model: str) -> list[NumberParameter]:
     """The parameters of a model that can be an axis."""
-    return [one for one in declared(MODELS[model].parameters) if one.kind == "number"]
+    found = declared(MODELS[model].parameters)
+    return [one for one in found if isinstance(one, NumberParameter)]
 
 
 def allowed(model: str, name: str) -> tuple[float, float]:
@@ -221,10 +222,7 @@ def allowed(model: str, name: str) -> tuple[float, float]:
     found = {one.name: one for one in numbers(model)}
     if name not in found:
         raise unknown("axis", name, [*found, AGENTS])
-    low, high = found[name].low, found[name].high
-    assert low is not None
-    assert high is not None
-    return low, high
+    return found[name].bounds
 
 
 def is_whole(model: str, name: str) -> bool:

@@ -10,6 +10,7 @@ from typing import Any
 import viser
 
 from agents.models.declare import DeclaredParameter, declared
+from agents.models.model import Model
 from app.front.controls import show
 from app.live.operating.flock_driver import NOT_SIMULATED
 from app.viewer.live.panels.state_panel import whose
@@ -60,33 +61,32 @@ class RulePanel:
             return
         if self.shown != (state.run, state.model.name):
             self.shown = state.run, state.model.name
-            self.rebuild(state)
+            self.rebuild(state, state.model)
         for name, control in self.controls.items():
             if name in state.values and self.shown_values.get(name) != state.values[name]:
                 show(control, state.values[name])
         self.shown_values = dict(state.values)
         self.dials.refresh()
 
-    def rebuild(self, state: SessionState) -> None:
-        """Controls for what of the model's parameters may be changed in a real room."""
-        assert state.model is not None
+    def rebuild(self, state: SessionState, model: Model) -> None:
+        """Controls for what of a model's parameters may be changed in a real room."""
         for child in tuple(self.folder._children.values()):
             child.remove()
         self.dials.clear()
         own = [
             one
-            for one in declared(state.model.parameters)
+            for one in declared(model.parameters)
             if one.name not in NOT_SIMULATED and one.name in state.values
         ]
-        summary = state.model.rule.summary
+        summary = model.rule.summary
         self.rule.hint = f"{summary} {CHOOSING}"
         self.about.visible = True
         first = html.escape(f"{summary.partition('. ')[0].rstrip('.')}.")
         self.about.content = block(f'<div class="fs-quiet">{first}</div>')
-        titles = "Rule", f"Body: {state.model.body.title}"
+        titles = "Rule", f"Body: {model.body.title}"
         self.controls = {}
         with self.folder:
-            for title, part in zip(titles, sides(state.model, own), strict=True):
+            for title, part in zip(titles, sides(model, own), strict=True):
                 if part:
                     self.gui.add_html(block(f'<div class="fs-head">{html.escape(title)}</div>'))
                 for one in part:

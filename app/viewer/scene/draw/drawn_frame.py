@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from agents.inspection import Inspection
 from app.viewer.scene.draw.attitude import attitude
 from app.viewer.scene.draw.shapes import dart_length, spacing
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.drawing_style import DrawingStyle, agent_colours, as_birds
-from app.viewer.scene.shown.frame import LOST, Frame, Live
+from app.viewer.scene.shown.frame import LOST, Cars, Frame, Live
 
 # Agents keep their identities while rows come and go.
 
@@ -139,17 +140,17 @@ def agent_length(frame: Frame, stage: Stage) -> float:
     return float(np.clip(packed, LEAST_LENGTH * stage.side, dart_length(count, stage.half)))
 
 
-def car_length(frame: Frame, stage: Stage) -> float:
+def car_length(cars: Cars, stage: Stage) -> float:
     """Length of a car: true to scale, unless it would be too small to see."""
-    assert frame.cars is not None
-    return max(frame.cars.length * stage.scale, LEAST_CAR * stage.side)
+    return max(cars.length * stage.scale, LEAST_CAR * stage.side)
 
 
 def picture(frame: Frame, look: DrawingStyle, stage: Stage) -> Picture:
     """Work out positions, attitudes, colours and sizes; agents hover just above a flat floor."""
     count = len(frame.position)
-    driven = as_cars(frame)
-    common = car_length(frame, stage) if driven else agent_length(frame, stage)
+    cars = frame.cars if as_cars(frame) else None
+    driven = cars is not None
+    common = agent_length(frame, stage) if cars is None else car_length(cars, stage)
     length = common * float(np.clip(look.agent_size, 0.1, 10.0))
     at = stage.shown(frame.position)
     size = np.ones(count, dtype=np.float32)
@@ -163,8 +164,8 @@ def picture(frame: Frame, look: DrawingStyle, stage: Stage) -> Picture:
     if made.live is not None:
         lost = made.live.are(LOST)
         colour[lost] = made.mixed(colour[lost], PALE)
-    if made.inspected is not None:
-        _single_out(made)
+    if made.inspected is not None and frame.inspected is not None:
+        _single_out(made, frame.inspected)
         if driven:
             size[:] = 1.0
     if stage.dim == 2:
@@ -183,10 +184,8 @@ def laid(heading: np.ndarray, down: np.ndarray) -> np.ndarray:
     return level
 
 
-def _single_out(made: Picture) -> None:
+def _single_out(made: Picture, inspected: Inspection) -> None:
     """Enlarge the inspected agent, and its neighbours by weight; dim all others."""
-    inspected = made.frame.inspected
-    assert inspected is not None
     near = inspected.neighbours
     dimmed = made.mixed(made.colour, DIMMED)
     kept = np.zeros(len(made.colour), dtype=bool)

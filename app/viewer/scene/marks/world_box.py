@@ -40,12 +40,11 @@ class Walls:
                 node.remove()
             solid = np.array(picture.stage.solid[: picture.stage.dim])
             flat = picture.stage.dim == 2
-            self._nodes = [] if not solid.any() else self._rim() if flat else self._glass()
+            build = self._rim if flat else self._glass
+            self._nodes = build(picture.stage) if solid.any() else []
         return []
 
-    def _rim(self) -> list[Any]:
-        stage = self._stage
-        assert stage is not None
+    def _rim(self, stage: Stage) -> list[Any]:
         half, solid = stage.half[:2], np.array(stage.solid[:2])
         outline = border(-half, half, solid, WIDTH * stage.side)
         height = HEIGHT * stage.side
@@ -65,9 +64,7 @@ class Walls:
             ),
         ]
 
-    def _glass(self) -> list[Any]:
-        stage = self._stage
-        assert stage is not None
+    def _glass(self, stage: Stage) -> list[Any]:
         return [
             self._scene.add_mesh_simple(
                 f"{self._name}/glass",
