@@ -212,7 +212,7 @@ def collect() -> dict[str, Model]:
     Warns of what cannot be loaded.
     """
     found = {model.name: model for model in BUILT_IN}
-    return found | plug_ins("flockscope.rules", brought, found)
+    return found | plug_ins("flockscope.rules", model_of_entry, found)
 
 
 def brought_body(_: str, thing: object) -> tuple[str, Body]:
@@ -223,7 +223,7 @@ def brought_body(_: str, thing: object) -> tuple[str, Body]:
     return thing.name, thing
 
 
-def brought(_: str, thing: object) -> tuple[str, Model]:
+def model_of_entry(_: str, thing: object) -> tuple[str, Model]:
     """The model that an entry point brings. Raises TypeError if it is none, or no rule."""
     if not isinstance(thing, Rule | Model):
         raise TypeError(f"a Rule or a Model is needed, not {type(thing).__name__}")
@@ -250,7 +250,7 @@ def from_file(path: str) -> Model:
     An edited file replaces what it brought before; none replaces a model of anything else.
     """
     try:
-        name, found = brought(path, thing_in(path))
+        name, found = model_of_entry(path, thing_in(path))
     except (TypeError, AssertionError) as error:
         raise InputError(f"{path}: {error}") from None
     if name in MODELS and FILES.get(name) != Path(path).resolve():

@@ -299,7 +299,7 @@ def lately(flock: Flock, one: LessonStep) -> float:
     return float(np.mean(seen))
 
 
-def made(model: Model, one: LessonStep, seed: int) -> tuple[float, float]:
+def run_try(model: Model, one: LessonStep, seed: int) -> tuple[float, float]:
     """Make a try with a model at home: the observable without the change, and with it."""
     flock = Flock(model.name, rng=seed)
     before = lately(flock, one)
@@ -322,7 +322,7 @@ def tries(model: Model) -> None:
         options = sorted(OPTIONS.keys() & one.set.keys())
         demand(one.anew or not options, f"{one.changes}: {', '.join(options)} needs anew=True")
         for seed in SEEDS:
-            before, after = made(model, one, seed)
+            before, after = run_try(model, one, seed)
             demand(
                 one.proof.holds(before, after),
                 f"{one.changes}, seed {seed}: not {one.proof.in_words}, but {before:.4g} without "

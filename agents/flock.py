@@ -20,11 +20,12 @@ from agents.models.declare import checked
 from agents.models.sources import cite
 from agents.motion import Motion
 from agents.observables.catalogue import OBSERVABLES
+from agents.option import whole_number
 from agents.record import STATES, Recorder
 from agents.recording import Recording
 from agents.snapshot import Snapshot
-from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec, versions, whole
-from agents.state.agent_rows import begun, chosen, demand_memory_for, joined, with_past
+from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec, versions
+from agents.state.agent_rows import chosen, demand_memory_for, join_arrays, start_arrays, with_past
 from agents.state.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.input_error import InputError, unknown
 
@@ -112,7 +113,7 @@ class Flock(TickClock, Motion):
                 "saved state, with Flock.load"
             )
         self.model = catalogue.model(asked.model)
-        self.threads = whole("threads", threads, 1, MOST_THREADS)
+        self.threads = whole_number("threads", threads, 1, MOST_THREADS)
         spec = complete_spec(asked, self.model)
         demand_memory_for(self.model, spec.count, self.threads)
         self.seed = spec.seed
@@ -135,7 +136,9 @@ class Flock(TickClock, Motion):
         self._members: list[Member] | None = None
         self._acted: set[int] = set()
         self._lay_out(begin)
-        reporters: dict[str, Any] = {name: partial(observed, name=known(name)) for name in collect}
+        reporters: dict[str, Any] = {
+            name: partial(observed, name=known_observable(name)) for name in collect
+        }
         if asked.seed is None:
             reporters["seed"] = "seed"
         self.datacollector = mesa.DataCollector(
@@ -174,7 +177,7 @@ class Flock(TickClock, Motion):
 
     def _lay_out(self, begin: Start) -> None:
         """Make the arrays and the engine that runs over them."""
-        self._use(begun(begin, self.model, 1))
+        self._use(start_arrays(begin, self.model, 1))
         self.next_id = len(begin.position) + 1
 
     def __repr__(self) -> str:
@@ -194,7 +197,7 @@ class Flock(TickClock, Motion):
 
     def run(self, ticks: int) -> None:
         """Run `ticks` ticks (>= 0) in compiled code, without collecting."""
-        self.advance(whole("ticks", ticks, 0))
+        self.advance(whole_number("ticks", ticks, 0))
 
     def observe(self, name: str, *subscription: Any) -> Any:
         """Measure an observable, see `agents.observables.catalogue.OBSERVABLES`.
@@ -203,7 +206,7 @@ class Flock(TickClock, Motion):
         """
         if subscription:
             return super().observe(name, *subscription)
-        return observed(self, known(name))
+        return observed(self, known_observable(name))
 
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
@@ -292,9 +295,9 @@ class Flock(TickClock, Motion):
         new = self._given({"position": [position], "heading": [heading], "informed": [informed]})
         ages = self.arrays.past.shape[1]
         more = with_past(
-            begun(new, self.model, self.next_id), ages, len(self.model.signals), self.tick
+            start_arrays(new, self.model, self.next_id), ages, len(self.model.signals), self.tick
         )
-        self._use(joined(self.arrays, more))
+        self._use(join_arrays(self.arrays, more))
         self.next_id += 1
         members.append(member)
         return len(self.ids) - 1
@@ -442,7 +445,7 @@ def seed_from(rng: Any) -> Any:
         raise InputError(f"rng = {rng!r} is not allowed: {error}") from None
 
 
-def known(name: str) -> str:
+def known_observable(name: str) -> str:
     """The name of an observable. Raises InputError."""
     if name not in OBSERVABLES:
         raise unknown("observable", name, OBSERVABLES)

@@ -7,7 +7,7 @@ from typing import Any
 
 from agents.models.model import Model
 from agents.spec import CompleteSpec, Options, Spec
-from worlds.generators import drawn
+from worlds.generators import draw_obstacles
 from worlds.input_error import InputError
 from worlds.layout import layout_dim, layout_names, own_dim, world_from_layout
 from worlds.layout import world as build_world
@@ -57,7 +57,7 @@ def find_world(spec: CompleteSpec, model: Model) -> World:
         found = build_world(
             spec.world, spec.dim, spec.size, lambda dim: (spec.count / model.density) ** (1.0 / dim)
         )
-    found = drawn(found, spec.seed)
+    found = draw_obstacles(found, spec.seed)
     if found.dim not in model.dimensions:
         allowed = " and ".join(f"{d}-D" for d in model.dimensions)
         raise InputError(
@@ -71,6 +71,6 @@ def is_built_in(world: World, seed: int) -> bool:
     if world.name not in layout_names():
         return False
     try:
-        return drawn(build_world(world.name, world.dim, world.size), seed) == world
+        return draw_obstacles(build_world(world.name, world.dim, world.size), seed) == world
     except InputError:
         return False

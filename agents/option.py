@@ -39,7 +39,7 @@ def option(title: str, help: str, default: Any = None, kind: type = str, **more:
     return Field(default, json_schema_extra={"option": Option(title, help, kind, **more)})  # type: ignore[dict-item]
 
 
-def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
+def whole_number(name: str, value: Any, least: int, most: int = MOST) -> int:
     """`value` as a whole number in [least, most]. Raises InputError."""
     right = isinstance(value, int | np.integer) and not isinstance(value, bool)
     if not right or value < least:
@@ -53,7 +53,7 @@ def whole(name: str, value: Any, least: int, most: int = MOST) -> int:
 
 def from_(least: int, most: int = MOST) -> BeforeValidator:
     """What checks a whole number in [least, most]."""
-    return BeforeValidator(lambda value, info: whole(info.field_name, value, least, most))
+    return BeforeValidator(lambda value, info: whole_number(info.field_name, value, least, most))
 
 
 def distance(value: Any, info: ValidationInfo) -> float:

@@ -15,10 +15,11 @@ from agents.catalogue import model
 from agents.flock_world import find_world
 from agents.frames import SnapshotReader, TickIndex, demand_kinds
 from agents.models.declare import checked
+from agents.option import whole_number
 from agents.parquet import ParquetTable, demand_format
 from agents.record import FORMAT, KEY, PAST, SHEET, described, table_writer
 from agents.snapshot import Snapshot
-from agents.spec import Spec, whole
+from agents.spec import Spec
 from agents.state.agent_rows import LARGEST
 from worlds.checks import demand_sound
 from worlds.file_writer import writing
@@ -167,7 +168,7 @@ class Recording:
                 raise unknown("column", name, self.names, str(self.path))
         if ticks is None:
             return self.file.table(self.file.batches(names), names)
-        wanted = [whole("tick", tick, 0) for tick in np.atleast_1d(ticks).tolist()]
+        wanted = [whole_number("tick", tick, 0) for tick in np.atleast_1d(ticks).tolist()]
         places = {tick: self.index.place(tick) for tick in wanted}
         for tick, place in places.items():
             if place is None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import SERIES
-from agents.spec import whole
+from agents.option import whole_number
 from worlds.input_error import InputError, unknown
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def follow(flock: Flock, ticks: int, names: Iterable[str] = (SERIES,), every: in
     True
     """
     follower = Follower(flock, names)
-    ticks, every = whole("ticks", ticks, 0), whole("every", every, 1)
+    ticks, every = whole_number("ticks", ticks, 0), whole_number("every", every, 1)
     for _ in range(ticks // every):
         flock.run(every)
         follower.look()

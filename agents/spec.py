@@ -19,7 +19,7 @@ from pydantic import (
 )
 
 from agents.conditions import Conditions
-from agents.option import Option, distance, from_, option, whole
+from agents.option import Option, distance, from_, option, whole_number
 from worlds.input_error import InputError, needed, shortened, unknown
 from worlds.text_file import read_text, toml
 from worlds.world import World, box
@@ -155,7 +155,7 @@ class Spec(Options):
         except ValidationError as error:
             raise refusal(error.errors()[0]) from None
         if self.agents is not None and self.start == "random":
-            whole("agents", self.agents, 1)
+            whole_number("agents", self.agents, 1)
         if self.is_late and self.activation != "synchronous":
             raise InputError(
                 f"activation = {self.activation!r} is not allowed where messages take time or are "

@@ -20,7 +20,7 @@ SHADES = "BrBG"
 """Colours of shares: downwash brown, upwash green."""
 
 
-def written(folder: Path, name: str, draw: Callable[[Any], None]) -> dict[str, Path]:
+def write_picture(folder: Path, name: str, draw: Callable[[Any], None]) -> dict[str, Path]:
     """Draw on a new figure and write it into the folder; the files by kind. Raises InputError."""
     files = {kind: folder / f"{name}.{kind}" for kind in PICTURES}
     with new_figure() as figure:

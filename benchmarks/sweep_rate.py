@@ -18,7 +18,7 @@ from pathlib import Path
 
 from agents import Flock
 from app.studies.sweeps.checked_sweep import Sweep
-from app.studies.sweeps.sweep_api import asked
+from app.studies.sweeps.sweep_api import requested_sweep
 from app.studies.sweeps.sweep_runner import conduct
 
 KINDS = ((50, 100, 1.0), (300, 100, 0.5), (1000, 1000, 0.05))
@@ -76,7 +76,7 @@ def main() -> None:
     print("".join(f"{head:>15}" for head in heads))
     for agents, ticks, share in KINDS:
         runs = max(len(ETA) * 2, int(given.runs * share) // len(ETA) * len(ETA))
-        sweep = asked(
+        sweep = requested_sweep(
             "vem", {"kind": "grid", "axes": {"eta": ETA}}, runs // len(ETA), ticks,
             ["polarisation"], "", 1, {"agents": agents}, None,
         )  # fmt: skip

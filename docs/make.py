@@ -19,7 +19,7 @@ from typing import Any
 from rule_scenes import flock_of, scene_of
 
 from agents.catalogue import MODELS, Model
-from agents.engine.block import seen
+from agents.engine.block import neighbour_of
 from agents.engine.cache import reached
 from agents.flock import Flock
 from agents.models.declare import DeclaredParameter, declared
@@ -85,7 +85,7 @@ def plainly(word: str) -> str:
 
 def reads_speed_of_others(function) -> bool:
     """Whether a part of a rule, or what it calls, asks a neighbour's speed."""
-    if function is None or function is seen:
+    if function is None or function is neighbour_of:
         return False
     asked = re.search(r"\b(other|near)\.speed\b", inspect.getsource(function.py_func))
     return bool(asked) or any(

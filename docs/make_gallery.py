@@ -25,7 +25,7 @@ from agents import Flock
 from agents.catalogue import MODELS
 from app.viewer.gallery.scene_collection import PICTURES, built_in, scene_names
 from app.worlds.world_picture import LOOK, draw_plan
-from worlds.generators import drawn
+from worlds.generators import draw_obstacles
 from worlds.layout import layout_names, world
 
 SIDE = 10.0
@@ -104,7 +104,7 @@ def main(only: tuple[str, ...] = ()) -> None:
         if not only or f"world-{name}" in only:
             figure = Figure(figsize=(WIDTH / 50, HEIGHT / 50))
             axes = figure.add_axes((0.02, 0.02, 0.96, 0.96))
-            draw_plan(axes, drawn(world(name, unsized=lambda _: SIDE), 1))
+            draw_plan(axes, draw_obstacles(world(name, unsized=lambda _: SIDE), 1))
             axes.set(aspect="equal", xticks=[], yticks=[])
             axes.spines[:].set_visible(False)
             save(f"world-{name}", taken(figure))

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from app.worlds.contents import points
 from app.worlds.world_picture import draw_world
-from worlds.generators import GENERATORS, drawn, generate
+from worlds.generators import GENERATORS, draw_obstacles, generate
 from worlds.generators.generate import allowed
 from worlds.layout import layout_names, read_layout, world, world_from_layout
 from worlds.readers import read_geometry, world_around
@@ -71,7 +71,9 @@ def draw(text: str) -> None:
     """Every layout under its name, every generator as make-KIND, and the page's own examples."""
     PICTURES.mkdir(parents=True, exist_ok=True)
     for name in layout_names():
-        draw_world(drawn(world(name, unsized=lambda _: SIDE), SEED), PICTURES / f"{name}.png")
+        draw_world(
+            draw_obstacles(world(name, unsized=lambda _: SIDE), SEED), PICTURES / f"{name}.png"
+        )
     for kind in GENERATORS:
         draw_world(generate(kind, SEED, (60.0, 40.0)), PICTURES / f"make-{kind}.png")
     yard = world_from_layout(tomllib.loads(code(text, "toml")), "yard")

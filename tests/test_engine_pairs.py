@@ -125,7 +125,7 @@ def test_lanes_are_changed_in_place_as_numbers_are():
     np.testing.assert_allclose(out, (a + b + a - 2.0 * b) * a / b, rtol=1e-14, atol=1e-14)
 
 
-@pytest.mark.parametrize("function", [where, vector_lanes.words, vector_lanes.as_float])
+@pytest.mark.parametrize("function", [where, vector_lanes.as_unsigned, vector_lanes.as_float])
 def test_what_works_on_lanes_works_on_one_number(function):
     given = (True, 2.0, 3.0) if function is where else (2,)
     assert function(*given) == numba.njit(lambda *numbers: function(*numbers))(*given) == 2

@@ -43,14 +43,14 @@ KEYS = (
 BUILT_IN = {f.name.removesuffix(".toml"): f for f in LAYOUTS.iterdir() if f.name.endswith(".toml")}
 
 
-def brought(name: str, thing: object) -> tuple[str, dict[str, Any]]:
+def layout_of_entry(name: str, thing: object) -> tuple[str, dict[str, Any]]:
     """The layout that an entry point brings, as TOML has it. Raises TypeError if it is none."""
     if not isinstance(thing, Mapping):
         raise TypeError(f"a layout as a dictionary is needed, not {type(thing).__name__}")
     return name, dict(thing)
 
 
-BROUGHT = plug_ins("flockscope.layouts", brought, BUILT_IN)
+BROUGHT = plug_ins("flockscope.layouts", layout_of_entry, BUILT_IN)
 """The layouts of other packages."""
 
 
@@ -122,7 +122,7 @@ def world_from_layout(
     `dim` is 2 or 3, by default the layout's own, or 2. A flat layout stands up in three dimensions:
     its box and obstacles reach from z = 0 to `height`. `size` is one length for all sides or one
     per axis, each > 0; by default the layout's own, or `unsized(dim)`. It cannot be changed in a
-    layout with obstacles. Random obstacles are not drawn yet, see `worlds.generators.drawn`.
+    layout with obstacles. Random obstacles are not drawn yet, see `worlds.generators.draw_obstacles`.
     Raises InputError.
     """
     return Layout(name, layout).world(dim, size, unsized)

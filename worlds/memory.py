@@ -33,12 +33,12 @@ def demand_memory(what: str, needed: float) -> None:
     there = memory()
     if needed > there:
         raise InputError(
-            f"{what} is not allowed: about {in_words(needed)} of memory would be needed, this "
-            f"machine has {in_words(there)}"
+            f"{what} is not allowed: about {format_bytes(needed)} of memory would be needed, this "
+            f"machine has {format_bytes(there)}"
         )
 
 
-def in_words(size: float) -> str:
+def format_bytes(size: float) -> str:
     """Bytes for people.
 
     >>> in_words(25.3e9), in_words(2e11)

@@ -68,7 +68,7 @@ class World:
     source: str = ""
     """Where the layout is from."""
     random: RandomObstacles | None = None
-    """Obstacles still to be drawn from a seed, see `worlds.generators.drawn`."""
+    """Obstacles still to be drawn from a seed, see `worlds.generators.draw_obstacles`."""
 
     def __post_init__(self) -> None:
         for name in ("size", "edges", "low", "obstacles"):  # lists would make it no value

@@ -23,7 +23,7 @@ def turned_places(places: np.ndarray, degrees: float, about: np.ndarray) -> np.n
     return (places - about) @ np.array([[c, s], [-s, c]]) + about
 
 
-def turned(world: World, degrees: float, rng: np.random.Generator | None = None) -> World:
+def rotate_world(world: World, degrees: float, rng: np.random.Generator | None = None) -> World:
     """The world with all that is in it turned anticlockwise about the middle of its box.
 
     With `rng` outlines begin at a random one of their corners, go round either way, and obstacles

@@ -112,7 +112,7 @@ class BodyMove(NamedTuple):
 
 
 @compiled
-def seen(me, near, j):
+def neighbour_of(me, near, j):
     """Agent j of the block, as `me` sees it."""
     dx = near.x[j] - me.x
     dy = near.y[j] - me.y

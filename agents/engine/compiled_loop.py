@@ -92,14 +92,14 @@ def load(kind: str, globals_: dict, fields) -> types.ModuleType:
     module_name = f"{__package__}.{kind}_{digest.hexdigest()[:16]}"
     with LOADING:
         if module_name not in sys.modules:
-            module = made(kind, module_name, globals_, fields)
+            module = execute_template(kind, module_name, globals_, fields)
             sys.modules[module_name] = module  # a kept kernel finds its parameters' class there
             fingerprint(module.advance, digest, seen)
             module.__dict__["cache_folder"] = keep(module.advance, digest)
     return sys.modules[module_name]
 
 
-def made(kind: str, module_name: str, globals_: dict, fields) -> types.ModuleType:
+def execute_template(kind: str, module_name: str, globals_: dict, fields) -> types.ModuleType:
     """The template `kind` executed as a module of that name."""
     spec = importlib.util.spec_from_file_location(module_name, TEMPLATES[kind])
     if spec is None or spec.loader is None:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.engine.noise import GOLDEN, S11, cos_sin, log, mix, tick_key
-from agents.engine.vector_lanes import as_float, words
+from agents.engine.vector_lanes import as_float, as_unsigned
 from worlds.compilation import compiled
 
 BEGINS = math.nan
@@ -43,8 +43,8 @@ class MessageDelays(NamedTuple):
 @compiled
 def off_place(seed, now, receiver, sender, axis):
     """How far a receiver takes a sender to be off at a tick along an axis: a normal number, cut."""
-    key = mix((tick_key(seed, now) ^ ASIDE) + words(sender) * GOLDEN)
-    counter = words(receiver) * np.uint64(6) + np.uint64(2 * axis)
+    key = mix((tick_key(seed, now) ^ ASIDE) + as_unsigned(sender) * GOLDEN)
+    counter = as_unsigned(receiver) * np.uint64(6) + np.uint64(2 * axis)
     first = as_float(mix(key + counter * GOLDEN) >> S11) * 2.0**-53
     second = as_float(mix(key + (counter + np.uint64(1)) * GOLDEN) >> S11) * 2.0**-53
     c, _ = cos_sin(2.0 * math.pi * second)
@@ -52,10 +52,10 @@ def off_place(seed, now, receiver, sender, axis):
 
 
 @compiled
-def drawn(seed, sent, receiver, sender, draw):
+def message_draw(seed, sent, receiver, sender, draw):
     """A number uniform in [0, 1) for the message of a pair of agents that was sent at a tick."""
-    key = mix((tick_key(seed, sent) ^ LATE) + words(sender) * GOLDEN)
-    counter = words(receiver) * np.uint64(2) + np.uint64(draw)
+    key = mix((tick_key(seed, sent) ^ LATE) + as_unsigned(sender) * GOLDEN)
+    counter = as_unsigned(receiver) * np.uint64(2) + np.uint64(draw)
     return as_float(mix(key + counter * GOLDEN) >> S11) * 2.0**-53
 
 
@@ -71,11 +71,11 @@ def age_of(messages, seed, now, receiver, sender, ages):
         sent = now - age
         if sent <= 0:
             return age
-        if messages.loss > 0.0 and drawn(seed, sent, receiver, sender, 0) < messages.loss:
+        if messages.loss > 0.0 and message_draw(seed, sent, receiver, sender, 0) < messages.loss:
             continue
         if messages.jitter == 0.0:
             return age
-        more = -messages.jitter * log(1.0 - drawn(seed, sent, receiver, sender, 1))
+        more = -messages.jitter * log(1.0 - message_draw(seed, sent, receiver, sender, 1))
         if math.floor(messages.delay + more + 0.5) <= age:
             return age
     return ages

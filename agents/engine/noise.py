@@ -12,7 +12,14 @@ import math
 import numpy as np
 
 from agents.engine.block import BodyMove, Decision
-from agents.engine.vector_lanes import as_float, exponent, mantissa, power_of_two, where, words
+from agents.engine.vector_lanes import (
+    as_float,
+    as_unsigned,
+    exponent,
+    mantissa,
+    power_of_two,
+    where,
+)
 from worlds.compilation import compiled
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
@@ -50,7 +57,7 @@ def tick_key(seed, tick):
 @compiled
 def uniform(key, agent, draw):
     """A number uniform in [0, 1) for this tick's key, agent id and draw (0 to 15)."""
-    counter = words(agent) * DRAWS + np.uint64(draw)
+    counter = as_unsigned(agent) * DRAWS + np.uint64(draw)
     return as_float(mix(key + counter * GOLDEN) >> S11) * 2.0**-53
 
 
@@ -181,7 +188,7 @@ def random_direction(key, agent, dim):
 
 
 @compiled
-def turned(ux, uy, uz, eta, key, agent, dim):
+def turn_by_noise(ux, uy, uz, eta, key, agent, dim):
     """A unit heading turned by angular noise of full width eta (rad).
 
     In 2-D by an angle uniform in [-eta/2, eta/2) (Vicsek et al. 1995; Liu et al. 2021 (6)); in 3-D
@@ -230,7 +237,7 @@ def headed(me, wish, noise, eta, dim):
     y = where(lost, me.uy, y / length)
     z = where(lost, me.uz, z / length)
     if noise != VECTORIAL and eta > 0.0:
-        x, y, z = turned(x, y, z, eta, me.key, me.id, dim)
+        x, y, z = turn_by_noise(x, y, z, eta, me.key, me.id, dim)
     return Decision(x, y, z)
 
 

@@ -22,7 +22,7 @@ MEETINGS = 32
 
 
 @compiled
-def held(surroundings, space, me, moved, meets):
+def hold_back(surroundings, space, me, moved, meets):
     """The move, with what leads through solids taken out of it."""
     dx, dy, dz = moved.x - me.x, moved.y - me.y, moved.z - me.z
     if is_far(surroundings, me.x, me.y, me.z, math.sqrt(dx * dx + dy * dy + dz * dz)):

@@ -32,7 +32,7 @@ from agents.engine.cells import (
 from agents.engine.flat import ones, zeros
 from agents.engine.nearest_agents import all_images, covered, fill_all, rank, width_for
 from agents.engine.noise import carried, headed, tick_key
-from agents.engine.solid_collision import PASSES, crash, fall, held
+from agents.engine.solid_collision import PASSES, crash, fall, hold_back
 from agents.engine.tick_phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
 from agents.engine.waypoint_heading import guided
 from worlds.compilation import compiled, entry
@@ -76,7 +76,7 @@ def settle(flock, space, surroundings, i, me, moved, context):
     if WINDY:
         moved = carried(moved, context, me.tick)
     if MEETS != PASSES and not passes(context.parameters):
-        moved = held(surroundings, space, me, moved, MEETS)
+        moved = hold_back(surroundings, space, me, moved, MEETS)
     flock.position[i, 0] = into_box(moved.x, space.size[0]) if space.wraps[0] else moved.x
     flock.position[i, 1] = into_box(moved.y, space.size[1]) if space.wraps[1] else moved.y
     flock.heading[i, 0] = moved.ux

@@ -203,18 +203,18 @@ def where_of_one(condition, this, other):  # noqa: ARG001
 operation(where, LANES, TRUTHS, LANES, LANES)(lambda b, truth, x, y: b.select(truth, x, y))
 
 
-def words(number: Any) -> Any:
+def as_unsigned(number: Any) -> Any:
     """A whole number as uint64."""
     return np.uint64(number)
 
 
-@overload(words)
+@overload(as_unsigned)
 def words_of_one(number):
     """A whole number of one agent as uint64."""
     return (lambda number: np.uint64(number)) if isinstance(number, types.Integer) else None
 
 
-operation(words, WORDS, WORDS)(lambda _, x: x)
+operation(as_unsigned, WORDS, WORDS)(lambda _, x: x)
 
 
 def as_float(number: Any) -> Any:

@@ -14,7 +14,7 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 from pydantic import create_model
 
-from agents.engine.block import seen
+from agents.engine.block import neighbour_of
 from agents.engine.cache import reached
 from agents.engine.layer_search import UNKNOWN
 from agents.engine.solid_collision import BOUNCES, PASSES, SLIDES, STOPS
@@ -53,7 +53,7 @@ def reads(name: str, function: Callable | None) -> bool:
 
     `seen`, which hands on all that there is of a neighbour, does not count.
     """
-    if function is None or function is seen:
+    if function is None or function is neighbour_of:
         return False
     python = python_of(function)
     inner = [one for one in reached(python) if isinstance(one, Dispatcher)]
@@ -66,7 +66,7 @@ def calls(wanted: Callable, function: Callable) -> bool:
     return any(one is wanted or calls(wanted, one) for one in inner)
 
 
-def whole(column: str) -> str:
+def vector_name(column: str) -> str:
     """The name of the point or vector that a column is a part of; its own, if of none.
 
     >>> whole("aim_x"), whole("phase")
@@ -155,11 +155,11 @@ class Model:
     def unit_of(self, column: str) -> str:
         """The unit of one of `columns`, 1 for a pure number."""
         units = {**self.rule.units, **self.body.units}
-        return self.in_units(units.get(column, units.get(whole(column), "1")))
+        return self.in_units(units.get(column, units.get(vector_name(column), "1")))
 
     def words_of(self, column: str) -> str:
         """What people call one of `columns`, or the point or vector that it is a part of."""
-        words, name = {**self.rule.words, **self.body.words}, whole(column)
+        words, name = {**self.rule.words, **self.body.words}, vector_name(column)
         return words.get(column, words.get(name, name.replace("_", " ")))
 
     @property

@@ -80,10 +80,10 @@ def fault_of(model: Model, error: Exception) -> ModelCodeError | None:
     message = f"{type(error).__name__}: {error}"
     for frame, line in reversed(list(traceback.walk_tb(error.__traceback__))):
         if frame.f_code in own:
-            return at_fault(own, frame.f_code, line, in_words(message, model, frame.f_code))
+            return at_fault(own, frame.f_code, line, describe_error(message, model, frame.f_code))
     code = getattr(getattr(error, "uncompiled", None), "__code__", None)
     if code in own:  # numba lets some exceptions pass as they are, without a line
-        return at_fault(own, code, line_of(code, message), in_words(message, model, code))
+        return at_fault(own, code, line_of(code, message), describe_error(message, model, code))
     return wrong_answer(model)
 
 
@@ -146,10 +146,10 @@ def uncompiled(model: Model, error: NumbaError) -> ModelCodeError:
     callee = re.search(r"<function (\w+) at", report)
     for code in own:
         if at is not None and code.co_filename == at[1] and int(at[2]) in lines(code):
-            return at_fault(own, code, int(at[2]), in_words(message, model, code))
+            return at_fault(own, code, int(at[2]), describe_error(message, model, code))
     for code in own:
         if callee is not None and code.co_name == callee[1]:
-            return at_fault(own, code, line_of(code, message), in_words(message, model, code))
+            return at_fault(own, code, line_of(code, message), describe_error(message, model, code))
     if (found := re.search(r">>> added\(UniTuple\(\w+ x (\d+)\)", message)) and model.rule.term:
         code = model.rule.term.py_func.__code__  # type: ignore[attr-defined]
         reason = f"it has to have as many numbers as its rule says, {found[1]}"
@@ -172,7 +172,7 @@ def line_of(code: CodeType, message: str) -> int:
     return found[max(reversed(named), key=len)] if named else code.co_firstlineno
 
 
-def in_words(message: str, model: Model, code: CodeType) -> str:
+def describe_error(message: str, model: Model, code: CodeType) -> str:
     """A message of numba or of Python, in the words of a rule."""
     for pattern in UNKNOWN:
         if found := re.search(pattern, message):

@@ -308,14 +308,14 @@ FLIGHT = [
 BUILT_IN = {one.name: one for one in [*ORDER, *NEIGHBOURS, *WORLD, *GROUPS, *FLIGHT]}
 
 
-def brought(_: str, thing: object) -> tuple[str, Observable]:
+def observable_of_entry(_: str, thing: object) -> tuple[str, Observable]:
     """The observable that an entry point brings. Raises TypeError if it is none."""
     if not isinstance(thing, Observable):
         raise TypeError(f"an Observable is needed, not {type(thing).__name__}")
     return thing.name, thing
 
 
-OBSERVABLES = BUILT_IN | plug_ins("flockscope.observables", brought, BUILT_IN)
+OBSERVABLES = BUILT_IN | plug_ins("flockscope.observables", observable_of_entry, BUILT_IN)
 """All observables: the built-in ones, then those of other packages, which replace none of these."""
 
 

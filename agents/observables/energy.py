@@ -72,7 +72,7 @@ def urgency(distance, p: Any) -> np.ndarray:
     return np.where(np.isnan(distance), np.nan, eta)
 
 
-def held(one: np.ndarray, other: np.ndarray, p: Any) -> float:
+def potential_sum(one: np.ndarray, other: np.ndarray, p: Any) -> float:
     """Sum of eta psi_alpha over all pairs within r of places (N, dim) and places (M, dim)."""
     if not len(one) or not len(other):
         return 0.0
@@ -114,8 +114,8 @@ def hamiltonian(position, velocity, goal, points, p: Any) -> float:
     if points.shape[1] != dim:
         raise InputError(f"points have {points.shape[1]} axes and positions {dim}")
     _, points = together(points=points)
-    flock = p.c1a * held(position, position, p)
-    boundary = 2.0 * p.c1b * held(position, points, p)
+    flock = p.c1a * potential_sum(position, position, p)
+    boundary = 2.0 * p.c1b * potential_sum(position, points, p)
     pull = p.c1g * float(np.square(position - at).sum())
     return 0.5 * (flock + boundary + pull + float(np.square(velocity - speed).sum()))
 

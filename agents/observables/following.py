@@ -95,7 +95,7 @@ def places(trace: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.ascontiguousarray(trace), there
 
 
-def written(name: str, array: np.ndarray, shape: tuple[int, ...], kind: type) -> np.ndarray:
+def demand_output(name: str, array: np.ndarray, shape: tuple[int, ...], kind: type) -> np.ndarray:
     """An array that is written to, of just this shape and kind. Raises InputError."""
     if not isinstance(array, np.ndarray) or array.shape != shape or array.dtype != kind:
         found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else repr(array)
@@ -112,7 +112,7 @@ def nearest_pairs(trace: np.ndarray, least2: np.ndarray) -> None:
     """
     trace, _ = places(trace)
     n = trace.shape[2]
-    bring_pairs(trace, written("least2", least2, (n, n), float))
+    bring_pairs(trace, demand_output("least2", least2, (n, n), float))
 
 
 def least_clearances(trace: np.ndarray, surroundings, least: np.ndarray) -> None:
@@ -122,7 +122,7 @@ def least_clearances(trace: np.ndarray, surroundings, least: np.ndarray) -> None
     `engine.surroundings`. Left out and refused as for `nearest_pairs`.
     """
     trace, _ = places(trace)
-    bring_clearances(trace, surroundings, written("least", least, trace.shape[2:], float))
+    bring_clearances(trace, surroundings, demand_output("least", least, trace.shape[2:], float))
 
 
 def keep_following(trace, informed, r: float, follows, reached, queue) -> None:
@@ -139,11 +139,11 @@ def keep_following(trace, informed, r: float, follows, reached, queue) -> None:
     bring_following(
         trace,
         there,
-        written("informed", informed, shape, bool),
+        demand_output("informed", informed, shape, bool),
         length("r", r),
-        written("follows", follows, shape, bool),
-        written("reached", reached, shape, bool),
-        written("queue", queue, shape, np.int64),
+        demand_output("follows", follows, shape, bool),
+        demand_output("reached", reached, shape, bool),
+        demand_output("queue", queue, shape, np.int64),
     )
 
 

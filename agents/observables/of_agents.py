@@ -33,14 +33,14 @@ BUILT_IN = {
 }
 
 
-def brought(_: str, thing: object) -> tuple[str, OfAgents]:
+def colouring_of_entry(_: str, thing: object) -> tuple[str, OfAgents]:
     """The colouring that an entry point brings. Raises TypeError if it is none."""
     if not isinstance(thing, OfAgents):
         raise TypeError(f"an OfAgents is needed, not {type(thing).__name__}")
     return thing.name, thing
 
 
-OF_AGENTS = BUILT_IN | plug_ins("flockscope.colourings", brought, BUILT_IN)
+OF_AGENTS = BUILT_IN | plug_ins("flockscope.colourings", colouring_of_entry, BUILT_IN)
 """All of them: the built-in ones, then those of other packages, which replace none of these."""
 
 

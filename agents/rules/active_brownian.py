@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Decision, is_neighbour, seen
+from agents.engine.block import Decision, is_neighbour, neighbour_of
 from agents.engine.vector_lanes import where
 from agents.models.declare import Parameters, Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
@@ -105,7 +105,7 @@ def explain(me, near, surroundings, p, out):
 def weigh(me, near, p, out):
     """How far each overlaps, of the diameter."""
     for j in range(near.n):
-        other = seen(me, near, j)
+        other = neighbour_of(me, near, j)
         overlap = 1.0 - math.sqrt(other.d2) / p.d
         out[j] = overlap if is_neighbour(other, p.d) else 0.0
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.engine.block import Decision, seen
+from agents.engine.block import Decision, neighbour_of
 from agents.models.declare import Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.terms.sigma import (
@@ -26,7 +26,7 @@ from agents.rules.terms.sigma import (
     level,
     push,
     weigh,
-    written,
+    write_forces,
 )
 from worlds.compilation import compiled
 
@@ -235,7 +235,7 @@ def flockmates(me, near, p):
     warning = alarm(p)
     fx = fy = cx = cy = 0.0
     for j in range(near.n):
-        other = seen(me, near, j)
+        other = neighbour_of(me, near, j)
         gx, gy, _, wx, wy, _ = flockmate(me, other, p)
         eta = level(other.d2, warning, p.d, p.tau_a, p.tau_e, p.tau_s)
         fx += eta * gx
@@ -281,7 +281,7 @@ def decide(me, near, surroundings, p):
 @compiled
 def explain(me, near, surroundings, p, out):
     """The terms of (19) one by one."""
-    written(terms(me, near, surroundings, p), out)
+    write_forces(terms(me, near, surroundings, p), out)
 
 
 RULE = Rule(

@@ -11,7 +11,7 @@ as no two agents are further apart than r the equation is the paper's, to the la
 
 from __future__ import annotations
 
-from agents.engine.block import Decision, is_neighbour, seen
+from agents.engine.block import Decision, is_neighbour, neighbour_of
 from agents.engine.noise import exp, log
 from agents.models.declare import Parameters, Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
@@ -110,7 +110,7 @@ def explain(me, near, surroundings, p, out):
 def weigh(me, near, p, out):
     """a_ij over what it is of two in one place: 1 next to an agent, and falling."""
     for j in range(near.n):
-        other = seen(me, near, j)
+        other = neighbour_of(me, near, j)
         share = exp(-p.beta * log(1.0 + other.d2 / (p.sigma * p.sigma)))
         out[j] = share if is_neighbour(other, p.r) else 0.0
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Decision, seen
+from agents.engine.block import Decision, neighbour_of
 from agents.engine.noise import exp
 from agents.engine.vector_lanes import where
 from agents.models.declare import Parameters, Rule, parameter
@@ -166,7 +166,7 @@ def weigh(me, near, p, out):
     """How strong the force of each is, over that of the strongest of the two at no distance."""
     most = max(p.C_r / p.l_r, p.C_a / p.l_a)
     for j in range(near.n):
-        fx, fy, fz = term(me, seen(me, near, j), p)
+        fx, fy, fz = term(me, neighbour_of(me, near, j), p)
         size = math.sqrt(fx * fx + fy * fy + fz * fz)
         out[j] = size / most if most > 0.0 else 0.0
 

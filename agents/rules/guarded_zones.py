@@ -301,7 +301,7 @@ def widest(p: Any) -> float:
 
 
 @compiled
-def called(me, near, p):
+def mean_direction(me, near, p):
     """The mean of the unit vectors to all within d_c, (x, y, z); shorter within a flock."""
     x = y = z = n = 0.0
     for j in range(near.n):
@@ -326,7 +326,7 @@ def wished(me, near, surroundings, p):
     fx, fy, fz = s.ox + p.w_a * s.ax, s.oy + p.w_a * s.ay, s.oz + p.w_a * s.az
     length = math.sqrt(fx * fx + fy * fy + fz * fz)
     share = 1.0 / length if length > 1e-12 else 0.0
-    cx, cy, cz = called(me, near, p)
+    cx, cy, cz = mean_direction(me, near, p)
     x = s.rx + share * fx + p.w_c * cx
     y = s.ry + share * fy + p.w_c * cy
     z = s.rz + share * fz + p.w_c * cz

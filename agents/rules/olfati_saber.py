@@ -26,7 +26,7 @@ from agents.rules.terms.sigma import (
     sigma_norm,
     stretch,
     weigh,
-    written,
+    write_forces,
 )
 from agents.rules.terms.sums import of_pairs, sums_around
 from worlds.compilation import compiled
@@ -145,7 +145,7 @@ around = sums_around(6, flockmate)
 @compiled
 def explain(me, near, surroundings, p, out):
     """The terms of (7) one by one."""
-    written(terms(me, around(me, near, p), surroundings, p), out)
+    write_forces(terms(me, around(me, near, p), surroundings, p), out)
 
 
 RULE = Rule(

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Decision, seen
+from agents.engine.block import Decision, neighbour_of
 from agents.engine.vector_lanes import where
 from agents.models.declare import Parameters, Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
@@ -31,7 +31,7 @@ along the surface if it is that of the heading along the normal."""
 
 
 @compiled
-def cut(x, y, z):
+def clip_to_unit(x, y, z):
     """The vector, at most 1 long."""
     length = math.sqrt(x * x + y * y + z * z)
     share = 1.0 / length if length > 1.0 else 1.0
@@ -83,7 +83,7 @@ def seek(me, surroundings, p):
     d = math.sqrt(dx * dx + dy * dy + dz * dz)
     d = d if d > 0.0 else 1.0
     v = me.speed / p.max_speed
-    return cut(dx / d - v * me.ux, dy / d - v * me.uy, dz / d - v * me.uz)
+    return clip_to_unit(dx / d - v * me.ux, dy / d - v * me.uy, dz / d - v * me.uz)
 
 
 FORCES = ("separation", "alignment", "cohesion", "avoidance", "seek")
@@ -282,16 +282,16 @@ def flocking(me, sums, p):
     over r_c.
     """
     sx, sy, sz, ax, ay, az, aligned, cx, cy, cz, cohering = sums
-    sx, sy, sz = cut(p.r_separation * sx, p.r_separation * sy, p.r_separation * sz)
+    sx, sy, sz = clip_to_unit(p.r_separation * sx, p.r_separation * sy, p.r_separation * sz)
     n = max(1.0, aligned)
     v = me.speed if aligned > 0.0 else 0.0
-    ax, ay, az = cut(
+    ax, ay, az = clip_to_unit(
         (ax / n - v * me.ux) / p.max_speed,
         (ay / n - v * me.uy) / p.max_speed,
         (az / n - v * me.uz) / p.max_speed,
     )
     n = max(1.0, cohering) * p.r_cohesion
-    cx, cy, cz = cut(cx / n, cy / n, cz / n)
+    cx, cy, cz = clip_to_unit(cx / n, cy / n, cz / n)
     return sx, sy, sz, ax, ay, az, cx, cy, cz
 
 
@@ -335,7 +335,7 @@ def weigh(me, near, p, out):
     edge = edge_of_view(p)
     most = min(p.r, max(p.r_separation, max(p.r_alignment, p.r_cohesion))) ** 2
     for j in range(near.n):
-        other = seen(me, near, j)
+        other = neighbour_of(me, near, j)
         out[j] = 1.0 if in_view(me, other, edge) & (other.d2 <= most) else 0.0
 
 

@@ -35,7 +35,7 @@ def demand_memory_for(model: Model, agents: int, threads: int) -> None:
     demand_memory(f"agents = {agents}", float(agents) * each)
 
 
-def begun(start: Start, model: Model, first_id: int) -> Arrays:
+def start_arrays(start: Start, model: Model, first_id: int) -> Arrays:
     """The arrays of agents at a start, with identities from `first_id` on."""
     n = len(start.position)
     return Arrays(
@@ -69,7 +69,7 @@ def no_crashes(n: int, dim: int) -> np.ndarray:
     return np.full((n, 2 + dim), -1.0)
 
 
-def joined(arrays: Arrays, more: Arrays) -> Arrays:
+def join_arrays(arrays: Arrays, more: Arrays) -> Arrays:
     """The rows of one behind the other's; agents are the memory's last axis, else the first."""
     both = {
         name: np.concatenate(pair, axis=int(name == "memory"))

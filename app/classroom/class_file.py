@@ -21,7 +21,7 @@ from app.classroom.collect.class_picture import picture
 from app.classroom.collect.class_table import points_from_csv, to_csv
 from app.classroom.collect.collection import MOST_GIVEN, Collection, StudentAssignment
 from app.classroom.collect.hand_in import Point
-from app.classroom.collect.question import Question, question_from_toml, titled
+from app.classroom.collect.question import Question, clean_title, question_from_toml
 from app.classroom.student import Role, same, student_name
 from app.viewer.editing.layout_file import plain_name
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
@@ -262,10 +262,10 @@ OF_STUDENT, OF_QUESTION, OF_GIVEN = ("name", "role", "file"), ("file", "given"),
 
 def load(path: str | Path) -> ClassState:
     """The class of a file. Raises InputError in one line, having opened nothing."""
-    return opened(Path(path).name, content_of(Path(path)))
+    return open_class(Path(path).name, content_of(Path(path)))
 
 
-def opened(name: str, data: bytes) -> ClassState:
+def open_class(name: str, data: bytes) -> ClassState:
     """The class in the bytes of a file. Raises InputError in one line."""
     pack = ClassArchive(name, data)
     said = toml(pack.text("class.toml"), f"class.toml of {name}")
@@ -291,7 +291,7 @@ def title_of(said: Mapping[str, Any]) -> str:
         raise InputError(
             f"title = {shortened(title)} is no text of at most {TEXTS['title']} letters"
         )
-    return titled(title)
+    return clean_title(title)
 
 
 def seats_of(said: Mapping[str, Any]) -> int:

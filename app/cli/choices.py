@@ -186,12 +186,12 @@ def show_tables(made: dict[str, Rows]) -> None:
         table = Table(*columns, title=kind, title_justify="left", box=SIMPLE_HEAD)
         table.columns[0].no_wrap = True
         for row in rows:
-            told = {**row, "what it does": in_words(row)} if kind == "models" else row
+            told = {**row, "what it does": describe_model(row)} if kind == "models" else row
             table.add_row(*(cell(told[name]) for name in columns))
         console.print(table)
 
 
-def in_words(model: dict[str, Any]) -> str:
+def describe_model(model: dict[str, Any]) -> str:
     """What a model is and does, and where it is at home."""
     dimensions = ", ".join(f"{dim}-D" for dim in model["dimensions"])
     return (

@@ -79,7 +79,7 @@ def classroom(
     from app.classroom.class_keeper import ClassKeeper
     from app.classroom.front.serving import ClassFront
 
-    made = opened(scene, students, workers or 2 * cores())
+    made = open_class(scene, students, workers or 2 * cores())
     keeping = ClassKeeper(made, path)
     front = ClassFront(made, host, port, names, pair)
     with StopSignals() as stopping:
@@ -87,7 +87,7 @@ def classroom(
     leave()
 
 
-def opened(name: str | None, seats: int, workers: int) -> Classroom:
+def open_class(name: str | None, seats: int, workers: int) -> Classroom:
     """The class of a lesson, a scene or a file. Raises InputError."""
     from app.classroom.class_keeper import restored
     from app.classroom.classroom import Classroom

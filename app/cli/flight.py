@@ -9,7 +9,7 @@ import typer
 
 from app.cli.outcome_table import as_json, tell_written
 from app.cli.progress import Progress
-from app.cli.usage import grouped
+from app.cli.usage import command_group
 from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, request, within
 from app.results_folder import demand_folder, picture_files
 from app.settings import numbers
@@ -302,7 +302,9 @@ def payload(
 
         where = "at the speed of least power" if speed is None else f"at {speed:g} m/s"
         title = f"Level flight {where} over the load: {frequency:g} Hz, R = {twist:g} deg"
-        files |= paint(lambda f: draw_load(f, rows, in_words(source)), title, out, "payload")
+        files |= paint(
+            lambda f: draw_load(f, rows, describe_battery(source)), title, out, "payload"
+        )
     if json_asked:
         made: dict[str, Any] = {
             "battery": battery,
@@ -316,12 +318,12 @@ def payload(
         typer.echo("\n".join(load_table(rows)))
         for load in missing:
             typer.echo(f"{1000.0 * load:6.4g}    no level flight was found")
-        typer.echo(f"endurance and range: {in_words(source)}")
+        typer.echo(f"endurance and range: {describe_battery(source)}")
     if not quiet:
         tell_written(*files.values())
 
 
-def in_words(battery: Battery) -> str:
+def describe_battery(battery: Battery) -> str:
     """What drives the shafts."""
     return f"{battery.energy:g} Wh, of which {battery.efficiency:.0%} come to the shafts"
 
@@ -339,7 +341,7 @@ def load_table(rows: list[dict[str, Any]]) -> list[str]:
     return made
 
 
-flight = grouped(
+flight = command_group(
     "A flapping-wing aircraft: trim it, sweep its speed, load it, fly it.",
     {
         "trim": trim,

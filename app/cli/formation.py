@@ -10,7 +10,7 @@ import typer
 
 from app.cli.outcome_table import as_json, tell_written
 from app.cli.progress import Progress
-from app.cli.usage import grouped
+from app.cli.usage import command_group
 from app.results_folder import demand_folder, picture_files
 from app.settings import at_least, numbers
 from worlds.input_error import InputError
@@ -52,14 +52,16 @@ def spacing(
     demand("--span", span, 0.01, 100.0)
     demand_folder("--out", out, ("spacing.csv", *picture_files("spacing", pictures)), overwrite)
     from agents.observables.formation import THESIS_SPACING, best_spacing, upwash_share
-    from app.formation import TIPS, curve, draw_spacing, table, written
+    from app.formation import TIPS, curve, draw_spacing, table, write_picture
 
     best = best_spacing(core, behind, above)
     at_thesis = float(upwash_share(behind, 1.0 + THESIS_SPACING, above, core))
     rows = zip(TIPS, curve(core, behind, above), curve(0.0, behind, above), strict=True)
     files = table(out, "spacing", ["tip_per_span", "saved", "saved_without_core"], rows)
     if pictures:
-        files |= written(out, "spacing", lambda fig: draw_spacing(fig, core, behind, above, best))
+        files |= write_picture(
+            out, "spacing", lambda fig: draw_spacing(fig, core, behind, above, best)
+        )
     made = {
         "core": core,
         "behind": behind,
@@ -119,7 +121,7 @@ def vee(
     demand_folder("--out", out, ("vee.csv", *picture_files("vee", pictures)), overwrite)
     from agents.observables.formation import vee as placed
     from agents.observables.formation import vee_saved
-    from app.formation import draw_vee, table, written
+    from app.formation import draw_vee, table, write_picture
 
     alone = trimmed(speed) if energy is None else energy
     rows = []
@@ -132,7 +134,7 @@ def vee(
     exact = vee_saved(birds, step=step, tip=tip)[0]
     if pictures:
         places = placed(birds, step, tip)
-        files |= written(out, "vee", lambda figure: draw_vee(figure, places, exact, rows))
+        files |= write_picture(out, "vee", lambda figure: draw_vee(figure, places, exact, rows))
     made = {
         "birds": birds,
         "step": step,
@@ -171,7 +173,7 @@ def behind_one(
     demand("--above", above, -20.0, 20.0)
     demand_folder("--out", out, ("map.csv", *picture_files("map")), overwrite)
     from agents.observables.formation import best_spacing
-    from app.formation import ASIDE, BACK, draw_behind, from_above, table, written
+    from app.formation import ASIDE, BACK, draw_behind, from_above, table, write_picture
 
     best = best_spacing(core, behind)
     rows = (
@@ -180,7 +182,9 @@ def behind_one(
         for aside, one in zip(ASIDE, line, strict=True)
     )
     files = table(out, "map", ["behind_per_span", "aside_per_span", "saved"], rows)
-    files |= written(out, "map", lambda figure: draw_behind(figure, core, above, behind, best))
+    files |= write_picture(
+        out, "map", lambda figure: draw_behind(figure, core, above, behind, best)
+    )
     made = {"core": core, "behind": behind, "above": above, "best": best._asdict()}
     line = (
         f"{behind:g} b behind a bird the best wing-tip spacing is {best.tip:+.4f} b:"
@@ -231,7 +235,7 @@ def tell(
         tell_written(*files.values())
 
 
-formation = grouped(
+formation = command_group(
     "Say what birds save by each other's upwash.",
     {
         "spacing": spacing,

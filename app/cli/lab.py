@@ -15,7 +15,7 @@ from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
 from app.cli.file_argument import is_file
 from app.cli.progress import StopSignals, leave
-from app.cli.run_arguments import Asked, demand_parameters, given, named, with_options
+from app.cli.run_arguments import Asked, demand_parameters, option_name, requested_run, with_options
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.usage import Rules, by_name, first_of
 from app.front.origin import allowed
@@ -81,7 +81,7 @@ def lab(
     opened = opened_by(file, scene, model, beside, asked, set)
     model = model or DEFAULT
     own, others = parameters(find_model(model).name, set or [], beside)
-    request, origins = given(model, asked, [])
+    request, origins = requested_run(model, asked, [])
     with origins.named():
         if isinstance(request.size, tuple):
             sides = list(request.size)
@@ -135,7 +135,11 @@ def opened_by(
     from app.viewer.gallery.scene_collection import FIRST, find_scene
 
     given = [name for name, value in asked.items() if value is not None]
-    others = [*(["MODEL"] if model else []), *(["--beside"] if beside else []), *map(named, given)]
+    others = [
+        *(["MODEL"] if model else []),
+        *(["--beside"] if beside else []),
+        *map(option_name, given),
+    ]
     others += ["--set"] if settings else []
     if scene is not None and file is not None:
         others.insert(0, "--scene")

@@ -141,7 +141,7 @@ ONE: dict[str, Callable[[str], Any]] = {
 }
 
 
-def in_words(found: dict[str, Any]) -> list[str]:
+def format_details(found: dict[str, Any]) -> list[str]:
     """Things for people, within WIDE columns."""
     lines: list[str] = []
     for kind, thing in found.items():

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from app.cli.choices import KINDS, WIDE, Rows, names, rows, show_tables
-from app.cli.list_details import in_words, things_called
+from app.cli.list_details import format_details, things_called
 from app.cli.usage import Rules, by_name
 
 
@@ -37,7 +37,7 @@ def listing(
         if as_json:
             typer.echo(json.dumps(found))
         else:
-            typer.echo("\n".join(in_words(found)))
+            typer.echo("\n".join(format_details(found)))
 
 
 def overview(made: dict[str, Rows]) -> list[str]:

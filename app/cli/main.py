@@ -11,7 +11,7 @@ import typer
 from typer.core import TyperCommand
 from typer.main import get_command
 
-from app.cli.terminal import guard_streams, told
+from app.cli.terminal import guard_streams, with_one_line_errors
 from app.cli.usage import CommandGroup, OneCommand
 
 
@@ -88,7 +88,7 @@ def load(name: str) -> Any:
         command = get_command(function)
     else:
         single = typer.Typer(add_completion=False)
-        single.command(name, cls=OneCommand)(told(function))
+        single.command(name, cls=OneCommand)(with_one_line_errors(function))
         command = get_command(single)
     command.name = name
     return command

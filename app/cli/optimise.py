@@ -75,7 +75,7 @@ def optimise(
     if not quiet:
         for one in study.variants:
             warn(one.sweep)
-    done = carried_out(study, folder, workers, nice, retry_failed, limit, quiet)
+    done = carry_out_search(study, folder, workers, nice, retry_failed, limit, quiet)
     for line in done.broken[:FAULTS]:
         tell(f"flockscope: {line}")
     if done.answer is None:
@@ -93,7 +93,7 @@ def optimise(
         raise typer.Exit(BROKEN)
 
 
-def carried_out(
+def carry_out_search(
     study: Study,
     folder: Path,
     workers: int | None,

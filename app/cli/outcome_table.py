@@ -126,11 +126,11 @@ def show(made: dict[str, Any], flock: Flock) -> None:
     for name, value in made["observables"].items():
         one = OBSERVABLES[name]
         unit = "" if one.unit == "1" or one.is_table else f" {flock.model.in_units(one.unit)}"
-        typer.echo(f"  {name:<{wide}} {shown(value)}{unit}   in {one.range}")
+        typer.echo(f"  {name:<{wide}} {format_value(value)}{unit}   in {one.range}")
     for name, mean in made.get("over", {}).get("mean", {}).items():
-        off = shown(made["over"]["deviation"][name])
+        off = format_value(made["over"]["deviation"][name])
         last = counted(made["over"]["ticks"], "tick")
-        typer.echo(f"  {name:<{wide}} {shown(mean)} +- {off} over the last {last}")
+        typer.echo(f"  {name:<{wide}} {format_value(mean)} +- {off} over the last {last}")
     show_crashes(made.get("crashes", []))
 
 
@@ -145,7 +145,7 @@ def show_crashes(crashes: list[dict[str, Any]]) -> None:
         typer.echo(f"  and {len(crashes) - CRASHES} more; --json has all of them")
 
 
-def shown(value: Any) -> str:
+def format_value(value: Any) -> str:
     """A measured value for people."""
     if isinstance(value, dict):
         cells = [f"{key}: {inner(one)}" for key, one in value.items()]
@@ -156,7 +156,7 @@ def shown(value: Any) -> str:
 
 def inner(value: Any) -> str:
     """A value within a table for people; a row of a table in brackets."""
-    return f"({shown(value)})" if isinstance(value, dict) else shown(value)
+    return f"({format_value(value)})" if isinstance(value, dict) else format_value(value)
 
 
 # Tells at once when agents are where they cannot be, and lets the exit code say so at the end.

@@ -19,17 +19,17 @@ from app.settings import at_least, names, whole_numbers
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
 
-MOST_RUNS = 100_000
-MOST_WORKERS = 1024
-RUNS = "runs.sqlite"
-DIFFERS = 3
-"""Exit code of `--strict` if anything differs or does not hold; and if any run failed."""
-
 if TYPE_CHECKING:
     from app.studies.claims.claims import Claim
     from app.studies.experiment import Experiment
     from app.studies.experiment_runner import ExperimentReport
     from app.studies.judge.verdict import Verdict
+
+MOST_RUNS = 100_000
+MOST_WORKERS = 1024
+RUNS = "runs.sqlite"
+DIFFERS = 3
+"""Exit code of `--strict` if anything differs or does not hold; and if any run failed."""
 
 
 def paper(
@@ -97,7 +97,7 @@ def paper(
         count = runs or one.runs
         if not quiet:
             tell_prospects(one, count)
-        done = carried_out(one, folders[one.name], count, seed, workers, quiet, retry_failed)
+        done = carry_out_paper(one, folders[one.name], count, seed, workers, quiet, retry_failed)
         seconds = time.monotonic() - begun
         outcomes.append(outcome_of(one, done, folders[one.name], seed, seconds, pictures))
     report(outcomes, everything, json_asked, quiet)
@@ -131,7 +131,7 @@ def demand_results(folder: Path, name: str, pictures: bool, overwrite: bool) -> 
     demand_folder("--out", folder, theirs, overwrite or runs.is_file())
 
 
-def carried_out(
+def carry_out_paper(
     experiment: Experiment,
     folder: Path,
     runs: int,

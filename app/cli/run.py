@@ -13,7 +13,7 @@ from app.cli.file_argument import STATE, demand_alone, file_argument, is_file, s
 from app.cli.length import Seconds, Ticks, demand_one_length, ticks_asked
 from app.cli.outcome_table import StrayAgentCheck, as_json, outcome, show, tell, tell_written
 from app.cli.progress import Progress, run_ticks
-from app.cli.run_arguments import Asked, given, named, set_by, with_options
+from app.cli.run_arguments import Asked, option_name, requested_run, set_by, with_options
 from app.cli.terminal import INTERRUPTED
 from app.cli.usage import Rules, by_name, first_of
 from app.settings import at_least, names
@@ -25,7 +25,6 @@ from worlds.plug_ins import demand_parquet
 
 if TYPE_CHECKING:
     from agents import Flock
-
 
 DEFAULT_TICKS = 100
 
@@ -124,7 +123,7 @@ def run(
     compile_loop(flock, None if quiet else tell)
     if save_spec:
         write_text("--save-spec", save_spec, flock.spec.to_toml(), overwrite)
-    observed = told(flock, over) if wanted is None else wanted
+    observed = default_observables(flock, over) if wanted is None else wanted
     follower = Follower(flock, [name for name in observed if not OBSERVABLES[name].is_table])
     lookout = StrayAgentCheck(flock)
     first, begun = flock.tick, time.perf_counter()
@@ -179,19 +178,19 @@ def told_by(
 
 def known_observables(text: str, over: int | None) -> list[str]:
     """The observables of a list with commas; `over` as --over has it. Raises InputError."""
-    from agents.flock import known
+    from agents.flock import known_observable
     from agents.observables.catalogue import OBSERVABLES
 
     if text == "all":
         return [one.name for one in OBSERVABLES.values() if over or not one.over]
-    found = [known(name) for name in names(text)]
+    found = [known_observable(name) for name in names(text)]
     for name in found:
         if OBSERVABLES[name].over and not over:
             raise InputError(f"--observe {name} is measured over a run: give --over TICKS too")
     return found
 
 
-def told(flock: Flock, over: int | None) -> list[str]:
+def default_observables(flock: Flock, over: int | None) -> list[str]:
     """What is observed where nothing is asked for."""
     from agents.observables.catalogue import OBSERVABLES, telling
 
@@ -211,7 +210,7 @@ def built(
     """The flock of a spec and options. Raises InputError."""
     from agents import Flock
 
-    spec, origins = given(model, asked, settings, file)
+    spec, origins = requested_run(model, asked, settings, file)
     beside = None if file is None else shown_beside(file)
     if beside and not quiet:
         tell(f"flockscope: {beside}, which {file} shows beside it, is not run")
@@ -238,7 +237,7 @@ def loaded(
     for name, value in {**asked, "spec": spec}.items():
         if value is not None:
             raise InputError(
-                f"{named(name)} {value} cannot be given with {state}, which says it already"
+                f"{option_name(name)} {value} cannot be given with {state}, which says it already"
             )
     parameters, origins = set_by(settings)
     flock = Flock.load(state, threads=threads, interpret=interpret)

@@ -87,7 +87,7 @@ class Origins(dict[str, str]):
             raise InputError(f"{text} ({origin})") from None
 
 
-def given(
+def requested_run(
     model: str | None, asked: Asked, settings: list[str], file: Path | None = None
 ) -> tuple[Spec, Origins]:
     """The run, and where its values are from. Raises InputError naming what is wrong and where."""
@@ -95,7 +95,7 @@ def given(
     changed, said = set_by(settings)
     for key, value in {"model": model, **asked}.items():
         if value is not None:
-            values[key], origins[key] = value, named(key)
+            values[key], origins[key] = value, option_name(key)
     origins.update(said)
     if "model" not in values:
         raise InputError(
@@ -111,7 +111,7 @@ def given(
     return spec, origins
 
 
-def named(key: str) -> str:
+def option_name(key: str) -> str:
     """How a command line names an option of a run."""
     return "MODEL" if key == "model" else "--" + key.replace("_", "-")
 
@@ -129,7 +129,7 @@ def demand_parameters(changed: dict[str, Any], models: list[type[Parameters]]) -
         meant = "" if name in known else nearest(name, [*known, *OPTIONS])
         if meant in OPTIONS:
             raise InputError(
-                f"unknown parameter {name!r}: did you mean {named(meant)} {value}? "
+                f"unknown parameter {name!r}: did you mean {option_name(meant)} {value}? "
                 f"(known: {', '.join(known)}) (--set {name})"
             )
 

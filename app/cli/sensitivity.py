@@ -18,7 +18,7 @@ from app.cli.sweep.run import (
     Quiet,
     RetryFailed,
     Workers,
-    carried_out,
+    carry_out_sweep,
     demand_sound,
     warn,
 )
@@ -69,7 +69,7 @@ def sensitivity(
         demand_writable("--picture", picture, overwrite, ENDINGS)
     if not quiet:
         warn(sweep)
-    done = carried_out(sweep, folder, workers, nice, retry_failed, limit, quiet)
+    done = carry_out_sweep(sweep, folder, workers, nice, retry_failed, limit, quiet)
     if done.broken:
         tell(f"flockscope: {done.broken} runs failed: flockscope sweep show {folder} names them")
         raise typer.Exit(BROKEN)
@@ -102,7 +102,7 @@ def show(found: list[Sensitivity], title: str) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from app.studies.sensitivity.sensitivity_result import in_words
+    from app.studies.sensitivity.sensitivity_result import describe_index
 
     console = make_console()
     for one in found:
@@ -114,9 +114,9 @@ def show(found: list[Sensitivity], title: str) -> None:
         )  # fmt: skip
         for row in one.influences:
             more = [f"{row.spread:.2f}"] if row.spread is not None else []
-            table.add_row(row.axis, in_words(row.total), in_words(row.alone), *more)
+            table.add_row(row.axis, describe_index(row.total), describe_index(row.alone), *more)
         console.print(table)
         for pair in one.pairs:
-            console.print(f"S_2 of {' and '.join(pair.axes)}: {in_words(pair.index)}")
+            console.print(f"S_2 of {' and '.join(pair.axes)}: {describe_index(pair.index)}")
         for line in one.words():
             console.print(line, markup=False, highlight=False, soft_wrap=True)

@@ -103,7 +103,7 @@ MOST_LINES = 40
 INTERRUPTED = 130
 
 
-def told(command: Callable[..., Any]) -> Callable[..., Any]:
+def with_one_line_errors(command: Callable[..., Any]) -> Callable[..., Any]:
     """The command, with its refusals turned into one line."""
 
     @wraps(command)

@@ -10,7 +10,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from app.cli.terminal import REFUSED, one_line, told
+from app.cli.terminal import REFUSED, one_line, with_one_line_errors
 from worlds.input_error import InputError, nearest, needed, shortened, suggestion
 
 USAGE_ERROR: type[Exception] = typer.BadParameter.__bases__[0]
@@ -74,11 +74,11 @@ class CommandGroup(TyperGroup):
         return super().resolve_command(ctx, args)
 
 
-def grouped(summary: str, functions: Mapping[str, Callable[..., Any]]) -> typer.Typer:
+def command_group(summary: str, functions: Mapping[str, Callable[..., Any]]) -> typer.Typer:
     """A command that has commands of its own."""
     group = typer.Typer(cls=CommandGroup, help=summary, no_args_is_help=True, add_completion=False)
     for name, function in functions.items():
-        group.command(name, cls=OneCommand)(told(function))
+        group.command(name, cls=OneCommand)(with_one_line_errors(function))
     return group
 
 
@@ -87,18 +87,18 @@ def tell(error: Any) -> None:
     if type(error).__name__ == "NoArgsIsHelpError":
         error.show()
         return
-    line = one_line(in_words(error))
+    line = one_line(describe_usage_error(error))
     asked = f" ({error.ctx.command_path} --help)" if error.ctx is not None else ""
     typer.echo(f"flockscope: {line}{asked}", err=True)
 
 
-def in_words(error: Any) -> str:
+def describe_usage_error(error: Any) -> str:
     """What was typed wrong: the option, its value, what is allowed."""
     if hasattr(error, "possibilities"):
         hint = meant_by(error.option_name, options_of(error.ctx))
         return f"unknown option {shortened(error.option_name)}{hint}"
     if hasattr(error, "param_type"):
-        return f"{named(error.param)} is missing"
+        return f"{parameter_name(error.param)} is missing"
     if getattr(error, "param", None) is not None:
         return wrong_value(error)
     if hasattr(error, "option_name"):
@@ -151,12 +151,14 @@ def wrong_value(error: Any) -> str:
     """The value of an option or argument that it cannot have."""
     cause = error.__cause__
     if not hasattr(cause, "errors"):
-        return f"{named(error.param)}: {error.message}"
+        return f"{parameter_name(error.param)}: {error.message}"
     fault = cause.errors()[0]
-    return f"{named(error.param)} {shortened(fault['input'])} is not allowed: {needed(fault)}"
+    return (
+        f"{parameter_name(error.param)} {shortened(fault['input'])} is not allowed: {needed(fault)}"
+    )
 
 
-def named(param: Any) -> str:
+def parameter_name(param: Any) -> str:
     """An option as it is typed, an argument as the help has it."""
     options: Sequence[str] = param.opts
     return options[0] if options[0].startswith("-") else str(param.name).upper()

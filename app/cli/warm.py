@@ -44,7 +44,7 @@ def warm(
             before, seconds = compiled(name)
             made.append({"model": name, "before": before, "seconds": seconds})
             if not json_asked:
-                typer.echo(in_words(name, before, seconds))
+                typer.echo(describe_warming(name, before, seconds))
     if json_asked:
         typer.echo(json.dumps(made))
 
@@ -64,7 +64,7 @@ def compiled(name: str) -> tuple[bool, float]:
     return before, round(time.perf_counter() - begun, 2)
 
 
-def in_words(model: str, before: bool, seconds: float) -> str:
+def describe_warming(model: str, before: bool, seconds: float) -> str:
     """A line for people.
 
     >>> in_words("vem", before=False, seconds=4.2)

@@ -11,7 +11,7 @@ import typer
 from app.cli.choices import show_tables
 from app.cli.outcome_table import as_json, tell_written
 from app.cli.terminal import REFUSED
-from app.cli.usage import grouped
+from app.cli.usage import command_group
 from app.settings import assignment, at_least, names, numbers
 from worlds.file_writer import demand_writable, write_text
 from worlds.input_error import InputError
@@ -32,12 +32,12 @@ def given_world(name: str, dim: int | None = None, size: str | None = None, seed
 
     Without `size` it is the layout's own, else SIDE. Random obstacles are drawn from `seed`.
     """
-    from worlds.generators import drawn
+    from worlds.generators import draw_obstacles
     from worlds.layout import read_layout, world_from_layout
 
     made = world_from_layout(read_layout(name), name, dim, sides(size), lambda _: SIDE)
     at_least("--seed", seed, 0)
-    return drawn(made, seed)
+    return draw_obstacles(made, seed)
 
 
 def sides(text: str | None) -> float | tuple[float, ...] | None:
@@ -404,7 +404,7 @@ def free_area(made: World) -> float:
     return free_share(made) * made.size[0] * made.size[1]
 
 
-world = grouped(
+world = command_group(
     "Worlds: list them, draw them, check them, read them from drawings, make them.",
     {
         "list": list_worlds,

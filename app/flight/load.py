@@ -63,7 +63,9 @@ def carried(
     for done, load in enumerate(loads):
         at(done / len(loads))
         craft = loaded(asked.aircraft, load)
-        found = cheapest(asked, craft, near) if speed is None else begun(asked, craft, speed, near)
+        found = (
+            cheapest(asked, craft, near) if speed is None else first_trim(asked, craft, speed, near)
+        )
         if found is None:
             missing.append(load)
             continue
@@ -100,7 +102,9 @@ def flight(asked: FlightRequest, craft: Aircraft, speed: float, near: Trim | Non
         return None
 
 
-def begun(asked: FlightRequest, craft: Aircraft, speed: float, near: Trim | None) -> Trim | None:
+def first_trim(
+    asked: FlightRequest, craft: Aircraft, speed: float, near: Trim | None
+) -> Trim | None:
     """The same, from the flight with the load before or, if that does not lead there, from none."""
     found = None if near is None else flight(asked, craft, speed, near)
     return found or flight(asked, craft, speed, None)
@@ -130,7 +134,7 @@ def first_flight(asked: FlightRequest, craft: Aircraft, near: Trim | None) -> Tr
     """A level flight to begin with, at the speed of the load before or faster."""
     speed = SPEED if near is None else near.speed
     while speed <= SPEEDS[1]:
-        found = begun(asked, craft, speed, near)
+        found = first_trim(asked, craft, speed, near)
         if found is not None:
             return found
         speed += STRIDE

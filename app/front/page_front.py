@@ -145,7 +145,7 @@ class Front:
         self.secret = secret
         self.framed_by = framed_by
         name = secrets.token_hex(8)
-        self.routes: dict[str, Answering] = {ALIVE: lambda _: words(HTTPStatus.OK, name)}
+        self.routes: dict[str, Answering] = {ALIVE: lambda _: text_response(HTTPStatus.OK, name)}
 
     def route(self, path: str, answering: Answering) -> None:
         """Have GET of this path, which begins with a slash, answered by a function of the request.
@@ -172,7 +172,7 @@ class Front:
         if self.secret:
             inner = without(self.secret, request.path)
             if inner is None:
-                return words(HTTPStatus.NOT_FOUND, "there is nothing here")
+                return text_response(HTTPStatus.NOT_FOUND, "there is nothing here")
             request.path = inner  # nobody further in is told it
         refused = refusal(request, self.allow, bool(self.secret), bool(self.framed_by))
         if refused is not None:
@@ -235,17 +235,17 @@ def refusal(
     headers = request.headers
     twice = next((name for name in ONCE if len(headers.get_all(name)) > 1), "")
     if twice:
-        return words(HTTPStatus.BAD_REQUEST, f"the header {twice} stands there twice")
+        return text_response(HTTPStatus.BAD_REQUEST, f"the header {twice} stands there twice")
     if not trusted(headers.get("Host"), headers.get("Origin"), allow, invited):
-        return words(HTTPStatus.FORBIDDEN, "flockscope only answers its own pages")
+        return text_response(HTTPStatus.FORBIDDEN, "flockscope only answers its own pages")
     named = leads_elsewhere(request.path.partition("?")[2])
     if named:
         text = f"the address of this page may not name {named}"
-        return words(HTTPStatus.BAD_REQUEST, text)
+        return text_response(HTTPStatus.BAD_REQUEST, text)
     site = headers.get("Sec-Fetch-Site", "none")
     way = (headers.get("Sec-Fetch-Mode"), headers.get("Sec-Fetch-Dest"))
     if site not in OWN_SITE and way != FOLLOWED and not (framed and way == FRAMED):
-        return words(HTTPStatus.FORBIDDEN, "flockscope is not shown or used by other pages")
+        return text_response(HTTPStatus.FORBIDDEN, "flockscope is not shown or used by other pages")
     return None
 
 
@@ -270,14 +270,14 @@ def lines(
     return tuple(line for line in found if "[" not in line)
 
 
-def words(status: HTTPStatus, text: str) -> Response:
+def text_response(status: HTTPStatus, text: str) -> Response:
     """An answer of one line."""
     return content(f"{text}\n".encode(), "text/plain; charset=utf-8", status)
 
 
 def not_allowed(text: str, methods: tuple[str, ...]) -> Response:
     """What a request gets whose method is not one of these."""
-    answer = words(HTTPStatus.METHOD_NOT_ALLOWED, text)
+    answer = text_response(HTTPStatus.METHOD_NOT_ALLOWED, text)
     answer.headers["Allow"] = ", ".join(methods)
     return answer
 

@@ -127,7 +127,7 @@ class Renders:
                 render_uuid=name,
             )
             send(client, request)
-            return opened(self.wait(client, wanted, timeout), size)
+            return decode_picture(self.wait(client, wanted, timeout), size)
         finally:
             with self.lock:
                 del self.awaited[name]
@@ -153,7 +153,7 @@ def numbers(values: np.ndarray) -> Any:
     return tuple(map(float, values))
 
 
-def opened(payload: bytes, size: tuple[int, int]) -> np.ndarray:
+def decode_picture(payload: bytes, size: tuple[int, int]) -> np.ndarray:
     """The pixels of a picture, (height, width, 3) uint8, before the page's ground.
 
     Raises InputError for what is no picture, or one of another size, which is never unpacked.

@@ -29,7 +29,7 @@ from app.front.connection_acceptor import ConnectionAcceptor
 from app.front.controls import guard
 from app.front.kinds import KINDS, LARGEST, Kind
 from app.front.log import Log, log_failures, logger
-from app.front.page_front import BEGINNING, Front, is_websocket, words
+from app.front.page_front import BEGINNING, Front, is_websocket, text_response
 from app.front.renders import Renders, accept_renders
 from app.front.viser_internals import (
     PROTOCOL,
@@ -230,7 +230,7 @@ def served_on(sock: socket.socket, entrance: ServerEntrance) -> Iterator[list[Se
         async def answer(connection: Any, request: Request) -> Response | None:
             early = front.loads_page(request.path) or is_websocket(request)
             if not (early or await admission.admits(connection, BEGINS)):
-                return words(HTTPStatus.SERVICE_UNAVAILABLE, BEGINNING)
+                return text_response(HTTPStatus.SERVICE_UNAVAILABLE, BEGINNING)
             return front.answer(
                 request, lambda: process_request(connection, request), connection.method
             )

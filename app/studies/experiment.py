@@ -26,7 +26,7 @@ from app.studies.measure import Measure, Settings
 from worlds.input_error import unknown
 from worlds.layout import world as build_world
 from worlds.world import World
-from worlds.world_rotation import turned, turned_places
+from worlds.world_rotation import rotate_world, turned_places
 
 Way = Literal["", "there", "back"]
 
@@ -167,7 +167,7 @@ def turned_flock(spec: Spec) -> Flock:
         "speed": flock.speed,
         "informed": flock.informed,
     }
-    return Flock(spec.but(world=turned(flock.world, angle, rng)), start=start)
+    return Flock(spec.but(world=rotate_world(flock.world, angle, rng)), start=start)
 
 
 @cache

@@ -23,7 +23,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from agents.flock import Flock
-from agents.spec import whole
+from agents.option import whole_number
 from app.front.origin import EVERYWHERE, LOOPBACK, PORTS, AllowedHost, allowed, here
 from app.front.page_front import Front
 from app.front.server import close_server, open_server
@@ -310,7 +310,7 @@ def show(
     origin: str | None = None,
 ) -> NotebookView:
     """Show a copy of a flock, see `Flock.show`. Raises InputError."""
-    whole("height", height, LEAST, MOST)
+    whole_number("height", height, LEAST, MOST)
     place = find_place(through, origin)
     here = cell()
     before = [one for one in open_views if one.of() is flock or (here and one.cell == here)]

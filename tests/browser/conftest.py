@@ -16,7 +16,7 @@ import pytest
 from agents.catalogue import MODELS
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.setup import NOBODY
-from app.viewer.run.run_preset import at_home, titled
+from app.viewer.run.run_preset import at_home, world_title
 from tests.browser.window import COMPILED, Window, is_compiled
 from tests.viewer.waiting import until
 
@@ -96,7 +96,7 @@ def shared_window(chromium, served):
 def refill(fields) -> None:
     """Have the Setup tab's fields say START again, whatever an earlier test chose."""
     fields.model.value = MODELS[START.model].title
-    fields.world.value = titled(START.world)
+    fields.world.value = world_title(START.world)
     fields.dim.value = f"{START.dim}-D"
     fields.beside.value = NOBODY
     fields.agents.value = START.agents

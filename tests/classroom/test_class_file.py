@@ -21,7 +21,7 @@ from app.classroom.class_file import (
     ClassState,
     SavedStudent,
     load,
-    opened,
+    open_class,
     packed,
     save,
 )
@@ -74,7 +74,7 @@ def test_a_class_is_restored_to_equal_values(state, tmp_path):
 
 
 def test_the_same_class_is_the_same_file(data):
-    assert packed(opened("class.zip", data)) == data
+    assert packed(open_class("class.zip", data)) == data
 
 
 def test_a_person_can_unpack_and_read_it(state, data, tmp_path):
@@ -99,7 +99,7 @@ def test_a_person_can_unpack_and_read_it(state, data, tmp_path):
 
 
 def test_results_that_are_opened_are_those_of_runs_made_again(data):
-    found = opened("class.zip", data).questions[0]
+    found = open_class("class.zip", data).questions[0]
     for point in found.points:
         spec = point.scene(found.question).spec
         assert hand_in(found.question, point.student, spec, SCENE, WHEN) == point
@@ -130,13 +130,13 @@ def test_classes_of_any_names_come_back(texts, seats, draw):
         for name in names.values()
     })  # fmt: skip
     whole = ClassState("Any", scene, roles, [found], seats)
-    assert opened("any.zip", packed(whole)) == whole
+    assert open_class("any.zip", packed(whole)) == whole
 
 
 def test_a_scene_of_the_gallery_is_a_class_s_scene():
     for name in ("order", "spread", "mission", "pocket", "school"):
         whole = ClassState("Monday", find_scene(name))
-        assert opened("class.zip", packed(whole)) == whole
+        assert open_class("class.zip", packed(whole)) == whole
 
 
 def test_a_full_disk_leaves_the_file_that_was_there(state, tmp_path):
@@ -190,7 +190,7 @@ def zipped(contents, **more):
 def refused(data, said):
     """Whether it is refused in one short line."""
     with pytest.raises(InputError, match=said) as refusal:
-        opened("class.zip", data)
+        open_class("class.zip", data)
     assert "\n" not in str(refusal.value)
     assert len(str(refusal.value)) < 600
 
@@ -309,7 +309,7 @@ def test_a_file_with_bytes_changed_is_the_class_or_refused(data, draw):
     cut = draw.draw(st.sampled_from([0, 0, 1, 22, len(data) // 2]))
     said = "in one line"
     try:
-        assert isinstance(opened("class.zip", bytes(broken[: len(data) - cut])), ClassState)
+        assert isinstance(open_class("class.zip", bytes(broken[: len(data) - cut])), ClassState)
     except InputError as refusal:
         said = str(refusal)
     assert "\n" not in said

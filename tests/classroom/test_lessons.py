@@ -16,7 +16,7 @@ from app.classroom.collect.hand_in import hand_in
 from app.classroom.collect.question_choices import ready_for
 from app.classroom.lessons.lessons import find_lesson, lesson_names, lesson_of
 from app.classroom.question_service import QuestionService
-from app.cli.classroom import opened
+from app.cli.classroom import open_class
 from app.viewer.gallery.saved_scene import SavedScene
 from worlds.input_error import InputError
 
@@ -59,7 +59,7 @@ class TestALesson:
         assert time.perf_counter() - began < 1.0
 
     def test_is_what_a_class_opens_on_with_its_question_first(self, name, tmp_path):
-        made = opened(name, 40, 2)
+        made = open_class(name, 40, 2)
         assert made.title == find_lesson(name).title
         (first, *_) = QuestionService(tmp_path).choices(made.scene)["ready"]
         assert first["name"] == name

@@ -12,7 +12,7 @@ from agents import Flock
 from app.viewer.pictures.key import caption, changes, nice, ruler
 from app.viewer.pictures.picture_camera import CameraRequest
 from app.viewer.pictures.picture_sheet import Sheet
-from app.viewer.pictures.plane import DART, turned
+from app.viewer.pictures.plane import DART, place_shapes
 from app.viewer.pictures.shot import look_of, shot
 from app.viewer.pictures.space_picture import CameraAxes, split
 from app.viewer.scene.cameras.camera import view
@@ -73,7 +73,7 @@ def test_darts_are_where_the_agents_are_and_point_where_they_head(flock):
 
 
 def test_a_shape_is_turned_and_stretched():
-    made = turned(DART, np.array([[1.0, 2.0]]), np.array([[0.0, 1.0]]), np.array([2.0]))
+    made = place_shapes(DART, np.array([[1.0, 2.0]]), np.array([[0.0, 1.0]]), np.array([2.0]))
     assert np.allclose(made[0, 0], [1.0, 3.2])
     assert np.allclose(made[0, 1], [1.0 - 0.72, 2.0 - 0.8])
 

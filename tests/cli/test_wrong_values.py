@@ -70,7 +70,7 @@ def place(tmp_path, monkeypatch):
     (tmp_path / "folder").mkdir()
     monkeypatch.chdir(tmp_path)
     for thing in (
-        "app.cli.run.compile_loop", "app.cli.paper.carried_out", "app.cli.lab.serve",
+        "app.cli.run.compile_loop", "app.cli.paper.carry_out_paper", "app.cli.lab.serve",
         "app.cli.classroom.serve",
         "app.cli.live.lab.serve", "app.cli.live.run.conduct", "app.cli.live.check.look_at_devices",
         "app.live.operating.flock_driver.FlockDriver",

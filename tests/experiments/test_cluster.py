@@ -27,7 +27,7 @@ import psutil
 from dask.config import set as dask_config
 from distributed import Client
 
-from app.studies.cluster.cluster_connection import opened
+from app.studies.cluster.cluster_connection import open_cluster
 from app.studies.cluster.cluster_executor import ClusterExecutor
 
 TEXT = """
@@ -91,7 +91,7 @@ def answers(port):
 
 
 def test_nothing_of_a_cluster_answers_a_browser():
-    with opened(Cluster(kind="local"), 2) as made:
+    with open_cluster(Cluster(kind="local"), 2) as made:
         made.client.wait_for_workers(2, timeout=60)
         here = psutil.Process()
         ports = {

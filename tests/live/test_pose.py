@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.live.control.pose import MocapFrame, Pose, seen, unseen
-from app.live.sources.axes import NOSES, Axes, turned
+from app.live.sources.axes import NOSES, Axes, rotate_axis
 from worlds.input_error import InputError
 
 HALF = math.sqrt(0.5)
@@ -119,7 +119,9 @@ def test_a_turned_axis_is_that_of_the_hamilton_product(quaternion):
     for nose in NOSES:
         axis = np.zeros(4)
         axis["xyz".index(nose[-1])] = -1.0 if nose.startswith("-") else 1.0
-        assert turned(nose, (x, y, z, w)) == pytest.approx((left @ right @ axis)[:3], abs=1e-12)
+        assert rotate_axis(nose, (x, y, z, w)) == pytest.approx(
+            (left @ right @ axis)[:3], abs=1e-12
+        )
 
 
 @given(

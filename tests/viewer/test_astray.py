@@ -1,7 +1,7 @@
 """An agent that is where it cannot be is a notice in the laboratory, once."""
 
 from agents import Flock
-from app.viewer.run.flock_run import FlockRun, StrayAgentError, in_words
+from app.viewer.run.flock_run import FlockRun, StrayAgentError, describe_error
 from app.viewer.run.frame_builder import FrameRequest
 from worlds.obstacles import Box
 from worlds.world import World
@@ -21,6 +21,6 @@ def test_it_is_told_once():
     flock.position[1] = (5.0, 5.6)
     run.look(closely=False)
     [trouble] = [trouble for trouble in run.troubles if isinstance(trouble, StrayAgentError)]
-    assert in_words(trouble) == (
+    assert describe_error(trouble) == (
         f"agent {flock.ids[1]} where it cannot be: 0.5 inside what is solid at (5, 5.5), tick 0"
     )

@@ -19,7 +19,14 @@ from app.viewer.lab.panels.flock_monitors import compared
 from app.viewer.lab.panels.setup import NOBODY, SetupPanel, differs
 from app.viewer.run.flock_run import ComparedFlockError
 from app.viewer.run.frame_builder import FrameRequest
-from app.viewer.run.paired_run import PairedRun, companion, named, pace_note, ratio, shared_by
+from app.viewer.run.paired_run import (
+    PairedRun,
+    companion,
+    naming_errors,
+    pace_note,
+    ratio,
+    shared_by,
+)
 from app.viewer.run.run_preset import at_home
 from tests.viewer.stub_flock import timed_stub
 from tests.viewer.waiting import until
@@ -230,7 +237,7 @@ def test_a_position_that_is_no_number_is_named_too():
     both.second.flock.position[2] = np.nan
     with pytest.raises(ArithmeticError, match="Stub: agent 2 has position"):
         both.look(closely=False)
-    with pytest.raises(ComparedFlockError, match="Stub: KeyError"), named(both.flock):
+    with pytest.raises(ComparedFlockError, match="Stub: KeyError"), naming_errors(both.flock):
         raise KeyError("x")
 
 

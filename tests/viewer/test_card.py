@@ -13,7 +13,7 @@ import viser
 from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.inspection import Inspection
-from agents.models.model import whole
+from agents.models.model import vector_name
 from app.viewer.lab.panels.inspector import FIRST, ON_ITS_WAY, Inspector, facts, folds, head
 from app.viewer.run.frame_builder import FrameBuilder
 from app.viewer.run.run_preset import at_home
@@ -61,7 +61,7 @@ def test_every_row_has_words_and_its_unit(name):
         if ON_ITS_WAY in column:
             continue
         words = {**model.rule.words, **model.body.words}
-        called = words.get(column, words.get(whole(column), ""))
+        called = words.get(column, words.get(vector_name(column), ""))
         assert called, f"{column} of {name} has no words"
         assert len(called) <= 24
         unit = model.unit_of(column)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agents.state.agent_rows import Crashes
-from app.viewer.lab.panels.flock_monitors import LATEST, counted, listed
+from app.viewer.lab.panels.flock_monitors import LATEST, crash_counts, listed
 
 
 def crashes_at(*ticks: int) -> Crashes:
@@ -30,7 +30,7 @@ def crashes_at(*ticks: int) -> Crashes:
     ],
 )
 def test_they_are_counted_by_when_they_happened(ticks, text):
-    assert counted(np.array(ticks, int), 50) == text
+    assert crash_counts(np.array(ticks, int), 50) == text
 
 
 def test_the_latest_are_listed_newest_first_with_cause_and_place():

@@ -13,7 +13,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.catalogue import usual_charts
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.observable_curves import choices, points, steps, together, worded
+from app.viewer.measuring.observable_curves import chart_title, choices, points, steps, together
 from app.viewer.measuring.observable_format import offered
 from app.viewer.measuring.time_series import POINTS, TimeSeries
 
@@ -95,7 +95,7 @@ def test_every_model_brings_plots_that_can_be_chosen(name):
     usual_ones = usual_charts(flock.model, offered(flock))
     assert len(usual_ones) == 3
     assert set(usual_ones) <= set(choices(offered(flock)).values())
-    assert all(choices(offered(flock))[worded(names)] == names for names in usual_ones)
+    assert all(choices(offered(flock))[chart_title(names)] == names for names in usual_ones)
 
 
 def test_a_model_brings_what_matters_for_it():

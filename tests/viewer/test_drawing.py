@@ -7,7 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from app.viewer.scene.draw.attitude import FINE, OF_LENGTH, ROUND, attitude, places, turned
+from app.viewer.scene.draw.attitude import (
+    FINE,
+    OF_LENGTH,
+    ROUND,
+    attitude,
+    places,
+    quantise_attitudes,
+)
 from app.viewer.scene.drawing import REST, Drawing, Rates, period
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from tests.viewer.sky import frame, heading
@@ -155,11 +162,11 @@ def test_attitudes_are_off_by_less_than_can_be_seen_and_level_ones_are_few():
     generator = np.random.default_rng(2)
     angle = generator.uniform(-np.pi, np.pi, 5000)
     exact = attitude(np.column_stack([np.cos(angle), np.sin(angle)]))
-    sent = turned(exact)
+    sent = quantise_attitudes(exact)
     apart = 2.0 * np.arccos(np.clip(np.abs((sent * exact).sum(axis=1)), 0.0, 1.0))
     assert apart.max() <= np.pi / ROUND + 1e-3
     assert len(np.unique(sent, axis=0)) <= 2 * ROUND
     assert np.linalg.norm(sent, axis=1) == pytest.approx(1.0, abs=1e-6)
     heading = generator.normal(size=(500, 3))
     exact = attitude(heading / np.linalg.norm(heading, axis=1, keepdims=True))
-    assert np.abs(turned(exact) - exact).max() <= 2.0**-12 + 1e-7
+    assert np.abs(quantise_attitudes(exact) - exact).max() <= 2.0**-12 + 1e-7

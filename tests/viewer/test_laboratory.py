@@ -17,7 +17,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.panels.parameters import worded
+from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import KEYS
 from app.viewer.run.run_preset import at_home
 from app.viewer.scene.drawing import FASTEST, SLOWEST, period
@@ -74,7 +74,7 @@ def test_every_parameter_of_the_model_has_a_control_with_its_range(laboratory):
     for one in declared(MODELS["vem-a"].parameters):
         if not one.choices:
             assert (controls[one.name].min, controls[one.name].max) == (one.low, one.high)
-        assert controls[one.name].label == worded(one)[0]
+        assert controls[one.name].label == parameter_label(one)[0]
         assert one.source in controls[one.name].hint
 
 

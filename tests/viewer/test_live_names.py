@@ -17,8 +17,8 @@ from app.viewer.scene.marks.labels import (
     Sides,
     age_text,
     chosen_sides,
+    label_text,
     uncrowded,
-    words,
 )
 from app.viewer.scene.shown.debounce import HOLD, REFRESH, Debounce
 from app.viewer.scene.shown.drawing_style import DrawingStyle
@@ -44,7 +44,7 @@ def test_names_say_what_is_not_plain():
     assert written(scene) == names
     draw(part, shown(frame()))
     assert written(scene) == []
-    assert words("red", "stopped", 0.004) == "red · stopped"
+    assert label_text("red", "stopped", 0.004) == "red · stopped"
 
 
 @given(st.floats(0.0, 100.0), st.floats(0.0, 100.0))

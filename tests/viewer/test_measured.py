@@ -13,7 +13,7 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
 from app.viewer.lab.panels.flock_monitors import size_bars
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.observable_format import cards, offered, scale, told, unit
+from app.viewer.measuring.observable_format import cards, format_observable, offered, scale, unit
 from app.viewer.run.run_preset import at_home
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
@@ -137,7 +137,7 @@ def test_scales_come_from_the_declared_ranges():
     ],
 )
 def test_values_are_told_in_few_figures(name, value, text):
-    assert told(name, value) == text
+    assert format_observable(name, value) == text
 
 
 def test_energy_is_told_only_of_those_who_measure_it():

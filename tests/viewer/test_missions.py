@@ -24,7 +24,7 @@ from app.viewer.measuring.flock_readings import (
 )
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameBuilder, FrameRequest
-from app.viewer.run.run_preset import at_home, home, lively_speed, titled, world_titles
+from app.viewer.run.run_preset import at_home, home, lively_speed, world_title, world_titles
 from app.viewer.run.simulation_state import SimulationState
 from app.viewer.scene.shown.frame import Frame, MissionProgress
 from tests.viewer.waiting import until
@@ -244,10 +244,10 @@ def test_every_built_in_world_can_be_chosen_by_its_own_words(tmp_path):
     titles = world_titles()
     assert sorted(titles.values()) == layout_names()
     assert titles["wraps around"] == "wrap"
-    assert all(titled(name) == words for words, name in titles.items())
+    assert all(world_title(name) == words for words, name in titles.items())
     file = tmp_path / "mine.toml"
     file.write_text('title = "My own"\nsize = [4.0, 4.0]\n')
-    assert titled(str(file)) == "My own"
+    assert world_title(str(file)) == "My own"
 
 
 def test_seconds_pass_faster_than_in_life():

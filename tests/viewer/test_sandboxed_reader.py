@@ -12,7 +12,7 @@ from app.sandboxed_reader import read_in_sandbox, read_toml
 from app.viewer.editing import layout_file
 from app.viewer.editing.layout_file import layout_from_browser
 from app.viewer.gallery import saved_scene
-from app.viewer.gallery.file_opener import opened
+from app.viewer.gallery.file_opener import open_file
 from worlds.input_error import InputError
 from worlds.obstacles import Disc
 from worlds.world import World
@@ -72,7 +72,7 @@ def test_the_page_s_own_process_parses_nothing(monkeypatch):
     assert world == WORLD, "to the bit"
     room = layout_from_browser("room.wkt", b"POLYGON ((0 0, 8 0, 8 8, 0 8, 0 0))")
     assert room.size == (8.0, 8.0)
-    assert opened("scene.toml", b'[run]\nmodel = "vem"\nagents = 30\n').spec.agents == 30
+    assert open_file("scene.toml", b'[run]\nmodel = "vem"\nagents = 30\n').spec.agents == 30
 
 
 def test_what_is_wrong_is_said_as_before():
@@ -82,6 +82,6 @@ def test_what_is_wrong_is_said_as_before():
     with pytest.raises(InputError, match=r"a\.toml is not TOML"):
         read_toml("a.toml", b"= 3")
     with pytest.raises(InputError, match=r"a\.toml is not a text file"):
-        opened("a.toml", b"\xff\xfe\xff" * 30)
+        open_file("a.toml", b"\xff\xfe\xff" * 30)
     with pytest.raises(InputError, match="unknown kind of layout file"):
         layout_from_browser("a.exe", b"")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import viser
 
-from app.viewer.scene.cameras.viewpoints import extent, whole
+from app.viewer.scene.cameras.viewpoints import extent, scene_corners
 from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.scene import ROOT, Scene, meant, offset, over, room, sights
@@ -61,13 +61,13 @@ def test_the_second_room_stands_clear_of_the_first_and_a_wide_one_below(size):
 def test_cameras_take_in_both_rooms_and_their_titles(size):
     shown = drawn(frame(size))
     both = sights(shown, shown)
-    low, high = whole(both)
+    low, high = scene_corners(both)
     for picture_, aside in both:
         mine = [corner + aside for corner in extent(picture_)] + [aside + over(picture_)]
         for corner in mine:
             assert np.all(corner >= low - 1e-9)
             assert np.all(corner <= high + 1e-9)
-    alone = whole(sights(shown, None))
+    alone = scene_corners(sights(shown, None))
     np.testing.assert_array_equal(alone, extent(shown))
 
 

@@ -24,7 +24,7 @@ from app.front.client_page import (
     viser_page,
 )
 from app.front.origin import allowed
-from app.front.page_front import MOST, Front, leads_elsewhere, words
+from app.front.page_front import MOST, Front, leads_elsewhere, text_response
 from app.front.server import admit_browsers, close_server, open_server
 from tests.viewer.http_client import ask, tell, upgrade
 from worlds.input_error import InputError
@@ -33,7 +33,7 @@ from worlds.input_error import InputError
 @pytest.fixture(scope="module")
 def front():
     made = Front(scripts=("stop-key.js",))
-    made.route("/tick", lambda request: words(HTTPStatus.OK, f"7 {request.path}"))
+    made.route("/tick", lambda request: text_response(HTTPStatus.OK, f"7 {request.path}"))
     made.route("/broken", lambda _: 1 // 0)
     return made
 

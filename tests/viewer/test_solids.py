@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.viewer.scene.draw.shapes import Mesh, dashes
-from app.viewer.scene.draw.solids import border, joined, panes, prism, rims, uprights
+from app.viewer.scene.draw.solids import border, join_meshes, panes, prism, rims, uprights
 
 SQUARE = shapely.box(0.0, 0.0, 4.0, 4.0)
 FRAME = shapely.difference(SQUARE, shapely.box(1.0, 1.0, 2.0, 3.0))
@@ -78,7 +78,7 @@ def test_nothing_makes_no_mesh():
 
 
 def test_joined_meshes_keep_their_faces():
-    mesh = joined([prism(SQUARE, 0.0, 1.0), prism(DISC, 2.0, 3.0)])
+    mesh = join_meshes([prism(SQUARE, 0.0, 1.0), prism(DISC, 2.0, 3.0)])
     assert is_closed(mesh)
     assert volume(mesh) == pytest.approx(SQUARE.area + DISC.area)
 

@@ -17,7 +17,7 @@ from agents import Flock
 from agents.parquet import ParquetTable
 from agents.record import KEY
 from app.sandboxed_reader import read_in_sandbox
-from app.viewer.gallery.file_opener import opened
+from app.viewer.gallery.file_opener import open_file
 from app.viewer.run import stored_flock as limits
 from app.viewer.run.stored_flock import REWRITE, StoredFlock, stored
 from worlds.input_error import InputError
@@ -58,7 +58,7 @@ def refused(content: bytes) -> str:
 
 
 def test_a_state_from_a_browser_goes_on_to_the_bit(state):
-    made = opened("../../state.parquet", packed(state))
+    made = open_file("../../state.parquet", packed(state))
     assert isinstance(made, StoredFlock)
     assert (made.name, made.kind) == ("state.parquet", "saved state")
     flock = made.flock(Flock)
@@ -182,7 +182,7 @@ def test_bytes_that_are_changed_are_refused_or_make_a_flock(state, data):
     for _ in range(data.draw(st.integers(1, 4))):
         content[data.draw(st.integers(4, len(content) - 1))] = data.draw(st.integers(0, 255))
     try:
-        made = opened("sent.parquet", bytes(content))
+        made = open_file("sent.parquet", bytes(content))
     except InputError as error:
         line = str(error)
     else:
@@ -197,7 +197,7 @@ def test_a_file_that_ends_the_process_that_reads_it_is_refused(state, monkeypatc
     aborts.chmod(0o700)
     monkeypatch.setattr(sys, "executable", str(aborts))
     with pytest.raises(InputError, match=r"^sent\.parquet cannot be read: it is broken, or"):
-        opened("sent.parquet", packed(state))
+        open_file("sent.parquet", packed(state))
 
 
 def test_the_library_sees_no_footer_of_a_stranger_as_it_is_written_anew(state, monkeypatch):

@@ -25,7 +25,13 @@ from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.sweep_panel import status
 from app.viewer.lab.sweeps import laboratory_sweeps
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps, demand_from_page
-from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, content, scene_of, shown, typical
+from app.viewer.lab.sweeps.stored_sweeps import (
+    DrawnSweep,
+    content,
+    read_drawn_sweep,
+    scene_of,
+    typical,
+)
 from app.viewer.lab.sweeps.sweep_chart import picture
 from app.viewer.lab.sweeps.sweep_request import (
     AGENTS,
@@ -187,7 +193,7 @@ def test_a_run_of_a_sweep_is_the_run_that_opens(laboratory, finished):
 def test_a_click_on_a_cell_opens_the_run_nearest_to_its_mean(finished):
     assert typical(CellRuns({}, 1, [0.0, 0.6, 1.0], [7, 8, 9])) == 8
     assert typical(CellRuns({}, 1, broken=3)) is None
-    cell = shown(finished).cells[3]
+    cell = read_drawn_sweep(finished).cells[3]
     assert scene_of(finished, 3, None, None).spec.seed == typical(cell)
 
 

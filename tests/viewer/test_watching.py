@@ -15,7 +15,7 @@ from app.viewer.measuring.observable_format import QUICK
 from app.viewer.run.frame_builder import FrameBuilder, FrameRequest, WatchPageRequest
 from app.viewer.run.run_preset import at_home
 from app.viewer.watching.watch_page import LOOKED_AT, WatchPage, standing, values
-from app.viewer.watching.watcher import ALWAYS, MOST, AgentSelection, wanted
+from app.viewer.watching.watcher import ALWAYS, MOST, AgentSelection, measured_for_all
 from tests.live.stand_in import StandIn
 from tests.viewer.http_client import ask
 from tests.viewer.stub_flock import StubFlock
@@ -195,10 +195,10 @@ def test_what_is_told_of_the_run_is_text(laboratory):
 
 
 def test_what_is_measured_for_those_who_watch_is_bounded_and_what_most_want_goes_first():
-    assert wanted([QUICK]) == frozenset()
-    assert wanted([["connectivity"], [], ["connectivity", QUICK[0]]]) == {"connectivity"}
+    assert measured_for_all([QUICK]) == frozenset()
+    assert measured_for_all([["connectivity"], [], ["connectivity", QUICK[0]]]) == {"connectivity"}
     last = [name for name in OBSERVABLES if name not in ALWAYS][-2:]
-    chosen = wanted([list(OBSERVABLES), last, last])
+    chosen = measured_for_all([list(OBSERVABLES), last, last])
     assert len(chosen) == MOST
     assert chosen > set(last)
 

@@ -18,7 +18,7 @@ from worlds.queries.boundary import seen_from
 from worlds.queries.outlines import solids
 from worlds.queries.survey import survey
 from worlds.world import World
-from worlds.world_rotation import turned, turned_places
+from worlds.world_rotation import rotate_world, turned_places
 
 
 def flat(*obstacles, edges=("open", "open"), spacing=0.5):
@@ -98,7 +98,7 @@ def test_they_turn_and_move_with_the_scene_wherever_its_rings_begin(scene, led):
     if led:
         world = replace(world, mission=Mission(goal=Goal(route=(tuple(rng.uniform(0, 20, 2)),))))
     angle, by = rng.uniform(0.0, 360.0), rng.uniform(-50.0, 50.0, 2)
-    other = turned(world, angle, rng)
+    other = rotate_world(world, angle, rng)
     moved = [one.moved(*by) for one in other.obstacles]
     mission = other.mission
     if led:

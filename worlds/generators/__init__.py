@@ -1,5 +1,5 @@
 """Generators: worlds of random obstacles, each repeated by its seed."""
 
-from worlds.generators.generate import GENERATORS, drawn, generate
+from worlds.generators.generate import GENERATORS, draw_obstacles, generate
 
-__all__ = ["GENERATORS", "drawn", "generate"]
+__all__ = ["GENERATORS", "draw_obstacles", "generate"]

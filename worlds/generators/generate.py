@@ -99,7 +99,7 @@ STREAM = 1
 with."""
 
 
-def drawn(world: World, seed: int) -> World:
+def draw_obstacles(world: World, seed: int) -> World:
     """A world with its random obstacles drawn: the same seed >= 0 gives the same ones.
 
     They come after its own obstacles, and bring a mission where it has none. A world without

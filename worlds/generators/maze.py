@@ -57,7 +57,7 @@ def make_maze(
     way = way_through(doors, (0, 0), (nx - 1, ny - 1))
     doors |= {door for door in inner_walls(nx, ny, doors) if rng.random() < p.loops}
     walls = [
-        drawn(start, end, low, pitch, counts, p.thickness)
+        maze_wall(start, end, low, pitch, counts, p.thickness)
         for start, end in runs(inner_walls(nx, ny, doors))
     ]
     return GeneratedContents(walls, mission_along(way, low, pitch, p.thickness))
@@ -123,7 +123,7 @@ def runs(walls: list[tuple[Cell, Cell]]) -> list[tuple[Cell, Cell]]:
     return found
 
 
-def drawn(
+def maze_wall(
     start: Cell, end: Cell, low: np.ndarray, pitch: np.ndarray, counts: np.ndarray, thick: float
 ) -> Obstacle:
     """A wall between two corners of cells; inside the box it is half a thickness longer."""

@@ -249,7 +249,7 @@ def surveyed(world: World, reach: float) -> Surroundings:
     """What `survey` finds."""
     if world.random is not None:
         raise InputError(
-            f"the random obstacles of {world.name} are not drawn: worlds.generators.drawn"
+            f"the random obstacles of {world.name} are not drawn: worlds.generators.draw_obstacles"
         )
     found = solids(world, reach)
     outlines = [one for _, parts in found for one in parts]

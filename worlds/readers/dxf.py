@@ -230,10 +230,10 @@ def shapes(entity: Any, origin: str) -> list[Shape]:
         raise InputError(f"{origin}: this kind is not read (read are: {', '.join(DRAWN)})")
     with naming_damage(f"{origin}: it is damaged"):
         demand_flat(entity, origin)
-        return drawn(entity, origin)
+        return shapes_of_entity(entity, origin)
 
 
-def drawn(entity: Any, origin: str) -> list[Shape]:
+def shapes_of_entity(entity: Any, origin: str) -> list[Shape]:
     """The shapes of an entity of a kind that is read. Raises InputError."""
     kind, name = entity.dxftype(), ""  # the reader names it for its layer
     if kind == "HATCH":
@@ -271,7 +271,7 @@ def curve(entity: Any, kind: str, origin: str) -> tuple[list[Point], bool]:
     if kind == "LINE":
         return [(p.x, p.y) for p in (entity.dxf.start, entity.dxf.end)], False
     if kind in ("ARC", "ELLIPSE"):
-        return turned(entity, kind)
+        return arc_points(entity, kind)
     if kind == "LWPOLYLINE":
         closed = entity.closed
         vertices = [(float(x), float(y), float(b)) for x, y, b in entity.get_points("xyb")]
@@ -288,7 +288,7 @@ def curve(entity: Any, kind: str, origin: str) -> tuple[list[Point], bool]:
     return [(p.x, p.y) for p in made], closed
 
 
-def turned(entity: Any, kind: str) -> tuple[list[Point], bool]:
+def arc_points(entity: Any, kind: str) -> tuple[list[Point], bool]:
     """Points of an arc or an ellipse, at most STEP apart, and whether it is a full turn."""
     dxf = entity.dxf
     start, end = (

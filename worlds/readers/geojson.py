@@ -46,7 +46,7 @@ def read_geojson(path: Path) -> DrawingContents:
     """The features of a GeoJSON file. Raises InputError."""
     text = text_of(path)
     try:
-        given = json.loads(text, parse_int=whole)
+        given = json.loads(text, parse_int=parse_whole)
     except RecursionError:
         raise InputError(f"{path} is not GeoJSON: it is nested too deep") from None
     except json.JSONDecodeError as error:
@@ -140,7 +140,7 @@ def one(
     return circle(name, centre, radius, origin, span)
 
 
-def whole(digits: str) -> float:
+def parse_whole(digits: str) -> float:
     """A number written without a point; one too long for a float is infinite, and refused later."""
     return int(digits) if len(digits) < 300 else float(digits)
 

@@ -24,7 +24,7 @@ from worlds.readers.drawn_shapes import (
     bounds_of,
     line,
 )
-from worlds.readers.roles import OBSTACLE, WALL, LayerRole, shown
+from worlds.readers.roles import OBSTACLE, WALL, LayerRole, shell_layer_name
 
 MOST_NEAR = 20
 """Most ends that lie within the tolerance of one another, on average: a wider one joins nothing
@@ -71,7 +71,7 @@ def chords(curve: DrawnCurve, tolerance: float, metres: float) -> tuple[DrawnAre
     return line(curve.name, points, curve.origin, None, curve.span), change
 
 
-def joined(
+def join_lines(
     lines: Sequence[DrawnLine], tolerance: float, scale: float, walls: bool = False
 ) -> JoinedLines:
     """Lines whose ends meet within a tolerance (units of the file), as one; closed, as an area.
@@ -250,7 +250,7 @@ def question_of_walls(
             continue
         low_x, low_y, high_x, high_y = outer.bounds()
         size = f"{(high_x - low_x) * metres:.4g} x {(high_y - low_y) * metres:.4g} m"
-        layer = shown(row.layer)
+        layer = shell_layer_name(row.layer)
         return PlanQuestion(
             f"{outer.origin}: {what}, and would be a solid block of {size}: give --solid {layer} "
             f"if that is so, or --wall {layer} --thickness {THICK:g} for walls along the lines",

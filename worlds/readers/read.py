@@ -34,7 +34,7 @@ from worlds.readers.drawn_shapes import (
 )
 from worlds.readers.dxf import MOST_OUTLINES, read_dxf, within
 from worlds.readers.geojson import read_geojson
-from worlds.readers.join import chords, joined, question_of_walls, walls_of
+from worlds.readers.join import chords, join_lines, question_of_walls, walls_of
 from worlds.readers.movingai import read_movingai
 from worlds.readers.roles import (
     GOAL,
@@ -349,7 +349,7 @@ class LayerShapes:
         """Take the lines of a layer, joined where their ends are nearer than `join`, m."""
         walls = row.role == WALL and self.thickness is not None
         try:
-            made = joined(lines, join / self.metres, self.metres, walls)
+            made = join_lines(lines, join / self.metres, self.metres, walls)
         except InputError as refusal:
             self.problems.append(str(refusal))
             return
@@ -433,7 +433,8 @@ def in_metres(
     return Geometry(
         file=contents.path.name,
         obstacles=tuple(
-            named(shape, layer).obstacle(thickness, digits) for layer, shape in found[OBSTACLE]
+            with_layer_name(shape, layer).obstacle(thickness, digits)
+            for layer, shape in found[OBSTACLE]
         ),
         walkable=shapely.union_all(walkable) if walkable else None,
         layers=tuple(rows),
@@ -467,7 +468,7 @@ def corners_of(bounds: tuple[float, float, float, float]) -> list[tuple[float, f
     return [bounds[:2], bounds[2:]]
 
 
-def named(shape: Solid, layer: str) -> Solid:
+def with_layer_name(shape: Solid, layer: str) -> Solid:
     """The shape with its layer for a name if it has none."""
     own = OBSTACLE if layer == UNNAMED else layer
     return shape if shape.name else replace(shape, name=own)

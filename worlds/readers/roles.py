@@ -106,7 +106,7 @@ def asked_role(
         for name in names:
             exact = name.casefold() == folded
             if exact or (name != REST and fnmatchcase(folded, name.casefold())):
-                found[exact][role] = f"--{role} {shown(name)}"
+                found[exact][role] = f"--{role} {shell_layer_name(name)}"
     for roles in found.values():
         if len(roles) > 1:
             both = " and ".join(roles)
@@ -232,7 +232,7 @@ def surrounds(area: DrawnArea, solid: Sequence[Shape]) -> bool:
     )
 
 
-def shown(name: str) -> str:
+def shell_layer_name(name: str) -> str:
     """A layer's name as a shell takes it."""
     return name if re.fullmatch(r"[\w.-]+", name) else repr(name[:LONGEST])
 
@@ -256,7 +256,7 @@ def unclear(contents: DrawingContents, rows: Sequence[LayerRole]) -> list[str]:
         (row,) = names
         found.append(
             f"{contents.path}, layer {row.layer!r}: no clear role ({row.why}): give --walkable, "
-            f"--obstacle, --wall, --start, --goal, --path or --ignore {shown(row.layer)}"
+            f"--obstacle, --wall, --start, --goal, --path or --ignore {shell_layer_name(row.layer)}"
         )
     elif names:
         listed = ", ".join(repr(row.layer[:LONGEST]) for row in names[:MOST_NAMED])

@@ -29,7 +29,7 @@ from agents.engine.noise import carried, headed, tick_key
 from agents.engine.pairs.cell_sort import cell_at, count_places, fill_slots, order_cells, put_back
 from agents.engine.pairs.term_sums import added, keep_sums, no_sums, sums_of
 from agents.engine.pairs.thread_barrier import BAD, NEXT, STOP, add, meet, read
-from agents.engine.solid_collision import PASSES, held
+from agents.engine.solid_collision import PASSES, hold_back
 from agents.engine.vector_lanes import WIDTH, is_any, load, store
 from agents.engine.waypoint_heading import guided
 from worlds.compilation import compiled, entry
@@ -288,7 +288,7 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, table, context,
         if WINDY:
             went = carried(went, context, me.tick)
         if MEETS != PASSES and not passes(p):
-            went = held(surroundings, space, one, went, MEETS)
+            went = hold_back(surroundings, space, one, went, MEETS)
         to = row if to_rows else slot + lane
         settle(flock, space, row, to, went)
         slots.queue[to] = row

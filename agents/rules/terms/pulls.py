@@ -116,7 +116,7 @@ def sighted(me, dx, dy, p):
 
 
 @compiled
-def turned(x, y, error):
+def apply_sensor_error(x, y, error):
     """A vector as sensors tell it that are off by `error`, see `own_error`."""
     far, c, s = error
     return far * (c * x - s * y), far * (s * x + c * y)
@@ -135,7 +135,7 @@ def sense(me, near, p):
         dx, dy = near.x[j] - me.x, near.y[j] - me.y
         there = sighted(me, dx, dy, p) * adjacent(me, near, j, p.r)
         if p.sensing == OWN:
-            dx, dy = turned(dx, dy, error)
+            dx, dy = apply_sensor_error(dx, dy, error)
         else:
             dx, dy = apart(me, near, j)
         spare[0, j], spare[1, j] = dx, dy
@@ -238,7 +238,7 @@ def varied_injected(me, surroundings, p):
     there = 1.0
     if p.sensing == OWN:
         there = sighted(me, dx, dy, p)
-        dx, dy = turned(dx, dy, own_error(me, p))
+        dx, dy = apply_sensor_error(dx, dy, own_error(me, p))
     else:
         dx, dy = dx - me.signal[ERROR_X], dy - me.signal[ERROR_Y]
     r = math.sqrt(dx * dx + dy * dy)

@@ -284,7 +284,7 @@ def has_goal(surroundings):
 
 
 @compiled
-def written(force, out):
+def write_forces(force, out):
     """Write the rows (x, y, z) of FORCES into out (5, 3)."""
     for row in range(5):
         for axis in range(3):

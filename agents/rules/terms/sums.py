@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from agents.engine.block import Decision, seen
+from agents.engine.block import Decision, neighbour_of
 from agents.engine.pairs.term_sums import added, no_sums
 from worlds.compilation import compiled
 
@@ -41,7 +41,7 @@ def sums_around(number: int, term: Callable) -> Callable:
     def around(me, near, p):
         sums = no_sums(number, 0.0)
         for j in range(near.n):
-            sums = added(sums, term(me, seen(me, near, j), p))
+            sums = added(sums, term(me, neighbour_of(me, near, j), p))
         return sums
 
     return around

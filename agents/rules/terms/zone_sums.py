@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from agents.engine.block import seen
+from agents.engine.block import neighbour_of
 from agents.engine.pairs.term_sums import added, no_sums
 from agents.engine.vector_lanes import where
 from worlds.compilation import compiled
@@ -81,7 +81,7 @@ def zone_sums(me, near, r_r, r_o, r_a, close_edge, far_edge):
     """The sums over the zones, of the agents of the block: see `zone_terms`."""
     sums = no_sums(ZONE_SUMS, 0.0)
     for j in range(near.n):
-        terms = zone_terms(me, seen(me, near, j), r_r, r_o, r_a, close_edge, far_edge)
+        terms = zone_terms(me, neighbour_of(me, near, j), r_r, r_o, r_a, close_edge, far_edge)
         sums = added(sums, terms)
     return Sums(*sums)
 

@@ -55,14 +55,14 @@ def draw(axes: Any, collection: Collection, curve: ClassCurve | None) -> None:
     along, up = collection.axis_limits(() if curve is None else curve.groups)
     axes.set_xlim(*along)
     axes.set_ylim(*up)
-    axes.set_xlabel(labelled(question))
+    axes.set_xlabel(parameter_label(question))
     unit = "" if question.result_unit in ("1", "ticks") else f" ({question.result_unit})"
     axes.set_ylabel(question.result_words + unit, wrap=True)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(fontsize=9)
 
 
-def labelled(question: Question) -> str:
+def parameter_label(question: Question) -> str:
     """What stands along the axis of the parameter."""
     one = question.declared
     if one is None:

@@ -143,8 +143,8 @@ def point_of(row: Sequence[str], spec: str, at: str) -> Point:
         number(result, at) if result else None,
         status,  # type: ignore[arg-type]
         reason,
-        whole(seed, at),
-        whole(ticks, at),
+        whole_number(seed, at),
+        whole_number(ticks, at),
         spec,
         moment(when, at),
         tuple(differs.split(APART)) if differs else (),
@@ -163,7 +163,7 @@ def number(text: str, at: str) -> float:
     return found
 
 
-def whole(text: str, at: str) -> int:
+def whole_number(text: str, at: str) -> int:
     """A whole number of at most 19 figures. Raises InputError."""
     if not (text.isascii() and text.isdigit() and len(text) <= 19):
         raise InputError(f"{shortened(text)} is not a whole number ({at})")
@@ -213,16 +213,16 @@ def to_json(collection: Collection, curve: ClassCurve | None = None) -> dict[str
                 zip(collection.points, collection.counting, strict=True)
             )
         ],
-        "groups": [told(group) for group in collection.groups()],
+        "groups": [group_row(group) for group in collection.groups()],
         "curve": None if curve is None else {
             "name": curve.name,
             "differs": list(curve.differs),
-            "groups": [told(group) for group in curve.groups],
+            "groups": [group_row(group) for group in curve.groups],
         },
     }  # fmt: skip
 
 
-def told(group: ResultGroup) -> list[float | int | None]:
+def group_row(group: ResultGroup) -> list[float | int | None]:
     """A group as the page has it."""
     numbers = (group.mean, group.half, group.sd, *group.summary.interval)
     return [few(group.value), group.runs, *map(few, numbers)]

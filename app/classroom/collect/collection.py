@@ -70,7 +70,7 @@ def groups_of(points: Sequence[Point], given: bool) -> list[ResultGroup]:
         parts = [[point for point in runs if point.value == value] for value in values]
     else:
         parts = binned(runs, edges_of(values, len(runs)))
-    return [grouped(part) for part in parts if part]
+    return [group_points(part) for part in parts if part]
 
 
 def edges_of(values: Sequence[float], runs: int) -> np.ndarray:
@@ -89,7 +89,7 @@ def binned(points: Sequence[Point], edges: np.ndarray) -> list[list[Point]]:
     return parts
 
 
-def grouped(points: Sequence[Point]) -> ResultGroup:
+def group_points(points: Sequence[Point]) -> ResultGroup:
     """Points as a group."""
     values = [point.value for point in points]
     middle = values[0] if min(values) == max(values) else float(np.mean(values))

@@ -53,7 +53,7 @@ def apart(
 ) -> list[str]:
     """The values that are not as meant."""
     return [
-        f"{word} {name}: {shown(ran[name])}, not {shown(value)}"
+        f"{word} {name}: {format_value(ran[name])}, not {format_value(value)}"
         for name, value in meant.items()
         if name not in but and name in ran and ran[name] != value
     ]
@@ -66,7 +66,7 @@ def of_worlds(ran: World, meant: World) -> list[str]:
     if bare(ran) == bare(meant):
         return ["own obstacles"]
     if replace(nameless(ran), size=meant.size, height=meant.height) == nameless(meant):
-        return [f"another size: {shown(ran.size)}, not {shown(meant.size)}"]
+        return [f"another size: {format_value(ran.size)}, not {format_value(meant.size)}"]
     return [f"another world: {on_one_line(WORLDS.get(ran.name) or ran.title or ran.name, 80)}"]
 
 
@@ -90,14 +90,14 @@ def bare(world: World) -> World:
     return replace(nameless(world), obstacles=(), random=None)
 
 
-def shown(value: Any) -> str:
+def format_value(value: Any) -> str:
     """A value for people.
 
     >>> shown(0.1 + 0.2), shown((10.0, 10.0)), shown(True)
     ('0.3', '10 x 10', 'true')
     """
     if isinstance(value, tuple):
-        return " x ".join(map(shown, value))
+        return " x ".join(map(format_value, value))
     if isinstance(value, bool):
         return str(value).lower()
     return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -85,7 +85,7 @@ def hand_in(
     demand_answer(question, spec)
     value = question.value_of(spec)
     flock = Flock(spec)
-    kept = whole(spec.with_values(seed=flock.seed), flock)
+    kept = complete_run(spec.with_values(seed=flock.seed), flock)
     meant = as_meant(question, scene, value, flock.seed)
     outcome = run_of(question, spec, flock.seed)
     result, reason = measured(question, outcome)
@@ -104,7 +104,7 @@ def hand_in(
     )
 
 
-def whole(spec: CompleteSpec, flock: Flock) -> str:
+def complete_run(spec: CompleteSpec, flock: Flock) -> str:
     """A run with all its parameters, as a scene opens it again. Raises InputError if none can."""
     made = at_home(**dict(spec)).but(
         agents=flock.options.agents,

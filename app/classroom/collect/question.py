@@ -21,7 +21,7 @@ from app.strict_table import StrictTable
 from app.studies.sweeps.sweep_file import ObservableBound, Observe, comparison
 from app.studies.sweeps.sweep_job import StopCondition, SweepJob, demand_number, measure_of
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
-from app.viewer.measuring.observable_format import words as in_words
+from app.viewer.measuring.observable_format import observable_words as in_words
 from worlds.input_error import InputError, first_refusal, shortened, unknown
 from worlds.text_file import toml
 
@@ -225,7 +225,7 @@ def question_from_toml(text: str, scene: CompleteSpec, origin: str) -> Question:
 
 def fitted(made: Question, scene: CompleteSpec) -> Question:
     """A question whose names, ranges and costs are those of a scene. Raises InputError."""
-    title = titled(made.title)
+    title = clean_title(made.title)
     low, high = allowed(made.model, made.parameter)
     for value in made.values:
         if not low <= value <= high:
@@ -246,7 +246,7 @@ def fitted(made: Question, scene: CompleteSpec) -> Question:
     return checked
 
 
-def titled(text: str) -> str:
+def clean_title(text: str) -> str:
     """A title on one line, without what cannot be printed. Raises InputError."""
     kept = "".join(one for one in text if one.isprintable() or one.isspace())
     title = re.sub(r"\s+", " ", kept).strip()

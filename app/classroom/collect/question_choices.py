@@ -17,7 +17,7 @@ from agents.observables.observable import Range
 from agents.spec import CompleteSpec
 from app.classroom.collect.question import Question, question_of
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
-from app.viewer.measuring.observable_format import words
+from app.viewer.measuring.observable_format import observable_words
 from app.viewer.panels.dials import plain
 from worlds.input_error import InputError
 
@@ -113,7 +113,9 @@ def measures_of(spec: CompleteSpec) -> tuple[MeasureChoice, ...]:
         ends = one.range.low, one.range.high
         low, high = (end if math.isfinite(end) else None for end in ends)
         unit = model.in_units(one.unit)
-        made.append(MeasureChoice(one.name, words(one.name), one.title, unit, low, high, how))
+        made.append(
+            MeasureChoice(one.name, observable_words(one.name), one.title, unit, low, high, how)
+        )
     return tuple(made)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from agents.catalogue import MODELS
 from agents.models.model import Model
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.measuring.observable_format import QUICK, STEADY, words
+from app.viewer.measuring.observable_format import QUICK, STEADY, observable_words
 from app.viewer.scene.shown.frame import Frame
 
 MOST = 400
@@ -40,7 +40,7 @@ class LaboratoryStatus:
     error: str = ""
 
 
-def seen(laboratory: Laboratory) -> LaboratoryStatus:
+def laboratory_status(laboratory: Laboratory) -> LaboratoryStatus:
     """How a laboratory stands now."""
     simulation = laboratory.simulation
     state, frame, readings = simulation.state, simulation.frame, simulation.readings
@@ -63,7 +63,7 @@ def seen(laboratory: Laboratory) -> LaboratoryStatus:
 def two_numbers(model: Model, values: dict[str, float]) -> tuple[tuple[str, float], ...]:
     """At most two of what has been measured, what tells most of a model first: words and value."""
     names = dict.fromkeys((*model.tells, *QUICK, *STEADY))
-    found = [(words(name), values[name]) for name in names if name in values]
+    found = [(observable_words(name), values[name]) for name in names if name in values]
     return tuple(one for one in found if np.isfinite(one[1]))[:2]
 
 

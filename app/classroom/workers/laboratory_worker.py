@@ -10,7 +10,7 @@ import secrets
 from dataclasses import replace
 from typing import Any
 
-from app.classroom.workers.laboratory_status import LaboratoryStatus, seen
+from app.classroom.workers.laboratory_status import LaboratoryStatus, laboratory_status
 from app.front.client_addresses import BEHIND_A_FRONT
 from app.front.page_front import Front
 from app.front.server import open_server
@@ -88,7 +88,7 @@ class Laboratories:
 
     def seen(self) -> dict[int, LaboratoryStatus]:
         """How all of them stand."""
-        return {whose: seen(one) for whose, one in self.all.items()}
+        return {whose: laboratory_status(one) for whose, one in self.all.items()}
 
     def draw_at(self, pictures: float) -> None:
         """Draw each so often a second at most."""

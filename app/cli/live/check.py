@@ -45,14 +45,14 @@ def check_recording(text: str, speed: float | None) -> dict[str, Any]:
     Raises InputError if it cannot be read.
     """
     from app.live.control.safety_limits import CarLimits
-    from app.live.sources.recorded_source import named
+    from app.live.sources.recorded_source import recording_of
     from app.live.sources.source_address import parsed
 
     if speed is not None and not 0.0 < speed <= 10.0:
         raise InputError(f"--speed {speed:g} m/s is outside (0, 10]")
     if Path(text).is_dir():
         return check_live_run(Path(text), speed)
-    recorded = named(parsed(text if text.startswith(KIND) else KIND + text))
+    recorded = recording_of(parsed(text if text.startswith(KIND) else KIND + text))
     frames = recorded.recording()
     reports, swaps = recorded.judge(frames, speed or CarLimits().speed)
     return summary(text, frames, reports, swaps, recorded)

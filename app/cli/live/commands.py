@@ -13,7 +13,7 @@ from app.cli.live.lab import lab
 from app.cli.live.live_options import Seconds, Ticks
 from app.cli.live.run import run
 from app.cli.outcome_table import as_json
-from app.cli.usage import grouped
+from app.cli.usage import command_group
 from worlds.number_text import counted
 
 # `flockscope live emulate`: a laboratory in software, to try everything without hardware.
@@ -41,13 +41,13 @@ def emulate(
 
     Loop, safety, frames on the link and the firmware's watchdog are those of real cars.
     """
-    from app.cli.live.run import conduct, lasting
+    from app.cli.live.run import conduct, driving_seconds
     from app.live.device_kinds import SIMULATED
     from app.live.operating.lab_choices import laboratory, open_driven
 
     link = f"{SIMULATED}?port={port}" if port else SIMULATED
     lab = laboratory(file).lab.altered(str(file or "the example"), source=SIMULATED, link=link)
-    conduct(lab, open_driven, arm, record, lasting(lab, seconds, ticks), json_asked, quiet)
+    conduct(lab, open_driven, arm, record, driving_seconds(lab, seconds, ticks), json_asked, quiet)
 
 
 # `flockscope live replay`: does a recording give the same commands again?
@@ -118,7 +118,7 @@ def recover(
         typer.echo(last.words() if last is not None else "nothing was sent that is recorded")
 
 
-live = grouped(
+live = command_group(
     "Real cars in a room with motion capture: check, drive, replay, or emulate it all.",
     {
         "lab": lab,

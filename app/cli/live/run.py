@@ -49,10 +49,10 @@ def run(
     lab = laboratory(file, source, link).lab
     if dry:
         lab = lab.altered("--dry", link="dry")
-    conduct(lab, open_driven, arm, record, lasting(lab, seconds, ticks), json_asked, quiet)
+    conduct(lab, open_driven, arm, record, driving_seconds(lab, seconds, ticks), json_asked, quiet)
 
 
-def lasting(lab: Lab, seconds: float | None, ticks: int | None) -> float:
+def driving_seconds(lab: Lab, seconds: float | None, ticks: int | None) -> float:
     """For how long a laboratory is driven, s; 0: until it is left. Raises InputError."""
     demand_one_length(ticks, seconds)
     return ticks / lab.rate if ticks else seconds or 0.0

@@ -88,7 +88,7 @@ def cluster_asked(
     return cluster if cluster.kind else None
 
 
-def in_words(cluster: Cluster, records: bool = False) -> str:
+def describe_cluster(cluster: Cluster, records: bool = False) -> str:
     """A cluster for people; `records`: whether runs are recorded."""
     if not cluster.queued:
         said = f"runs are made by {cluster.kind}"

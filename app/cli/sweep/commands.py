@@ -27,7 +27,7 @@ from app.cli.sweep.sweep_choice import (
     sweep_asked,
 )
 from app.cli.terminal import one_line
-from app.cli.usage import grouped
+from app.cli.usage import command_group
 from app.results_folder import RESULTS
 from app.settings import at_least
 from worlds.input_error import InputError
@@ -139,10 +139,10 @@ def status(
     from app.studies.sweeps.sweep_table import status_of
 
     value = status_of(kept_sweep(name))
-    typer.echo(as_json(value) if json_asked else in_words(value))
+    typer.echo(as_json(value) if json_asked else describe_progress(value))
 
 
-def in_words(value: dict[str, Any]) -> str:
+def describe_progress(value: dict[str, Any]) -> str:
     """How far it is, for people."""
     counts = value["runs"]
     said = [f"{value['title']}: {value['state']}, {value['done']} of {value['of']} runs"]
@@ -298,7 +298,7 @@ def export(
         tell_written(out)
 
 
-sweep = grouped(
+sweep = command_group(
     "Sweeps: many runs over parameters, kept whatever happens; look at them at any time.",
     {
         "run": run,

@@ -24,7 +24,7 @@ from app.cli.sweep.clusters import (
     Queue,
     Walltime,
     cluster_asked,
-    in_words,
+    describe_cluster,
 )
 from app.cli.sweep.sweep_choice import (
     Fixed,
@@ -46,7 +46,6 @@ if TYPE_CHECKING:
     from app.studies.cluster.cluster_options import Cluster
     from app.studies.study_runner import StudyReport
     from app.studies.sweeps.checked_sweep import Sweep
-
 
 MOST_WORKERS = 1024
 BROKEN = 3
@@ -96,7 +95,7 @@ def warn(sweep: Sweep) -> None:
         tell(f"flockscope: {line}")
 
 
-def carried_out(
+def carry_out_sweep(
     sweep: Sweep,
     folder: Path,
     workers: int | None,
@@ -111,9 +110,9 @@ def carried_out(
     from app.studies.workers.processes import cores
 
     if cluster is not None and not quiet:
-        from app.cli.sweep.clusters import in_words
+        from app.cli.sweep.clusters import describe_cluster
 
-        tell(in_words(cluster, bool(sweep.file.record)))
+        tell(describe_cluster(cluster, bool(sweep.file.record)))
     with under_way(folder, quiet) as progress:
         return conduct(
             sweep,
@@ -184,7 +183,7 @@ def run(
     if not quiet:
         warn(sweep)
     began = time.monotonic()
-    done = carried_out(sweep, folder, workers, nice, retry_failed, limit, quiet, made_on)
+    done = carry_out_sweep(sweep, folder, workers, nice, retry_failed, limit, quiet, made_on)
     files = draw_all(sweep, folder) if plot and done.made + done.taken else []
     report(sweep, folder, done, files, time.monotonic() - began, json_asked, quiet)
     if done.broken:
@@ -197,7 +196,7 @@ def print_job(cluster: Cluster, quiet: bool) -> None:
 
     typer.echo(job_script(cluster), nl=False)
     if not quiet:
-        tell(f"flockscope: nothing is run; without --dry-run {in_words(cluster)}")
+        tell(f"flockscope: nothing is run; without --dry-run {describe_cluster(cluster)}")
 
 
 def draw_all(sweep: Sweep, folder: Path) -> list[Path]:

@@ -116,10 +116,10 @@ def read_or_kept(what: str, tell: Any) -> tuple[Sweep, Path]:
         raise InputError(f"{what!r} is no FILE.toml and no folder of a sweep")
     if Path(what).suffix.lower() == ".toml":
         return read_sweep(Path(what), tell), RESULTS / Path(what).stem
-    return read_again(folder_of(what), tell), folder_of(what)
+    return read_stored_sweep(folder_of(what), tell), folder_of(what)
 
 
-def read_again(folder: Path, tell: Any) -> Sweep:
+def read_stored_sweep(folder: Path, tell: Any) -> Sweep:
     """The sweep of a folder that was run before. Raises InputError."""
     from app.studies.sweeps.checked_sweep import sweep_of
 

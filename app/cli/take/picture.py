@@ -88,7 +88,7 @@ def picture(
     if camera == "round":
         raise InputError("--camera round is not allowed: a picture stands still")
     aim = aim_of(camera, follow, None, 1.0, 1)
-    now = taken(spec, rule, asked, settings or [], tick, quiet)
+    now = flock_to_draw(spec, rule, asked, settings or [], tick, quiet)
     from app.viewer.pictures.shot import look_of, shot
 
     one = shot(now, look_of(now, colour))
@@ -114,7 +114,7 @@ def picture(
         tell_written(out)
 
 
-def taken(
+def flock_to_draw(
     spec: str | None, rule: Rules, asked: Asked, settings: list[str], tick: int | None, quiet: bool
 ) -> Snapshot:
     """The flock to draw, of a recording or of a run that is made. Raises InputError."""

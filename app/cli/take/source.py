@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 
 from app.cli.outcome_table import tell
 from app.cli.run import built
-from app.cli.run_arguments import Asked, named
+from app.cli.run_arguments import Asked, option_name
 from app.cli.usage import by_name, first_of
 from app.studies.workers.kernels import compile_loop
 from worlds.input_error import InputError
@@ -30,7 +30,8 @@ def recording_of(what: str, asked: Asked, settings: list[str], rule: Any) -> Rec
     for name, value in {**asked, "set": settings or None, "rule": rule or None}.items():
         if value is not None:
             raise InputError(
-                f"{named(name)} {value} is not allowed: {what} is a recording, its run is done"
+                f"{option_name(name)} {value} is not allowed: "
+                f"{what} is a recording, its run is done"
             )
     from agents.recording import Recording
 

@@ -194,8 +194,8 @@ class Loop:
 
         Nothing that was asked before an emergency stop may undo it or arm again.
         """
-        self.pending += taken(self.asked)
-        self.overtaken = taken(self.late)
+        self.pending += drain_requests(self.asked)
+        self.overtaken = drain_requests(self.late)
         urgent = [one for one in self.pending if one.action == "emergency"]
         if urgent:
             last = max(k for k, one in enumerate(self.pending) if one.action == "emergency")
@@ -248,7 +248,7 @@ class Loop:
 
         Recording comes last: whatever has failed, and fails again, delays no stop.
         """
-        asked = [one for one in taken(self.asked) if one.action == "emergency"]
+        asked = [one for one in drain_requests(self.asked) if one.action == "emergency"]
         state = self.control.safety.arm.state
         latched = state == "emergency" or bool(asked)
         if state == "armed" and not asked:
@@ -327,7 +327,7 @@ class Loop:
         )
 
 
-def taken(waiting: queue.SimpleQueue[OperatorRequest]) -> list[OperatorRequest]:
+def drain_requests(waiting: queue.SimpleQueue[OperatorRequest]) -> list[OperatorRequest]:
     """All entries of a queue, which is then empty."""
     found: list[OperatorRequest] = []
     with suppress(queue.Empty):

@@ -33,10 +33,10 @@ BUILT_IN: dict[str, Opener] = {
 
 def collect() -> dict[str, Opener]:
     """All kinds of link: the built-in ones, then those of other packages, which replace none."""
-    return BUILT_IN | plug_ins("flockscope.links", brought, BUILT_IN)
+    return BUILT_IN | plug_ins("flockscope.links", link_of_entry, BUILT_IN)
 
 
-def brought(name: str, thing: object) -> tuple[str, Opener]:
+def link_of_entry(name: str, thing: object) -> tuple[str, Opener]:
     """The link that an entry point brings. Raises TypeError if it opens nothing."""
     if not callable(thing):
         raise TypeError(f"a function is needed, not {type(thing).__name__}")

@@ -20,7 +20,7 @@ from agents.engine.arrays import Arrays
 from agents.models.declare import checked
 from agents.models.model import Model
 from agents.motion import Motion
-from agents.state.agent_rows import begun
+from agents.state.agent_rows import start_arrays
 from agents.state.start import Start
 from app.live.control.pose import Companion, NoFreeSpace, Pose, Sighting
 from app.live.laboratory.lab_file import Lab
@@ -36,7 +36,7 @@ TRIES = 200
 """Places that are tried for a car."""
 
 
-def named(number: int) -> str:
+def simulated_car_name(number: int) -> str:
     """The name of a simulated car, the first being number 1."""
     return f"sim {number}"
 
@@ -67,8 +67,8 @@ def begins(lab: Lab, number: int, taken: Iterable[Sequence[float]], size: float)
     free = np.flatnonzero(gaps >= apart)
     if not len(free):
         raise NoFreeSpace(
-            f"{named(number)} has no room: none of {TRIES} places within the fence is {apart:g} m "
-            "from every other car"
+            f"{simulated_car_name(number)} has no room: none of {TRIES} places within the fence "
+            f"is {apart:g} m from every other car"
         )
     x, y = (float(one) for one in tried[free[0]])
     return Pose(x, y, along_circle(lab, x, y) if lab.injected.path == "circle" else yaw)
@@ -109,7 +109,9 @@ def resized(arrays: Arrays, kept: int, more: Sequence[Pose], model: Model) -> Ar
     for row, pose in enumerate(more, kept):
         position[row] = pose.x, pose.y
         heading[row] = math.cos(pose.yaw), math.sin(pose.yaw)
-    made = begun(Start(position, heading, np.zeros(n, bool), np.zeros(n), np.arange(n)), model, 1)
+    made = start_arrays(
+        Start(position, heading, np.zeros(n, bool), np.zeros(n), np.arange(n)), model, 1
+    )
     for name, column in made._asdict().items():
         before = getattr(arrays, name)
         if name == "memory":
@@ -180,7 +182,7 @@ class FlockDriver(Motion):
         n = len(self.names)
         number = np.arange(n)
         still = Start(np.zeros((n, 2)), self.nose.copy(), np.zeros(n, bool), np.zeros(n), number)
-        self._use(begun(still, self.model, 1))
+        self._use(start_arrays(still, self.model, 1))
 
     def warm(self, tell: Callable[[str], object] | None) -> None:
         """Compile, which takes up to a minute the first time, so that the loop need not."""
@@ -287,7 +289,7 @@ class FlockDriver(Motion):
         wheels = has_moved * self.signal_row(self.vehicle.steering)
         share = np.clip(wheels / math.radians(self.context.parameters.wheel_max), -1.0, 1.0)
         return tuple(
-            Companion(named(number), Pose(x, y, math.atan2(uy, ux)), steer)
+            Companion(simulated_car_name(number), Pose(x, y, math.atan2(uy, ux)), steer)
             for number, ((x, y), (ux, uy), steer) in enumerate(
                 zip(
                     self.position[n:].tolist(),

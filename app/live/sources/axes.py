@@ -97,10 +97,10 @@ class Axes:
         'its axis z, which should point up, is rolled 180 degrees about its nose'
         """
         quaternion = tuple(quaternion)
-        nose = turned(self.nose, quaternion)
+        nose = rotate_axis(self.nose, quaternion)
         if nose is None:
             return unseen(name, "its quaternion is no rotation")
-        top = turned(self.body_top, quaternion) if self.body_top else None
+        top = rotate_axis(self.body_top, quaternion) if self.body_top else None
         return self.turned_sighting(name, point, nose, top)
 
     def turned_sighting(
@@ -135,7 +135,7 @@ class Axes:
         It stays the same while a car drives on a floor, however its rigid body was defined.
         """
         quaternion = tuple(quaternion)
-        columns = [turned(axis, quaternion) for axis in "xyz"]
+        columns = [rotate_axis(axis, quaternion) for axis in "xyz"]
         up = "xyz".index(self.up)
         first, second, third = (None if column is None else column[up] for column in columns)
         if first is None or second is None or third is None:
@@ -154,7 +154,7 @@ def roll_degrees(nose: float, top: float) -> float:
     return math.degrees(math.atan2(math.sqrt(max(1.0 - nose * nose - top * top, 0.0)), top))
 
 
-def turned(axis: str, quaternion: Iterable[float]) -> tuple[float, float, float] | None:
+def rotate_axis(axis: str, quaternion: Iterable[float]) -> tuple[float, float, float] | None:
     """Where a quaternion (x, y, z, w) turns an axis of the body; None if it is no rotation."""
     x, y, z, w = (float(part) for part in quaternion)
     length = math.sqrt(x * x + y * y + z * z + w * w)

@@ -133,7 +133,7 @@ def _whole(word: str, largest: int) -> bool:
     return word.isascii() and word.isdigit() and 1 <= int(word) <= largest
 
 
-def opened(address: Address) -> MotionCapture:
+def open_mocap(address: Address) -> MotionCapture:
     """The motion-capture system that an address names."""
     if address.kind not in SYSTEMS:
         raise unknown("motion-capture system", address.kind, SYSTEMS)

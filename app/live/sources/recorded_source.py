@@ -295,20 +295,20 @@ class RecordedSource:
                 )
 
 
-def opened(address: Address) -> RecordedSource:
+def open_recording(address: Address) -> RecordedSource:
     """The recording that an address names, once the whole of it is found readable.
 
     Raises InputError also where the bodies make sense only with quaternions read w first, unless
     their order is declared.
     """
-    recorded = named(address)
+    recorded = recording_of(address)
     frames = recorded.recording()
     if recorded.path.suffix.lower() != ".c3d" and not recorded.quaternion:
         demand_order(recorded, frames)
     return recorded
 
 
-def named(address: Address) -> RecordedSource:
+def recording_of(address: Address) -> RecordedSource:
     """The recording that an address names, not yet read."""
     address.known((*AXES, "factor", "again", "quaternion"), several=("body",))
     path = Path(address.place).expanduser()

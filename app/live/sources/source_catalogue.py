@@ -15,23 +15,23 @@ Opener = Callable[[Address], Source]
 """Makes a source, not yet connected; raises InputError if it cannot."""
 
 BUILT_IN: dict[str, Opener] = {
-    "vicon": mocap.opened,
-    "optitrack": mocap.opened,
-    "qualisys": mocap.opened,
-    "vrpn": mocap.opened,
-    "mock": mocap.opened,
-    "recorded": recorded_source.opened,
+    "vicon": mocap.open_mocap,
+    "optitrack": mocap.open_mocap,
+    "qualisys": mocap.open_mocap,
+    "vrpn": mocap.open_mocap,
+    "mock": mocap.open_mocap,
+    "recorded": recorded_source.open_recording,
 }
 
 
-def brought(name: str, thing: object) -> tuple[str, Opener]:
+def source_of_entry(name: str, thing: object) -> tuple[str, Opener]:
     """The source that an entry point brings. Raises TypeError if it opens nothing."""
     if not callable(thing):
         raise TypeError(f"a function is needed, not {type(thing).__name__}")
     return name, thing
 
 
-OPENERS = BUILT_IN | plug_ins("flockscope.sources", brought, {*BUILT_IN, SIMULATED})
+OPENERS = BUILT_IN | plug_ins("flockscope.sources", source_of_entry, {*BUILT_IN, SIMULATED})
 """All kinds of source: the built-in ones, then those of other packages, which replace none."""
 
 

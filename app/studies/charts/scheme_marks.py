@@ -71,7 +71,7 @@ def word(
     )  # fmt: skip
 
 
-def turned(heading: np.ndarray, angle: float) -> np.ndarray:
+def rotate_vector(heading: np.ndarray, angle: float) -> np.ndarray:
     """A vector (2,) turned by an angle, deg, anticlockwise."""
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     return np.array([c * heading[0] - s * heading[1], s * heading[0] + c * heading[1]])

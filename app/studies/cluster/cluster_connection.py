@@ -75,7 +75,7 @@ def make(beginning: bytes, chunk: bytes, limit: float | None, like: dict[str, st
     def keep(task: Task, outcome: Outcome) -> None:
         found[task.cell] = outcome
 
-    processes = taken(job, beginning, limit)
+    processes = take_worker(job, beginning, limit)
     whole = False
     try:
         whole = processes.run(tasks, keep, lambda: is_unwanted(worker, asked))
@@ -109,7 +109,7 @@ def is_unwanted(worker: Worker, chunk: Any) -> bool:
     return ending or task is None or task.state == "cancelled"
 
 
-def taken(job: str, beginning: bytes, limit: float | None) -> Processes:
+def take_worker(job: str, beginning: bytes, limit: float | None) -> Processes:
     """A process that waits for work of this job, or a new one; those of other jobs are let go."""
     with LOCK:
         for other in IDLE.keys() - {job}:
@@ -163,7 +163,7 @@ def demand_packages(cluster: Cluster) -> None:
 
 
 @contextmanager
-def opened(cluster: Cluster, workers: int) -> Iterator[ClusterConnection]:
+def open_cluster(cluster: Cluster, workers: int) -> Iterator[ClusterConnection]:
     """A cluster with a client of it; what was begun for it ends with it. Raises InputError."""
     demand_packages(cluster)
     import dask

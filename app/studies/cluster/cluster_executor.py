@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from agents.spec import versions
-from app.studies.cluster.cluster_connection import ClusterConnection, logs_of, opened
+from app.studies.cluster.cluster_connection import ClusterConnection, logs_of, open_cluster
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.runs.database import Outcome
 from app.studies.workers.processes import BEAT, FIRST_GUESS
@@ -79,7 +79,7 @@ class ClusterExecutor:
         self.tell = tell
         self.alone_since: float | None = time.monotonic()
         """Since when there has been no worker; None once that was told, too."""
-        self.opening: AbstractContextManager[ClusterConnection] = opened(cluster, workers)
+        self.opening: AbstractContextManager[ClusterConnection] = open_cluster(cluster, workers)
         self.versions = versions()
         self.seconds = FIRST_GUESS
         """What a run takes, lately."""

@@ -51,7 +51,7 @@ def draw_endurance(figure: Any, made: list[Verdict]) -> None:
         row[0].set_title(measure.title, loc="left", fontsize=10)
     for k, (parameter, around) in enumerate(columns):
         models = [sweep.model for sweep, _, _ in sweeps if column_of(sweep) == (parameter, around)]
-        panels[-1, k].set_xlabel(titled(parameter) + unit_of(parameter, models))
+        panels[-1, k].set_xlabel(parameter_title(parameter) + unit_of(parameter, models))
         if around:
             words = "\n".join(textwrap.wrap(around, LETTERS)).replace(JOINED, " ")
             panels[0, k].annotate(
@@ -67,7 +67,9 @@ def column_of(sweep: PaperSweep) -> Column:
     chosen = {
         name: value for name, value in sweep.chosen.items() if name in Conditions.model_fields
     }
-    words = [f"{titled(name)} {value:g}".replace(" ", JOINED) for name, value in chosen.items()]
+    words = [
+        f"{parameter_title(name)} {value:g}".replace(" ", JOINED) for name, value in chosen.items()
+    ]
     return sweep.parameter, ", ".join(words)
 
 
@@ -90,7 +92,7 @@ def sign_of(k: int, kind: Kind, sweeps: list[tuple[PaperSweep, int, list[Verdict
     return Line2D([], [], color=COLOURS[k % len(COLOURS)], marker="o", markersize=4.5, label=label)
 
 
-def titled(parameter: str) -> str:
+def parameter_title(parameter: str) -> str:
     """What is turned up, as an option calls itself."""
     return OPTIONS[parameter].title.lower() if parameter in OPTIONS else parameter
 

@@ -261,7 +261,7 @@ def draw_gathering(figure: Any, experiment: Experiment, made: list[Verdict], see
     for axes, letter, (tick, text) in zip(boxes, letters, captions.items(), strict=True):
         flock.run(tick - flock.tick)
         draw_box(axes, flock)
-        title = f"({letter}) tick {tick}: {seen(settings, flock)}\n{text}"
+        title = f"({letter}) tick {tick}: {measure_gathering(settings, flock)}\n{text}"
         axes.set_title(title, loc="left", fontsize=9)
     explain(
         figure,
@@ -272,7 +272,7 @@ def draw_gathering(figure: Any, experiment: Experiment, made: list[Verdict], see
     )
 
 
-def seen(settings: GatheringSettings, flock: Flock) -> str:
+def measure_gathering(settings: GatheringSettings, flock: Flock) -> str:
     """What the picture shows, measured."""
     found = settings.measured(flock)
     groups, p = int(found["groups"] or 0), found["p"]

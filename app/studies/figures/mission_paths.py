@@ -108,7 +108,7 @@ def draw_centres(figure: Any, experiment: Experiment, seed: int) -> None:
     figure.set_size_inches(10.8, 8.6)
     panels = figure.subplot_mosaic([["a", "b"], ["c", "d"]], height_ratios=[1.9, 1.0])
     flights = draw_flights(panels, experiment, seed)
-    end = shown(experiment, flights)
+    end = time_shown(experiment, flights)
     for letter in "ab":
         said = panels[letter].get_title(loc="left")
         panels[letter].set_title(f"({letter}) {said}", loc="left")
@@ -121,7 +121,7 @@ def draw_centres(figure: Any, experiment: Experiment, seed: int) -> None:
                 centre[:, axis],
                 color=colour,
                 linewidth=1.9,
-                label=worded(experiment, flight, label),
+                label=row_label(experiment, flight, label),
             )
         goal = flights[0].flock.goal_at([0])[0, axis]
         axes.axhline(goal, color=GOAL, linewidth=1.4, linestyle=(0, (4, 3)), label="goal")
@@ -140,13 +140,13 @@ def centre_of(flight: FlownMission) -> tuple[np.ndarray, np.ndarray]:
     return time, record.position.mean(axis=1)
 
 
-def worded(experiment: Experiment, flight: FlownMission, label: str) -> str:
+def row_label(experiment: Experiment, flight: FlownMission, label: str) -> str:
     """A row's name with the time at which its centre settles."""
     settled = flight.record.settled(experiment.settings.within)  # type: ignore[attr-defined]
     return f"{label}: " + ("never settles" if settled is None else f"settles at {settled:.0f} s")
 
 
-def shown(experiment: Experiment, flights: list[FlownMission]) -> float:
+def time_shown(experiment: Experiment, flights: list[FlownMission]) -> float:
     """The time until which curves are drawn, s: a little longer than until all have settled."""
     near = experiment.settings.within  # type: ignore[attr-defined]
     ends = [flight.record.ticks * flight.record.dt for flight in flights]

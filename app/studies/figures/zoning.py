@@ -22,9 +22,9 @@ from app.studies.charts.scheme_marks import (
     arrow,
     bare,
     dart,
+    rotate_vector,
     sign,
     stroke,
-    turned,
     word,
 )
 from app.studies.experiment import Experiment, flock_of
@@ -226,7 +226,7 @@ def draw_zones(figure: Any, experiment: Experiment, seed: int) -> None:
     draw_others(axes, flock, row)
     mark_view(axes, flock, row, sight_of(experiment))
     bare(axes, np.zeros(2), ROOM * flock.reach)
-    explain(figure, signs(), said(experiment, seed, flock, row))
+    explain(figure, signs(), scheme_caption(experiment, seed, flock, row))
 
 
 def sight_of(experiment: Experiment) -> float | None:
@@ -247,7 +247,7 @@ def chosen(experiment: Experiment, seed: int) -> tuple[Any, int]:
     return flock, max(range(len(flock.ids)), key=worth)
 
 
-def said(experiment: Experiment, seed: int, flock: Any, row: int) -> str:
+def scheme_caption(experiment: Experiment, seed: int, flock: Any, row: int) -> str:
     """What is drawn, in a line."""
     case = experiment.cases[0]
     return (
@@ -290,7 +290,7 @@ def draw_rims(axes: Any, flock: Any, row: int) -> None:
             Circle((0.0, 0.0), shell.radius, fill=False, edgecolor=ZONE_COLOURS[k], linewidth=1.3,
                    zorder=2)
         )  # fmt: skip
-        at = shell.radius * turned(back, (-78.0, -38.0, -14.0)[k])
+        at = shell.radius * rotate_vector(back, (-78.0, -38.0, -14.0)[k])
         word(axes, at, symbols[k], ZONE_COLOURS[k], size=9.5)
 
 
@@ -317,7 +317,7 @@ def mark_view(axes: Any, flock: Any, row: int, sight: float | None) -> None:
 
     view, heading = flock.inspect(row).view, flock.heading[row]
     for side in (-0.5, 0.5):
-        edge = flock.reach * turned(heading, side * view)
+        edge = flock.reach * rotate_vector(heading, side * view)
         axes.plot([0.0, edge[0]], [0.0, edge[1]], color=INK, linewidth=1.0, zorder=3,
                   linestyle=(0, (5, 3)))  # fmt: skip
     way = float(np.degrees(np.arctan2(heading[1], heading[0])))
@@ -326,10 +326,10 @@ def mark_view(axes: Any, flock: Any, row: int, sight: float | None) -> None:
         Arc((0.0, 0.0), 2.0 * near, 2.0 * near, theta1=way - 0.5 * view, theta2=way + 0.5 * view,
             color=INK, linewidth=1.2, zorder=4)
     )  # fmt: skip
-    word(axes, near * turned(heading, 0.32 * view), f"$\\alpha$ = {view:g}°")
+    word(axes, near * rotate_vector(heading, 0.32 * view), f"$\\alpha$ = {view:g}°")
     back = 360.0 - view
     word(
-        axes, 0.72 * flock.reach * turned(-heading, 0.25 * back), f"unseen: {back:g}°",
+        axes, 0.72 * flock.reach * rotate_vector(-heading, 0.25 * back), f"unseen: {back:g}°",
         INK, size=9.0,
     )  # fmt: skip
     if sight is not None:
@@ -337,7 +337,7 @@ def mark_view(axes: Any, flock: Any, row: int, sight: float | None) -> None:
             Arc((0.0, 0.0), 2.0 * sight, 2.0 * sight, theta1=way - 0.5 * view,
                 theta2=way + 0.5 * view, color=WISH, linewidth=1.6, linestyle=(0, (3, 2)), zorder=4)
         )  # fmt: skip
-        word(axes, sight * turned(heading, -0.3 * view), f"$d$ = {sight:g}", WISH, size=9.5)
+        word(axes, sight * rotate_vector(heading, -0.3 * view), f"$d$ = {sight:g}", WISH, size=9.5)
 
 
 def draw_view(figure: Any, experiment: Experiment, seed: int) -> None:
@@ -391,7 +391,7 @@ def draw_neighbourhood(figure: Any, experiment: Experiment, seed: int) -> None:
         colour = INK if k == row else ZONE_COLOURS[2] if k in near else FAINT
         dart(axes, flock.position[k], flock.heading[k], colour, size * (1.5 if k == row else 1.0),
              hollow=k != row and k not in near)  # fmt: skip
-    edge = own + flock.reach * turned(np.array([1.0, 0.0]), 50.0)
+    edge = own + flock.reach * rotate_vector(np.array([1.0, 0.0]), 50.0)
     axes.plot(*np.array([own, edge]).T, color=INK, linewidth=1.0, linestyle=(0, (4, 3)))
     word(axes, 0.5 * (own + edge), f"$r$ = {flock.reach:g}", size=9.5)
     word(axes, own, "$i$", shift=(-13, -11))

@@ -188,15 +188,15 @@ def runs_for_share(rate: float, share: float, of: int = 1, made: int = 1) -> int
 
 def all_of(answers: Sequence[ClaimVerdict]) -> ClaimVerdict:
     """The answer to a claim that holds if all of its parts hold."""
-    return joined(answers, every="holds", one="does not hold")
+    return join_verdicts(answers, every="holds", one="does not hold")
 
 
 def any_of(answers: Sequence[ClaimVerdict]) -> ClaimVerdict:
     """The answer to a claim that holds if one of its parts holds."""
-    return joined(answers, every="does not hold", one="holds")
+    return join_verdicts(answers, every="does not hold", one="holds")
 
 
-def joined(answers: Sequence[ClaimVerdict], every: Word, one: Word) -> ClaimVerdict:
+def join_verdicts(answers: Sequence[ClaimVerdict], every: Word, one: Word) -> ClaimVerdict:
     """One answer of several: `one` if a part says so, `every` if all do, else undecided."""
     parts = [answer for answer in answers if answer.word == one]
     if parts:

@@ -207,7 +207,7 @@ def ties_in_words(ties: TiedPoints) -> Iterator[str]:
         yield f"none of {counted(ties.of, 'point')} ties with it"
         return
     spans = ", ".join(
-        f"{name} from {shown(low)} to {shown(high)} ({share:.0%} of its range)"
+        f"{name} from {format_value(low)} to {format_value(high)} ({share:.0%} of its range)"
         for name, (low, high, share) in ties.spans.items()
     )
     said = f"{ties.points - 1} of {ties.of - 1} other points tie with it: {spans}"
@@ -223,7 +223,7 @@ def worse(apart: Mean) -> str:
     return f"{Mean(abs(apart.value), apart.half)} {word}"
 
 
-def shown(value: Any) -> str:
+def format_value(value: Any) -> str:
     """A value of an axis."""
     return f"{value:.3g}" if isinstance(value, float) else str(value)
 
@@ -241,13 +241,15 @@ def answer_of(
     before = len(runs.used)
     told_of = [study.default, *(one.point for one in chosen)]
     runs.run([*told_of, *([furthest.point] if furthest else [])], seeds.unseen)
-    default = told(study, runs, "the default", study.default)
+    default = evaluate_fresh(study, runs, "the default", study.default)
     best = [
-        told(study, runs, "on the front" if len(study.goals) > 1 else "the best", one.point, one)
+        evaluate_fresh(
+            study, runs, "on the front" if len(study.goals) > 1 else "the best", one.point, one
+        )
         for one in chosen
     ]
     if ties is not None and furthest is not None:
-        other = told(study, runs, "the furthest that ties", furthest.point, furthest)
+        other = evaluate_fresh(study, runs, "the furthest that ties", furthest.point, furthest)
         apart = paired(runs, study.goals[0], furthest.point, chosen[0].point, seeds.unseen)
         ties = TiedPoints(ties.points, ties.of, ties.spans, other, apart)
     return OptimisationResult(
@@ -340,7 +342,7 @@ def paired(
     return Mean.of((goal.sign * (first - second)).tolist())
 
 
-def told(
+def evaluate_fresh(
     study: Study, runs: Evaluations, what: str, point: Point, one: EvaluatedPoint | None = None
 ) -> ValidatedPoint:
     """A point on the fresh seeds."""

@@ -273,7 +273,7 @@ def study_of(values: dict[str, Any], places: KeyLocations, folder: Path) -> Stud
     ]
     number = [next(k for k, one in enumerate(asked) if alike(one, each)) for each in everything]
     goals = [
-        SearchGoal(told(one, name, names), name, k, 1 if one.aim == "least" else -1)
+        SearchGoal(goal_name(one, name, names), name, k, 1 if one.aim == "least" else -1)
         for one, name, k in zip(file.objective, names, number, strict=False)
     ]
     rest = number[len(file.objective) :]
@@ -308,7 +308,7 @@ def bounding(one: Constraint, places: KeyLocations) -> ObservableBound:
     return says
 
 
-def told(one: Objective, name: str, names: list[str]) -> str:
+def goal_name(one: Objective, name: str, names: list[str]) -> str:
     """What an objective is called: with what is other in its runs, where another has its name."""
     if names.count(name) < 2 or not one.at:
         return name

@@ -46,7 +46,7 @@ def gathering_table(made: list[Verdict]) -> Any:
         case = look[0].case
         head = ("", "") if case.row is before else (str(case.agents), case.label)
         before = case.row
-        means = (shown(one.summary.mean) if one.summary.runs else "-" for one in look)
+        means = (format_mean(one.summary.mean) if one.summary.runs else "-" for one in look)
         table.add_row(*head, str(case.tick), *means, end_section=case.last and not paper(look))
         if case.last and paper(look):
             table.add_row("", "published", "", *(printed(one) for one in look))
@@ -71,10 +71,10 @@ def printed(one: Verdict) -> str:
     """A published mean."""
     if one.published is None or one.published.average is None:
         return ""
-    return shown(one.published.average)
+    return format_mean(one.published.average)
 
 
-def shown(value: float) -> str:
+def format_mean(value: float) -> str:
     """A mean with as many digits as are of use."""
     return f"{value:.2f}" if abs(value) < 10.0 else f"{value:.1f}"
 

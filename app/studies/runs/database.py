@@ -116,7 +116,7 @@ class QueryTimeLimit:
         self.end = time.monotonic() + self.seconds
 
 
-def opened(path: Path) -> sqlite3.Connection:
+def open_database(path: Path) -> sqlite3.Connection:
     """The file to write to, made if it is not there. Raises InputError, having changed nothing."""
     new = not path.exists() or path.stat().st_size == 0
     if not new:

@@ -26,7 +26,7 @@ from app.studies.runs.database import (
     Outcome,
     QueryTimeLimit,
     guarded,
-    opened,
+    open_database,
     quoted,
 )
 from app.studies.runs.store_reader import StoreContentError, demand_cell, json_value
@@ -65,7 +65,7 @@ class Store:
             ) from None
         self.lock = locked(self.folder)
         try:
-            self.connection = opened(self.path)
+            self.connection = open_database(self.path)
             with guarded(self.path):
                 self._widen()
         except BaseException:

@@ -17,7 +17,7 @@ from app.studies.charts.mean_line import interval_sides
 from app.studies.measure import SHARE, UNBOUNDED
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sensitivity.sensitivity_result import Sensitivity, analysed, design_of
-from app.studies.sweeps.sweep_api import asked, bounds, is_file, kept_in
+from app.studies.sweeps.sweep_api import bounds, is_file, kept_in, requested_sweep
 from app.studies.sweeps.sweep_results import Results
 from app.studies.sweeps.sweep_runner import conduct
 from app.studies.workers.processes import cores
@@ -184,7 +184,7 @@ def sensitivity(
         design = {"kind": kind, "axes": axes, "seed": seed, **size}
     elif vary:
         raise InputError(f"{str(what)!r} says itself what is varied: leave vary out")
-    made = asked(what, design, runs, ticks, observe, "", 1, words, tell)
+    made = requested_sweep(what, design, runs, ticks, observe, "", 1, words, tell)
     design_of(made)
     place = kept_in(folder)
     conduct(made, place, workers=workers or cores(), tell=tell)

@@ -219,7 +219,7 @@ class Sensitivity:
 
     def of(self, one: Influence) -> str:
         """The total of an axis."""
-        return f"{self.symbols[0]} {in_words(one.total)}"
+        return f"{self.symbols[0]} {describe_index(one.total)}"
 
     def together(self) -> Iterator[str]:
         """What the axes do together, beyond what each does alone."""
@@ -235,12 +235,13 @@ class Sensitivity:
         yield f"each by itself, the axes explain {min(max(alone, 0.0), 1.0):.0%} of the variance"
         if self.pairs:
             most = max(self.pairs, key=lambda pair: pair.index.value)
-            yield f"the most that two do together is S_2 {in_words(most.index)} of " + " and ".join(
-                most.axes
+            yield (
+                f"the most that two do together is S_2 {describe_index(most.index)} of "
+                + " and ".join(most.axes)
             )
 
 
-def in_words(index: Index) -> str:
+def describe_index(index: Index) -> str:
     """An index with its interval.
 
     >>> in_words(Index(0.5581, 0.0512))

@@ -17,7 +17,7 @@ from agents.observables.catalogue import OBSERVABLES, telling
 from agents.spec import Options, Spec
 from app.strict_table import StrictTable
 from app.studies.key_lines import KeyLocations, about
-from app.studies.sweeps.designs import Point, found, points_of
+from app.studies.sweeps.designs import Point, find_file, points_of
 from app.studies.sweeps.sweep_cells import Basis, Cell, spec_of
 from app.studies.sweeps.sweep_file import (
     MOST_CELLS,
@@ -185,10 +185,10 @@ def base_of(file: SweepFile, places: KeyLocations, folder: Path) -> Spec:
     run = file.run
     name = run.model
     if name.endswith(".py"):
-        name = from_file(str(found(name, folder))).name
+        name = from_file(str(find_file(name, folder))).name
     world = run.world
     if world is not None and world.endswith(".toml"):
-        world = str(found(world, folder).absolute())
+        world = str(find_file(world, folder).absolute())
     options = {key: getattr(run, key) for key in Options.model_fields}
     try:
         return Spec(

@@ -58,10 +58,10 @@ def points_of(design: AnyDesign, folder: Path) -> list[Point]:
 
 def rounded(point: Point) -> Point:
     """A point with whole numbers where there are no others."""
-    return {name: whole(value) if name in WHOLE else value for name, value in point.items()}
+    return {name: nearest_whole(value) if name in WHOLE else value for name, value in point.items()}
 
 
-def whole(value: Value) -> Value:
+def nearest_whole(value: Value) -> Value:
     """The nearest whole number of a number."""
     return round(value) if isinstance(value, float) and math.isfinite(value) else value
 
@@ -107,7 +107,7 @@ def neat(value: float) -> float:
 
 def listed(design: ListDesign, folder: Path) -> Iterator[Point]:
     """Rows as they stand."""
-    rows = design.rows or read_csv(found(design.file, folder))
+    rows = design.rows or read_csv(find_file(design.file, folder))
     names = set(rows[0])
     for number, row in enumerate(rows, 1):
         if set(row) != names:
@@ -116,7 +116,7 @@ def listed(design: ListDesign, folder: Path) -> Iterator[Point]:
         yield row
 
 
-def found(file: str, folder: Path) -> Path:
+def find_file(file: str, folder: Path) -> Path:
     """A file that a sweep names: beside it, or else from where the command is called."""
     beside = folder / file
     return beside if beside.exists() else Path(file)

@@ -65,7 +65,7 @@ def sweep(
         for name, axis in (vary or {}).items()
     }
     design = {"kind": "grid", "where": where, "axes": axes} if vary else None
-    made = asked(what, design, runs, ticks, observe, until, hold, words, tell)
+    made = requested_sweep(what, design, runs, ticks, observe, until, hold, words, tell)
     folder = kept_in(folder)
     conduct(made, folder, workers=workers or cores(), tell=tell)
     return Results(folder)
@@ -84,7 +84,7 @@ def is_file(what: str | Path | Spec) -> bool:
     return isinstance(what, Path) or (isinstance(what, str) and what.endswith(".toml"))
 
 
-def asked(
+def requested_sweep(
     what: str | Path | Spec,
     design: Mapping[str, Any] | None,
     runs: int,

@@ -23,7 +23,7 @@ from agents.observables.observable import SERIES
 from agents.record import Recorder
 from agents.spec import Spec
 from app.studies.runs.database import FIXED, Outcome, Status
-from app.studies.sweeps.designs import found
+from app.studies.sweeps.designs import find_file
 from app.studies.sweeps.sweep_file import ObservableBound, Observe
 from worlds.input_error import InputError, unknown
 from worlds.text_file import read_text
@@ -108,7 +108,7 @@ def measure_of(asked: Observe, folder: Path) -> SweepMeasure:
             raise InputError(
                 f"measure = {asked.measure!r} is not allowed: FILE.py:FUNCTION is needed"
             )
-        path, name = str(found(file, folder).absolute()), ""
+        path, name = str(find_file(file, folder).absolute()), ""
     else:
         path, function, name = "", "", asked.name
         demand_number(name)

@@ -28,7 +28,7 @@ def status_of(folder: Path) -> dict[str, Any]:
     return {
         "folder": str(folder),
         "title": state.get("title", ""),
-        "state": "running" if running else "stopped" if left(state, counts) else "done",
+        "state": "running" if running else "stopped" if is_unfinished(state, counts) else "done",
         "runs": counts,
         "done": sum(counts.values()),
         "of": state.get("runs"),
@@ -40,7 +40,7 @@ def status_of(folder: Path) -> dict[str, Any]:
     }
 
 
-def left(state: dict[str, Any], counts: dict[str, int]) -> bool:
+def is_unfinished(state: dict[str, Any], counts: dict[str, int]) -> bool:
     """Whether there are runs to make."""
     return bool(state.get("runs", 0) > sum(counts.values()))
 

@@ -72,7 +72,7 @@ class InlineExecutor:
     def run(self, tasks: Iterable[Task], keep: Keep, beat: Beat = lambda: False) -> bool:
         """Make the runs in their order; False if `beat` wanted them stopped."""
         for task in tasks:
-            keep(task, run_worker.made(self.job, task.payload, task.seed))
+            keep(task, run_worker.make_run(self.job, task.payload, task.seed))
             if beat():
                 return False
         return True

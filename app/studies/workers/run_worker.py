@@ -67,7 +67,7 @@ class RunWorker:
         for payload, seed in runs:
             self.count += 1
             self.progress[:8] = self.count.to_bytes(8, "little")
-            done.append(made(self.job, payload, seed))
+            done.append(make_run(self.job, payload, seed))
             if time.monotonic() - reported >= REPORTS:
                 yield done
                 done, reported = [], time.monotonic()
@@ -86,7 +86,7 @@ class RunWorker:
             time.sleep(BEATS)
 
 
-def made(job: Any, payload: Any, seed: int) -> Outcome:
+def make_run(job: Any, payload: Any, seed: int) -> Outcome:
     """A run; one that raises has failed."""
     began = time.perf_counter()
     try:

@@ -22,7 +22,7 @@ HEAD = 64
 """Bytes by which a kind is told."""
 
 
-def opened(name: str, content: bytes) -> SavedScene | StoredFlock:
+def open_file(name: str, content: bytes) -> SavedScene | StoredFlock:
     """What a file from a browser is, whatever it is called. Raises InputError."""
     demand_kind(name, content[:HEAD])
     if content.startswith(PARQUET):

@@ -349,12 +349,12 @@ def command_line(scene: SavedScene) -> str:
         return f"flockscope lab scene.toml  # {DRAWN} this"
     words = [spec.model] + ([] if scene.beside is None else ["--beside", scene.beside.model])
     for name, value in options(spec).items():
-        words += [f"--{name.replace('_', '-')}", written(value)]
+        words += [f"--{name.replace('_', '-')}", shell_value(value)]
     for one in (spec, scene.beside):
         for name, value in {} if one is None else changed(one):
-            words += ["--set", f"{name}={written(value)}"]
+            words += ["--set", f"{name}={shell_value(value)}"]
     if scene.speed is not None and scene.speed != float("inf"):
-        words += ["--speed", written(scene.speed)]
+        words += ["--speed", shell_value(scene.speed)]
     return shlex.join(["flockscope", "lab", *words])
 
 
@@ -395,7 +395,7 @@ def changed(spec: Spec) -> list[tuple[str, Any]]:
     return [(name, value) for name, value in spec.parameters.items() if usual.get(name) != value]
 
 
-def written(value: Any) -> str:
+def shell_value(value: Any) -> str:
     """A value on a command line."""
     if isinstance(value, bool):
         return str(value).lower()

@@ -12,7 +12,7 @@ from agents.models.model import Model
 from agents.spec import DEFAULT
 from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import PACKED, SavedScene, unpacked
-from app.viewer.run.run_preset import at_home, home, titled
+from app.viewer.run.run_preset import at_home, home, world_title
 from worlds.input_error import InputError, unknown
 from worlds.layout import layout_names, shared_layout
 
@@ -80,7 +80,7 @@ def in_world(world: str) -> SavedScene:
     if own is None:
         in_space = next(model for model in MODELS.values() if model.dim == 3)
         own = in_space if home(world).dim == 3 else find_model(DEFAULT)
-    return SavedScene(titled(world), at_home(own.name, world=world))
+    return SavedScene(world_title(world), at_home(own.name, world=world))
 
 
 def cards() -> tuple[GalleryCard, ...]:
@@ -102,7 +102,7 @@ def cards_with(known: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
         for one in known
     ]
     worlds = [
-        GalleryCard(WORLD + name, WORLDS, titled(name), about(name), pictured(f"world-{name}"))
+        GalleryCard(WORLD + name, WORLDS, world_title(name), about(name), pictured(f"world-{name}"))
         for name in layout_names()
     ]
     order = {title: place for place, title in enumerate((*GROUPS, WORLDS))}

@@ -26,7 +26,7 @@ from websockets.http11 import Request, Response
 
 from agents.catalogue import MODELS
 from app.front.client_addresses import RateLimit
-from app.front.page_front import content, words
+from app.front.page_front import content, text_response
 from app.front.renders import MOST, RenderCamera
 from app.front.server import front_of, renders_of
 from app.viewer.panels.sending import ExportPermit
@@ -234,15 +234,17 @@ class PictureExporter:
     def answer(self, request: Request) -> Response:
         """Do what is asked, and say how it stands."""
         if request.headers.get_all(MARK) != [WORD]:
-            return words(HTTPStatus.FORBIDDEN, f"pictures are asked for with {MARK}: {WORD}")
+            return text_response(
+                HTTPStatus.FORBIDDEN, f"pictures are asked for with {MARK}: {WORD}"
+            )
         asked = {name: one[0] for name, one in parse_qs(request.path.partition("?")[2]).items()}
         visit = self.visits.get(asked.get("me", ""))
         if visit is None:
-            return words(HTTPStatus.FORBIDDEN, "this page is not connected")
+            return text_response(HTTPStatus.FORBIDDEN, "this page is not connected")
         try:
             self.do(visit, asked)
         except InputError as refusal:
-            return words(HTTPStatus.BAD_REQUEST, str(refusal))
+            return text_response(HTTPStatus.BAD_REQUEST, str(refusal))
         return content(json.dumps(self.told(visit)).encode(), "application/json")
 
     def do(self, visit: ExportClient, asked: dict[str, str]) -> None:

@@ -13,7 +13,7 @@ from urllib.parse import parse_qs, quote
 
 from websockets.http11 import Request, Response
 
-from app.front.page_front import Answering, Front, content, words
+from app.front.page_front import Answering, Front, content, text_response
 from app.viewer.gallery.saved_scene import SavedScene, command_line, packed, python
 from app.viewer.gallery.scene_collection import GalleryCard, cards, find_scene, pictures
 from worlds.input_error import InputError
@@ -71,10 +71,12 @@ class SceneRequests:
         `new`: it is asked by a page that has yet to connect.
         """
         if request.headers.get_all(MARK) != [WORD]:
-            return words(HTTPStatus.FORBIDDEN, f"scenes are opened with the header {MARK}: {WORD}")
+            return text_response(
+                HTTPStatus.FORBIDDEN, f"scenes are opened with the header {MARK}: {WORD}"
+            )
         asked = parse_qs(request.path.partition("?")[2])
         if not self.opening.acquire(blocking=False):
-            return words(HTTPStatus.TOO_MANY_REQUESTS, "another scene is being opened")
+            return text_response(HTTPStatus.TOO_MANY_REQUESTS, "another scene is being opened")
         try:
             scene = find(asked)
             others = self.laboratory.browsers() > ("new" not in asked)
@@ -83,7 +85,7 @@ class SceneRequests:
             asks = others and "sure" not in asked
             return content(json.dumps({"title": scene.title, "asks": asks}).encode(), JSON)
         except InputError as refusal:
-            return words(HTTPStatus.BAD_REQUEST, str(refusal))
+            return text_response(HTTPStatus.BAD_REQUEST, str(refusal))
         finally:
             self.opening.release()
 

@@ -68,7 +68,7 @@ def frame_of(
 
     A lost car stays where it was last seen; one that was never seen is left out.
     """
-    cars = drawn(status, past)
+    cars = placed_cars(status, past)
     yaw = np.array([car.yaw for car in cars])
     lab, count = setting.lab, len(cars)
     lock = math.radians(float(values.get("wheel_max", WHEEL)))
@@ -113,7 +113,7 @@ def roster(status: Status) -> tuple[str, ...]:
     return (*(car.name for car in status.cars), *(one.name for one in status.companions))
 
 
-def drawn(status: Status, past: Sequence[Status]) -> list[DrawnCar]:
+def placed_cars(status: Status, past: Sequence[Status]) -> list[DrawnCar]:
     """The cars of a status that have a place: the real ones, then the simulated ones."""
     statuses = [one for one in past if status.time - OVER - TOO_SHORT <= one.time < status.time]
     real = [

@@ -27,7 +27,7 @@ from app.viewer.live.loop_connection import LoopConnection, OperatorProtocol
 from app.viewer.live.room_frame import RoomReadings, Setting, deserted
 from app.viewer.live.room_replay import RoomReplay
 from app.viewer.live.session_requests import CLOSED, SessionRequests, new_folder
-from app.viewer.run.flock_run import in_words
+from app.viewer.run.flock_run import describe_error
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
 
@@ -165,9 +165,9 @@ class Session(SessionRequests):
                 self.open_next()
                 self.poll()
             except Exception as error:
-                if in_words(error) != self.state.trouble:
-                    self.change(trouble=in_words(error))
-                    self.notices.put(in_words(error))
+                if describe_error(error) != self.state.trouble:
+                    self.change(trouble=describe_error(error))
+                    self.notices.put(describe_error(error))
                     self.trace(error)
             self.woken.wait(POLL_EVERY)
             self.woken.clear()
@@ -204,7 +204,7 @@ class Session(SessionRequests):
             self.open(choices.lab, cause)
         except Exception as error:
             self.trace(error)
-            self.fail(in_words(error))
+            self.fail(describe_error(error))
 
     def show_recording(self, folder: Path, cause: str) -> None:
         """Show a recording, with no loop open."""
@@ -215,7 +215,7 @@ class Session(SessionRequests):
             shown = RoomReplay(folder, self.state.run)
         except Exception as error:
             self.trace(error)
-            self.fail(in_words(error))
+            self.fail(describe_error(error))
             return
         while not self.moves.empty():  # what was meant for another one
             self.moves.get_nowait()
@@ -337,6 +337,6 @@ class Session(SessionRequests):
 
     def trace(self, error: Exception) -> None:
         """Print the traceback of an unexpected error, once while it repeats."""
-        if not isinstance(error, InputError) and in_words(error) != self.traced:
-            self.traced = in_words(error)
+        if not isinstance(error, InputError) and describe_error(error) != self.traced:
+            self.traced = describe_error(error)
             traceback.print_exception(error)

@@ -26,7 +26,7 @@ from app.live.operating.flock_driver import NOT_SIMULATED
 from app.live.operating.lab_choices import Choices
 from app.viewer.live.loop_connection import LoopConnection
 from app.viewer.live.room_replay import RoomReplay, on_shelf
-from app.viewer.run.flock_run import in_words
+from app.viewer.run.flock_run import describe_error
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError, unknown
@@ -71,7 +71,7 @@ LONGEST = 60
 PAGE = "the page"
 
 
-def shown(value: object) -> str:
+def shorten_value(value: object) -> str:
     """A value in a message, cut short.
 
     >>> shown("x" * 100)
@@ -87,7 +87,9 @@ def shown(value: object) -> str:
 def number(name: str, value: object) -> float:
     """A finite number. Raises InputError."""
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{name} = {shown(value)} is not allowed: it must be a number ({PAGE})")
+        raise InputError(
+            f"{name} = {shorten_value(value)} is not allowed: it must be a number ({PAGE})"
+        )
     try:
         found = float(value)
     except OverflowError:
@@ -121,7 +123,7 @@ def parameter_value(model: Model, values: Mapping[str, Any], name: object, value
     if kind == "number":
         value = number(known, value)
     elif not isinstance(value, bool if kind == "switch" else str):
-        raise InputError(f"{known} = {shown(value)} is not allowed ({PAGE})")
+        raise InputError(f"{known} = {shorten_value(value)} is not allowed ({PAGE})")
     elif isinstance(value, str):
         value = value[:LONGEST]
     return getattr(checked(model.parameters, dict(values) | {known: value}, PAGE), known)
@@ -248,7 +250,7 @@ class SessionRequests:
             if self.opening is not opening:  # closed meanwhile: nobody would answer
                 opening.tuning.end(CLOSED)
         except Exception as error:
-            self.notices.put(in_words(error))
+            self.notices.put(describe_error(error))
             answer.set_exception(error)
             return answer
         return change.answer
@@ -354,7 +356,7 @@ class SessionRequests:
         try:
             yield
         except Exception as error:
-            self.notices.put(in_words(error))
+            self.notices.put(describe_error(error))
 
     def demand_unarmed(self, what: str) -> None:
         """Raise InputError while cars are armed, and once the session is closed."""

@@ -11,7 +11,7 @@ from agents.observables.catalogue import OBSERVABLES
 from app.viewer.measuring.background_worker import BackgroundWorker
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_curves import ObservableHistory
-from app.viewer.measuring.observable_format import words
+from app.viewer.measuring.observable_format import observable_words
 from worlds.input_error import InputError
 
 GROUPS = 100
@@ -35,7 +35,7 @@ def numbers(readings: FlockReadings, more: Mapping[str, Number]) -> dict[str, Nu
     found["agents"] = Number(len(flock.ids), "agents")
     for name in OBSERVABLES:
         if name in readings.values:
-            found[words(name)] = observed(name, readings.values[name], model)
+            found[observable_words(name)] = observed(name, readings.values[name], model)
     found |= mission(readings, model.in_units("length")) | dict(more)
     for layer, count in enumerate(readings.layers.tolist(), start=1):
         found[f"layer {layer}"] = Number(count, "agents")

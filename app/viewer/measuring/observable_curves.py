@@ -10,7 +10,7 @@ import numpy as np
 
 from agents.observables.catalogue import OBSERVABLES
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.observable_format import words
+from app.viewer.measuring.observable_format import observable_words
 from app.viewer.measuring.run_conditions import ConditionHistory, RunConditions
 
 NOTHING = "nothing"
@@ -20,20 +20,20 @@ Points = tuple[np.ndarray, np.ndarray]
 """Ticks and values, (K,) each."""
 
 
-def worded(names: tuple[str, ...]) -> str:
+def chart_title(names: tuple[str, ...]) -> str:
     """What a chart of some observables is called.
 
     >>> worded(("polarisation", "angular-momentum"))
     'polarisation, angular momentum'
     """
-    return ", ".join(map(words, names)) or NOTHING
+    return ", ".join(map(observable_words, names)) or NOTHING
 
 
 def choices(offered: Collection[str]) -> dict[str, tuple[str, ...]]:
     """What can be plotted of a flock that has these observables: words -> names."""
     pairs = [(one.beside, name) for name, one in OBSERVABLES.items() if one.beside]
     both = [names for names in pairs if all(name in offered for name in names)]
-    return {worded(names): names for names in (*both, *((one,) for one in offered), ())}
+    return {chart_title(names): names for names in (*both, *((one,) for one in offered), ())}
 
 
 def points(readings: FlockReadings, name: str, last: float = math.inf) -> Points:

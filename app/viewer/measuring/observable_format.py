@@ -22,7 +22,7 @@ STEADY = tuple(name for name, one in OBSERVABLES.items() if one.card is not None
 """Measured a few times a second, whether shown or not."""
 
 
-def words(name: str) -> str:
+def observable_words(name: str) -> str:
     """An observable in words.
 
     >>> words("angular-momentum")
@@ -52,7 +52,7 @@ def scale(name: str) -> Range:
     return found
 
 
-def told(name: str, value: float | None) -> str:
+def format_observable(name: str, value: float | None) -> str:
     """A value of an observable in few figures, with its unit if that is short.
 
     >>> told("polarisation", 0.98765), told("groups", 12.0), told("drag-saved", -3.456)
@@ -105,7 +105,9 @@ def cards(
             continue
         label = card.label if isinstance(card.label, str) else card.label(world)
         known = value is not None and math.isfinite(value) and card.form
-        shown[label] = f"{value:{card.form}}".replace("%", " %") if known else told(name, value)
+        shown[label] = (
+            f"{value:{card.form}}".replace("%", " %") if known else format_observable(name, value)
+        )
     return shown
 
 

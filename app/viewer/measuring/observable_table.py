@@ -10,7 +10,7 @@ from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import Options
 from app.viewer.measuring.observable_curves import ObservableHistory
-from app.viewer.measuring.observable_format import words
+from app.viewer.measuring.observable_format import observable_words
 from app.viewer.measuring.run_conditions import BY_HAND
 from worlds.world import World
 
@@ -25,14 +25,18 @@ def unit(name: str, models: Iterable[Model]) -> str:
     return own.pop() if len(own) == 1 else found
 
 
-def titled(name: str, models: Iterable[Model]) -> str:
+def observable_title(name: str, models: Iterable[Model]) -> str:
     """An observable in words, with its unit if it is no pure number and not named for it.
 
     >>> titled("polarisation", ()), titled("mean-neighbours", ()), titled("groups", ())
     ('polarisation', 'mean neighbours (agents)', 'groups')
     """
     found = unit(name, models)
-    return words(name) if found in ("1", words(name)) else f"{words(name)} ({found})"
+    return (
+        observable_words(name)
+        if found in ("1", observable_words(name))
+        else f"{observable_words(name)} ({found})"
+    )
 
 
 def table(
@@ -48,7 +52,7 @@ def table(
     units = list(dict.fromkeys(run.conditions.unit for _, run in runs))
     clocks = [unit for unit in units if unit != TICKS]
     header = ["run", "model", "seed", "tick", *(f"time ({unit})" for unit in clocks)]
-    header += [titled(name, models) for name in names]
+    header += [observable_title(name, models) for name in names]
     found = conditions_of([run for _, run in runs])
     taken = set(header)
     header += [f"parameter {name}" if name in taken else name for name in found]

@@ -193,8 +193,8 @@ class ConditionHistory:
         if name == "agents" and not others:
             return f"{first} agents"
         between = " → …" * (len(others) > 1)
-        later = f"{between} → {worded(last)}" if others else ""
-        return f"{name} {worded(first)}{later}{when}"
+        later = f"{between} → {format_setting(last)}" if others else ""
+        return f"{name} {format_setting(first)}{later}{when}"
 
     def moment(self, tick: int) -> str:
         """A tick in the words of the run's clock."""
@@ -226,7 +226,7 @@ def world_described(first: World, last: World, when: str, beside: Steps) -> str:
     return f"{first.name} as it was" if same else f"world {first.name}"
 
 
-def worded(value: Any) -> str:
+def format_setting(value: Any) -> str:
     """The value of a parameter or of an option in few letters.
 
     >>> worded(0.30000000000000004), worded("angular"), worded(True), worded(None)

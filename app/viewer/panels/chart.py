@@ -74,7 +74,7 @@ class Plotted:
 
     def content(self, kind: str) -> bytes:
         """One of its files."""
-        return self.table().encode() if kind == "CSV" else drawn(self, kind.lower())
+        return self.table().encode() if kind == "CSV" else draw_plot(self, kind.lower())
 
 
 def file_stem(name: str) -> str:
@@ -104,7 +104,7 @@ def plain(cell: Any) -> Any:
     return int(cell) if cell.is_integer() and abs(cell) < 1e15 else float(cell)
 
 
-def drawn(plotted: Plotted, kind: str) -> bytes:
+def draw_plot(plotted: Plotted, kind: str) -> bytes:
     """A plot as a figure to print: PNG or SVG."""
     from matplotlib.figure import Figure
 

@@ -192,7 +192,7 @@ class ParametersPanel:
 
 def add_control(gui: viser.GuiApi, one: DeclaredParameter, value: Any) -> Any:
     """A switch, a choice, or a slider with a box, which takes all that is allowed."""
-    label, hint = worded(one)
+    label, hint = parameter_label(one)
     if one.kind == "switch":
         return gui.add_checkbox(label, bool(value), hint=hint)
     if one.kind == "choice":
@@ -213,7 +213,7 @@ def sides(
     return [one for one in own if one.name in wants], [one for one in own if one.name not in wants]
 
 
-def worded(one: DeclaredParameter) -> tuple[str, str]:
+def parameter_label(one: DeclaredParameter) -> tuple[str, str]:
     """Label and hint of a parameter: of a number words, symbol and unit, of all else words."""
     hint = f"{one.description}. {one.allowed[:1].upper()}{one.allowed[1:]}. {one.source}."
     if one.kind != "number":

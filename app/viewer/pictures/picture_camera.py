@@ -71,12 +71,12 @@ class Camera:
         middle = 0.5 * (self.low + self.high)
         return replace(
             made,
-            position=middle + turned(made.position - middle, angle),
-            target=middle + turned(made.target - middle, angle),
+            position=middle + rotate_about_upright(made.position - middle, angle),
+            target=middle + rotate_about_upright(made.target - middle, angle),
         )
 
 
-def turned(place: np.ndarray, angle: float) -> np.ndarray:
+def rotate_about_upright(place: np.ndarray, angle: float) -> np.ndarray:
     """A place (3,) turned about the upright axis by an angle, rad."""
     c, s = np.cos(angle), np.sin(angle)
     x, y, z = place

@@ -54,7 +54,7 @@ class Sheet:
         self.size, self.camera = size, camera or Camera.of(first)
         self.dots = max(20, round(100.0 * (size[0] * size[1] / USUAL) ** 0.5))
         self.inches = np.array([(side + 0.01) / self.dots for side in size])
-        self.scene_on = scene or partial(drawn, first.now.world, self.camera)
+        self.scene_on = scene or partial(draw_world, first.now.world, self.camera)
         self.plots, self.room = plots, TALL if plots else 0.0
         self.background: Any = None
         """What does not move, as it was drawn last."""
@@ -207,7 +207,7 @@ class Sheet:
         return made.getvalue()
 
 
-def drawn(world: World, camera: Camera, axes: Any) -> Plane | SpacePicture:
+def draw_world(world: World, camera: Camera, axes: Any) -> Plane | SpacePicture:
     """A world and the flock in it, drawn on axes."""
     if world.dim == 2:
         return Plane(axes, world, camera.follow)

@@ -105,7 +105,7 @@ class Plane:
         if cars is not None:
             shapes, stretch = [HULL, CABIN], np.array([1.0, cars.width / cars.length])
         placed = [
-            turned(one * stretch, position[order], heading[order], shot.length[order])
+            place_shapes(one * stretch, position[order], heading[order], shot.length[order])
             for one in shapes
         ]
         large = self.points_of(float(np.median(shot.length))) > SEEN
@@ -151,7 +151,7 @@ def ring(axes: Any) -> Any:
     return made
 
 
-def turned(
+def place_shapes(
     shape: np.ndarray, position: np.ndarray, heading: np.ndarray, length: np.ndarray
 ) -> np.ndarray:
     """A shape (K, 2) at each place, turned along each heading, of each length: (N, K, 2)."""

@@ -128,8 +128,8 @@ def page_of(
             went_on(done)
         if player is None or first is None or last is None:
             raise InputError("no picture was taken: there is nothing to play")
-        return player.page(key.title(first), told(first, last, fps * apart(first, last, count)),
-                           HOLDS)  # fmt: skip
+        words = describe_recorded_run(first, last, fps * apart(first, last, count))
+        return player.page(key.title(first), words, HOLDS)
 
 
 def apart(first: Shot, last: Snapshot, count: int) -> float:
@@ -137,7 +137,7 @@ def apart(first: Shot, last: Snapshot, count: int) -> float:
     return (last.tick - first.now.tick) / max(count - 1, 1)
 
 
-def told(first: Shot, last: Snapshot, pace: float) -> str:
+def describe_recorded_run(first: Shot, last: Snapshot, pace: float) -> str:
     """What the page says of the run."""
     changes = key.changes(first)
     ticks = f"ticks {first.now.tick} to {last.tick}, {pace:.3g} a second"

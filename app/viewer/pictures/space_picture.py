@@ -12,7 +12,7 @@ from app.viewer.pictures.plane import ring
 from app.viewer.pictures.shot import Shot
 from app.viewer.scene.cameras.camera import UP, CameraView
 from app.viewer.scene.draw.shapes import Mesh, ball, dart
-from app.viewer.scene.draw.solids import joined, prism
+from app.viewer.scene.draw.solids import join_meshes, prism
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
 from app.worlds.world_picture import GOAL, INK, PALE, PATH
@@ -159,7 +159,7 @@ class SpacePicture:
         if self.camera.moves:
             self.begin(shot)
         made, at, follow = shot.made, shot.made.at, self.camera.follow
-        corners = placed(at, shot.now.heading, made.length * made.size)
+        corners = dart_corners(at, shot.now.heading, made.length * made.size)
         triangles = corners[:, dart()[1]].reshape(-1, 3, 3)
         colour = np.repeat(made.colour, len(dart()[1]), axis=0)
         if len(self.solid[1]):
@@ -209,7 +209,7 @@ class SpacePicture:
         return float(away.min()), float(away.max()) + 1e-9
 
 
-def placed(at: np.ndarray, heading: np.ndarray, length: np.ndarray) -> np.ndarray:
+def dart_corners(at: np.ndarray, heading: np.ndarray, length: np.ndarray) -> np.ndarray:
     """The corners (N, K, 3) of darts at places (N, 3), along headings (N, 3), wings level."""
     left = np.cross(UP, heading)
     size = np.linalg.norm(left, axis=1, keepdims=True)
@@ -245,7 +245,7 @@ def solids(world: World, stage: Stage) -> Mesh:
         for centre, radius in one.spheres():
             vertices, faces = ball()
             meshes.append((np.asarray(centre) + radius * vertices, faces))
-    vertices, faces = joined(meshes)
+    vertices, faces = join_meshes(meshes)
     if not len(faces):
         return vertices, faces
     shown = split(stage.shown(vertices)[faces], PIECE * stage.side)

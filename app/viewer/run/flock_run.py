@@ -31,7 +31,7 @@ class StrayAgentError(Exception):
     """An agent is where it cannot be; the flock runs on."""
 
 
-def in_words(error: BaseException) -> str:
+def describe_error(error: BaseException) -> str:
     """An error as one line for the user.
 
     >>> in_words(IndexError("out of reach")), in_words(InputError("there is no flock"))

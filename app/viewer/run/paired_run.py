@@ -18,7 +18,7 @@ from agents.catalogue import model as find_model
 from agents.flock import Flock
 from agents.models.declare import DeclaredParameter, declared
 from agents.spec import Spec
-from app.viewer.run.flock_run import ComparedFlockError, FlockRun, StrayAgentError, in_words
+from app.viewer.run.flock_run import ComparedFlockError, FlockRun, StrayAgentError, describe_error
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
@@ -28,7 +28,7 @@ ROUNDING = 1e-9
 
 
 @contextlib.contextmanager
-def named(flock: Flock) -> Iterator[None]:
+def naming_errors(flock: Flock) -> Iterator[None]:
     """Whatever is raised within says which of two flocks it comes from."""
     title = flock.model.title
     try:
@@ -39,7 +39,7 @@ def named(flock: Flock) -> Iterator[None]:
         )
         raise kind(f"{title}: {error}") from error
     except Exception as error:
-        raise ComparedFlockError(f"{title}: {in_words(error)}") from error
+        raise ComparedFlockError(f"{title}: {describe_error(error)}") from error
 
 
 def shared(
@@ -145,20 +145,20 @@ class PairedRun(FlockRun):
 
     def advance(self, ticks: int) -> None:
         """Run ticks of the first flock, and as many of the second as take the same time."""
-        with named(self.flock):
+        with naming_errors(self.flock):
             super().advance(ticks)
         due = self.owed + ticks * ticks_per_tick(self.flock, self.second.flock)
         whole = math.floor(due + ROUNDING)
         self.owed = max(0.0, due - whole)
-        with named(self.second.flock):
+        with naming_errors(self.second.flock):
             self.second.advance(whole)
 
     def look(self, closely: bool, measured: bool = True) -> Frame:
         """A frame of the first flock that holds one of the second; raises as `FlockRun.look`."""
-        with named(self.flock):
+        with naming_errors(self.flock):
             frame = super().look(closely, measured)
         known = len(self.second.troubles)
-        with named(self.second.flock):
+        with naming_errors(self.second.flock):
             beside = self.second.look(closely, measured)
         for trouble in self.second.troubles[known:]:
             self.attempt(partial(self.tell, trouble))
@@ -170,7 +170,7 @@ class PairedRun(FlockRun):
 
     def tell(self, trouble: Exception) -> None:
         """Raise what the second flock had trouble with, named."""
-        with named(self.second.flock):
+        with naming_errors(self.second.flock):
             raise trouble
 
     def allowed(self, name: str, value: Any, beside: bool = False) -> Any:
@@ -183,7 +183,7 @@ class PairedRun(FlockRun):
     def set(self, name: str, value: Any, beside: bool = False) -> None:
         """Give a parameter a value, in both flocks if they share it. Refused by one, by both."""
         if beside:
-            with named(self.second.flock):
+            with naming_errors(self.second.flock):
                 self.second.set(name, value)
             return
         before = self.values
@@ -191,7 +191,7 @@ class PairedRun(FlockRun):
         if name not in self.shared:
             return
         try:
-            with named(self.second.flock):
+            with naming_errors(self.second.flock):
                 self.second.set(name, value)
         except InputError:
             self.flock.set(**before)

@@ -87,10 +87,10 @@ def usual_of(spec: Spec) -> DrawingDefaults:
 def world_titles() -> dict[str, str | World]:
     """The built-in worlds by what a person may call them, the empty ones first."""
     names = [*WORLDS, *(name for name in layout_names() if name not in WORLDS)]
-    return {titled(name): name for name in names}
+    return {world_title(name): name for name in names}
 
 
-def titled(world: str | World) -> str:
+def world_title(world: str | World) -> str:
     """What a person may call a world."""
     if isinstance(world, World):
         return world.title or world.name

@@ -21,7 +21,7 @@ from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.command_queue import GO, CommandQueue, QueuedCommand
 from app.viewer.run.edits import Edits, freed
-from app.viewer.run.flock_run import FlockRun, StrayAgentError, in_words, stopped
+from app.viewer.run.flock_run import FlockRun, StrayAgentError, describe_error, stopped
 from app.viewer.run.flock_run_builder import FlockRunBuilder, Playback
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.kernel_compiler import KernelCompiler, Preview, is_quick
@@ -125,7 +125,7 @@ class Simulation:
         try:
             return put()
         except Exception as error:
-            self.notices.put(in_words(error))
+            self.notices.put(describe_error(error))
             refused: Future = Future()
             refused.set_exception(error)
             return refused
@@ -135,7 +135,7 @@ class Simulation:
         try:
             waiting.answer.set_result(waiting())
         except Exception as error:
-            self.notices.put(in_words(error))
+            self.notices.put(describe_error(error))
             waiting.answer.set_exception(error)
 
     def setup(self, spec: CompleteSpec, beside: Spec | None = None) -> Future:
@@ -307,7 +307,7 @@ class Simulation:
         for trouble in self.run.troubles[known:]:
             if not isinstance(trouble, InputError | StrayAgentError):
                 traceback.print_exception(trouble)
-            self.notices.put(in_words(trouble))
+            self.notices.put(describe_error(trouble))
         self.readings = self.run.readings
         second = self.run.second
         self.readings_beside = None if second is None else second.readings
@@ -433,7 +433,7 @@ class Simulation:
         if not isinstance(error, InputError | ArithmeticError):
             traceback.print_exception(error)
         self.stale = False
-        self.notices.put(in_words(error))
+        self.notices.put(describe_error(error))
         self.preview = None
         self.state = replace(
             self.state,
@@ -442,7 +442,7 @@ class Simulation:
             compiling=None,
             preview=False,
             rate=0.0,
-            error=in_words(error),
+            error=describe_error(error),
         )
         self.ready.set()
 

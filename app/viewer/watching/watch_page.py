@@ -24,7 +24,7 @@ from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.flock_monitors import BLOCKS
 from app.viewer.lab.panels.laboratory_plots import EARLIER
 from app.viewer.lab.panels.run_panel import status, story
-from app.viewer.measuring.run_conditions import worded
+from app.viewer.measuring.run_conditions import format_setting
 from app.viewer.panels.dials import plain
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import raised_powers
@@ -40,7 +40,7 @@ from app.viewer.watching.watcher import (
     CurveCache,
     OwnScene,
     Watcher,
-    wanted,
+    measured_for_all,
 )
 
 # What is told of the run to those who watch it: whose it is, how it stands, and its parameters.
@@ -79,9 +79,9 @@ def row(one: DeclaredParameter, value: Any) -> str:
     """A parameter in words, with its symbol, its value and its unit."""
     symbol = f" {plain(one.symbol)}" if one.kind == "number" else ""
     unit = f" {raised_powers(one.unit)}" if one.kind == "number" and one.unit != "1" else ""
-    told = html.escape(f"{worded(value)}{unit}")
+    told = html.escape(f"{format_setting(value)}{unit}")
     if value != one.default:
-        usual = html.escape(worded(one.default))
+        usual = html.escape(format_setting(one.default))
         told = f'<b>{told}</b><div class="fs-quiet">usually {usual}</div>'
     return f"<tr><td>{html.escape(one.words + symbol)}</td><td>{told}</td></tr>"
 
@@ -307,7 +307,7 @@ class WatchPage:
         rows = rows[:LOOKED_AT]
         return WatchPageRequest(
             len(watchers),
-            wanted(one.plots.names for one in watchers),
+            measured_for_all(one.plots.names for one in watchers),
             frozenset(row for row, beside in rows if not beside),
             frozenset(row for row, beside in rows if beside),
         )

@@ -20,7 +20,7 @@ from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.lab.panels.laboratory_plots import WINDOWS, Overlay
 from app.viewer.measuring.flock_numbers import EarlierRuns
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.observable_curves import choices, worded
+from app.viewer.measuring.observable_curves import chart_title, choices
 from app.viewer.measuring.observable_format import COUNTED, QUICK, STEADY
 from app.viewer.panels.chart import Chart, ChartContents
 from app.viewer.scene.draw.drawn_frame import Picture
@@ -183,14 +183,14 @@ class CurveCache:
             shown = self.overlays[last].shown(names, keyed=True)
             missing = [name for name in names if name not in self.measured]
             if missing:
-                words = html.escape(worded(tuple(missing)))
+                words = html.escape(chart_title(tuple(missing)))
                 more = f"{words}: not measured, since the class plots {MOST} others"
                 shown = shown._replace(head=f'{shown.head}<div class="fs-quiet">{more}</div>')
             self.made[last, names] = shown
         return self.made[last, names]
 
 
-def wanted(chosen: Iterable[Iterable[str]]) -> frozenset[str]:
+def measured_for_all(chosen: Iterable[Iterable[str]]) -> frozenset[str]:
     """What is to be measured for all who watch: of too much, what most of them have chosen."""
     votes = Counter(name for names in chosen for name in set(names) - ALWAYS)
     order = list(OBSERVABLES)
@@ -208,7 +208,7 @@ class OwnPlots:
         self.charts = []
         for number in range(1, CHARTS + 1):
             choice = gui.add_dropdown(
-                f"Plot {number}", (worded(()),), hint="What to plot, in this browser"
+                f"Plot {number}", (chart_title(()),), hint="What to plot, in this browser"
             )
             self.charts.append((choice, Chart(gui, points=POINTS)))
         self.window = gui.add_dropdown(
@@ -238,7 +238,7 @@ class OwnPlots:
             self.model = curves.model
             usual = usual_charts(curves.model, curves.offered)
             for (choice, _), names in zip(self.charts, usual, strict=False):
-                show(choice, worded(names))
+                show(choice, chart_title(names))
 
 
 class Watcher:

@@ -9,7 +9,7 @@ from concurrent.futures import Future
 
 import viser
 
-from app.viewer.gallery.file_opener import ENDINGS, opened
+from app.viewer.gallery.file_opener import ENDINGS, open_file
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.simulation import Simulation
@@ -110,7 +110,7 @@ class SceneFiles:
             try:
                 if self.allowance is not None and file.content.startswith(PARQUET):
                     self.allowance.demand_recordings(file.name)
-                self.open(opened(file.name, file.content))
+                self.open(open_file(file.name, file.content))
             except InputError as refusal:
                 self.tell(str(refusal))
 

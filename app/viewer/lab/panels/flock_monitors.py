@@ -195,7 +195,7 @@ def listed(crashes: Crashes, model: str = "") -> str:
     )
 
 
-def counted(ticks: np.ndarray, agents: int) -> str:
+def crash_counts(ticks: np.ndarray, agents: int) -> str:
     """How many have crashed, and when.
 
     >>> counted(np.array([0, 0, 7, 230]), 50)
@@ -326,7 +326,7 @@ def crash_count(readings: FlockReadings, agents: int, model: str = "") -> str:
     if readings.crashes is None:
         return ""
     whose = f"{html.escape(model)}: " if model else ""
-    return f'<div class="fs-count">{whose}{counted(readings.crashes.tick, agents)}</div>'
+    return f'<div class="fs-count">{whose}{crash_counts(readings.crashes.tick, agents)}</div>'
 
 
 def headed(title: str, values: dict[str, str], across: int = 3) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 import viser
 
 from agents.inspection import UNSEEN, Inspection
-from agents.models.model import whole
+from agents.models.model import vector_name
 from agents.observables.of_agents import ON_ITS_WAY
 from agents.state.agent_rows import CAUSES, Crashes
 from app.front.viser_internals import identifier
@@ -109,7 +109,7 @@ def signal_facts(seen: Inspection) -> dict[str, str]:
     """What an agent tells and keeps, words -> value with unit; places only while they count."""
     listed: dict[str, str] = {}
     for name, value in seen.signals.items():
-        stem = whole(name)
+        stem = vector_name(name)
         beside = [f"{stem}_{axis}" for axis in "xyz" if f"{stem}_{axis}" in seen.signals]
         if ON_ITS_WAY in name or (name in beside and name != beside[0]):
             continue

@@ -20,15 +20,15 @@ from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_curves import (
     ObservableHistory,
     Points,
+    chart_title,
     choices,
     over_earlier,
     points,
     thinned,
     together,
-    worded,
 )
-from app.viewer.measuring.observable_format import scale, told, words
-from app.viewer.measuring.observable_table import TICKS, table, titled, unit
+from app.viewer.measuring.observable_format import format_observable, observable_words, scale
+from app.viewer.measuring.observable_table import TICKS, observable_title, table, unit
 from app.viewer.measuring.run_conditions import TOLD, ConditionHistory, RunConditions
 from app.viewer.panels.chart import DASH, ChartContents, ChartCurve, Line, Plot, Plotted, plot_csv
 from app.viewer.panels.sending import ExportPermit, Sender
@@ -132,7 +132,7 @@ class Overlay:
         for (one, name), values in zip(under, old, strict=True):
             if np.isfinite(values).any():
                 colour = f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[one.age]):02x}"
-                label = f"{titled(name, self.models)}, {one.short}"
+                label = f"{observable_title(name, self.models)}, {one.short}"
                 where = marks(one.course.history, one.each)
                 curves += [dots(colour, only_at(where, at, values))] * bool(len(where))
                 curves.append(ChartCurve(colour, values, label, DOTS[one.age], THIN))
@@ -170,16 +170,16 @@ class Overlay:
     def label(self, name: str, k: int) -> str:
         """What a curve of now is: its observable, and of two flocks its model."""
         whose = f", {self.models[k].name}" if len(self.runs) > 1 else ""
-        return f"{titled(name, self.models)}{whose}"
+        return f"{observable_title(name, self.models)}{whose}"
 
     def axis(self, names: tuple[str, ...], room: float = ROOM) -> str:
         """The title of an axis of observables, in so many letters, about."""
         if len(names) == 1:
-            return titled(names[0], self.models)
+            return observable_title(names[0], self.models)
         units = {unit(name, self.models) for name in names}
         shared = units.pop() if len(units) == 1 else "1"
         of = "" if shared == "1" else f" ({shared})"
-        for wording in (words, briefly):
+        for wording in (observable_words, briefly):
             title = ", ".join(map(wording, names)) + of
             if len(title) <= room:
                 return title
@@ -193,8 +193,8 @@ class Overlay:
         if keyed:
             entries = []
             for name, colour in zip(names, COLOURS, strict=False):
-                now = " · ".join(told(name, run.values.get(name)) for run in self.runs)
-                entries.append((f"{html.escape(worded((name,)))} <b>{now}</b>", colour))
+                now = " · ".join(format_observable(name, run.values.get(name)) for run in self.runs)
+                entries.append((f"{html.escape(chart_title((name,)))} <b>{now}</b>", colour))
             made = key(entries)
         changed = "".join(
             f'<span><i class="fs-dot"></i>{html.escape(one)}</span>'
@@ -240,7 +240,7 @@ class Overlay:
         for one in self.before:
             for name in names:
                 at, values = self.window(self.scaled(one, name), now)
-                label = f"{titled(name, self.models)}, {one.label}"
+                label = f"{observable_title(name, self.models)}, {one.label}"
                 colour, pen = COLOURS[names.index(name)], (DOTS[one.age], THIN, STRENGTHS[one.age])
                 dots = mark_points(marks(one.course.history, one.each), at, values, lasts)
                 lines.append(Line(label, colour, at * lasts, values, *pen, marks=dots))
@@ -321,7 +321,9 @@ def briefly(name: str) -> str:
     ('rotation', 'connectivity')
     """
     card = OBSERVABLES[name].card
-    return card.label if card is not None and isinstance(card.label, str) else words(name)
+    return (
+        card.label if card is not None and isinstance(card.label, str) else observable_words(name)
+    )
 
 
 def limits(names: tuple[str, ...]) -> tuple[float | None, float | None]:
@@ -390,7 +392,7 @@ class LaboratoryPlots:
         """What is plotted, as the charts call it; empty where it is as usual."""
         usual = () if self.model is None else usual_charts(self.model, self.offered)
         now = tuple(chart.choice.value for chart in self.charts)
-        return () if now == tuple(map(worded, usual)) else now
+        return () if now == tuple(map(chart_title, usual)) else now
 
     async def forgotten(self, _event: viser.GuiEvent) -> None:
         self.runs.clear()
@@ -425,7 +427,7 @@ class LaboratoryPlots:
         if model is not self.model:
             self.model = model
             for chart, names in zip(self.charts, usual_charts(model, offered), strict=True):
-                show(chart.choice, worded(names))
+                show(chart.choice, chart_title(names))
         if self.asked is not None and self.asked[0] is model:
             for chart, name in zip(self.charts, self.asked[1], strict=False):
                 if name in self.choices:
@@ -440,7 +442,7 @@ class ChosenChart:
         self.names: tuple[str, ...] = ()
         self.title = f"Plot {number}"
         self.choice = server.gui.add_dropdown(
-            self.title, (worded(()),), hint="What to measure and to plot over the run"
+            self.title, (chart_title(()),), hint="What to measure and to plot over the run"
         )
         self.overlay: Overlay | None = None
         self.plot = Plot(server, self.title, self.plotted, sender)
@@ -458,7 +460,7 @@ class ChosenChart:
         """
         lone = len(self.names) == len(overlay.runs) == 1
         first = overlay.runs[0]
-        now = told(self.names[0], first.values.get(self.names[0])) if lone else ""
+        now = format_observable(self.names[0], first.values.get(self.names[0])) if lone else ""
         label = f"{self.title}: {now}" if lone else self.title
         if self.choice.label != label:
             self.choice.label = label

@@ -18,9 +18,9 @@ from agents.models.tries import LessonStep, in_short
 from agents.spec import OPTIONS
 from app.viewer.lab.panels.setup import SetupPanel, by_default
 from app.viewer.panels.dials import equation_svg
-from app.viewer.panels.parameters import ParametersPanel, worded
+from app.viewer.panels.parameters import ParametersPanel, parameter_label
 from app.viewer.panels.shell import CSS, KEYS, OWN_KEYS, block
-from app.viewer.run.run_preset import titled
+from app.viewer.run.run_preset import world_title
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
 from worlds.number_text import counted
@@ -59,7 +59,7 @@ class TryRunner:
     @staticmethod
     def settings(model_name: str, one: LessonStep) -> str:
         """What is set, as sliders and Setup call it."""
-        words = {p.name: worded(p)[0] for p in declared(MODELS[model_name].parameters)}
+        words = {p.name: parameter_label(p)[0] for p in declared(MODELS[model_name].parameters)}
         words |= {name: option.title for name, option in OPTIONS.items()}
         return ", ".join(f"{words[name]}: {in_short(value)}" for name, value in one.set.items())
 
@@ -117,8 +117,8 @@ def where(model: Model) -> str:
     """Where what one sees was found."""
     agents = counted(model.agents, "agent")
     return (
-        f"Found with {agents} in the model's own world, “{titled(model.world)}”; elsewhere it may "
-        "turn out otherwise. Do it, close the guide, and watch."
+        f"Found with {agents} in the model's own world, “{world_title(model.world)}”; "
+        "elsewhere it may turn out otherwise. Do it, close the guide, and watch."
     )
 
 
@@ -209,7 +209,7 @@ def parameters(model_name: str) -> str:
     """A table of the model's parameters."""
     rows = "".join(
         "<tr><td><b>{}</b></td><td style='text-align:left'>{}</td></tr>".format(
-            *map(html.escape, worded(one))
+            *map(html.escape, parameter_label(one))
         )
         for one in declared(MODELS[model_name].parameters)
     )

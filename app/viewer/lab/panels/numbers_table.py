@@ -11,7 +11,7 @@ import viser
 from agents.observables.catalogue import OBSERVABLES
 from app.viewer.measuring.flock_numbers import SAVES, EnergySavings, Number, numbers, observed, rows
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.observable_format import over_a_run, told, words
+from app.viewer.measuring.observable_format import format_observable, observable_words, over_a_run
 from app.viewer.panels.chart import file_stem, plot_csv
 from app.viewer.panels.sending import Sender
 from app.viewer.panels.shell import Sheets, block
@@ -34,7 +34,9 @@ class MoreNumbers:
             for name, one in OBSERVABLES.items():
                 everyone = one.card is not None and one.card.of is None
                 if not (everyone or one.events or one.is_table):
-                    self.switches[name] = gui.add_checkbox(words(name), False, hint=one.title)
+                    self.switches[name] = gui.add_checkbox(
+                        observable_words(name), False, hint=one.title
+                    )
             self.switches[SIZES] = gui.add_checkbox(SIZES, False, hint="Groups of each size")
             self.switches[JOULES] = gui.add_checkbox(
                 "saved J/m",
@@ -70,15 +72,15 @@ class MoreNumbers:
             if name == JOULES:
                 found["saved J/m"] = self.joules.saved(readings)
             elif OBSERVABLES[name].over is not None:
-                found[words(name)] = told(name, readings.over(name, last))
+                found[observable_words(name)] = format_observable(name, readings.over(name, last))
             elif name != SIZES:
-                found[words(name)] = told(name, readings.values.get(name))
+                found[observable_words(name)] = format_observable(name, readings.values.get(name))
         return found
 
     def values(self, readings: FlockReadings, last: float) -> dict[str, Number]:
         """The same numbers in full, but for those of one tick, which the readings have."""
         found = {
-            words(name): observed(name, readings.over(name, last), readings.flock.model)
+            observable_words(name): observed(name, readings.over(name, last), readings.flock.model)
             for name in self.chosen
             if name in OBSERVABLES and OBSERVABLES[name].over is not None
         }

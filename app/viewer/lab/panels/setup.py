@@ -15,7 +15,7 @@ from agents.spec import OPTIONS, CompleteSpec, Options, Spec
 from app.front.controls import show
 from app.viewer.panels.dials import handle
 from app.viewer.panels.shell import block
-from app.viewer.run.run_preset import MOST_AGENTS, at_home, home, titled, world_titles
+from app.viewer.run.run_preset import MOST_AGENTS, at_home, home, world_title, world_titles
 from app.viewer.run.simulation_state import SimulationState
 from app.viewer.scene.shown.control import Control
 from worlds.world import World
@@ -37,7 +37,7 @@ class SetupPanel:
         self.offered = spec.world
         self.shown_run = -1
         self.worlds = world_titles()
-        self.worlds.setdefault(titled(spec.world), spec.world)
+        self.worlds.setdefault(world_title(spec.world), spec.world)
         titles = [model.title for model in MODELS.values()]
         model, beside = state.models
         self.note = gui.add_html("")
@@ -52,7 +52,7 @@ class SetupPanel:
             hint="A second model in the same world, from the same start, with the same controls",
         )
         self.agents = numbered(gui, "agents", spec.agents, 1, MOST_AGENTS)
-        self.world = handle(gui, offered("world", self.worlds), titled(spec.world))
+        self.world = handle(gui, offered("world", self.worlds), world_title(spec.world))
         self.dim = handle(gui, offered("dim", DIMENSIONS), f"{spec.dim}-D")
         self.size = numbered(gui, "size", spec.size, 0, MOST_SIDE, "; 0 keeps the density")
         acts = [name for name in Options.model_fields if name not in Conditions.model_fields]
@@ -72,13 +72,13 @@ class SetupPanel:
 
     async def model_chosen(self, event: viser.GuiEvent) -> None:
         """A model brings its own number of agents, its dimensions, its world and its options."""
-        model = MODELS[named(self.model.value)]
+        model = MODELS[model_titled(self.model.value)]
         for name, one in self.plain.items():
-            show(one, shown(name, by_default(name, model)))
+            show(one, control_value(name, by_default(name, model)))
         if event.client is None:
             return
-        if titled(model.world) in self.worlds:
-            show(self.world, titled(model.world))
+        if world_title(model.world) in self.worlds:
+            show(self.world, world_title(model.world))
         show(self.agents, model.agents)
         show(self.dim, f"{model.dim or model.dimensions[0]}-D")
         self.fit()
@@ -94,7 +94,7 @@ class SetupPanel:
 
     def fit(self) -> None:
         """Let the world and the model decide what is theirs to decide, and say what it is."""
-        model = MODELS[named(self.model.value)]
+        model = MODELS[model_titled(self.model.value)]
         self.summary.content = block(f'<div class="fs-quiet">{html.escape(model.summary)}</div>')
         own = home(self.worlds[self.world.value])
         self.plain["informed"].disabled = not model.rule.led
@@ -106,7 +106,7 @@ class SetupPanel:
 
     def fit_beside(self) -> None:
         """Offer the models that can fly beside the chosen one; nobody if the chosen one cannot."""
-        options = self.companions(named(self.model.value), DIMENSIONS[self.dim.value])
+        options = self.companions(model_titled(self.model.value), DIMENSIONS[self.dim.value])
         if tuple(self.beside.options) != options:
             chosen = self.beside.value
             self.beside.options = options
@@ -120,7 +120,7 @@ class SetupPanel:
 
     def chosen(self) -> Pairing:
         """The run as the panel has it, and what is beside it; running seed, no parameters."""
-        model = MODELS[named(self.model.value)]
+        model = MODELS[model_titled(self.model.value)]
         spec = at_home(
             model.name,
             agents=self.agents.value,
@@ -130,7 +130,7 @@ class SetupPanel:
             world=self.worlds[self.world.value],
             **{name: meant(name, one.value, model) for name, one in self.plain.items()},
         )
-        return spec, None if self.beside.value == NOBODY else Spec(named(self.beside.value))
+        return spec, None if self.beside.value == NOBODY else Spec(model_titled(self.beside.value))
 
     def next(self, state: SimulationState) -> Pairing:
         """The run for Setup, and what is beside it; models that stay keep their parameters."""
@@ -161,11 +161,11 @@ class SetupPanel:
         self.fit_beside()
         show(self.beside, NOBODY if beside is None else MODELS[beside.model].title)
         for name, control in {"agents": self.agents, "size": self.size, **self.plain}.items():
-            show(control, shown(name, getattr(spec, name)))
+            show(control, control_value(name, getattr(spec, name)))
 
     def offer(self, world: str | World) -> None:
         """Let a world that is none of the built-in ones be chosen, and choose it."""
-        words = titled(world)
+        words = world_title(world)
         self.worlds[words] = world
         self.world.options = tuple(self.worlds)
         show(self.world, words)
@@ -205,7 +205,7 @@ def plain(gui: viser.GuiApi, name: str, value: Any) -> Any:
     one = OPTIONS[name]
     if one.kind in (int, float):
         return numbered(gui, name, value, one.least, one.most)
-    return handle(gui, offered(name, one.words.values()), shown(name, value))
+    return handle(gui, offered(name, one.words.values()), control_value(name, value))
 
 
 def offered(name: str, choices: Iterable[str]) -> Control:
@@ -217,13 +217,13 @@ def numbered(
     gui: viser.GuiApi, name: str, value: Any, low: float, high: float, more: str = ""
 ) -> Any:
     """A box for an option that is a number, in [low, high], with `more` to say of it."""
-    one, value = OPTIONS[name], shown(name, value)
+    one, value = OPTIONS[name], control_value(name, value)
     low, high = min(low, value), max(high, value)
     made = Control(one.title, one.help + more, low=low, high=high, step=one.step, typed=True)
     return handle(gui, made, value)
 
 
-def shown(name: str, value: Any) -> Any:
+def control_value(name: str, value: Any) -> Any:
     """An option as its control has it: a choice in words, 0 for none."""
     words = OPTIONS[name].words
     return words[value] if words else value or OPTIONS[name].kind()
@@ -235,7 +235,7 @@ def meant(name: str, value: Any, model: Model) -> Any:
     if words:
         return next(key for key, word in words.items() if word == value)
     own = by_default(name, model)
-    return own if value == shown(name, own) else value
+    return own if value == control_value(name, own) else value
 
 
 def by_default(name: str, model: Model) -> Any:
@@ -244,6 +244,6 @@ def by_default(name: str, model: Model) -> Any:
     return getattr(model, name) if default is None else default
 
 
-def named(title: str) -> str:
+def model_titled(title: str) -> str:
     """Name of the model with that title."""
     return next(name for name, model in MODELS.items() if model.title == title)

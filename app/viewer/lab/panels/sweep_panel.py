@@ -33,9 +33,9 @@ from app.viewer.lab.sweeps.sweep_request import (
     is_whole,
     numbers,
 )
-from app.viewer.measuring.observable_format import words
+from app.viewer.measuring.observable_format import observable_words
 from app.viewer.panels.dials import decimals, sight, step_of
-from app.viewer.panels.parameters import worded
+from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import GREEN, GREY, ORANGE, block
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
@@ -72,7 +72,7 @@ class AxisForm:
         """Let the parameters of a model be chosen, and the number of agents."""
         self.model = model
         found = numbers(model)
-        self.names = {worded(one)[0]: one.name for one in found} | {"Agents": AGENTS}
+        self.names = {parameter_label(one)[0]: one.name for one in found} | {"Agents": AGENTS}
         self.ranges = {one.name: spanned(one) for one in found} | {
             AGENTS: (max(1.0, MODELS[model].agents / 4), float(MODELS[model].agents * 2))
         }
@@ -81,7 +81,7 @@ class AxisForm:
         chosen = self.over.value if self.over.value in options else options[0]
         if not self.none and self.over.value == NOTHING:
             first = next((one for one in found if one.noise), found[0] if found else None)
-            chosen = worded(first)[0] if first else options[0]
+            chosen = parameter_label(first)[0] if first else options[0]
         self.over.options = options
         show(self.over, chosen)
         self.propose()
@@ -292,11 +292,13 @@ class SweepPanel:
             for form in (self.first, self.second):
                 form.offer(model)
             self.observed = {}
-        observed = {words(name): name for name in offered if not OBSERVABLES[name].is_table}
+        observed = {
+            observable_words(name): name for name in offered if not OBSERVABLES[name].is_table
+        }
         if observed == self.observed or not observed:
             return
         usual = next((one[0] for one in usual_charts(MODELS[model], offered) if one), "")
-        before = self.observable.value if self.observed else words(usual)
+        before = self.observable.value if self.observed else observable_words(usual)
         self.observed = observed
         self.observable.options = tuple(observed)
         show(self.observable, before if before in observed else next(iter(observed)))

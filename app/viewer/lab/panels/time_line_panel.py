@@ -71,7 +71,7 @@ class TimeLinePanel:
         if line is None or frame is None:
             return
         if past:
-            self.words.content = block(told(line, frame))
+            self.words.content = block(describe_time_line(line, frame))
         for name, value in (("min", line.first), ("max", max(line.last, line.first + 1))):
             if getattr(self.slider, name) != value:
                 setattr(self.slider, name, value)
@@ -79,7 +79,7 @@ class TimeLinePanel:
             show(self.slider, line.at)
 
 
-def told(line: TimeLineState, frame: Frame) -> str:
+def describe_time_line(line: TimeLineState, frame: Frame) -> str:
     """What is shown, and what can be done about it, HTML."""
     when = clock(line.at, frame)
     if line.recording:

@@ -23,7 +23,7 @@ from websockets.http11 import Request, Response
 
 from agents.catalogue import FILES, MODELS
 from agents.observables.catalogue import OBSERVABLES
-from app.front.page_front import words
+from app.front.page_front import text_response
 from app.studies.key_lines import KeyLocations
 from app.studies.runs.database import FILE
 from app.studies.runs.store import is_taken
@@ -38,8 +38,8 @@ from app.viewer.lab.sweeps.stored_sweeps import (
     ListedSweep,
     listed,
     named_in,
+    read_drawn_sweep,
     scene_of,
-    shown,
 )
 from app.viewer.lab.sweeps.sweep_chart import picture
 from app.viewer.lab.sweeps.sweep_request import (
@@ -342,7 +342,7 @@ class Sweeps:
         key = one.name, self.column, one.state == "done", *one.counts.values()
         if key != self.drawn[0]:
             try:
-                read = shown(self.results / one.name, self.column)
+                read = read_drawn_sweep(self.results / one.name, self.column)
                 self.drawn = key, read, picture(read), ""
             except Exception as error:  # whatever its store holds, the others are listed
                 said = str(error) if isinstance(error, InputError) else f"it is broken ({error!r})"
@@ -413,29 +413,29 @@ class SweepRequestHandler:
     def over(self, request: Request) -> Response:
         """Have the form begin with a parameter."""
         if request.headers.get_all(MARK) != [WORD]:
-            return words(HTTPStatus.FORBIDDEN, f"sweeps are asked for with {MARK}: {WORD}")
+            return text_response(HTTPStatus.FORBIDDEN, f"sweeps are asked for with {MARK}: {WORD}")
         asked = parse_qs(request.path.partition("?")[2])
         try:
             self.form.sweep_over(asked.get("name", [""])[0])
         except InputError as refusal:
-            return words(HTTPStatus.BAD_REQUEST, str(refusal))
-        return words(HTTPStatus.OK, "chosen")
+            return text_response(HTTPStatus.BAD_REQUEST, str(refusal))
+        return text_response(HTTPStatus.OK, "chosen")
 
     def run(self, asked: dict[str, list[str]]) -> SavedScene:
         """The run of a cell of a sweep that is listed. Raises InputError."""
         folder = self.sweeps.folder(asked.get("sweep", [""])[0])
-        place = whole("cell", asked.get("cell", [""])[0])
-        seed = whole("seed", asked["seed"][0]) if "seed" in asked else None
+        place = whole_number("cell", asked.get("cell", [""])[0])
+        seed = whole_number("seed", asked["seed"][0]) if "seed" in asked else None
         return scene_of(folder, place, seed, self.sweeps.column)
 
 
 def refuse_sweeps(scenes: SceneRequests) -> None:
     """Refuse what pages ask of sweeps where there are none."""
     for path in (OVER, RUN):
-        scenes.front.route(path, lambda _: words(HTTPStatus.FORBIDDEN, NONE))
+        scenes.front.route(path, lambda _: text_response(HTTPStatus.FORBIDDEN, NONE))
 
 
-def whole(name: str, text: str) -> int:
+def whole_number(name: str, text: str) -> int:
     """A whole number of a query. Raises InputError."""
     if not (text.isascii() and text.isdigit() and len(text) <= LONGEST):
         raise InputError(f"{name} = {text[:40]!r} is no number")

@@ -30,7 +30,7 @@ from app.studies.sweeps.sweep_table import (
     write_table,
 )
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
-from app.viewer.measuring.observable_curves import worded
+from app.viewer.measuring.observable_curves import chart_title
 from app.viewer.measuring.observable_format import few
 from app.viewer.run.run_preset import at_home
 from worlds.input_error import InputError
@@ -104,7 +104,7 @@ def listed(folder: Path) -> ListedSweep | None:
     )
 
 
-def shown(folder: Path, column: str | None = None) -> DrawnSweep:
+def read_drawn_sweep(folder: Path, column: str | None = None) -> DrawnSweep:
     """The cells of a sweep, by its first column or another. Raises InputError."""
     kept = StoreReader(folder)
     state = kept.state
@@ -151,7 +151,7 @@ def typical(group: CellRuns) -> int | None:
 def scene_of(folder: Path, place: int, seed: int | None, column: str | None) -> SavedScene:
     """A run of a cell as a scene, by default the one nearest to the cell's mean. Raises
     InputError."""
-    made = shown(folder, column)
+    made = read_drawn_sweep(folder, column)
     if place not in made.cells:
         raise InputError(f"cell {place} is not in {folder.name}: it has {len(made.cells)}")
     group = made.cells[place]
@@ -171,14 +171,14 @@ def scene_of(folder: Path, place: int, seed: int | None, column: str | None) -> 
     where = ", ".join(f"{axis} = {few_of(value)}" for axis, value in group.axes.items())
     values = {
         "title": f"{folder.name}: {where}, seed {seed}"[: TEXTS["title"]],
-        "watch": told(made, group, seed)[: TEXTS["watch"]],
+        "watch": describe_run(made, group, seed)[: TEXTS["watch"]],
         "plots": plots_of(made.column),
         "run": tomllib.loads(spec.to_toml()),
     }
     return SavedScene.from_values(values, folder.name)
 
 
-def told(made: DrawnSweep, group: CellRuns, seed: int) -> str:
+def describe_run(made: DrawnSweep, group: CellRuns, seed: int) -> str:
     """What the sweep has of a run, in a sentence."""
     where = ", ".join(f"{axis} = {few_of(value)}" for axis, value in group.axes.items())
     said = f"Run of {made.name}: {where}, seed {seed}."
@@ -191,7 +191,7 @@ def told(made: DrawnSweep, group: CellRuns, seed: int) -> str:
 def plots_of(column: str) -> list[str]:
     """The plot of a column that is an observable."""
     name = observable_of(column)
-    return [worded((name,))] if name else []
+    return [chart_title((name,))] if name else []
 
 
 def few_of(value: Any) -> str:

@@ -23,9 +23,9 @@ from app.studies.charts.run_group import CellRuns, is_number
 from app.studies.charts.value_map import MapCell, draw_map, name_ticks, place_cells
 from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, few_of
 from app.viewer.lab.sweeps.sweep_request import AGENTS, numbers
-from app.viewer.measuring.observable_format import few, words
-from app.viewer.measuring.observable_table import titled
-from app.viewer.panels.parameters import worded
+from app.viewer.measuring.observable_format import few, observable_words
+from app.viewer.measuring.observable_table import observable_title
+from app.viewer.panels.parameters import parameter_label
 from worlds.number_text import counted
 
 WIDTH, HEIGHT = 300.0, 210.0
@@ -179,17 +179,17 @@ def name_axis(shown: DrawnSweep, axis: str) -> str:
     if axis == AGENTS:
         return "Agents"
     known = {one.name: one for one in numbers(shown.model)} if shown.model in MODELS else {}
-    return worded(known[axis])[0] if axis in known else shorten_name(axis)
+    return parameter_label(known[axis])[0] if axis in known else shorten_name(axis)
 
 
 def name_measure(shown: DrawnSweep) -> str:
     """What is measured, as plots call it."""
     name = observable_of(shown.column)
     if not name:
-        return shorten_name(words(shown.column))
+        return shorten_name(observable_words(shown.column))
     models = [MODELS[shown.model]] if shown.model in MODELS else []
     over = shown.column.partition("-over-")[2]
-    return titled(name, models) + (f", last {over} ticks" if over else "")
+    return observable_title(name, models) + (f", last {over} ticks" if over else "")
 
 
 def shorten_name(name: str) -> str:

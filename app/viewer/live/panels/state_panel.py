@@ -75,18 +75,20 @@ def banner_of_open(status: Status, browsers_arm: bool = True) -> Banner:
     alarm = MOVES if moves else ""
     if status.arm == "emergency":
         title, words = "EMERGENCY STOP", "All cars are told to stop."
-        return Banner("emergency", title, words, shown(moves + wrong), alarm)
+        return Banner("emergency", title, words, first_reasons(moves + wrong), alarm)
     if status.arm == "safe":
         reasons = moves + ([] if browsers_arm else [NO_BROWSER]) + others
         words = "Cannot be armed:" if reasons else "No car is driven. Ready to be armed."
-        return Banner("safe", "SAFE", words, shown(reasons + wrong), alarm)
+        return Banner("safe", "SAFE", words, first_reasons(reasons + wrong), alarm)
     if status.mode == RUN:
-        return Banner("running", "ARMED", "The cars run.", shown(wrong))
+        return Banner("running", "ARMED", "The cars run.", first_reasons(wrong))
     words = "They go on by themselves once it is over:"
-    return Banner("held up", "ARMED, but stopped", words, shown(moves + others + wrong), alarm)
+    return Banner(
+        "held up", "ARMED, but stopped", words, first_reasons(moves + others + wrong), alarm
+    )
 
 
-def shown(reasons: list[str]) -> tuple[str, ...]:
+def first_reasons(reasons: list[str]) -> tuple[str, ...]:
     """The first few of them.
 
     >>> shown(["a", "b", "c", "d", "e", "f"])

@@ -134,7 +134,7 @@ class Viewpoints:
     ) -> None:
         """Give one browser a preset that shows the whole, and `ahead` more of it at each side."""
         self._forget(client)
-        low, high = whole(self._sights)
+        low, high = scene_corners(self._sights)
         shows = low - ahead * longest(low, high), high + ahead * longest(low, high)
         (low, high), run = (one.copy() for one in shows), self._sights[0].picture.frame.run
         if name != "top-down":
@@ -224,7 +224,9 @@ class Viewpoints:
 
     def _enter(self, clients: list[ClientHandle]) -> None:
         picture = self._sights[0].picture
-        start = view(self.first or _first(picture), picture.stage.dim, *whole(self._sights), 1.0)
+        start = view(
+            self.first or _first(picture), picture.stage.dim, *scene_corners(self._sights), 1.0
+        )
         initial = self._server.initial_camera
         initial.position, initial.look_at = start.position, start.target
         initial.up, initial.fov, initial.near = np.array([0.0, 0.0, 1.0]), start.fov, start.near
@@ -247,7 +249,7 @@ class Viewpoints:
     def _keep_up(self, clients: list[ClientHandle]) -> None:
         """Show the whole again where nobody has moved the camera: after a flock that has flown out
         of an open world, and a run that begins anew."""
-        low, high = whole(self._sights)
+        low, high = scene_corners(self._sights)
         for client in clients:
             stand = self._stands.get(client.client_id)
             if stand is None or stand.is_left(client.camera):
@@ -324,7 +326,7 @@ def _worth_following(picture: Picture) -> int | None:
     return 0 if len(picture.at) else None
 
 
-def whole(sights: tuple[Sight, ...]) -> tuple[np.ndarray, np.ndarray]:
+def scene_corners(sights: tuple[Sight, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Corners (3,) of all that the flocks are in, and of the titles over two of them."""
     low, high = zip(*(extent(picture) for picture, _ in sights), strict=True)
     aside = [one.aside for one in sights]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.viewer.scene.draw.shapes import Mesh
-from app.viewer.scene.draw.solids import joined
+from app.viewer.scene.draw.solids import join_meshes
 
 # A bird in two meshes, one unit long: nose on +x, wings level when they are not beaten.
 #
@@ -138,7 +138,7 @@ def hull() -> Mesh:
     roof = [
         [(x, -half, low), (x, half, low), (x, half, top), (x, -half, top)] for x in (back, front)
     ]
-    return joined([_tube(np.stack(rings, axis=1)), _tube(np.array(roof))])
+    return join_meshes([_tube(np.stack(rings, axis=1)), _tube(np.array(roof))])
 
 
 def cabin() -> Mesh:

@@ -86,7 +86,7 @@ def places(at: np.ndarray, length: float) -> np.ndarray:
     return in_steps(at, step)
 
 
-def turned(wxyz: np.ndarray) -> np.ndarray:
+def quantise_attitudes(wxyz: np.ndarray) -> np.ndarray:
     """Attitudes (N, 4) to one of not too many, float32.
 
     >>> turned(np.array([[1.0, 0.0, 0.0, 0.001]])).tolist()

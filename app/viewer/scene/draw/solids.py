@@ -13,7 +13,7 @@ NO_MESH: Mesh = (np.empty((0, 3)), np.empty((0, 3), dtype=int))
 def prism(outline: shapely.Geometry, bottom: float, top: float) -> Mesh:
     """The closed mesh of polygons, with their holes, drawn up from `bottom` to `top`."""
     polygons = [part for part in shapely.get_parts(outline) if part.geom_type == "Polygon"]
-    return joined(
+    return join_meshes(
         [_upright(shapely.remove_repeated_points(part), bottom, top) for part in polygons]
     )
 
@@ -83,7 +83,7 @@ def uprights(outline: shapely.Geometry, bottom: float, top: float) -> np.ndarray
     return np.stack(ends, axis=1)
 
 
-def joined(meshes: list[Mesh]) -> Mesh:
+def join_meshes(meshes: list[Mesh]) -> Mesh:
     """Several meshes as one."""
     if not meshes:
         return NO_MESH
@@ -114,4 +114,4 @@ def panes(low: np.ndarray, high: np.ndarray, solid: np.ndarray) -> Mesh:
             corners[:, others[0]] = np.array([low, high, high, low])[:, others[0]]
             corners[:, others[1]] = np.array([low, low, high, high])[:, others[1]]
             made.append((corners, np.array([[0, 1, 2], [0, 2, 3]])))
-    return joined(made)
+    return join_meshes(made)

@@ -10,7 +10,7 @@ import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
 from app.viewer.scene.draw.agent_meshes import SHOULDER, beaten, body, wings
-from app.viewer.scene.draw.attitude import attitude, places, rolled, turned
+from app.viewer.scene.draw.attitude import attitude, places, quantise_attitudes, rolled
 from app.viewer.scene.draw.drawn_frame import FEW_LEADERS, POINTS_BEYOND, Changes, Picture, rows_of
 from app.viewer.scene.draw.shapes import Mesh, dart
 from app.viewer.scene.marks.fleet import Fleet, Ghosts
@@ -200,7 +200,7 @@ class Birds:
         ):
             changes += [
                 (node, "batched_positions", places(place, picture.length)),
-                (node, "batched_wxyzs", turned(wxyz)),
+                (node, "batched_wxyzs", quantise_attitudes(wxyz)),
                 (node, "batched_scales", scale.astype(np.float32)),
                 (node, "batched_colors", palette.lit(shade * colour)),
                 (node, "cast_shadow", shadows),
@@ -298,7 +298,7 @@ class Agents:
         shadows = picture.look.shadows and len(at) <= SHADOWS_UP_TO
         return [
             (self._darts, "batched_positions", places(at, picture.length)),
-            (self._darts, "batched_wxyzs", turned(picture.wxyz[rows])),
+            (self._darts, "batched_wxyzs", quantise_attitudes(picture.wxyz[rows])),
             (self._darts, "batched_scales", picture.size[rows] * np.float32(picture.length)),
             (self._darts, "batched_colors", palette.lit(picture.colour[rows])),
             (self._darts, "cast_shadow", shadows),

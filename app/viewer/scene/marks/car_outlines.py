@@ -61,7 +61,7 @@ class LiveOutlines:
             rows = live.are(state)
             at = on_floor(picture, picture.frame.position[rows])
             shape = picture.length * outline(cars.width / cars.length)
-            made = turned(shape, picture.frame.heading[rows]) + at[:, None, None, :]
+            made = turn_segments(shape, picture.frame.heading[rows]) + at[:, None, None, :]
             colour = palette.single(palette.STATES[state])
             changes += segments(lines, made.reshape(-1, 2, 3), colour)
         return changes
@@ -78,7 +78,7 @@ def outline(slender: float) -> np.ndarray:
     return np.stack([points, np.roll(points, -1, axis=0)], axis=1)
 
 
-def turned(shape: np.ndarray, heading: np.ndarray) -> np.ndarray:
+def turn_segments(shape: np.ndarray, heading: np.ndarray) -> np.ndarray:
     """Segments (K, 2, 3) that look along x, turned to N directions (N, 2): (N, K, 2, 3)."""
     (x, y, z), (ahead_x, ahead_y) = np.moveaxis(shape, -1, 0), heading.T[:, :, None, None]
     level = np.broadcast_to(z, (len(heading), *z.shape))

@@ -15,7 +15,7 @@ from app.viewer.scene.draw.agent_meshes import (
     outline,
     wheel,
 )
-from app.viewer.scene.draw.attitude import attitude, places, turned
+from app.viewer.scene.draw.attitude import attitude, places, quantise_attitudes
 from app.viewer.scene.draw.drawn_frame import PALE, Changes, Picture
 from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.draw.shapes import Mesh
@@ -67,7 +67,7 @@ class CarMeshes:
         ):
             changes += [
                 (node, "batched_positions", places(place, length)),
-                (node, "batched_wxyzs", turned(wxyz)),
+                (node, "batched_wxyzs", quantise_attitudes(wxyz)),
                 (node, "batched_scales", scale.astype(np.float32)),
                 (node, "batched_colors", palette.lit(paint)),
                 (node, "cast_shadow", shadows),

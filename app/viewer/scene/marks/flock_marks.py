@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
-from app.viewer.scene.draw.attitude import places, turned
+from app.viewer.scene.draw.attitude import places, quantise_attitudes
 from app.viewer.scene.draw.drawn_frame import DIMMED, FEW_LEADERS, Changes, Picture
 from app.viewer.scene.draw.line_segments import add_lines, segments, split_at_seams
 from app.viewer.scene.draw.shapes import Mesh, ball, circle, ring, torus
@@ -41,18 +41,18 @@ class CrashMarks:
         radius = RADIUS_CAR if picture.as_cars else RADIUS
         sign = radius * picture.length * mark()
         lines = [(at[:, None, None, :] + sign).reshape(-1, 2, 3)]
-        colours = [np.repeat(shown(picture, PALEST * age), len(sign), axis=0)]
+        colours = [np.repeat(faded_colours(picture, PALEST * age), len(sign), axis=0)]
         if picture.stage.dim == 3:
             fresh = age < 1.0
             foot = at.copy()
             foot[:, 2] = picture.stage.floor
             lines.append(np.stack([at, foot], axis=1)[fresh])
-            colours.append(shown(picture, DROP + (1.0 - DROP) * age[fresh]))
+            colours.append(faded_colours(picture, DROP + (1.0 - DROP) * age[fresh]))
         ends = np.repeat(np.concatenate(colours)[:, None], 2, axis=1)
         return segments(self._lines, np.concatenate(lines), ends)
 
 
-def shown(picture: Picture, share: np.ndarray) -> np.ndarray:
+def faded_colours(picture: Picture, share: np.ndarray) -> np.ndarray:
     """The colour of a mark with shares (M,) of the backdrop, bytes (M, 3)."""
     return palette.unlit(picture.mixed(palette.CRASH, share[:, None]))
 
@@ -91,7 +91,7 @@ def _around(picture: Picture, rows: np.ndarray, halo: BatchedMeshHandle) -> Chan
     radius = 0.85 * picture.length * picture.size[rows]
     return [
         (halo, "batched_positions", places(picture.at[rows], picture.length)),
-        (halo, "batched_wxyzs", turned(picture.wxyz[rows])),
+        (halo, "batched_wxyzs", quantise_attitudes(picture.wxyz[rows])),
         (halo, "batched_scales", radius.astype(np.float32)),
     ]
 

@@ -234,7 +234,7 @@ class LiveLabels:
 
     def draw(self, picture: Picture) -> Changes:
         """Write the names, if there are real cars."""
-        cars = named(picture)
+        cars = named_cars(picture)
         while len(self._pool) < len(cars):
             self._pool.append(self._new(len(self._pool)))
         hidden: Changes = [(label, "visible", False) for label in self._pool[len(cars) :]]
@@ -274,7 +274,7 @@ class LiveLabels:
         )
 
 
-def named(picture: Picture) -> list[CarLabel]:
+def named_cars(picture: Picture) -> list[CarLabel]:
     """The cars whose names are written: those that are drawn as cars, and the injected one."""
     live, frame = picture.live, picture.frame
     if live is None:
@@ -285,7 +285,7 @@ def named(picture: Picture) -> list[CarLabel]:
     cars = [
         CarLabel(
             int(frame.ids[row]),
-            words(live.names[row], live.states[row], float(live.ages[row])),
+            label_text(live.names[row], live.states[row], float(live.ages[row])),
             picture.at[row] * [1.0, 1.0, 0.0],
         )
         for row in rows
@@ -295,7 +295,7 @@ def named(picture: Picture) -> list[CarLabel]:
     return cars
 
 
-def words(name: str, state: str, age: float) -> str:
+def label_text(name: str, state: str, age: float) -> str:
     """What is written beside a car that was last seen `age` s ago.
 
     >>> words("red", "tracked", 0.01), words("blue", "late", 0.064), words("green", "lost", 1.38)

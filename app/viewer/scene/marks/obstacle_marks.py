@@ -11,7 +11,7 @@ from viser import SceneApi
 
 from app.viewer.scene.draw.drawn_frame import Changes, Picture
 from app.viewer.scene.draw.shapes import ball
-from app.viewer.scene.draw.solids import joined, prism, rims, uprights
+from app.viewer.scene.draw.solids import join_meshes, prism, rims, uprights
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
 from worlds.queries.outlines import footprints
@@ -104,7 +104,7 @@ class Piece:
             lines += [rims(outline, high), uprights(outline, low, high)]
             if stage.dim == 3:
                 lines.append(rims(outline, low))
-        vertices, faces = joined(meshes)
+        vertices, faces = join_meshes(meshes)
         self._nodes += [
             self._scene.add_mesh_simple(
                 f"{self._name}/solid",

@@ -82,7 +82,7 @@ class TimeScale:
         changes = segments(self._lines, lines, palette.single(palette.EDGE))
         for label, age, at in zip(self._labels, ages, end, strict=False):
             changes += [
-                (label, "text", words(float(age), frame.unit)),
+                (label, "text", age_text(float(age), frame.unit)),
                 (label, "position", at),
                 (label, "visible", True),
             ]
@@ -101,7 +101,7 @@ def marks(span: float) -> np.ndarray:
     return np.round(step * np.arange(math.floor(span / step * (1.0 + 1e-9)) + 1), 12)
 
 
-def words(age: float, unit: str) -> str:
+def age_text(age: float, unit: str) -> str:
     """What stands beside a mark.
 
     >>> words(0.0, "s"), words(0.2, "s"), words(20.0, "ticks")
