@@ -122,8 +122,8 @@ def world_from_layout(
     `dim` is 2 or 3, by default the layout's own, or 2. A flat layout stands up in three dimensions:
     its box and obstacles reach from z = 0 to `height`. `size` is one length for all sides or one
     per axis, each > 0; by default the layout's own, or `unsized(dim)`. It cannot be changed in a
-    layout with obstacles. Random obstacles are not drawn yet, see `worlds.generators.draw_obstacles`.
-    Raises InputError.
+    layout with obstacles. Random obstacles are not drawn yet, see
+    `worlds.generators.draw_obstacles`. Raises InputError.
     """
     return Layout(name, layout).world(dim, size, unsized)
 

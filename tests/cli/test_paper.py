@@ -120,7 +120,7 @@ def test_strict_is_told_by_the_exit_code(tmp_path, strict, code):
 
 def test_all_of_them_end_with_a_table_of_verdicts(tmp_path, monkeypatch):
     names = ["jacobs-fig2", "wu2023-plain"]
-    monkeypatch.setattr("app.studies.experiment.experiment_names", lambda: names)
+    monkeypatch.setattr("app.studies.experiment_reader.experiment_names", lambda: names)
     result = call("paper", "--all", *QUICK, "--out", tmp_path)
     assert result.exit_code == 0, result.stderr
     table = result.stdout[result.stdout.index("verdicts on rows") :]
