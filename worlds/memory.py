@@ -41,7 +41,7 @@ def demand_memory(what: str, needed: float) -> None:
 def format_bytes(size: float) -> str:
     """Bytes for people.
 
-    >>> in_words(25.3e9), in_words(2e11)
+    >>> format_bytes(25.3e9), format_bytes(2e11)
     ('25.3 GB', '200 GB')
     """
     return f"{size / 1e9:.3g} GB"

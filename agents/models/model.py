@@ -69,7 +69,7 @@ def calls(wanted: Callable, function: Callable) -> bool:
 def vector_name(column: str) -> str:
     """The name of the point or vector that a column is a part of; its own, if of none.
 
-    >>> whole("aim_x"), whole("phase")
+    >>> vector_name("aim_x"), vector_name("phase")
     ('aim', 'phase')
     """
     return column[:-2] if column[-2:] in ("_x", "_y", "_z") else column

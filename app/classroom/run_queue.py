@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from agents.spec import CompleteSpec
 from app.classroom.collect.hand_in import SECONDS, Point
 from app.classroom.collect.question import Question
-from app.classroom.workers.measuring import MadeRun, RunWorker
+from app.classroom.workers.measuring import MadeRun, QuestionRunWorker
 from app.classroom.workers.worker_process import WorkerProcess
 from app.processes import ProcessLostError, ProcessTimeoutError
 from worlds.input_error import InputError
@@ -54,8 +54,8 @@ class RunQueue:
     """For one class, and one question after the other; on one event loop."""
 
     def __init__(self) -> None:
-        self.usual = WorkerProcess(RunWorker, restarts=True)
-        self.slow = WorkerProcess(RunWorker, niceness=NICENESS, restarts=True)
+        self.usual = WorkerProcess(QuestionRunWorker, restarts=True)
+        self.slow = WorkerProcess(QuestionRunWorker, niceness=NICENESS, restarts=True)
         self.records: dict[str, RunRecord] = {}
         """By student."""
         self.usual_seconds: asyncio.Task[float] | None = None

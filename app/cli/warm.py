@@ -67,7 +67,7 @@ def compiled(name: str) -> tuple[bool, float]:
 def describe_warming(model: str, before: bool, seconds: float) -> str:
     """A line for people.
 
-    >>> in_words("vem", before=False, seconds=4.2)
+    >>> describe_warming("vem", before=False, seconds=4.2)
     'vem               compiled in 4.2 s'
     """
     return f"{model:16}  {'was compiled' if before else f'compiled in {seconds:.1f} s'}"

@@ -231,6 +231,7 @@ class StudyRunner:
             if not self.begun().run(allowed, self.keep, self.beat):
                 return False
             self.beat()
+            self.store.keep()
         return len(allowed) == len(found)
 
     def begun(self) -> RunExecutor:

@@ -107,7 +107,7 @@ def draw_obstacles(world: World, seed: int) -> World:
     sound with them.
 
     >>> from worlds.layout import world
-    >>> len(drawn(world("thesis-blocks"), 1).obstacles)
+    >>> len(draw_obstacles(world("thesis-blocks"), 1).obstacles)
     20
     """
     if world.random is None:

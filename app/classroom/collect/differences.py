@@ -93,7 +93,7 @@ def bare(world: World) -> World:
 def format_value(value: Any) -> str:
     """A value for people.
 
-    >>> shown(0.1 + 0.2), shown((10.0, 10.0)), shown(True)
+    >>> format_value(0.1 + 0.2), format_value((10.0, 10.0)), format_value(True)
     ('0.3', '10 x 10', 'true')
     """
     if isinstance(value, tuple):

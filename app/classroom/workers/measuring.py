@@ -39,7 +39,7 @@ class MadeRun:
     """Of processor time."""
 
 
-class RunWorker:
+class QuestionRunWorker:
     """Makes runs one after the other.
 
     A run has so much processor time, counted from its start: then the system ends this process.

@@ -244,7 +244,7 @@ class Sensitivity:
 def describe_index(index: Index) -> str:
     """An index with its interval.
 
-    >>> in_words(Index(0.5581, 0.0512))
+    >>> describe_index(Index(0.5581, 0.0512))
     '0.56 ± 0.05'
     """
     return f"{index.value:.2f}" + (f" ± {index.half:.2f}" if index.half == index.half else "")

@@ -34,6 +34,7 @@ class SweepRounds:
             self.cells.setdefault(number, cell)
         self.places = {number: place for place, number in enumerate(self.cells, 1)}
         self.rounds = Rounds(self.sweep.file.replicates, list(self.cells))
+        self.runner.wanted = self.rounds.total
         while self.is_whole and self.more():
             pass
 

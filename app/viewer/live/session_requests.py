@@ -74,7 +74,7 @@ PAGE = "the page"
 def shorten_value(value: object) -> str:
     """A value in a message, cut short.
 
-    >>> shown("x" * 100)
+    >>> shorten_value("x" * 100)
     "'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx..."
     """
     try:

@@ -23,7 +23,7 @@ Points = tuple[np.ndarray, np.ndarray]
 def chart_title(names: tuple[str, ...]) -> str:
     """What a chart of some observables is called.
 
-    >>> worded(("polarisation", "angular-momentum"))
+    >>> chart_title(("polarisation", "angular-momentum"))
     'polarisation, angular momentum'
     """
     return ", ".join(map(observable_words, names)) or NOTHING

@@ -25,7 +25,7 @@ STEADY = tuple(name for name, one in OBSERVABLES.items() if one.card is not None
 def observable_words(name: str) -> str:
     """An observable in words.
 
-    >>> words("angular-momentum")
+    >>> observable_words("angular-momentum")
     'angular momentum'
     """
     return name.replace("-", " ")
@@ -55,7 +55,8 @@ def scale(name: str) -> Range:
 def format_observable(name: str, value: float | None) -> str:
     """A value of an observable in few figures, with its unit if that is short.
 
-    >>> told("polarisation", 0.98765), told("groups", 12.0), told("drag-saved", -3.456)
+    >>> values = {"polarisation": 0.98765, "groups": 12.0, "drag-saved": -3.456}
+    >>> tuple(format_observable(name, value) for name, value in values.items())
     ('0.988', '12', '-3.5 %')
     """
     if value is None or not math.isfinite(value):

@@ -28,7 +28,8 @@ def unit(name: str, models: Iterable[Model]) -> str:
 def observable_title(name: str, models: Iterable[Model]) -> str:
     """An observable in words, with its unit if it is no pure number and not named for it.
 
-    >>> titled("polarisation", ()), titled("mean-neighbours", ()), titled("groups", ())
+    >>> names = "polarisation", "mean-neighbours", "groups"
+    >>> tuple(observable_title(name, ()) for name in names)
     ('polarisation', 'mean neighbours (agents)', 'groups')
     """
     found = unit(name, models)

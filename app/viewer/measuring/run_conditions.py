@@ -229,7 +229,7 @@ def world_described(first: World, last: World, when: str, beside: Steps) -> str:
 def format_setting(value: Any) -> str:
     """The value of a parameter or of an option in few letters.
 
-    >>> worded(0.30000000000000004), worded("angular"), worded(True), worded(None)
+    >>> tuple(map(format_setting, (0.30000000000000004, "angular", True, None)))
     ('0.3', 'angular', 'on', 'as usual')
     """
     if value is None:

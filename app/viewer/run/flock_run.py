@@ -34,7 +34,7 @@ class StrayAgentError(Exception):
 def describe_error(error: BaseException) -> str:
     """An error as one line for the user.
 
-    >>> in_words(IndexError("out of reach")), in_words(InputError("there is no flock"))
+    >>> describe_error(IndexError("out of reach")), describe_error(InputError("there is no flock"))
     ('IndexError: out of reach', 'there is no flock')
     """
     if isinstance(error, InputError | ArithmeticError | ComparedFlockError | StrayAgentError):

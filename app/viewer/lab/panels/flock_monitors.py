@@ -198,7 +198,7 @@ def listed(crashes: Crashes, model: str = "") -> str:
 def crash_counts(ticks: np.ndarray, agents: int) -> str:
     """How many have crashed, and when.
 
-    >>> counted(np.array([0, 0, 7, 230]), 50)
+    >>> crash_counts(np.array([0, 0, 7, 230]), 50)
     'Crashed <b>4</b> of 50 (2 at the start, 1 up to tick 100, 1 after tick 100)'
     """
     if not len(ticks):

@@ -91,7 +91,7 @@ def banner_of_open(status: Status, browsers_arm: bool = True) -> Banner:
 def first_reasons(reasons: list[str]) -> tuple[str, ...]:
     """The first few of them.
 
-    >>> shown(["a", "b", "c", "d", "e", "f"])
+    >>> first_reasons(["a", "b", "c", "d", "e", "f"])
     ('a', 'b', 'c', 'and 3 more')
     """
     if len(reasons) <= MOST:

@@ -89,7 +89,7 @@ def places(at: np.ndarray, length: float) -> np.ndarray:
 def quantise_attitudes(wxyz: np.ndarray) -> np.ndarray:
     """Attitudes (N, 4) to one of not too many, float32.
 
-    >>> turned(np.array([[1.0, 0.0, 0.0, 0.001]])).tolist()
+    >>> quantise_attitudes(np.array([[1.0, 0.0, 0.0, 0.001]])).tolist()
     [[1.0, 0.0, 0.0, 0.0]]
     """
     if wxyz[:, 1:3].any():

@@ -298,7 +298,8 @@ def named_cars(picture: Picture) -> list[CarLabel]:
 def label_text(name: str, state: str, age: float) -> str:
     """What is written beside a car that was last seen `age` s ago.
 
-    >>> words("red", "tracked", 0.01), words("blue", "late", 0.064), words("green", "lost", 1.38)
+    >>> cars = ("red", "tracked", 0.01), ("blue", "late", 0.064), ("green", "lost", 1.38)
+    >>> tuple(label_text(*car) for car in cars)
     ('red', 'blue · late 60 ms', 'green · lost 1.3 s')
     """
     if state in (TRACKED, SIMULATED):

@@ -104,7 +104,7 @@ def marks(span: float) -> np.ndarray:
 def age_text(age: float, unit: str) -> str:
     """What stands beside a mark.
 
-    >>> words(0.0, "s"), words(0.2, "s"), words(20.0, "ticks")
+    >>> age_text(0.0, "s"), age_text(0.2, "s"), age_text(20.0, "ticks")
     ('now', '−0.2 s', '−20 ticks')
     """
     return "now" if age == 0.0 else f"−{age:g} {unit}"
