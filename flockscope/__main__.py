@@ -36,7 +36,7 @@ def main() -> None:
         command()
     except (ImportError, MemoryError, OSError, RuntimeError) as error:
         if lacks_memory(error):
-            stop(f"there is not enough memory{memory_limit()}")
+            stop(f"there is not enough memory{memory_limit() or ': use fewer agents'}")
         if isinstance(error, OSError) and error.errno == errno.ENOSPC and error.filename is None:
             raise SystemExit(2) from None  # what is wrong with a call cannot be told
         raise

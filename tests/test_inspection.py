@@ -61,8 +61,8 @@ def test_every_tick_can_be_inspected(seed):
 
 
 def test_what_an_inspection_calls_is_kept_for_the_next_process():
-    flock = Flock("olfati-saber", agents=3, rng=2)
-    flock.inspect(0)
+    flock = Flock("olfati-saber", agents=30, rng=2)
+    assert any(len(flock.inspect(row).weights) for row in range(30))
     rule = flock.model.rule
     assert is_kept(rule.weigh.for_python)
     assert is_kept(rule.explain.for_python)

@@ -124,7 +124,9 @@ def with_one_line_errors(command: Callable[..., Any]) -> Callable[..., Any]:
             named = "" if error.filename is None else f"{str(error.filename)!r}: "
             refuse(f"{named}{error.strerror or error}")
         except MemoryError as error:
-            refuse(f"there is not enough memory: {str(error) or 'use fewer agents'}")
+            if not str(error):  # Python's own: the entry point knows whether memory is limited
+                raise
+            refuse(f"there is not enough memory: {error}")
         except (KeyboardInterrupt, BdbQuit):  # BdbQuit: pdb was left
             raise typer.Exit(INTERRUPTED) from None
 
