@@ -65,8 +65,9 @@ def test_a_point_opens_the_same_run_again():
     for question, scene in ((ORDER, SCENE), (AGREE, LED)):
         point = hand_in(question, "Ada", scene.but(seed=7), scene, WHEN)
         opened = point.scene(question)
+        written = Spec.from_toml(point.spec).demand_complete("the point")
         assert hand_in(question, "Ada", opened.spec, scene, WHEN) == point
-        assert hand_in(question, "Ada", Spec.from_toml(point.spec), scene, WHEN) == point
+        assert hand_in(question, "Ada", written, scene, WHEN) == point
         assert "Ada" in opened.title
         assert f"{point.result:.4g}" in opened.watch
 
