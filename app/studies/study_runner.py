@@ -287,9 +287,6 @@ def demand_kind(folder: Path, kind: str) -> None:
     there = StoreReader(folder).state.get("kind") if readable(folder) else None
     if there is None or (there == "paper") == (kind == "paper"):
         return
-    whose = (
-        "a paper: give the sweep another folder"
-        if there == "paper"
-        else f"a {there}, not of a paper"
-    )
-    raise InputError(f"{str(folder)!r} has the runs of {whose}")
+    if there == "paper":
+        raise InputError(f"{str(folder)!r} has the runs of a paper: give the sweep another folder")
+    raise InputError(f"{str(folder)!r} has other runs: give the paper another folder")

@@ -92,6 +92,6 @@ def test_a_paper_leaves_the_runs_of_a_sweep_alone(tmp_path):
     folder = tmp_path / "sweep"
     with Store(folder, []) as store:
         store.tell(kind="sweep")
-    with pytest.raises(InputError, match="has the runs of a sweep, not of a paper"):
+    with pytest.raises(InputError, match="has other runs: give the paper another folder"):
         carry_out(experiment, folder)
     assert StoreReader(folder).state["kind"] == "sweep"
