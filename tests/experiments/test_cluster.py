@@ -240,7 +240,7 @@ def test_jobs_end_with_a_parent_that_is_killed(tmp_path, slurm):
     wait_until(lambda: done(out) > 0, process)
     job = psutil.Process(int((slurm / "jobs").read_text()))
     begun = [job, *job.children(recursive=True)]
-    assert any("serve()" in str(one.cmdline()) for one in begun), "one of them makes runs"
+    assert any("serve_pipes()" in str(one.cmdline()) for one in begun), "one of them makes runs"
     process.kill()
     process.communicate()
     assert psutil.wait_procs(begun, timeout=60)[1] == []
