@@ -10,8 +10,28 @@ RULE = "color-contrast"
 """4.5 to 1, and 3 to 1 for large words."""
 
 
+NO_FADES = """() => document.getAnimations().every(
+    fade => fade.playState !== "running" || fade.effect.getTiming().iterations === Infinity)"""
+"""Whether nothing on a page is just appearing or going, as a notification does."""
+
+
 def faint(page: Any) -> list[str]:
     """The words on a page that cannot be read well, and why; empty if all can.
+
+    What is just appearing or going is not meant: only words that are faint twice, with nothing
+    fading before either measurement, are returned.
+    """
+    page.wait_for_function(NO_FADES)
+    first = measure_contrast(page)
+    if not first:
+        return first
+    page.wait_for_function(NO_FADES)
+    again = measure_contrast(page)
+    return [words for words in first if words in again]
+
+
+def measure_contrast(page: Any) -> list[str]:
+    """The words that are faint at this moment.
 
     axe is brought in past the page's policy, which lets no script in but the page's own.
     """
@@ -38,7 +58,6 @@ def faint_on_tabs(page: Any) -> list[str]:
     for place in shown:
         tabs.nth(place).click()
         page.mouse.move(0, 0)
-        page.wait_for_timeout(300)
         found += faint(page)
     for place in chosen:
         tabs.nth(place).click()
