@@ -79,12 +79,14 @@ Rate = tuple[float, float]
 class ConnectionLimits:
     """How many connections there may be, of all and of one address, and how soon more."""
 
+    silent: int = 256
+    """Lines on which nothing is asked; one more ends the one that has been silent longest."""
     open: int = 256
-    """Open connections in all."""
+    """Requests that are being answered, of all: a page that is connected is one."""
     open_of_one: int = 128
-    """Open connections of one address: a class behind one router has one."""
+    """The same of one address: a class behind one router has one."""
     requests: Rate = (50.0, 150.0)
-    """Connections of one address: a page loads about ten files."""
+    """Requests of one address: a page loads about ten files."""
     pages: Rate = (5.0, 40.0)
     """Pages of one address that connect."""
     messages: Rate = (1000.0, 2000.0)
@@ -159,7 +161,7 @@ class ClientAddresses:
         return self.known.setdefault(address, ClientAddress(self.clock, self.limits))
 
     def enter(self, address: str) -> float | None:
-        """Count a new connection; seconds until its turn, or None if it cannot be taken."""
+        """Count a new request; seconds until its turn, or None if it cannot be taken."""
         with self.lock:
             visitor = self.of(address)
             if self.open >= self.limits.open or visitor.open >= self.limits.open_of_one:
@@ -171,7 +173,7 @@ class ClientAddresses:
             return wait
 
     def leave(self, address: str) -> None:
-        """A connection is gone."""
+        """A request has been answered, or its connection is gone."""
         with self.lock:
             self.of(address).open -= 1
             self.open -= 1

@@ -88,7 +88,8 @@ def log_failures(loop: asyncio.AbstractEventLoop, log: Log) -> None:
     def failed(_loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         error = context.get("exception")
         if not isinstance(error, ConnectionError):
-            log.line(f"what a browser asked for failed: {in_a_line(error)}")
+            why = context["message"] if error is None else in_a_line(error)
+            log.line(f"what a browser asked for failed: {why}")
 
     loop.set_exception_handler(failed)
 

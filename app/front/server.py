@@ -1,38 +1,43 @@
-"""A viser server that keeps its port, its visitors and its values in hand.
+"""A viser server behind a front: its port, its visitors and its values are kept in hand.
 
 viser takes the next free port when its own is busy, answers pages of any origin, opens a public
-tunnel for any browser that asks, and believes what browsers send, however much it is. This one does
-none of it.
+tunnel for any browser that asks, and believes what browsers send, however much it is. Here it has
+no port at all: a thread of its own answers browsers, and gives viser what may reach it.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
 import socket
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
-from functools import partial
-from http import HTTPStatus
-from typing import Any, NamedTuple
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import rich
 import viser
-from websockets.http11 import Request, Response
+from aiohttp import web
+from websockets.asyncio.client import ClientConnection
+from websockets.asyncio.server import ServerConnection
 
 from app.front.client_addresses import USUAL, ClientAddresses, ConnectionLimits
-from app.front.connection import FAREWELL, Connection
-from app.front.connection_acceptor import ConnectionAcceptor
 from app.front.controls import guard
-from app.front.kinds import KINDS, LARGEST, Kind
+from app.front.http_server import (
+    READING,
+    HttpServer,
+    Request,
+    address_of_line,
+    is_websocket,
+    listening,
+    text_response,
+)
 from app.front.log import Log, log_failures, logger
-from app.front.page_front import BEGINNING, Front, is_websocket, text_response
+from app.front.message_filter import KINDS, Kind, MessageFilter
+from app.front.page_front import ALIVE, PAGES, Answering, Front
+from app.front.relay import Admission, connect_viser, relay
 from app.front.renders import Renders, accept_renders
 from app.front.viser_internals import (
-    PROTOCOL,
     drop_messages,
     event_loop,
     find_kinds_once,
@@ -42,8 +47,6 @@ from app.front.viser_internals import (
     served_by,
     use_loop_events,
 )
-from app.front.waiting import BEGINS, Admission, MessageNotifier
-from worlds.input_error import InputError
 
 UNWANTED = (
     messages.ShareUrlRequest,
@@ -54,42 +57,203 @@ UNWANTED = (
     messages.GuiFormDirtyMessage,
 )
 """What browsers may send to viser but not to a laboratory."""
-BACKLOG = 1024
-"""Connections that the system keeps until the door takes them."""
+BEGINS = 6.0
+"""Seconds that a request waits for a page that begins."""
+BEGINNING = "flockscope is just beginning: try again in a moment"
+
+# The emergency stop as a request of its own, beside viser's messages.
+#
+# Any page of ours sends it, and so may a program on this machine or a button on the wall:
+#
+#     curl -X POST -H 'X-Flockscope: stop' http://localhost:8080/emergency
+
+EMERGENCY = "/emergency"
+MARK, WORD = "X-Flockscope", "stop"
+"""A header that no foreign page can send: a browser would ask first whether it may."""
+Stop = Callable[[str], None]
+"""Stops the cars; is told by whom."""
+SOON = 0.002
+"""Time from a message to its being told of, s: by then it has been carried out. Of many within it
+one word is enough."""
 
 starting = threading.Lock()
+"""Held while viser's functions are replaced, which all servers of a process share."""
 
 
-@dataclass
-class ServerEntrance:
-    """How browsers come to one server."""
+class MessageNotifier:
+    """Tells whoever draws that a browser has sent something, so that nobody has to look for it.
 
-    front: Front
-    kinds: Mapping[str, Kind] = field(default_factory=lambda: KINDS)
-    """Of which kinds of messages it hears at all."""
-    visitors: ClientAddresses = field(default_factory=ClientAddresses)
-    log: Log = field(default_factory=Log)
-    renders: Renders = field(default_factory=Renders)
-    heard: MessageNotifier = field(default_factory=MessageNotifier)
+    Used by viser's thread; `tell` is called there.
+    """
 
+    def __init__(self, tell: Callable[[], None] = lambda: None):
+        self.tell = tell
+        self.waiting = False
 
-class ServedWebsockets(NamedTuple):
-    """What viser serves, once its loop runs."""
+    def note(self, loop: asyncio.AbstractEventLoop) -> None:
+        """A message goes to viser now."""
+        if not self.waiting:
+            self.waiting = True
+            loop.call_later(SOON, self.pass_on)
 
-    admission: Admission
-    server: Any
-    """The server of websockets, which takes no connections itself."""
-
-
-@dataclass(kw_only=True)
-class OpenEntrance(ServerEntrance):
-    """An entrance whose server is there."""
-
-    served: ServedWebsockets
-    door: ConnectionAcceptor
+    def pass_on(self) -> None:
+        """Tell of what has been carried out by now."""
+        self.waiting = False
+        self.tell()
 
 
-entrances: WeakKeyDictionary[viser.ViserServer, OpenEntrance] = WeakKeyDictionary()
+class Entrance:
+    """How browsers come to one viser server: by a thread that waits for nothing of viser's.
+
+    So an emergency stop waits for none of viser's work. Of the page of this thread's own work it
+    waits for a moment: that counts messages, looks at them and carries them on.
+    """
+
+    def __init__(
+        self, sock: socket.socket, front: Front, kinds: Mapping[str, Kind], limits: ConnectionLimits
+    ):
+        self.front = front
+        self.kinds = kinds
+        self.visitors = ClientAddresses(limits=limits)
+        self.log = Log()
+        self.renders = Renders()
+        self.heard = MessageNotifier()
+        self.stop: Stop | None = None
+        self.loop = asyncio.new_event_loop()
+        self.admission = Admission(self.loop)
+        self.settled = asyncio.Event()
+        """Set once it is known whether there is anything to stop: a stop waits for that."""
+        self.http = HttpServer(sock, self.answer, limits.silent, self.log)
+        self.viser_loop: asyncio.AbstractEventLoop
+        self.viser_protocol: Callable[[], asyncio.Protocol]
+
+    def open(
+        self, viser_loop: asyncio.AbstractEventLoop, protocol: Callable[[], asyncio.Protocol]
+    ) -> None:
+        """Answer browsers, until closed. `protocol` makes viser's end of a line."""
+        self.viser_loop, self.viser_protocol = viser_loop, protocol
+        log_failures(self.loop, self.log)
+        self.thread = threading.Thread(target=self.loop.run_forever, name="front", daemon=True)
+        self.thread.start()
+        asyncio.run_coroutine_threadsafe(self.http.open(), self.loop).result()
+
+    def close(self) -> None:
+        """Answer nobody any more."""
+        self.admission.decide(False)
+        asyncio.run_coroutine_threadsafe(self.end(), self.loop).result()
+        self.loop.call_soon_threadsafe(self.loop.stop)
+        self.thread.join()
+        self.loop.close()
+        self.log.close()
+
+    async def end(self) -> None:
+        """On its loop: answer nobody any more, and leave nothing behind."""
+        await self.http.close()
+        tasks = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    def settle(self) -> None:
+        """It is known now whether there is anything to stop; any thread may say so."""
+        self.loop.call_soon_threadsafe(self.settled.set)
+
+    async def answer(self, request: Request) -> web.StreamResponse:
+        """What a request is answered."""
+        if request.method not in READING:
+            return await self.answer_stop(request)
+        address = address_of_line(request)
+        wait = self.visitors.enter(address)
+        if wait is None:
+            return text_response(429, "too many requests from one address")
+        try:
+            await asyncio.sleep(wait)
+            return await self.answer_visitor(request, address)
+        finally:
+            self.visitors.leave(address)
+
+    async def answer_stop(self, request: Request) -> web.Response:
+        """Carry out an emergency stop, or say why not. It waits for no turn."""
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(BEGINS):
+                await self.settled.wait()
+        if request.raw_path != EMERGENCY or self.stop is None:
+            return text_response(404, "there is nothing to stop here")
+        refused = self.front.refusal(request)
+        if refused is not None:
+            return refused
+        if request.headers.getall(MARK, []) != [WORD]:
+            return text_response(403, f"an emergency stop needs the header {MARK}: {WORD}")
+        self.stop(f"browser at {address_of_line(request)}")
+        return web.Response(status=204)
+
+    async def answer_visitor(self, request: Request, address: str) -> web.StreamResponse:
+        """What somebody is answered whose turn it is."""
+        path = self.front.path_of(request)
+        if path is None:
+            return text_response(404, "there is nothing here")
+        refused = self.front.refusal(request)
+        if refused is not None:
+            return refused
+        if is_websocket(request):
+            return await self.connect(request, address)
+        if path == ALIVE:
+            return self.front.routes[ALIVE](request)
+        if path in PAGES:
+            return self.front.serve_page(request)
+        if not await self.admission.admits(BEGINS):
+            return text_response(503, BEGINNING)
+        if path in self.front.routes:
+            return await self.on_visers_loop(self.front.routes[path], request)
+        return text_response(404, "there is nothing here")
+
+    async def on_visers_loop(self, answering: Answering, request: Request) -> web.Response:
+        """What a route answers, which is called where viser calls everything else of a page."""
+
+        async def answer() -> web.Response:
+            return answering(request)
+
+        return await asyncio.wrap_future(
+            asyncio.run_coroutine_threadsafe(answer(), self.viser_loop)
+        )
+
+    async def connect(self, request: Request, address: str) -> web.StreamResponse:
+        """Connect a page with viser when it is its turn."""
+        wait = self.visitors.page(address)
+        if wait is None:
+            refused = text_response(429, "too many pages from one address")
+            refused.headers["Retry-After"] = "10"
+            return refused
+        await asyncio.sleep(wait)
+        incoming = MessageFilter(
+            self.visitors.messages(address),
+            lambda why: self.log.line(f"a message from {address} is dropped: {why}"),
+            expected=self.renders.expects,
+            kinds=self.kinds,
+        )
+
+        def cut(why: str) -> None:
+            self.visitors.cut(address)
+            self.log.line(f"a browser at {address} is cut off: {why}")
+
+        return await relay(request, self.open_line, incoming, admission=self.admission, cut=cut)
+
+    async def open_line(self) -> ClientConnection:
+        """A line to viser: a pair of sockets, so that nobody else can reach it by any port."""
+        ours, theirs = socket.socketpair()
+        try:
+            for end in (ours, theirs):
+                end.setblocking(False)
+            handed = self.viser_loop.connect_accepted_socket(self.viser_protocol, theirs)
+            asyncio.run_coroutine_threadsafe(handed, self.viser_loop)
+            return await connect_viser("ws://viser/", sock=ours)
+        except BaseException:
+            ours.close()
+            theirs.close()
+            raise
+
+
+entrances: WeakKeyDictionary[viser.ViserServer, Entrance] = WeakKeyDictionary()
 """Of every server that is open."""
 
 
@@ -113,26 +277,24 @@ def open_server(
     use_loop_events()
     find_kinds_once()
     keep_icons_open()
-    entrance = ServerEntrance(front or Front(), kinds, ClientAddresses(limits=limits))
+    front = front or Front()
     sock = listening(host, port)
-    with starting, served_on(sock, entrance) as begun, quiet():
+    entrance = Entrance(sock, front, kinds, limits)
+    with starting, served_for(entrance, sock.dup()) as begun, quiet():
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
     drop_messages(server, UNWANTED)
     guard(server)
     accept_renders(server, entrance.renders)
-    loop = event_loop(server)
-    served = begun[-1]
-    inside = partial(loop.connect_accepted_socket, protocol_factory(served.server))
-    door = ConnectionAcceptor(sock, inside, loop, entrance.visitors, entrance.front.allow)
-    entrances[server] = OpenEntrance(**vars(entrance), served=served, door=door)
+    entrance.open(event_loop(server), protocol_factory(begun[0]))
+    entrances[server] = entrance
     return server
 
 
 def admit_browsers(server: viser.ViserServer) -> None:
     """Let browsers use what a server serves: the last step of whoever makes what it serves."""
     entrance = entrances[server]
-    entrance.served.admission.decide(True)
-    entrance.door.settled.set()
+    entrance.admission.decide(True)
+    entrance.settle()
 
 
 def front_of(server: viser.ViserServer) -> Front:
@@ -146,44 +308,24 @@ def renders_of(server: viser.ViserServer) -> Renders:
 
 
 def when_heard(server: viser.ViserServer, tell: Callable[[], None]) -> None:
-    """Have something told of, on the server's loop, soon after browsers have sent messages."""
+    """Have something told of, on viser's loop, soon after browsers have sent messages."""
     entrances[server].heard.tell = tell
 
 
-def stops(server: viser.ViserServer, stop: Callable[[str], None]) -> None:
-    """Have emergency stops carried out, on the door's thread; `stop` is told by whom."""
-    door = entrances[server].door
-    door.stop = stop
-    door.settled.set()
+def stops(server: viser.ViserServer, stop: Stop) -> None:
+    """Have emergency stops carried out, on the front's thread; `stop` is told by whom."""
+    entrance = entrances[server]
+    entrance.stop = stop
+    entrance.settle()
 
 
 def close_server(server: viser.ViserServer) -> None:
     """Stop a server without a word on standard output."""
     entrance = entrances.pop(server, None)
     if entrance is not None:
-        entrance.door.close()
-        admission = entrance.served.admission
-        admission.decide(False)
-        with contextlib.suppress(RuntimeError):  # the loop is closed, and nobody is there
-            admission.loop.call_soon_threadsafe(end_lines, entrance)
+        entrance.close()
     with starting, quiet():
         server.stop()
-    if entrance is not None:
-        entrance.log.close()
-
-
-def end_lines(entrance: OpenEntrance) -> None:
-    """On viser's loop: let all have read what they are told last, then end their lines.
-
-    websockets would wait until they go, and viser for that, 6 s in all: a client that keeps its
-    line open, or says no more, would hold up whoever closes a page.
-    """
-
-    def end() -> None:
-        for connection in list(entrance.served.server.handlers):
-            connection.transport.abort()
-
-    asyncio.get_running_loop().call_later(FAREWELL, end)
 
 
 @contextlib.contextmanager
@@ -197,69 +339,36 @@ def quiet() -> Iterator[None]:
         console.quiet = before
 
 
-def listening(host: str, port: int) -> socket.socket:
-    """A socket that is bound already, so that nobody can take the port in between."""
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    try:
-        return socket.create_server((host, port), family=family, backlog=BACKLOG)
-    except (OSError, OverflowError) as error:
-        number = getattr(error, "errno", None) or 0
-        said = str(getattr(error, "strerror", error)).partition(" (while")[0]
-        why = os.strerror(number) if number > 0 else said
-        raise InputError(
-            f"port {port} on {host} cannot be used: {why}; choose another with --port"
-        ) from None
-
-
 @contextlib.contextmanager
-def served_on(sock: socket.socket, entrance: ServerEntrance) -> Iterator[list[ServedWebsockets]]:
-    """Within it, viser serves on this socket what an entrance lets in.
+def served_for(entrance: Entrance, sock: socket.socket) -> Iterator[list[Any]]:
+    """Within it, a viser server that opens takes its lines from an entrance.
 
-    It takes no connections from the socket: they are brought in by the door. What is served is put
-    into the list once viser's loop has begun it.
+    It knows its address by the socket, on which it does not listen. The server of websockets that
+    makes its end of a line is put into the list.
     """
-    begun: list[ServedWebsockets] = []
-    front, log = entrance.front, entrance.log
-    own = {
-        name: getattr(entrance, name) for name in ("kinds", "visitors", "log", "renders", "heard")
-    }
+    begun: list[Any] = []
 
-    def serve_here(handler: Any, _host: str, _port: int, *, process_request: Any, **options: Any):
-        admission = Admission(asyncio.get_running_loop())
+    class NotingConnection(ServerConnection):
+        """Viser's end of a line, which tells that a message has come."""
 
-        async def answer(connection: Any, request: Request) -> Response | None:
-            early = front.loads_page(request.path) or is_websocket(request)
-            if not (early or await admission.admits(connection, BEGINS)):
-                return text_response(HTTPStatus.SERVICE_UNAVAILABLE, BEGINNING)
-            return front.answer(
-                request, lambda: process_request(connection, request), connection.method
-            )
+        async def recv(self, decode: bool | None = None) -> Any:
+            data = await super().recv(decode)
+            entrance.heard.note(self.loop)
+            return data
 
-        def finish(connection: Any, _request: Request, response: Response) -> None:
-            front.finish(response, connection.method)
-
-        log_failures(asyncio.get_running_loop(), log)
+    def serve_here(handler: Any, _host: str, _port: int, **options: Any) -> Any:
+        log_failures(asyncio.get_running_loop(), entrance.log)
         ours = {
             "sock": sock,
             "start_serving": False,
-            "max_size": LARGEST,
-            "create_connection": partial(Connection, **own, admission=admission),
-            "process_request": answer,
-            "process_response": finish,
-            "logger": logger(log),
+            "ping_interval": None,
+            "create_connection": NotingConnection,
+            "logger": logger(entrance.log),
         }
-        made = usual(partial(of_one_version, handler), **(options | ours))
-        begun.append(ServedWebsockets(admission, made.server))
+        made = serve(handler, **(options | ours))
+        begun.append(made.server)
         made.server.is_serving = lambda: made.server.close_task is None
         return made
 
-    with served_by(serve_here) as usual:
+    with served_by(serve_here) as serve:
         yield begun
-
-
-async def of_one_version(handler: Any, connection: Any) -> None:
-    """Tell a page of another version so, as viser does, but without a line on standard output."""
-    if connection.subprotocol == PROTOCOL:
-        await handler(connection)
-    else:
-        await connection.close(1002, f"Version mismatch. Server: {viser.__version__}")

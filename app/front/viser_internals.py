@@ -197,8 +197,9 @@ class UploadStates:
         self.server._websock_server.on_client_disconnect(leave)
 
 
-# The server of websockets. viser opens it itself, on the next free port and for any page; that ours
-# serves instead would be needless if viser took a socket, and a function that makes connections.
+# The server of websockets. viser opens it itself, on the next free port and for any page; that it
+# gets lines that our front has accepted would be needless if viser took a socket, or listened on
+# one that has a name in the file system.
 
 
 @contextlib.contextmanager

@@ -9,8 +9,7 @@ import pytest
 from websockets.exceptions import InvalidMessage
 
 from app.front.client_addresses import BEHIND_A_FRONT, TIMEOUT, USUAL, ClientAddresses
-from app.front.connection import ALL, DROPPED, TOO_MUCH
-from app.front.kinds import KINDS, LARGEST
+from app.front.message_filter import ALL, DROPPED, KINDS, LARGEST, TOO_MUCH
 from app.front.server import entrances
 from tests.attacks.raw import PROTOCOL, Raw, alone, quietly, said
 from tests.live.stand_in import CAMERA

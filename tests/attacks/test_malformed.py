@@ -8,9 +8,15 @@ import msgspec
 import pytest
 
 from app.front.client_addresses import RateLimit
-from app.front.connection import Messages
-from app.front.kinds import KINDS, UnusableMessage, demand_shape, kind_of, shape
 from app.front.log import MOST, PERIOD, Log
+from app.front.message_filter import (
+    KINDS,
+    MessageFilter,
+    UnusableMessage,
+    demand_shape,
+    kind_of,
+    shape,
+)
 from tests.attacks.raw import CONTINUED, TEXT, Raw, frame, said
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
@@ -113,7 +119,7 @@ def judge():
     def clock():
         return now[0]
 
-    made = Messages(RateLimit(1e9, 1e9, clock), complaints.append, clock)
+    made = MessageFilter(RateLimit(1e9, 1e9, clock), complaints.append, clock)
     return made, now, complaints
 
 
@@ -122,11 +128,11 @@ KEY = encode({"type": "CommandTriggerMessage", "uuid": "key"})
 
 def test_nothing_is_heard_of_a_browser_that_has_not_sent_its_camera(judge):
     messages, _, _ = judge
-    assert not messages.pass_on(KEY)
-    assert not messages.pass_on(encode({"type": "ViewerCameraMessage"}))
-    assert not messages.pass_on(KEY)
-    assert messages.pass_on(encode(CAMERA))
-    assert messages.pass_on(KEY)
+    assert not messages.accepts(KEY)
+    assert not messages.accepts(encode({"type": "ViewerCameraMessage"}))
+    assert not messages.accepts(KEY)
+    assert messages.accepts(encode(CAMERA))
+    assert messages.accepts(KEY)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -138,22 +144,23 @@ def test_every_kind_has_its_rate_limit_and_who_goes_on_is_to_be_ended(judge, kin
     limit.left = 2.0
     before = messages.dropped.left
     for _ in range(3):
-        messages.pass_on(empty)  # each is dropped; the first two as they have no shape
+        messages.accepts(empty)  # each is dropped; the first two as they have no shape
     assert limit.left < 1.0
     assert before - messages.dropped.left == 11.0
     now[0] += 1.0
     assert limit.fill() == pytest.approx(min(limit.most, limit.rate), rel=0.1)
     for _ in range(400):
-        messages.pass_on(empty)
+        messages.accepts(empty)
     assert messages.verdict
 
 
 def test_frames_and_bytes_are_counted_before_anything_is_decoded(judge):
     messages, _, complaints = judge
     for _ in range(1000):
-        messages.arrive(100)
+        messages.count_message()
+        messages.count_bytes(100)
     assert not messages.verdict
-    messages.arrive(100)
+    messages.count_message()
     assert messages.verdict
-    assert not messages.pass_on(encode(CAMERA))
+    assert not messages.accepts(encode(CAMERA))
     assert not complaints

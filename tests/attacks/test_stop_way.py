@@ -14,7 +14,6 @@ from http.client import HTTPConnection
 import pytest
 
 from app.front.client_addresses import USUAL
-from app.front.connection_acceptor import UNDECIDED
 from app.front.server import stops
 from app.live.control.arm import OperatorRequest
 from app.live.operating.loop_process import NumberedRequest, RequestForwarder
@@ -67,7 +66,7 @@ def test_it_comes_through_while_visers_thread_stands_still(server, stopped):
 
 
 def test_it_comes_through_while_every_place_is_taken(server, stopped, count):
-    silent = [alone(server.get_port()) for _ in range(UNDECIDED + USUAL.open_of_one)]
+    silent = [alone(server.get_port()) for _ in range(USUAL.silent + USUAL.open_of_one)]
     begun = [alone(server.get_port()) for _ in range(USUAL.open_of_one)]
     for line in begun:
         line.sendall(b"GET / HTTP/1.1\r\n")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.front.kinds import KINDS, KNOWN
+from app.front.message_filter import KINDS, KNOWN
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.run_preset import at_home
 from app.viewer.watching.watch_page import HEARD, WatchPage

@@ -15,10 +15,10 @@ from websockets.exceptions import InvalidHandshake
 
 from agents.flock import Flock
 from agents.spec import Spec
-from app.front.connection import HELD, Messages
+from app.front.message_filter import MessageFilter
 from app.front.page_front import Front
+from app.front.relay import HELD, Admission
 from app.front.server import admit_browsers, close_server, entrances, front_of, open_server, stops
-from app.front.waiting import Admission
 from app.live.laboratory.example import example
 from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory
@@ -232,16 +232,16 @@ def test_who_goes_before_the_page_is_whole_is_never_called(early):
 def judged(monkeypatch):
     """A clock that the test turns on, s, and a count of the messages that were judged by it."""
     now, count = [0.0], []
-    judge = Messages.pass_on
+    judge = MessageFilter.accepts
 
     def counted(self, data):
         found = judge(self, data)
         count.append(data)
         return found
 
-    monkeypatch.setattr(Messages, "pass_on", counted)
-    by_it = partial(Messages, clock=lambda: now[0])
-    monkeypatch.setattr("app.front.connection.Messages", by_it)
+    monkeypatch.setattr(MessageFilter, "accepts", counted)
+    by_it = partial(MessageFilter, clock=lambda: now[0])
+    monkeypatch.setattr("app.front.server.MessageFilter", by_it)
     return now, count
 
 

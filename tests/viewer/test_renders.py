@@ -11,8 +11,7 @@ from PIL import Image
 from viser import _messages as messages
 
 from app.front.client_addresses import RateLimit
-from app.front.connection import BYTES, Messages
-from app.front.kinds import RENDER
+from app.front.message_filter import BYTES, RENDER, MessageFilter
 from app.front.renders import GROUND, RenderCamera, Renders
 from worlds.input_error import InputError
 
@@ -101,14 +100,15 @@ def test_only_what_is_asked_for_comes_in_and_only_once():
 
     def answer(request):
         limits = RateLimit(1e9, 1e9), lambda _: None
-        line = Messages(*limits, lambda: 0.0, expected=renders.expects)
+        line = MessageFilter(*limits, lambda: 0.0, expected=renders.expects)
         line.introduced = True
         for name in ("unknown", request.render_uuid, request.render_uuid):
             data = msgspec.msgpack.encode(
                 {"type": RENDER, "payload": b"x" * 100_000, "render_uuid": name}
             )
-            line.arrive(len(data))
-            allowed.append(line.pass_on(data))
+            line.count_message()
+            line.count_bytes(len(data))
+            allowed.append(line.accepts(data))
         assert line.bytes.left == pytest.approx(BYTES[1] - 200_000, abs=1000)
         return b"", 3
 

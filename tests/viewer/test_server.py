@@ -12,7 +12,8 @@ import viser
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from app.front.server import UNWANTED, admit_browsers, close_server, listening, open_server
+from app.front.http_server import listening
+from app.front.server import UNWANTED, admit_browsers, close_server, open_server
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
 from worlds.input_error import InputError

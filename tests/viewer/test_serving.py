@@ -9,7 +9,6 @@ import re
 import socket
 import subprocess
 import sys
-from http import HTTPStatus
 
 import pytest
 import viser
@@ -23,8 +22,9 @@ from app.front.client_page import (
     unpacked,
     viser_page,
 )
+from app.front.http_server import text_response
 from app.front.origin import allowed
-from app.front.page_front import MOST, Front, leads_elsewhere, text_response
+from app.front.page_front import MOST, Front, leads_elsewhere
 from app.front.server import admit_browsers, close_server, open_server
 from tests.viewer.http_client import ask, tell, upgrade
 from worlds.input_error import InputError
@@ -33,7 +33,7 @@ from worlds.input_error import InputError
 @pytest.fixture(scope="module")
 def front():
     made = Front(scripts=("stop-key.js",))
-    made.route("/tick", lambda request: text_response(HTTPStatus.OK, f"7 {request.path}"))
+    made.route("/tick", lambda request: text_response(200, f"7 {request.raw_path}"))
     made.route("/broken", lambda _: 1 // 0)
     return made
 
@@ -70,7 +70,7 @@ ANSWERS = [
     ("/", {"Origin": "https://example.org"}, 403),
     ("/tick", {"Origin": "null"}, 403),
     ("/", {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "navigate"}, 403),
-    ("/", {"Upgrade": "websocket"}, 426),
+    ("/", {"Upgrade": "websocket"}, 400),
     ("/", {"Upgrade": "websocket", "Connection": "Upgrade"}, 400),
     ("/", {"Accept-Encoding": "gzip\r\nAccept-Encoding: br"}, 200),
     ("/", {"Host": "localhost\r\nHost: example.org"}, 400),
@@ -104,10 +104,13 @@ def test_a_websocket_has_them_too_and_only_our_own_pages_get_one(port):
     assert upgrade(port, f"http://localhost:{port}", path="/?websocket=ws://x").status == 400
 
 
-def test_what_is_no_http_is_not_answered_at_all(port):
+def test_what_is_no_http_is_told_so_without_a_word_of_it(port):
     small = f"get / HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode()
-    for request in (small, b"nonsense\r\n\r\n", b"GET / HTTP/2.0\r\n\r\n"):
-        assert tell(port, request) is None
+    unknown = small.replace(b"get", b"GETS")
+    for request in (small, unknown, b"nonsense\r\n\r\n"):
+        answer = tell(port, request)
+        assert (answer.status, answer.text) == (400, "this is no request\n")
+        assert answer.header("X-Frame-Options") == "DENY"
 
 
 @pytest.mark.parametrize("version", ["1.0", "1.1"])
@@ -115,7 +118,8 @@ def test_what_is_no_http_is_not_answered_at_all(port):
 @pytest.mark.parametrize("extra", [{}, {"Accept-Encoding": "gzip"}, {"Origin": "http://b.org"}])
 def test_head_gets_the_headers_of_get_and_no_body(port, path, version, extra):
     lines = "".join(f"{name}: {value}\r\n" for name, value in extra.items())
-    rest = f" {path} HTTP/{version}\r\nHost: localhost:{port}\r\n{lines}\r\n".encode()
+    rest = f" {path} HTTP/{version}\r\nHost: localhost:{port}\r\n{lines}Connection: close\r\n\r\n"
+    rest = rest.encode()
     got, head = tell(port, b"GET" + rest), tell(port, b"HEAD" + rest)
     for one in (got, head):
         one.headers.pop("date", None)
@@ -124,7 +128,7 @@ def test_head_gets_the_headers_of_get_and_no_body(port, path, version, extra):
     assert head.body == b""
 
 
-@pytest.mark.parametrize("method", ["OPTIONS", "DELETE", "PUT", "PATCH", "TRACE", "GETS", "HEADS"])
+@pytest.mark.parametrize("method", ["OPTIONS", "DELETE", "PUT", "PATCH", "TRACE", "PROPFIND"])
 def test_other_methods_are_told_which_are_answered(port, method):
     answer = ask(port, "/alive", method=method)
     assert answer.status == 405

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections import Counter
 from typing import Any
 from urllib.parse import parse_qsl
 
 from aiohttp import web
-from websockets.datastructures import Headers
-from websockets.http11 import Request
 
-from app.front.client_addresses import RateLimit, address_of
-from app.front.kinds import LARGEST
-from app.front.origin import AllowedHost
-from app.front.page_front import refusal
+from app.classroom.student import Student
+from app.front.client_addresses import ConnectionLimits, RateLimit
+from app.front.http_server import Request
+from app.front.message_filter import CAMERA, LARGEST, TOO_MUCH, UnusableMessage, kind_of
 from worlds.input_error import InputError
 
 # What one student's pages may send, however many they are.
@@ -31,7 +28,7 @@ MOST_STREAMS = 8
 leave theirs behind for a while."""
 MOST_AT_ONCE = 32
 """Requests of one student that are being answered: whoever reads no answer has it wait here."""
-FRAMES = (200.0, 400.0)
+MESSAGES = (200.0, 400.0)
 """Messages, a second and at once: a page that drags sends some 60."""
 BYTES = (256.0 * 1024, 1.5 * LARGEST)
 """Bytes of messages, a second and at once: a file that is opened comes at once."""
@@ -50,105 +47,64 @@ class StudentLimits:
     def __init__(self) -> None:
         self.requests = RateLimit(*REQUESTS)
         self.pages = RateLimit(*PAGES)
-        self.frames = RateLimit(*FRAMES)
+        self.messages = RateLimit(*MESSAGES)
         self.bytes = RateLimit(*BYTES)
         self.words = RateLimit(*WORDS)
         self.streams = self.going = 0
         """Lines that tell of the class, and requests that are being answered."""
 
 
-# The connections of a class: how many there are of each address, and which of them make room.
+class StudentMessages:
+    """What one page of a student, or of the teacher, may say; nobody else is held to a flock that
+    the teacher holds."""
 
-MOST = 2048
-"""Open connections in all: of a class of forty some two hundred."""
-MOST_OF_ONE = 1024
-"""Open connections of one address: a class behind one router has one."""
+    def __init__(self, limits: StudentLimits, student: Student | None = None):
+        self.limits = limits
+        self.student = student
+        self.verdict = ""
+
+    def count_bytes(self, size: int) -> None:
+        """Count bytes as they come in."""
+        if not self.limits.bytes.take(size):
+            self.verdict = TOO_MUCH
+
+    def count_message(self) -> None:
+        """Count a message or a ping."""
+        if not self.limits.messages.take():
+            self.verdict = TOO_MUCH
+
+    def accepts(self, data: bytes | str) -> bool:
+        """Whether the laboratory may have a message; of whoever is held, only the camera."""
+        if isinstance(data, str):
+            return False
+        if self.student is None or not self.student.frozen:
+            return True
+        try:
+            return kind_of(data) == CAMERA
+        except UnusableMessage:
+            return False
 
 
-class Connections:
-    """Counts them. One too many ends the one that has been silent longest, or itself.
+# How many lines there are of a class, of all and of one address.
 
-    Otherwise whoever opens many and says nothing would keep out all at the same address.
-    """
-
-    def __init__(self, server: web.Server):
-        self.server = server
-        self.open: dict[Any, str] = {}
-        self.idle: dict[Any, asyncio.Transport] = {}
-        """Those that nothing is asked on now, the longest first."""
-        self.of: Counter[str] = Counter()
-        self.made, self.lost = server.connection_made, server.connection_lost
-        server.connection_made = self.connection_made  # type: ignore[method-assign]
-        server.connection_lost = self.connection_lost  # type: ignore[method-assign]
-
-    def connection_made(self, handler: Any, transport: asyncio.Transport) -> None:
-        """Take a connection, or end it."""
-        self.made(handler, transport)
-        address = address_of(transport.get_extra_info("peername"))
-        if (len(self.open) >= MOST or self.of[address] >= MOST_OF_ONE) and not self.make_room(
-            address if self.of[address] >= MOST_OF_ONE else None
-        ):
-            transport.abort()
-            return
-        self.open[handler] = address
-        self.of[address] += 1
-        self.idle[handler] = transport
-
-    def make_room(self, address: str | None) -> bool:
-        """End one that is silent, of an address or of any; whether there was one."""
-        for handler, transport in self.idle.items():
-            if address is None or self.open[handler] == address:
-                self.forget(handler)
-                transport.abort()
-                return True
-        return False
-
-    def busy(self, handler: Any) -> None:
-        """Something is asked on a connection."""
-        self.idle.pop(handler, None)
-
-    def rest(self, handler: Any, transport: asyncio.Transport | None) -> None:
-        """It has been answered."""
-        if handler in self.open and transport is not None:
-            self.idle[handler] = transport
-
-    def connection_lost(self, handler: Any, exc: BaseException | None = None) -> None:
-        """A connection is gone."""
-        self.lost(handler, exc)
-        self.forget(handler)
-
-    def forget(self, handler: Any) -> None:
-        """Count a connection no more."""
-        self.idle.pop(handler, None)
-        address = self.open.pop(handler, None)
-        if address is not None:
-            self.of[address] -= 1
-            if not self.of[address]:
-                del self.of[address]
+LIMITS = ConnectionLimits(
+    silent=2048,
+    open=2048,
+    open_of_one=1024,
+    requests=(1000.0, 3000.0),
+)
+"""Of a class of forty there are some two hundred lines, all from one router."""
 
 
 MARK, WORD = "X-Flockscope", "class"
 """A header that no foreign page can send: a browser would ask first whether it may."""
-READING = ("GET", "HEAD")
-"""The methods that only read: HEAD is answered as GET is, without a body."""
-LARGEST_BODY = 64 * 1024
-"""Bytes of what a page sends by POST."""
 COMES = 10.0
 """Seconds that it may take to come."""
 FORM, FIELDS = "application/x-www-form-urlencoded", 8
 """How our forms are sent, and fields of one at most."""
 
 
-def refused(request: web.Request, allow: tuple[AllowedHost, ...]) -> web.Response | None:
-    """What a request gets that is not our own page's; None for one that may be answered."""
-    headers = Headers([(name, value) for name, value in request.headers.items()])
-    found = refusal(Request(request.raw_path, headers), allow)
-    if found is None:
-        return None
-    return web.Response(status=found.status_code, body=found.body, content_type="text/plain")
-
-
-async def text_of(request: web.Request) -> str:
+async def text_of(request: Request) -> str:
     """What was sent with a request, as text. Raises InputError, and HTTPRequestTimeout."""
     try:
         async with asyncio.timeout(COMES):
@@ -160,7 +116,7 @@ async def text_of(request: web.Request) -> str:
         raise InputError("what was sent is no text") from None
 
 
-async def form_of(request: web.Request) -> dict[str, str]:
+async def form_of(request: Request) -> dict[str, str]:
     """What a form of ours sends. Raises InputError."""
     if request.content_type != FORM:
         raise InputError("what was sent is no form")
@@ -170,7 +126,7 @@ async def form_of(request: web.Request) -> dict[str, str]:
         raise InputError("what was sent is no form") from None
 
 
-async def values_of(request: web.Request) -> dict[str, Any]:
+async def values_of(request: Request) -> dict[str, Any]:
     """What a page of ours sends, as JSON. Raises InputError, and HTTPForbidden for any other
     page."""
     if request.headers.getall(MARK, []) != [WORD]:

@@ -13,9 +13,10 @@ from app.classroom.class_keys import LONGEST, plain, same
 from app.classroom.classroom import Classroom
 from app.classroom.front.class_request import JOINS, STRANGERS, form_of
 from app.classroom.student import Student
-from app.front.client_addresses import RateLimit, address_of
+from app.front.client_addresses import RateLimit
 from app.front.client_page import font_face, hashed
-from app.front.page_front import POLICY, policy
+from app.front.http_server import POLICY, Request, address_of_line
+from app.front.page_front import policy
 from app.package_files import STATIC
 from worlds.input_error import InputError
 
@@ -72,16 +73,16 @@ class ClassEntrance:
         self.strangers: dict[str, RateLimit] = {}
         self.joins = RateLimit(*JOINS)
 
-    def is_teacher(self, request: web.Request) -> bool:
+    def is_teacher(self, request: Request) -> bool:
         """Whether the teacher asks."""
         return self.classroom.is_teacher(request.cookies.get(self.cookies["teacher"], ""))
 
-    def student_of(self, request: web.Request) -> Student | None:
+    def student_of(self, request: Request) -> Student | None:
         """The student who asks, if one does."""
         return self.classroom.student_of(request.cookies.get(self.cookies["student"], ""))
 
     def welcome(
-        self, request: web.Request, is_teacher: bool, is_student: bool
+        self, request: Request, is_teacher: bool, is_student: bool
     ) -> web.StreamResponse | None:
         """What somebody is answered at the address of the code or of a key; None at any other."""
         secret = request.path[1:]
@@ -105,7 +106,7 @@ class ClassEntrance:
         words = {"code": self.classroom.code, "title": self.classroom.title}
         return own(page.filled(**words, name=name, why=why), page, 400 if why else 200)
 
-    async def come_in(self, request: web.Request) -> web.StreamResponse:
+    async def come_in(self, request: Request) -> web.StreamResponse:
         """Take in who sends the code and a name, or the teacher's key. Raises InputError."""
         given = await form_of(request)
         if request.path == "/teach":
@@ -126,7 +127,7 @@ class ClassEntrance:
             return self.ask_name(given.get("name", "")[:60], str(refusal))
         return self.let_in(request, "student", cookie, "./")
 
-    def let_in(self, request: web.Request, who: str, cookie: str, to: str) -> web.Response:
+    def let_in(self, request: Request, who: str, cookie: str, to: str) -> web.Response:
         """Give somebody a cookie, and lead them on."""
         answer = web.Response(status=303, headers={"Location": to})
         answer.set_cookie(
@@ -140,12 +141,12 @@ class ClassEntrance:
         )
         return answer
 
-    def turn_away(self, request: web.Request) -> web.Response:
+    def turn_away(self, request: Request) -> web.Response:
         """What a stranger is answered."""
         self.limit_tries(request)
         return web.Response(status=403, text=STRANGER)
 
-    def limit_tries(self, request: web.Request) -> None:
+    def limit_tries(self, request: Request) -> None:
         """Bound how often strangers try."""
         if len(self.strangers) >= MOST_ADDRESSES:
             self.strangers = {
@@ -153,8 +154,7 @@ class ClassEntrance:
             }
             if len(self.strangers) >= MOST_ADDRESSES:
                 raise web.HTTPTooManyRequests(text="too many tries from too many addresses\n")
-        peer = request.transport and request.transport.get_extra_info("peername")
-        limit = self.strangers.setdefault(address_of(peer), RateLimit(*STRANGERS))
+        limit = self.strangers.setdefault(address_of_line(request), RateLimit(*STRANGERS))
         if not limit.take():
             raise web.HTTPTooManyRequests(text="too many tries from one address\n")
 

@@ -5,49 +5,57 @@ from __future__ import annotations
 import asyncio
 import re
 import secrets
-import ssl
 from collections import defaultdict
 from pathlib import Path
-from typing import Any
 
+import aiohttp
 from aiohttp import web
+from websockets.asyncio.client import ClientConnection
+from yarl import URL
 
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import TEACHER
 from app.classroom.front.class_request import (
-    LARGEST_BODY,
+    LIMITS,
     MOST_AT_ONCE,
     MOST_PAGES,
-    READING,
-    Connections,
     StudentLimits,
-    refused,
+    StudentMessages,
 )
 from app.classroom.front.entrance import ClassEntrance
-from app.classroom.front.relay import Ending, Relay, camera_alone
 from app.classroom.front.student_requests import StudentRequests
 from app.classroom.front.teacher_requests import TeacherRequests
 from app.classroom.student import LaboratoryAddress, Role, Student
-from app.front.client_page import ClientPage, client_page
-from app.front.log import Log, in_a_line, log_failures, logger
-from app.front.origin import AllowedHost, authority, elsewhere, here
-from app.front.page_front import CLOSED, FIXED, POLICY, policy
-from app.front.server import listening
+from app.front.client_addresses import ClientAddresses
+from app.front.client_page import client_page
+from app.front.http_server import (
+    READING,
+    HttpServer,
+    Request,
+    address_of_line,
+    is_websocket,
+    listening,
+    send,
+    tls,
+)
+from app.front.log import Log, log_failures
+from app.front.origin import AllowedHost, elsewhere, here
+from app.front.page_front import ALIVE, PAGES, page_response, refusal, websocket_addresses
+from app.front.relay import NOT_THERE, Ending, connect_viser, never, relay
 from app.viewer.lab.scene_requests import MARK, SCRIPTS
-from worlds.input_error import InputError
 
-IDLE = 20.0
-"""Seconds that a connection may be silent that has no request."""
-LINGERS = 2.0
-"""Seconds that more is taken of a request that has been refused, so that the refusal is read."""
-READS = 60.0
-"""Seconds in which an answer is to be read."""
 CHANGES_OVER = 3.0
 """Seconds that a page has to change over by itself, after which its connection is ended."""
-METHODS = (*READING, "POST")
+ANSWERS = 10.0
+"""Seconds for a laboratory to be reached."""
+MOST_ANSWER = 64 * 1024 * 1024
+"""Bytes of an answer that is passed on: films are some megabytes."""
+PASSED_ON = ("X-Flockscope", "Accept", "Range", "If-None-Match")
+"""Headers of a request that a laboratory is told."""
+BROUGHT_BACK = ("Content-Type", "Content-Disposition", "Content-Range", "Accept-Ranges", "ETag")
+"""Headers of its answer that the page is told."""
 PLAIN = re.compile(r"[\w./~-]+", re.ASCII)
 """The paths that a laboratory serves, none of which is encoded."""
-PAGES = ("/", "/index.html")
 STYLES = ("classroom/bar.css",)
 TEACHES = ("classroom/wall.js", "classroom/teacher.js")
 LEARNS = ("classroom/student.js",)
@@ -73,10 +81,12 @@ class ClassFront:
         self.sock = listening(host, port)
         self.port: int = self.sock.getsockname()[1]
         self.name = secrets.token_hex(8)
-        self.relay: Relay
+        self.session: aiohttp.ClientSession
+        self.visitors = ClientAddresses(limits=LIMITS)
         self.limits: dict[int, StudentLimits] = defaultdict(StudentLimits)
         self.entrance = ClassEntrance(classroom, self.port)
         self.log = Log()
+        self.http = HttpServer(self.sock, self.answer, LIMITS.silent, self.log, self.tls)
         self.student = StudentRequests(classroom)
         self.teacher = TeacherRequests(classroom, self.addresses(host))
 
@@ -91,31 +101,19 @@ class ClassFront:
 
     async def open(self) -> None:
         """Serve, until closed."""
-        self.relay = Relay()
         log_failures(asyncio.get_running_loop(), self.log)
-        app = web.Application(client_max_size=LARGEST_BODY, middlewares=[self.answer])
-        app.on_response_prepare.append(self.finish)
-        self.runner = web.AppRunner(
-            app,
-            access_log=None,
-            logger=logger(self.log),
-            keepalive_timeout=IDLE,
-            lingering_time=LINGERS,
-            handler_cancellation=True,
+        self.session = aiohttp.ClientSession(
+            timeout=aiohttp.ClientTimeout(total=None, connect=ANSWERS, sock_connect=ANSWERS),
+            connector=aiohttp.TCPConnector(limit=0),
             auto_decompress=False,
+            cookie_jar=aiohttp.DummyCookieJar(),
         )
-        await self.runner.setup()
-        server = self.runner.server
-        if server is None:
-            raise RuntimeError("aiohttp's runner has no server after its setup")
-        self.connections = Connections(server)
-        await web.SockSite(self.runner, self.sock, ssl_context=self.tls).start()
+        await self.http.open()
 
     async def close(self) -> None:
         """Serve no more."""
-        await self.relay.close()
-        self.runner._shutdown_timeout = 0.5
-        await self.runner.cleanup()
+        await self.session.close()
+        await self.http.close()
 
     @property
     def scheme(self) -> str:
@@ -133,69 +131,21 @@ class ClassFront:
         """What opens it once, for the browser that the command begins."""
         return f"{self.teachers_link.rpartition('/')[0]}/{self.classroom.first_key}"
 
-    async def finish(self, request: web.Request, response: web.StreamResponse) -> None:
-        """Give an answer, whoever made it, the headers that every one has."""
-        response.headers["Server"] = "flockscope"
-        for name, value in FIXED.items():
-            response.headers.setdefault(name, value)
-        response.headers.setdefault(POLICY, CLOSED)
-        if request.method == "HEAD" and isinstance(response, web.Response):
-            response.headers.setdefault("Content-Length", "0")  # which aiohttp says to GET alone
-
     # Who asks for what.
 
-    @web.middleware
-    async def answer(
-        self,
-        request: web.Request,
-        handler: Any,  # noqa: ARG002, what aiohttp would answer
-    ) -> web.StreamResponse:
-        """Everything that is asked."""
-        self.connections.busy(request.protocol)
+    async def answer(self, request: Request) -> web.StreamResponse:
+        """What a request is answered."""
+        address = address_of_line(request)
+        wait = self.visitors.enter(address)
+        if wait is None:
+            raise web.HTTPTooManyRequests(text="too many requests from one address\n")
         try:
-            response = await self.answer_whatever(request)
-            if response.status >= 400:
-                response.force_close()
-            await self.send(request, response)
+            await asyncio.sleep(wait)
+            return refusal(request, self.allow) or await self.answer_known(request)
         finally:
-            self.connections.rest(request.protocol, request.transport)
-        return response
+            self.visitors.leave(address)
 
-    async def answer_whatever(self, request: web.Request) -> web.StreamResponse:
-        """Everything that is asked, however it ends."""
-        try:
-            if request.method not in METHODS:
-                raise web.HTTPMethodNotAllowed(request.method, METHODS)
-            if not request.path.startswith("/"):
-                raise web.HTTPBadRequest(text="this is no address of a page\n")
-            return refused(request, self.allow) or await self.answer_known(request)
-        except InputError as refusal:
-            words = f"{refusal}\n".encode("utf-8", "replace")
-            return web.Response(status=400, body=words, content_type="text/plain", charset="utf-8")
-        except web.HTTPException as found:
-            headers = {
-                name: found.headers[name] for name in ("Location", "Allow") if name in found.headers
-            }
-            return web.Response(status=found.status, text=found.text, headers=headers)
-        except ConnectionError:
-            raise
-        except Exception as error:
-            self.log.line(f"what a browser asked for failed: {in_a_line(error)}")
-            return web.Response(status=500, text="this cannot be answered\n")
-
-    async def send(self, request: web.Request, response: web.StreamResponse) -> None:
-        """Send an answer, to who reads it."""
-        if not isinstance(response, web.Response):
-            return
-        try:
-            async with asyncio.timeout(READS):
-                await response.prepare(request)
-                await response.write_eof()
-        except TimeoutError:
-            if request.transport is not None:
-                request.transport.abort()
-
-    async def answer_known(self, request: web.Request) -> web.StreamResponse:
+    async def answer_known(self, request: Request) -> web.StreamResponse:
         """What is asked by whom we know; others are asked for the code."""
         classroom, path = self.classroom, request.path
         if classroom.is_over:
@@ -213,7 +163,7 @@ class ClassFront:
             return await self.answer_student(request, student)
         return self.entrance.turn_away(request)
 
-    async def answer_teacher(self, request: web.Request) -> web.StreamResponse:
+    async def answer_teacher(self, request: Request) -> web.StreamResponse:
         """What the teacher is answered."""
         limits = self.limits[TEACHER]
         if (found := await self.teacher.answer(request)) is not None:
@@ -229,7 +179,7 @@ class ClassFront:
             raise web.HTTPServiceUnavailable(text="your flock is just beginning\n")
         return await self.show(request, place, request.path, limits, TEACHES)
 
-    async def answer_student(self, request: web.Request, student: Student) -> web.StreamResponse:
+    async def answer_student(self, request: Request, student: Student) -> web.StreamResponse:
         """What a student is answered."""
         limits = self.limits[student.number]
         if not limits.requests.take():
@@ -241,27 +191,27 @@ class ClassFront:
         limits.going += 1
         try:
             response = await self.answer_page(request, student, limits)
-            await self.send(request, response)
+            await send(request, response)
         finally:
             limits.going -= 1
         return response
 
     async def answer_page(
-        self, request: web.Request, student: Student, limits: StudentLimits
+        self, request: Request, student: Student, limits: StudentLimits
     ) -> web.StreamResponse:
         """What a student's page is answered that asks for something else than a line."""
         if (found := await self.student.answer(request, student, limits)) is not None:
             return found
         if MARK in request.headers and student.frozen and student.role is Role.OWN:
             raise web.HTTPForbidden(text="your flock is held by the teacher\n")
-        if request.path in ("/alive", *PAGES):
+        if request.path in (ALIVE, *PAGES):
             place = None
         else:
             place = await self.classroom.place_of(student)
         return await self.show(request, place, request.path, limits, LEARNS)
 
     async def connect_student(
-        self, request: web.Request, student: Student, limits: StudentLimits
+        self, request: Request, student: Student, limits: StudentLimits
     ) -> web.StreamResponse:
         """A student's page connects with what it is shown."""
         place = await self.classroom.place_of(student)
@@ -269,13 +219,8 @@ class ClassFront:
             raise web.HTTPTooManyRequests(text="too many pages of one student at once\n")
         self.classroom.connect(student)
         try:
-            return await self.relay.connect(
-                request,
-                place,
-                limits,
-                lambda data: not student.frozen or camera_alone(data),
-                self.changed_over(student),
-            )
+            incoming = StudentMessages(limits, student)
+            return await self.connect(request, place, incoming, self.changed_over(student))
         finally:
             self.classroom.disconnect(student)
 
@@ -306,7 +251,7 @@ class ClassFront:
 
     async def show(
         self,
-        request: web.Request,
+        request: Request,
         place: LaboratoryAddress | None,
         path: str,
         limits: StudentLimits,
@@ -316,54 +261,49 @@ class ClassFront:
         if is_websocket(request):
             if place is None:
                 raise web.HTTPNotFound(text="there is no such page\n")
-            return await self.relay.connect(request, place, limits)
-        if path == "/alive":
+            return await self.connect(request, place, StudentMessages(limits))
+        if path == ALIVE:
             return web.Response(text=f"{self.name}\n")
         if request.method not in READING:
             raise web.HTTPMethodNotAllowed(request.method, READING)
         if path in PAGES:
-            return self.page(request, client_page((*SCRIPTS, *script), STYLES))
+            scheme = "ws" if self.tls is None else "wss"
+            addresses = websocket_addresses(request, self.allow, scheme=scheme)
+            return page_response(request, client_page((*SCRIPTS, *script), STYLES), addresses)
         if place is None or not PLAIN.fullmatch(path):
             raise web.HTTPNotFound(text="there is no such page\n")
         query = f"?{request.rel_url.raw_query_string}" if request.rel_url.raw_query_string else ""
-        return await self.relay.pass_on(request, place, path + query)
+        return await self.pass_on(request, place, path + query)
 
-    def page(self, request: web.Request, page: ClientPage) -> web.Response:
-        """viser's page, with what it may do."""
-        packed = "gzip" in request.headers.get("Accept-Encoding", "")
-        headers = {POLICY: policy(page.hashes, self.lines_of(request)), "Vary": "Accept-Encoding"}
-        if packed:
-            headers["Content-Encoding"] = "gzip"
-        return web.Response(
-            body=page.packed if packed else page.html,
-            content_type="text/html",
-            charset="utf-8",
-            headers=headers,
-        )
+    async def pass_on(self, request: Request, place: LaboratoryAddress, path: str) -> web.Response:
+        """What a laboratory answers to a request of a page's for `path`, with its query."""
+        headers = {
+            name: value for name in PASSED_ON if (value := request.headers.get(name)) is not None
+        }
+        url = URL(f"{place.address}{path}", encoded=True)
+        try:
+            async with self.session.get(url, headers=headers, allow_redirects=False) as answer:
+                body = await answer.content.read(MOST_ANSWER + 1)
+                while not answer.content.at_eof() and len(body) <= MOST_ANSWER:
+                    body += await answer.content.read(MOST_ANSWER + 1 - len(body))
+        except (aiohttp.ClientError, TimeoutError):
+            return web.Response(status=503, text=f"{NOT_THERE}\n")
+        if len(body) > MOST_ANSWER:
+            return web.Response(status=502, text="the answer is too large for a class\n")
+        brought = {name: answer.headers[name] for name in BROUGHT_BACK if name in answer.headers}
+        return web.Response(status=answer.status, body=body, headers=brought)
 
-    def lines_of(self, request: web.Request) -> tuple[str, ...]:
-        """Where a page that is served may open websockets, as its policy writes it."""
-        reached = authority(request.headers.get("Host"))
-        own = "ws" if self.tls is None else "wss"
-        named = [f"{scheme}://{one}" for one in self.allow for scheme in ("ws", "wss")]
-        found = dict.fromkeys((f"{own}://{reached}", *named))
-        return tuple(line for line in found if "[" not in line)
+    async def connect(
+        self,
+        request: Request,
+        place: LaboratoryAddress,
+        incoming: StudentMessages,
+        ends: Ending = never,
+    ) -> web.StreamResponse:
+        """Connect a page with a laboratory, until one of both goes or `ends` returns."""
+        address = place.address.replace("http:", "ws:", 1)
 
+        async def open_line() -> ClientConnection:
+            return await connect_viser(f"{address}/")
 
-def is_websocket(request: web.Request) -> bool:
-    """Whether a request wants to become a websocket."""
-    return request.headers.get("Upgrade", "").lower() == "websocket"
-
-
-def tls(certificate: Path, key: Path) -> ssl.SSLContext:
-    """What encrypts with a certificate. Raises InputError."""
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    context.minimum_version = ssl.TLSVersion.TLSv1_2
-    try:
-        context.load_cert_chain(certificate, key, password=lambda: "")  # else it would ask for it
-    except (OSError, ssl.SSLError) as error:
-        why = error.strerror or str(error)
-        raise InputError(
-            f"--certificate {str(certificate)!r} with --key {str(key)!r} cannot be used: {why}"
-        ) from None
-    return context
+        return await relay(request, open_line, incoming, ends, compress=True)

@@ -10,8 +10,9 @@ from typing import Any
 from aiohttp import web
 
 from app.classroom.classroom import Classroom
-from app.classroom.front.class_request import MOST_STREAMS, READING, StudentLimits, values_of
+from app.classroom.front.class_request import MOST_STREAMS, StudentLimits, values_of
 from app.classroom.student import Role, Student
+from app.front.http_server import READING, Request, secure
 
 # Tells a page what has changed, as it changes: events that a server sends.
 
@@ -22,13 +23,14 @@ ALIVE = 15.0
 
 
 async def stream(
-    request: web.Request, classroom: Classroom, told: Callable[[], Any]
+    request: Request, classroom: Classroom, told: Callable[[], Any]
 ) -> web.StreamResponse:
     """An answer without end: `told()` as JSON now, and whenever it has become another.
 
     It ends once it has said that the class is over, for all or for this page.
     """
     response = web.StreamResponse(headers={"Content-Type": "text/event-stream"})
+    secure(response.headers)
     await response.prepare(request)
     if request.method == "HEAD":
         return response
@@ -65,7 +67,7 @@ class StudentRequests:
         self.classroom = classroom
 
     async def answer(
-        self, request: web.Request, student: Student, limits: StudentLimits
+        self, request: Request, student: Student, limits: StudentLimits
     ) -> web.StreamResponse | None:
         """What a student is answered."""
         if request.path == "/class/mine" and request.method in READING:
@@ -82,7 +84,7 @@ class StudentRequests:
         return web.Response(text=await self.classroom.hand_in(student))
 
     async def listen(
-        self, request: web.Request, student: Student, limits: StudentLimits
+        self, request: Request, student: Student, limits: StudentLimits
     ) -> web.StreamResponse:
         """Tell a student's page of the class, as long as it listens."""
         if limits.streams >= MOST_STREAMS:

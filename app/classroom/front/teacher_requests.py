@@ -14,11 +14,11 @@ from aiohttp import web
 from app.classroom.class_keeper import state_of
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import TEACHER
-from app.classroom.front.class_request import READING, numbers_in, text_in, values_of
+from app.classroom.front.class_request import numbers_in, text_in, values_of
 from app.classroom.front.entrance import own_page
 from app.classroom.front.student_requests import stream
 from app.classroom.student import Role, Student
-from app.front.page_front import POLICY
+from app.front.http_server import POLICY, READING, Request
 from worlds.input_error import InputError
 
 Values = dict[str, Any]
@@ -58,7 +58,7 @@ class TeacherRequests:
             "end": self.end,
         }
 
-    async def answer(self, request: web.Request) -> web.StreamResponse | None:
+    async def answer(self, request: Request) -> web.StreamResponse | None:
         """What the teacher is answered."""
         path, get = request.path, request.method in READING
         if path == "/class" and get:
@@ -88,7 +88,7 @@ class TeacherRequests:
             return web.Response(text=await action(values))
         return None
 
-    def code(self, request: web.Request) -> bytes:
+    def code(self, request: Request) -> bytes:
         """The address on the wall as a QR code, SVG; behind a proxy only the page knows it."""
         at = request.query.get("at", "")
         if not re.fullmatch(

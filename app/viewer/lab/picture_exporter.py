@@ -6,7 +6,6 @@ through that connection.
 
 from __future__ import annotations
 
-import json
 import re
 import secrets
 import tempfile
@@ -14,19 +13,18 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from http import HTTPStatus
 from pathlib import Path
 from typing import Any, Protocol
 from urllib.parse import parse_qs
 
 import numpy as np
 import viser
+from aiohttp import web
 from PIL import Image
-from websockets.http11 import Request, Response
 
 from agents.catalogue import MODELS
 from app.front.client_addresses import RateLimit
-from app.front.page_front import content, text_response
+from app.front.http_server import Request, text_response
 from app.front.renders import MOST, RenderCamera
 from app.front.server import front_of, renders_of
 from app.viewer.panels.sending import ExportPermit
@@ -231,21 +229,19 @@ class PictureExporter:
                 if visit.filming is not None:
                     visit.filming.stop(is_wanted=False)
 
-    def answer(self, request: Request) -> Response:
+    def answer(self, request: Request) -> web.Response:
         """Do what is asked, and say how it stands."""
-        if request.headers.get_all(MARK) != [WORD]:
-            return text_response(
-                HTTPStatus.FORBIDDEN, f"pictures are asked for with {MARK}: {WORD}"
-            )
-        asked = {name: one[0] for name, one in parse_qs(request.path.partition("?")[2]).items()}
+        if request.headers.getall(MARK, []) != [WORD]:
+            return text_response(403, f"pictures are asked for with {MARK}: {WORD}")
+        asked = {name: one[0] for name, one in parse_qs(request.raw_path.partition("?")[2]).items()}
         visit = self.visits.get(asked.get("me", ""))
         if visit is None:
-            return text_response(HTTPStatus.FORBIDDEN, "this page is not connected")
+            return text_response(403, "this page is not connected")
         try:
             self.do(visit, asked)
         except InputError as refusal:
-            return text_response(HTTPStatus.BAD_REQUEST, str(refusal))
-        return content(json.dumps(self.told(visit)).encode(), "application/json")
+            return text_response(400, str(refusal))
+        return web.json_response(self.told(visit))
 
     def do(self, visit: ExportClient, asked: dict[str, str]) -> None:
         """What a page asks for. Raises InputError."""

@@ -7,13 +7,13 @@ import threading
 from collections.abc import Callable
 from dataclasses import asdict
 from functools import lru_cache
-from http import HTTPStatus
 from typing import Protocol
 from urllib.parse import parse_qs, quote
 
-from websockets.http11 import Request, Response
+from aiohttp import web
 
-from app.front.page_front import Answering, Front, content, text_response
+from app.front.http_server import Request, text_response
+from app.front.page_front import Answering, Front
 from app.viewer.gallery.saved_scene import SavedScene, command_line, packed, python
 from app.viewer.gallery.scene_collection import GalleryCard, cards, find_scene, pictures
 from worlds.input_error import InputError
@@ -38,7 +38,7 @@ class SceneOpener(Protocol):
 
 def pictured(picture: bytes) -> Answering:
     """What answers with a picture."""
-    return lambda _: content(picture, "image/webp")
+    return lambda _: web.Response(body=picture, content_type="image/webp")
 
 
 @lru_cache(maxsize=1)
@@ -54,7 +54,7 @@ class SceneRequests:
         self.laboratory = laboratory
         self.opening = threading.Lock()
         shown = listed(cards())
-        front.route(GALLERY, lambda _: content(shown, JSON))
+        front.route(GALLERY, lambda _: web.Response(body=shown, content_type=JSON))
         self.front = front
         self.opens(OPEN, lambda asked: find_scene(asked.get("scene", [""])[0]))
         front.route(TAKE, self.take)
@@ -65,31 +65,29 @@ class SceneRequests:
         """Have requests of a path open the scene that is found for what they ask."""
         self.front.route(path, lambda request: self.open(request, find))
 
-    def open(self, request: Request, find: Finding) -> Response:
+    def open(self, request: Request, find: Finding) -> web.Response:
         """Open the scene that is asked for, and only if it says `sure` where others watch too.
 
         `new`: it is asked by a page that has yet to connect.
         """
-        if request.headers.get_all(MARK) != [WORD]:
-            return text_response(
-                HTTPStatus.FORBIDDEN, f"scenes are opened with the header {MARK}: {WORD}"
-            )
-        asked = parse_qs(request.path.partition("?")[2])
+        if request.headers.getall(MARK, []) != [WORD]:
+            return text_response(403, f"scenes are opened with the header {MARK}: {WORD}")
+        asked = parse_qs(request.raw_path.partition("?")[2])
         if not self.opening.acquire(blocking=False):
-            return text_response(HTTPStatus.TOO_MANY_REQUESTS, "another scene is being opened")
+            return text_response(429, "another scene is being opened")
         try:
             scene = find(asked)
             others = self.laboratory.browsers() > ("new" not in asked)
             if "sure" in asked or not others:
                 self.laboratory.open(scene)
             asks = others and "sure" not in asked
-            return content(json.dumps({"title": scene.title, "asks": asks}).encode(), JSON)
+            return web.json_response({"title": scene.title, "asks": asks})
         except InputError as refusal:
-            return text_response(HTTPStatus.BAD_REQUEST, str(refusal))
+            return text_response(400, str(refusal))
         finally:
             self.opening.release()
 
-    def take(self, _: Request) -> Response:
+    def take(self, _: Request) -> web.Response:
         """The run as it is now, in all the ways in which it can be taken along."""
         scene = self.laboratory.now()
         try:
@@ -102,4 +100,4 @@ class SceneRequests:
             "command": command_line(scene),
             "python": python(scene),
         }
-        return content(json.dumps(said).encode(), JSON)
+        return web.json_response(said)

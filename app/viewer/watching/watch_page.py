@@ -16,7 +16,7 @@ import viser
 from agents.catalogue import MODELS
 from agents.models.declare import DeclaredParameter, declared
 from app.front.client_addresses import USUAL, ConnectionLimits
-from app.front.kinds import CAMERA, Kind
+from app.front.message_filter import CAMERA, Kind
 from app.front.origin import here
 from app.front.page_front import Front
 from app.front.server import admit_browsers, close_server, open_server, when_heard

@@ -14,16 +14,15 @@ import time
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from http import HTTPStatus
 from pathlib import Path
 from typing import Protocol
 from urllib.parse import parse_qs
 
-from websockets.http11 import Request, Response
+from aiohttp import web
 
 from agents.catalogue import FILES, MODELS
 from agents.observables.catalogue import OBSERVABLES
-from app.front.page_front import text_response
+from app.front.http_server import Request, text_response
 from app.studies.key_lines import KeyLocations
 from app.studies.runs.database import FILE
 from app.studies.runs.store import is_taken
@@ -410,16 +409,16 @@ class SweepRequestHandler:
         scenes.front.route(OVER, self.over)
         scenes.opens(RUN, self.run)
 
-    def over(self, request: Request) -> Response:
+    def over(self, request: Request) -> web.Response:
         """Have the form begin with a parameter."""
-        if request.headers.get_all(MARK) != [WORD]:
-            return text_response(HTTPStatus.FORBIDDEN, f"sweeps are asked for with {MARK}: {WORD}")
-        asked = parse_qs(request.path.partition("?")[2])
+        if request.headers.getall(MARK, []) != [WORD]:
+            return text_response(403, f"sweeps are asked for with {MARK}: {WORD}")
+        asked = parse_qs(request.raw_path.partition("?")[2])
         try:
             self.form.sweep_over(asked.get("name", [""])[0])
         except InputError as refusal:
-            return text_response(HTTPStatus.BAD_REQUEST, str(refusal))
-        return text_response(HTTPStatus.OK, "chosen")
+            return text_response(400, str(refusal))
+        return text_response(200, "chosen")
 
     def run(self, asked: dict[str, list[str]]) -> SavedScene:
         """The run of a cell of a sweep that is listed. Raises InputError."""
@@ -432,7 +431,7 @@ class SweepRequestHandler:
 def refuse_sweeps(scenes: SceneRequests) -> None:
     """Refuse what pages ask of sweeps where there are none."""
     for path in (OVER, RUN):
-        scenes.front.route(path, lambda _: text_response(HTTPStatus.FORBIDDEN, NONE))
+        scenes.front.route(path, lambda _: text_response(403, NONE))
 
 
 def whole_number(name: str, text: str) -> int:

@@ -1,16 +1,21 @@
-"""The kinds of messages that a laboratory hears: how often, how long, and of what shape."""
+"""Which messages of a browser reach viser: their kinds, how often, how long, and of what shape.
+
+They are looked at before viser decodes them.
+"""
 
 from __future__ import annotations
 
 import math
+import time
 import types
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields
 from functools import cache
 from typing import Any, Union, get_args, get_origin
 
 import msgspec
 
+from app.front.client_addresses import RateLimit
 from app.front.viser_internals import message_class, message_hints, message_kinds
 
 LONGEST = 16 * 1024
@@ -124,3 +129,94 @@ def finite(value: Any) -> bool:
     if isinstance(value, tuple | list):
         return all(map(finite, value))
     return isinstance(value, Mapping) or not isinstance(value, int) or abs(value) < 2**53
+
+
+# Which messages of one browser are passed on.
+
+ALL = (500.0, 1000.0)
+"""Messages and pings, a second and at once; more ends a connection."""
+BYTES = (1024.0 * 1024, 2.0 * LARGEST)
+"""Bytes, a second and at once; more ends a connection."""
+DROPPED = (30.0, 300.0)
+"""Messages that are dropped, a second and at once; more ends a connection."""
+UNUSABLE = 5.0
+"""As many dropped messages does one count that nobody can use."""
+TOO_MUCH = "more messages than anybody can mean"
+
+
+class MessageFilter:
+    """Decides which messages of one browser are passed on to viser; used by the front's thread.
+
+    `shared` is a limit that all connections of an address have in common; `log` gets a line for a
+    message that nobody can use; `expected` knows the answers that were asked for; `kinds` are the
+    kinds that may be passed on.
+    """
+
+    def __init__(
+        self,
+        shared: RateLimit,
+        log: Callable[[str], None],
+        clock: Callable[[], float] = time.monotonic,
+        expected: Callable[[bytes], bool] = lambda _: False,
+        kinds: Mapping[str, Kind] = KINDS,
+    ):
+        self.shared = shared
+        self.expected = expected
+        self.log = log
+        self.messages = RateLimit(*ALL, clock)
+        self.bytes = RateLimit(*BYTES, clock)
+        self.dropped = RateLimit(*DROPPED, clock)
+        self.kinds = {name: RateLimit(kind.rate, kind.most, clock) for name, kind in kinds.items()}
+        self.introduced = False
+        """Whether the browser has sent its camera."""
+        self.verdict = ""
+        """Why the connection is to be ended; empty: it is not."""
+
+    def count_bytes(self, size: int) -> None:
+        """Count bytes as they come in, whether they are a whole message yet or not."""
+        if not self.bytes.take(size):
+            self.verdict = self.verdict or TOO_MUCH
+
+    def count_message(self) -> None:
+        """Count a message or a ping."""
+        if not self.messages.take():
+            self.verdict = self.verdict or TOO_MUCH
+
+    def accepts(self, data: bytes | str) -> bool:
+        """Whether viser may have a message."""
+        if self.verdict:
+            return False
+        try:
+            return self.judge(data)
+        except UnusableMessage as why:
+            self.log(str(why))
+            self.drop(UNUSABLE)
+            return False
+
+    def judge(self, data: bytes | str) -> bool:
+        """Whether a message is allowed now. Raises Unusable."""
+        if isinstance(data, str):
+            raise UnusableMessage("it is text")
+        kind = kind_of(data)
+        limit = self.kinds.get(kind)
+        if limit is None:
+            if kind not in KNOWN:
+                raise UnusableMessage("it is of no kind that there is")
+            return self.drop()
+        if not (self.introduced or kind == CAMERA):
+            return self.drop()
+        if not (limit.take() and self.shared.take()):
+            return self.drop()
+        demand_shape(kind, data)
+        if kind == RENDER:
+            if not self.expected(data):
+                return self.drop()
+            self.bytes.give_back(len(data))  # we asked for them
+        self.introduced = True
+        return True
+
+    def drop(self, cost: float = 1.0) -> bool:
+        """Count a message that is not passed on; a connection that goes on so is to be ended."""
+        if not self.dropped.take(cost):
+            self.verdict = self.verdict or TOO_MUCH
+        return False
