@@ -28,7 +28,7 @@ class Proxy(SideServer):
             task.cancel()
 
     async def passed_on(self, near: asyncio.StreamReader, back: asyncio.StreamWriter) -> None:
-        """One connection; the inner server ends it after each answer but a websocket."""
+        """One connection, which the inner server is asked to end after the answer."""
         with suppress(OSError, asyncio.IncompleteReadError, asyncio.CancelledError):
             head = (await near.readuntil(b"\r\n\r\n")).decode("latin-1").split("\r\n")
             if not head[0].startswith(f"GET {PREFIX}"):
@@ -37,6 +37,9 @@ class Proxy(SideServer):
                 return
             path = head[0].removeprefix(f"GET {PREFIX}")
             head[0] = f"GET {path if path.startswith('/') else '/' + path}"
+            if not any(one.lower().startswith("upgrade:") for one in head):
+                rest = [one for one in head[1:] if not one.lower().startswith("connection:")]
+                head = [head[0], "Connection: close", *rest]
             if self.host is not None:
                 rest = [one for one in head if not one.lower().startswith("host:")]
                 head = [rest[0], f"Host: {self.host}", *rest[1:]]
