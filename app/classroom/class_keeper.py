@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from app.classroom.class_file import ClassState, SavedStudent, load
-from app.classroom.class_keys import new_code, plain
+from app.classroom.class_keys import new_code, normalise_code
 from app.classroom.classroom import Classroom
 from app.classroom.student import Student
 from app.viewer.gallery.saved_scene import SavedScene
@@ -41,7 +41,7 @@ def state_of(classroom: Classroom) -> ClassState:
     )
 
 
-def restored(path: Path, workers: int, results: Path) -> Classroom:
+def restore_class(path: Path, workers: int, results: Path) -> Classroom:
     """The class of a file, with those who are in it. Raises InputError."""
     state = load(path)
     classroom = Classroom(state.scene, state.seats, workers, results)
@@ -72,7 +72,7 @@ def read_keys(path: Path) -> dict[str, Any]:
             said = json.loads(file.read(LARGEST))
         students, teachers = said["students"], said["teachers"]
         sound = all(map(is_hash, (*students.values(), *teachers)))
-        if not sound or plain(said["code"]) != said["code"]:
+        if not sound or normalise_code(said["code"]) != said["code"]:
             raise ValueError
     except FileNotFoundError:
         return {}

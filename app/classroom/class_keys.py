@@ -29,10 +29,10 @@ def new_code() -> str:
     return "-".join(made)
 
 
-def plain(code: str) -> str:
+def normalise_code(code: str) -> str:
     """A code as somebody may have typed it.
 
-    >>> plain(" K7M2P 9XQ4T ")
+    >>> normalise_code(" K7M2P 9XQ4T ")
     'k7m2p-9xq4t'
     """
     letters = "".join(one for one in code[: 2 * LONGEST].lower() if one.isalnum())
@@ -44,11 +44,11 @@ def new_key() -> str:
     return secrets.token_urlsafe(24)
 
 
-def hashed(key: str) -> str:
+def hash_key(key: str) -> str:
     """What is kept of a cookie."""
     return hashlib.sha256(key.encode("utf-8", "surrogatepass")).hexdigest()
 
 
-def same(one: str, other: str) -> bool:
+def is_same_text(one: str, other: str) -> bool:
     """Whether two are the same, in a time that tells nothing."""
     return hmac.compare_digest(one.encode("utf-8", "surrogatepass"), other.encode())

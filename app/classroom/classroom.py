@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from app.classroom.class_keys import hashed, new_code, new_key, same
+from app.classroom.class_keys import hash_key, is_same_text, new_code, new_key
 from app.classroom.flocks import Flocks, allowance
 from app.classroom.question_service import QuestionService
 from app.classroom.student import LaboratoryAddress, Role, Student, student_name, unique_name
@@ -102,7 +102,7 @@ class Classroom:
         InputError."""
         if self.is_over:
             raise InputError("this class is over")
-        if not same(code, self.code):
+        if not is_same_text(code, self.code):
             raise InputError("this is not the code of the class: look at the wall again")
         self.free_seats()
         chosen = student_name(name)
@@ -121,7 +121,7 @@ class Classroom:
     def give_key(self, student: Student) -> str:
         """A cookie for a student who has none."""
         cookie = new_key()
-        student.key = hashed(cookie)
+        student.key = hash_key(cookie)
         self.by_key[student.key] = student
         self.tell()
         return cookie
@@ -145,25 +145,25 @@ class Classroom:
 
     def student_of(self, cookie: str) -> Student | None:
         """Whose cookie it is."""
-        return self.by_key.get(hashed(cookie)) if cookie else None
+        return self.by_key.get(hash_key(cookie)) if cookie else None
 
     def admit_teacher(self, key: str) -> str:
         """A cookie for who has the teacher's key. Raises InputError."""
         if not self.is_key(key):
             raise InputError("this is not the teacher's key")
-        if not same(key, self.key):
+        if not is_same_text(key, self.key):
             self.first_key = ""
         cookie = new_key()
-        self.teachers.add(hashed(cookie))
+        self.teachers.add(hash_key(cookie))
         return cookie
 
     def is_key(self, key: str) -> bool:
         """Whether it opens the teacher's page."""
-        return bool(key) and (same(key, self.key) | same(key, self.first_key))
+        return bool(key) and (is_same_text(key, self.key) | is_same_text(key, self.first_key))
 
     def is_teacher(self, cookie: str) -> bool:
         """Whether it is a cookie of the teacher's."""
-        return bool(cookie) and hashed(cookie) in self.teachers
+        return bool(cookie) and hash_key(cookie) in self.teachers
 
     def renew(self) -> None:
         """Give the class another code; who is in it stays."""

@@ -40,34 +40,34 @@ def student_name(text: object) -> str:
     ('Ada Lovelace', 'Zoë')
     """
     if not isinstance(text, str) or len(text) > MOST_GIVEN:
-        raise InputError(f"name = {shortened(text)} is not allowed: {allowed()}")
+        raise InputError(f"name = {shortened(text)} is not allowed: {describe_name_rules()}")
     try:
         text.encode("utf-8")
     except UnicodeEncodeError:
-        raise refused(text, "half of a character is in it") from None
+        raise name_error(text, "half of a character is in it") from None
     blank = "".join(" " if unicodedata.category(one) in BLANK else one for one in text)
     name = " ".join(unicodedata.normalize("NFC", blank).split(" ")).strip()
     name = re.sub(" +", " ", name)
     if not 1 <= len(name) <= MOST_LETTERS:
-        raise refused(text, allowed())
+        raise name_error(text, describe_name_rules())
     for one in name:
         if unicodedata.category(one) in HIDDEN or one in INVISIBLE:
-            raise refused(text, f"U+{ord(one):04X} in it is no character that can be seen")
+            raise name_error(text, f"U+{ord(one):04X} in it is no character that can be seen")
     if is_mark(name[0]) or not any(map(is_letter, name)):
-        raise refused(text, "a letter or a figure is needed")
+        raise name_error(text, "a letter or a figure is needed")
     if any(all(map(is_mark, name[k : k + MOST_MARKS + 1])) for k in range(len(name) - MOST_MARKS)):
-        raise refused(text, f"at most {MOST_MARKS} marks are set on a letter")
+        raise name_error(text, f"at most {MOST_MARKS} marks are set on a letter")
     if unicodedata.normalize("NFKC", name)[0] in FORMULA:
-        raise refused(text, "it begins as a formula of a spreadsheet does")
+        raise name_error(text, "it begins as a formula of a spreadsheet does")
     return name
 
 
-def allowed() -> str:
+def describe_name_rules() -> str:
     """How long a name may be, in words."""
     return f"1 to {MOST_LETTERS} characters are needed"
 
 
-def refused(text: str, why: str) -> InputError:
+def name_error(text: str, why: str) -> InputError:
     """The refusal of a name, which shows nothing of it that cannot be shown."""
     return InputError(f"name = {text[:MOST_LETTERS]!a} is not allowed: {why}")
 

@@ -14,7 +14,7 @@ import typer
 from app.cli.file_argument import is_file
 from app.cli.progress import StopSignals, leave
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port
-from app.front.origin import LOOPBACK, allowed
+from app.front.origin import LOOPBACK, parse_allowed_host
 from app.results_folder import RESULTS
 from app.studies.workers.processes import cores
 from worlds.file_writer import demand_writable
@@ -75,7 +75,7 @@ def classroom(
     if out is not None and str(out) != scene:
         demand_writable("class", path, False)
     pair = None if certificate is None or key is None else (certificate, key)
-    names = tuple(allowed(name) for name in allow_host or ())
+    names = tuple(parse_allowed_host(name) for name in allow_host or ())
     from app.classroom.class_keeper import ClassKeeper
     from app.classroom.front.serving import ClassFront
 
@@ -89,7 +89,7 @@ def classroom(
 
 def open_class(name: str | None, seats: int, workers: int) -> Classroom:
     """The class of a lesson, a scene or a file. Raises InputError."""
-    from app.classroom.class_keeper import restored
+    from app.classroom.class_keeper import restore_class
     from app.classroom.classroom import Classroom
     from app.classroom.lessons.lessons import FIRST, find_lesson
     from app.viewer.gallery.file_opener import opened_file
@@ -97,7 +97,7 @@ def open_class(name: str | None, seats: int, workers: int) -> Classroom:
 
     name = name or FIRST
     if name.endswith(FILE):
-        return restored(Path(name), workers, RESULTS)
+        return restore_class(Path(name), workers, RESULTS)
     scene = opened_file(name) if is_file(name) else find_lesson(name)
     if not isinstance(scene, SavedScene):
         raise InputError(f"{name} is no scene: a class begins with a scene or a spec (TOML)")

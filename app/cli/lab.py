@@ -18,7 +18,7 @@ from app.cli.progress import StopSignals, leave
 from app.cli.run_arguments import Asked, demand_parameters, option_name, requested_run, with_options
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.usage import Rules, by_name, first_of
-from app.front.origin import allowed
+from app.front.origin import parse_allowed_host
 from app.settings import assignment
 from app.viewer.run.run_preset import at_home
 from worlds.input_error import InputError
@@ -70,12 +70,12 @@ def lab(
     open_browser: OpenBrowser = True,
 ) -> None:
     """Open the laboratory: watch a flock in the browser, steer it and measure it."""
-    from app.front.origin import here
+    from app.front.origin import local_address
     from app.front.page_front import Front
     from app.front.server import close_server, open_server
     from app.viewer.lab.scene_requests import SCRIPTS
 
-    names = tuple(allowed(name) for name in allow_host or ())
+    names = tuple(parse_allowed_host(name) for name in allow_host or ())
     model = first_of(model, rule)
     file, model = (model, None) if is_file(model) else (None, model)
     opened = opened_by(file, scene, model, beside, asked, set)
@@ -95,7 +95,7 @@ def lab(
         server = open_server(host, port, Front(SCRIPTS, names))
         try:  # the page is served, and loads in the browser, before what takes long to import
             if open_browser:
-                webbrowser.open(here(host, server.get_port()))
+                webbrowser.open(local_address(host, server.get_port()))
             from agents.flock import Flock
             from app.viewer.lab.laboratory import Laboratory
             from app.viewer.run.paired_run import companion

@@ -39,10 +39,10 @@ AllowHost = Annotated[
 
 def announce(host: str, port: int, leaving: str, whoever: str) -> None:
     """Say where the page is; `whoever`: what anyone in the network can do, if they reach it."""
-    from app.front.origin import elsewhere, here
+    from app.front.origin import local_address, network_addresses
 
-    typer.echo(f"flockscope is at {here(host, port)} ({leaving})")
-    others = elsewhere(host, port)
+    typer.echo(f"flockscope is at {local_address(host, port)} ({leaving})")
+    others = network_addresses(host, port)
     if others:
         typer.echo(f"from other machines at {' or '.join(others)}")
         typer.echo(f"warning: --host {host} lets anyone in the network {whoever}", err=True)

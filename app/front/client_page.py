@@ -66,14 +66,16 @@ def client_page(scripts: tuple[str, ...], styles: tuple[str, ...] = ()) -> Clien
     head, found, rest = html.partition("<head>")
     loaders = Scripts.of(html)
     if not found or len(loaders) != 1:
-        raise unknown(f"{len(loaders)} scripts in it")
+        raise unknown_page(f"{len(loaders)} scripts in it")
     attributes, loader = loaders[0]
-    client = unpacked(attributes)
+    client = unpack_client(attributes)
     texts = [*(text.encode() for text in own), loader.encode(), client]
     style = font_face() + "".join((STATIC / name).read_text("utf-8") for name in (*STYLES, *styles))
     added = "".join((*(f"<script>{text}</script>" for text in own), f"<style>{style}</style>"))
     page = (head + found + added + rest).encode()
-    return ClientPage(page, gzip.compress(page, mtime=0), tuple(hashed(text) for text in texts))
+    return ClientPage(
+        page, gzip.compress(page, mtime=0), tuple(script_hash(text) for text in texts)
+    )
 
 
 def font_face() -> str:
@@ -90,19 +92,19 @@ def viser_page() -> str:
     return PAGE.read_text("utf-8")
 
 
-def hashed(script: bytes) -> str:
+def script_hash(script: bytes) -> str:
     """The hash of a script, as a Content-Security-Policy writes it."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(script).digest()).decode()}'"
 
 
-def unpacked(attributes: dict[str, str]) -> bytes:
+def unpack_client(attributes: dict[str, str]) -> bytes:
     """The client that the loader makes of its attributes. Raises InputError."""
     try:
         styles, code = int(attributes["data-ss"]), int(attributes["data-cs"])
         packed = from_base88(attributes["data-p"])
         plain = zstandard.ZstdDecompressor().decompress(packed, max_output_size=styles + code)
     except (KeyError, ValueError, zstandard.ZstdError) as error:
-        raise unknown(f"its client cannot be unpacked: {error}") from None
+        raise unknown_page(f"its client cannot be unpacked: {error}") from None
     return plain[styles:]
 
 
@@ -126,7 +128,7 @@ def from_base88(text: str) -> bytes:
     return start + last.to_bytes(BYTES, "big")[BYTES + 1 - len(left) :]
 
 
-def unknown(why: str) -> InputError:
+def unknown_page(why: str) -> InputError:
     """What is said of a page of viser's that is not built as it was."""
     return InputError(f"the page of viser {viser.__version__} is not one that can be served: {why}")
 

@@ -19,10 +19,10 @@ class UnusableError(ValueError):
     """A value that cannot even be clamped: the wrong type, NaN, or an unknown choice."""
 
 
-def within(value: Any, low: float | None, high: float | None, kind: type = float) -> Any:
+def clamp_number(value: Any, low: float | None, high: float | None, kind: type = float) -> Any:
     """A number clamped to [low, high], as `kind`. Raises UnusableError for what is no number.
 
-    >>> within(7, 0.0, 6.28), within(-3.7, 1, 100, int)
+    >>> clamp_number(7, 0.0, 6.28), clamp_number(-3.7, 1, 100, int)
     (6.28, 1)
     """
     if isinstance(value, bool) or not isinstance(value, int | float) or value != value:
@@ -39,7 +39,7 @@ def within(value: Any, low: float | None, high: float | None, kind: type = float
         raise UnusableError("the number is too large") from None
 
 
-def one_of(value: Any, choices: tuple[str, ...]) -> str:
+def offered_choice(value: Any, choices: tuple[str, ...]) -> str:
     """A choice that is offered. Raises UnusableError for any other."""
     if not isinstance(value, str) or value not in choices:
         raise UnusableError(f"{value!r} is not offered")
@@ -61,7 +61,7 @@ def is_pose(position: Any, wxyz: Any) -> bool:
     return all(map(math.isfinite, place)) and 1e-6 < math.hypot(*attitude) < math.inf
 
 
-def usable(control: Any, value: Any) -> Any:
+def usable_value(control: Any, value: Any) -> Any:
     """The value that a control may take when a browser sends `value`. Raises UnusableError."""
     if getattr(control, "disabled", False):
         raise UnusableError("the control is disabled")
@@ -72,9 +72,9 @@ def usable(control: Any, value: Any) -> Any:
             raise UnusableError(f"{value!r} is neither on nor off")
         return value
     if isinstance(control, viser.GuiSliderHandle | viser.GuiNumberHandle):
-        return within(value, control.min, control.max, type(control.value))
+        return clamp_number(value, control.min, control.max, type(control.value))
     if isinstance(control, viser.GuiDropdownHandle | viser.GuiButtonGroupHandle):
-        return one_of(value, tuple(control.options))
+        return offered_choice(value, tuple(control.options))
     if isinstance(control, viser.GuiTextHandle):
         if not isinstance(value, str) or len(value) > LONGEST_TEXT:
             raise UnusableError("the text is too long")
@@ -82,7 +82,7 @@ def usable(control: Any, value: Any) -> Any:
     raise UnusableError("this control takes no values")
 
 
-def show(control: Any, value: Any) -> None:
+def set_value(control: Any, value: Any) -> None:
     """Give a control a value in all browsers; viser's types do not say that one may."""
     control.value = value
 
@@ -108,7 +108,7 @@ class ButtonPresses:
         self.limits.pop(browser, None)
 
 
-def guard(server: viser.ViserServer) -> None:
+def guard_values(server: viser.ViserServer) -> None:
     """Look at all that browsers give to the controls of a server."""
     presses = ButtonPresses()
     guard_controls(server.gui, presses)
@@ -131,7 +131,7 @@ def guard_controls(gui: viser.GuiApi, presses: ButtonPresses) -> None:
         if isinstance(control, BUTTONS) and not presses.take(browser):
             return False, sent
         try:
-            return True, usable(control, sent)
+            return True, usable_value(control, sent)
         except UnusableError:
             return False, control.value
 

@@ -20,7 +20,7 @@ from aiohttp import web
 from multidict import CIMultiDict
 
 from app.front.client_addresses import address_of
-from app.front.log import Log, in_a_line, logger
+from app.front.log import Log, describe_error, make_logger
 from worlds.input_error import InputError
 
 Request = web.BaseRequest
@@ -129,7 +129,7 @@ class Connection(web.RequestHandler):
     ) -> web.StreamResponse:
         """Answer what is no request, without a word of it."""
         if status >= 500:
-            self.http.log.line(f"what a browser asked for failed: {in_a_line(exc)}")
+            self.http.log.line(f"what a browser asked for failed: {describe_error(exc)}")
         answer = text_response(status, "this is no request" if status < 500 else NO_ANSWER)
         answer.force_close()
         secure(answer.headers)
@@ -196,7 +196,7 @@ class LineServer(web.Server):
             self,
             loop=self.loop,
             access_log=None,
-            logger=logger(self.http.log),
+            logger=make_logger(self.http.log),
             keepalive_timeout=SILENT,
             lingering_time=LINGERS,
             auto_decompress=False,
@@ -269,7 +269,7 @@ class HttpServer:
         except ConnectionError:
             raise
         except Exception as error:
-            self.log.line(f"what a browser asked for failed: {in_a_line(error)}")
+            self.log.line(f"what a browser asked for failed: {describe_error(error)}")
             return text_response(500, NO_ANSWER)
 
 
@@ -307,7 +307,7 @@ def allow_many_files() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
 
 
-def listening(host: str, port: int) -> socket.socket:
+def listen(host: str, port: int) -> socket.socket:
     """A socket that is bound already, so that nobody can take the port in between. Raises
     InputError if the port is busy or the host is not this machine's."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
@@ -322,7 +322,7 @@ def listening(host: str, port: int) -> socket.socket:
         ) from None
 
 
-def tls(certificate: Path, key: Path) -> ssl.SSLContext:
+def load_certificate(certificate: Path, key: Path) -> ssl.SSLContext:
     """What encrypts with a certificate. Raises InputError."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_2

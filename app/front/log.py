@@ -69,10 +69,10 @@ HANDSHAKE = "opening handshake failed"
 """What websockets says of a connection that speaks no HTTP, or goes: nobody has to know."""
 
 
-def in_a_line(error: BaseException | None) -> str:
+def describe_error(error: BaseException | None) -> str:
     """What an error is and where it came from, without its words: they may be a browser's.
 
-    >>> in_a_line(KeyError("secret"))
+    >>> describe_error(KeyError("secret"))
     'KeyError'
     """
     if error is None:
@@ -88,7 +88,7 @@ def log_failures(loop: asyncio.AbstractEventLoop, log: Log) -> None:
     def failed(_loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         error = context.get("exception")
         if not isinstance(error, ConnectionError):
-            why = context["message"] if error is None else in_a_line(error)
+            why = context["message"] if error is None else describe_error(error)
             log.line(f"what a browser asked for failed: {why}")
 
     loop.set_exception_handler(failed)
@@ -105,10 +105,10 @@ class Lines(logging.Handler):
         words = record.getMessage()
         if words != HANDSHAKE:
             error = record.exc_info[1] if record.exc_info else None
-            self.log.line(f"{words}: {in_a_line(error)}")
+            self.log.line(f"{words}: {describe_error(error)}")
 
 
-def logger(log: Log) -> logging.Logger:
+def make_logger(log: Log) -> logging.Logger:
     """A logger for websockets that prints no traceback."""
     made = logging.Logger("flockscope.browsers", logging.ERROR)
     made.addHandler(Lines(log))

@@ -87,7 +87,7 @@ def demand_shape(kind: str, data: bytes) -> None:
         raise UnusableMessage(f"its {len(data)} bytes are too many for its kind, {kind}")
     try:
         found = shape(kind).decode(data)
-        sound = all(map(finite, msgspec.structs.astuple(found)))
+        sound = all(map(is_finite, msgspec.structs.astuple(found)))
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
         sound = False
     if not sound:
@@ -102,32 +102,32 @@ def shape(kind: str) -> msgspec.msgpack.Decoder:
     for one in fields(declared):
         if one.name in hints and one.init:
             optional = () if one.default is MISSING else (one.default,)
-            made.append((one.name, relaxed(hints[one.name]), *optional))
+            made.append((one.name, relax_numbers(hints[one.name]), *optional))
     made.sort(key=len)
     return msgspec.msgpack.Decoder(
         msgspec.defstruct(kind, made, forbid_unknown_fields=True, gc=False)
     )
 
 
-def relaxed(hint: Any) -> Any:
+def relax_numbers(hint: Any) -> Any:
     """A type as a page sends it: JavaScript does not tell 900 from 900.0."""
     if hint is int:
         return int | float
     if get_origin(hint) in (Union, types.UnionType):
-        return Union[tuple(relaxed(one) for one in get_args(hint))]  # noqa: UP007
+        return Union[tuple(relax_numbers(one) for one in get_args(hint))]  # noqa: UP007
     return hint
 
 
-def finite(value: Any) -> bool:
+def is_finite(value: Any) -> bool:
     """Whether all numbers of a field are; what a control is given is looked at by the control.
 
-    >>> finite((1.0, (2.0, float("nan")))), finite({"value": float("inf")})
+    >>> is_finite((1.0, (2.0, float("nan")))), is_finite({"value": float("inf")})
     (False, True)
     """
     if isinstance(value, float):
         return math.isfinite(value)
     if isinstance(value, tuple | list):
-        return all(map(finite, value))
+        return all(map(is_finite, value))
     return isinstance(value, Mapping) or not isinstance(value, int) or abs(value) < 2**53
 
 

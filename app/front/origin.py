@@ -24,12 +24,12 @@ LOOPBACK = ("127.0.0.1", "localhost", "::1")
 """Hosts that nobody else in the network reaches."""
 
 
-def here(host: str, port: int) -> str:
+def local_address(host: str, port: int) -> str:
     """Where a browser on this machine finds a server that listens on `host`."""
-    return at("localhost" if host in (*EVERYWHERE, "127.0.0.1") else host, port)
+    return page_address("localhost" if host in (*EVERYWHERE, "127.0.0.1") else host, port)
 
 
-def elsewhere(host: str, port: int) -> list[str]:
+def network_addresses(host: str, port: int) -> list[str]:
     """Where browsers on other machines find it; nowhere if it listens on the loopback.
 
     On every address of this machine: those of its network interfaces, then its name, which is only
@@ -38,8 +38,11 @@ def elsewhere(host: str, port: int) -> list[str]:
     if host in LOOPBACK:
         return []
     if host not in EVERYWHERE:
-        return [at(host, port)]
-    return [at(one, port) for one in (*interface_addresses(6 if host == "::" else 4), hostname())]
+        return [page_address(host, port)]
+    return [
+        page_address(one, port)
+        for one in (*interface_addresses(6 if host == "::" else 4), hostname())
+    ]
 
 
 def interface_addresses(version: int) -> list[str]:
@@ -62,7 +65,7 @@ def hostname() -> str:
     return socket.gethostname().lower()
 
 
-def at(host: str, port: int) -> str:
+def page_address(host: str, port: int) -> str:
     """The address of a page."""
     return f"http://{f'[{host}]' if ':' in host else host}:{port}"
 
@@ -90,11 +93,11 @@ class AllowedHost:
         return page.hostname == self.name and (page.port or usual) == (self.port or usual)
 
 
-def allowed(text: str) -> AllowedHost:
+def parse_allowed_host(text: str) -> AllowedHost:
     """A name as `--allow-host` gives it. Raises InputError for anything else than a name and a
     port.
 
-    >>> allowed("hub.example.org:8443")
+    >>> parse_allowed_host("hub.example.org:8443")
     AllowedHost(name='hub.example.org', port=8443)
     """
     wrong = InputError(
@@ -113,7 +116,7 @@ def allowed(text: str) -> AllowedHost:
     return AllowedHost(name, given.port)
 
 
-def trusted(
+def is_trusted(
     host: str | None, origin: str | None, allow: tuple[AllowedHost, ...] = (), invited: bool = False
 ) -> bool:
     """Whether a request with these headers may be answered.
@@ -123,11 +126,11 @@ def trusted(
     makes it has that name too; a port that is not said is then the usual one of the page, as there
     may be a proxy with TLS before us.
 
-    >>> trusted("localhost:8080", "http://127.0.0.1:8080")
+    >>> is_trusted("localhost:8080", "http://127.0.0.1:8080")
     True
-    >>> trusted("localhost:8080", "https://example.org")
+    >>> is_trusted("localhost:8080", "https://example.org")
     False
-    >>> trusted("example.org", "https://example.org", invited=True)
+    >>> is_trusted("example.org", "https://example.org", invited=True)
     True
     """
     try:
@@ -143,7 +146,7 @@ def trusted(
         if any(one.shows(page) for one in allow):
             return True
         usual = PORTS[page.scheme if invited else "http"]
-        return port(page) == (reached.port or usual) and same_host(page, reached)
+        return port_of(page) == (reached.port or usual) and same_host(page, reached)
     except ValueError:
         return False
 
@@ -179,7 +182,7 @@ def same_host(page: SplitResult, reached: SplitResult) -> bool:
     return page.hostname == reached.hostname or (is_loopback(page) and is_loopback(reached))
 
 
-def port(page: SplitResult) -> int:
+def port_of(page: SplitResult) -> int:
     """The port, or the one that the scheme implies."""
     return page.port or PORTS[page.scheme]
 

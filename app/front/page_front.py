@@ -16,10 +16,10 @@ from aiohttp import web
 
 from app.front.client_page import ClientPage, client_page
 from app.front.http_server import POLICY, UNFRAMED, Request, text_response
-from app.front.origin import AllowedHost, authority, trusted
+from app.front.origin import AllowedHost, authority, is_trusted
 
 
-def policy(hashes: Iterable[str], lines: Iterable[str], framed_by: Iterable[str] = ()) -> str:
+def page_policy(hashes: Iterable[str], lines: Iterable[str], framed_by: Iterable[str] = ()) -> str:
     """The Content-Security-Policy of a page whose scripts have these hashes and which may open
     websockets to these places; pages of the origins `framed_by` may show it in a frame.
 
@@ -54,12 +54,12 @@ MOST = 100
 """Parameters of an address."""
 
 
-def leads_elsewhere(query: str) -> str:
+def foreign_source(query: str) -> str:
     """The parameter of a query that names another source of messages; empty if none does.
 
-    >>> leads_elsewhere("a=1&%57ebSocket=ws://example.org")
+    >>> foreign_source("a=1&%57ebSocket=ws://example.org")
     'websocket'
-    >>> leads_elsewhere("token=1")
+    >>> foreign_source("token=1")
     ''
     """
     try:
@@ -124,7 +124,7 @@ class Front:
     def path_of(self, request: Request) -> str | None:
         """The path behind the secret, without its query; None where the secret is missing."""
         path = request.raw_path.partition("?")[0]
-        return without(self.secret, path) if self.secret else path
+        return strip_secret(self.secret, path) if self.secret else path
 
     def refusal(self, request: Request) -> web.Response | None:
         """What a request gets that may not be answered; None for one that may."""
@@ -145,17 +145,17 @@ def page_response(
 ) -> web.Response:
     """A page with what it may do, packed where the browser takes that."""
     packed = "gzip" in ",".join(request.headers.getall("Accept-Encoding", []))
-    headers = {POLICY: policy(page.hashes, lines, framed_by), "Vary": "Accept-Encoding"}
+    headers = {POLICY: page_policy(page.hashes, lines, framed_by), "Vary": "Accept-Encoding"}
     if packed:
         headers["Content-Encoding"] = "gzip"
     body = page.packed if packed else page.html
     return web.Response(body=body, content_type="text/html", charset="utf-8", headers=headers)
 
 
-def without(secret: str, path: str) -> str | None:
+def strip_secret(secret: str, path: str) -> str | None:
     """The path behind a secret that it begins with; None if it does not.
 
-    >>> without("a1", "/a1/alive"), without("a1", "/a1"), without("a1", "/a12/alive")
+    >>> strip_secret("a1", "/a1/alive"), strip_secret("a1", "/a1"), strip_secret("a1", "/a12/alive")
     ('/alive', '/', None)
     """
     first, _, rest = path.removeprefix("/").partition("/")
@@ -176,9 +176,9 @@ def refusal(
     twice = next((name for name in ONCE if len(headers.getall(name, [])) > 1), "")
     if twice:
         return text_response(400, f"the header {twice} stands there twice")
-    if not trusted(headers.get("Host"), headers.get("Origin"), allow, invited):
+    if not is_trusted(headers.get("Host"), headers.get("Origin"), allow, invited):
         return text_response(403, "flockscope only answers its own pages")
-    named = leads_elsewhere(request.raw_path.partition("?")[2])
+    named = foreign_source(request.raw_path.partition("?")[2])
     if named:
         return text_response(400, f"the address of this page may not name {named}")
     site = headers.get("Sec-Fetch-Site", "none")

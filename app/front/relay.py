@@ -221,7 +221,7 @@ async def carry(
             too_much.set()
 
     send: Callable[[bytes], Awaitable[None]] = viser.send
-    ways = [outward(viser, page), too_much.wait(), ends()]
+    ways = [carry_to_page(viser, page), too_much.wait(), ends()]
     if admission is not None and isinstance(incoming, MessageFilter):
         held = HeldMessages(viser, admission, incoming)
         send = held.send
@@ -229,7 +229,7 @@ async def carry(
     line: Any = request.protocol
     if isinstance(line, Connection):
         line.on_bytes = count
-    tasks = [asyncio.create_task(way) for way in (inward(page, incoming, send), *ways)]
+    tasks = [asyncio.create_task(way) for way in (carry_to_viser(page, incoming, send), *ways)]
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
@@ -238,14 +238,14 @@ async def carry(
         await asyncio.gather(*tasks, return_exceptions=True)
 
 
-async def outward(viser: ClientConnection, page: web.WebSocketResponse) -> None:
+async def carry_to_page(viser: ClientConnection, page: web.WebSocketResponse) -> None:
     """From viser to the page."""
     async for data in viser:
         if isinstance(data, bytes):
             await page.send_bytes(data)
 
 
-async def inward(
+async def carry_to_viser(
     page: web.WebSocketResponse,
     incoming: IncomingMessages,
     send: Callable[[bytes], Awaitable[None]],

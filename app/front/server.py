@@ -22,17 +22,17 @@ from websockets.asyncio.client import ClientConnection
 from websockets.asyncio.server import ServerConnection
 
 from app.front.client_addresses import USUAL, ClientAddresses, ConnectionLimits
-from app.front.controls import guard
+from app.front.controls import guard_values
 from app.front.http_server import (
     READING,
     HttpServer,
     Request,
     address_of_line,
     is_websocket,
-    listening,
+    listen,
     text_response,
 )
-from app.front.log import Log, log_failures, logger
+from app.front.log import Log, log_failures, make_logger
 from app.front.message_filter import KINDS, Kind, MessageFilter
 from app.front.page_front import ALIVE, PAGES, Answering, Front
 from app.front.relay import Admission, connect_viser, relay
@@ -278,12 +278,12 @@ def open_server(
     find_kinds_once()
     keep_icons_open()
     front = front or Front()
-    sock = listening(host, port)
+    sock = listen(host, port)
     entrance = Entrance(sock, front, kinds, limits)
-    with starting, served_for(entrance, sock.dup()) as begun, quiet():
+    with starting, served_by_entrance(entrance, sock.dup()) as begun, silence_viser():
         server = viser.ViserServer(host=host, port=port, label="flockscope", verbose=False)
     drop_messages(server, UNWANTED)
-    guard(server)
+    guard_values(server)
     accept_renders(server, entrance.renders)
     entrance.open(event_loop(server), protocol_factory(begun[0]))
     entrances[server] = entrance
@@ -307,12 +307,12 @@ def renders_of(server: viser.ViserServer) -> Renders:
     return entrances[server].renders
 
 
-def when_heard(server: viser.ViserServer, tell: Callable[[], None]) -> None:
+def on_browser_message(server: viser.ViserServer, tell: Callable[[], None]) -> None:
     """Have something told of, on viser's loop, soon after browsers have sent messages."""
     entrances[server].heard.tell = tell
 
 
-def stops(server: viser.ViserServer, stop: Stop) -> None:
+def on_emergency_stop(server: viser.ViserServer, stop: Stop) -> None:
     """Have emergency stops carried out, on the front's thread; `stop` is told by whom."""
     entrance = entrances[server]
     entrance.stop = stop
@@ -324,12 +324,12 @@ def close_server(server: viser.ViserServer) -> None:
     entrance = entrances.pop(server, None)
     if entrance is not None:
         entrance.close()
-    with starting, quiet():
+    with starting, silence_viser():
         server.stop()
 
 
 @contextlib.contextmanager
-def quiet() -> Iterator[None]:
+def silence_viser() -> Iterator[None]:
     """Within it viser says nothing, neither on standard output nor in a notebook's cell."""
     console = rich.get_console()
     before, console.quiet = console.quiet, True
@@ -340,7 +340,7 @@ def quiet() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def served_for(entrance: Entrance, sock: socket.socket) -> Iterator[list[Any]]:
+def served_by_entrance(entrance: Entrance, sock: socket.socket) -> Iterator[list[Any]]:
     """Within it, a viser server that opens takes its lines from an entrance.
 
     It knows its address by the socket, on which it does not listen. The server of websockets that
@@ -363,7 +363,7 @@ def served_for(entrance: Entrance, sock: socket.socket) -> Iterator[list[Any]]:
             "start_serving": False,
             "ping_interval": None,
             "create_connection": NotingConnection,
-            "logger": logger(entrance.log),
+            "logger": make_logger(entrance.log),
         }
         made = serve(handler, **(options | ours))
         begun.append(made.server)

@@ -53,7 +53,7 @@ def accept_uploads(
         if message.size_bytes > largest or own or len(under_way) >= AT_ONCE:
             end_progress(server, message)
             too_large = bound.format(largest) if message.size_bytes > largest else ""
-            tell(server, client_id, message, too_large)
+            notify_browser(server, client_id, message, too_large)
             return
         uploads.start(client_id, message)
         heard[message.transfer_uuid] = clock()
@@ -99,7 +99,7 @@ def end_progress(server: viser.ViserServer, message: messages.FileTransferStartU
     )
 
 
-def tell(
+def notify_browser(
     server: viser.ViserServer,
     client_id: int,
     message: messages.FileTransferStartUpload,

@@ -24,7 +24,14 @@ from urllib.parse import urlsplit
 
 from agents.flock import Flock
 from agents.option import whole_number
-from app.front.origin import EVERYWHERE, LOOPBACK, PORTS, AllowedHost, allowed, here
+from app.front.origin import (
+    EVERYWHERE,
+    LOOPBACK,
+    PORTS,
+    AllowedHost,
+    local_address,
+    parse_allowed_host,
+)
 from app.front.page_front import Front
 from app.front.server import close_server, open_server
 from app.viewer.lab.laboratory import Laboratory
@@ -63,7 +70,7 @@ class NotebookAccess:
 
     def address(self, port: int, secret: str) -> str:
         """Where a page finds a port and a secret: in whole, or as a path of its own server."""
-        base = here(LOOPBACK[0], port) if self.proxy is None else f"{self.proxy}{port}"
+        base = local_address(LOOPBACK[0], port) if self.proxy is None else f"{self.proxy}{port}"
         return f"{base}/{secret}/"
 
 
@@ -124,7 +131,7 @@ def sound_origin(text: str) -> tuple[tuple[str, ...], tuple[AllowedHost, ...]]:
     """
     try:
         parts = urlsplit(text)
-        name = allowed(parts.netloc)
+        name = parse_allowed_host(parts.netloc)
         if parts.scheme not in PORTS or f"{parts.scheme}://{name}" != text or "[" in text:
             raise ValueError
     except ValueError:

@@ -14,7 +14,7 @@ from http.client import HTTPConnection
 import pytest
 
 from app.front.client_addresses import USUAL
-from app.front.server import stops
+from app.front.server import on_emergency_stop
 from app.live.control.arm import OperatorRequest
 from app.live.operating.loop_process import NumberedRequest, RequestForwarder
 from app.live.operating.operator import Operator
@@ -29,7 +29,7 @@ LATE = 20.0
 def stopped(server):
     """Who has pressed the emergency stop."""
     found: list[str] = []
-    stops(server, found.append)
+    on_emergency_stop(server, found.append)
     return found
 
 

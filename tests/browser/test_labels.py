@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from app.front.client_page import Scripts, unpacked, viser_page
+from app.front.client_page import Scripts, unpack_client, viser_page
 
 COMPILE = """([kind, source]) => {
   const gl = document.createElement("canvas").getContext("webgl2");
@@ -37,7 +37,7 @@ out vec4 colour;
 def shaders() -> dict[str, str]:
     """The shaders of labels in viser's client, by kind."""
     ((attributes, _),) = Scripts.of(viser_page())
-    client = unpacked(attributes).decode()
+    client = unpack_client(attributes).decode()
     texts = re.findall(r"`(\s*(?:attribute|varying) [^`$]*(?:\$\{[^`]*?\}[^`$]*)*)`", client)
     (vertex,) = [one for one in texts if "uLabelData" in one]
     (ground,) = [one for one in texts if "0.85 * vAlpha" in one]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.front.origin import allowed
+from app.front.origin import parse_allowed_host
 from app.front.page_front import Front
 from app.front.server import admit_browsers, close_server, open_server
 from tests.browser.proxy import PREFIX, Proxy
@@ -30,7 +30,7 @@ def test_a_page_behind_an_allowed_proxy_works_and_can_be_loaded_again(chromium, 
             assert refused == (403 if host is None else 200)
             lines.clear()
 
-            front.allow = (allowed(f"{HUB}:{proxy.port}"),)
+            front.allow = (parse_allowed_host(f"{HUB}:{proxy.port}"),)
             page.goto(f"{outer}/?token=1")
             page.locator("#here").wait_for(timeout=SLOW)
             assert page.url == f"{outer}/"

@@ -10,7 +10,7 @@ import ifaddr
 import pytest
 
 from app.cli.serving_options import announce
-from app.front.origin import elsewhere, here, interface_addresses
+from app.front.origin import interface_addresses, local_address, network_addresses
 from cli.calling import refusal
 
 ADAPTERS = [
@@ -46,7 +46,7 @@ def adapters(monkeypatch):
     ],
 )
 def test_addresses_that_others_can_use(host, addresses):
-    assert elsewhere(host, 8080) == addresses
+    assert network_addresses(host, 8080) == addresses
 
 
 @pytest.mark.usefixtures("adapters")
@@ -65,7 +65,7 @@ def test_of_a_page_for_this_machine_nothing_more_is_said(capsys):
     announce("127.0.0.1", 8080, "Ctrl-C stops it", "press every button")
     told = capsys.readouterr()
     assert (told.out.count("\n"), told.err) == (1, "")
-    assert here("::1", 80) == "http://[::1]:80"
+    assert local_address("::1", 80) == "http://[::1]:80"
 
 
 def test_the_addresses_are_this_machine_s_own():

@@ -8,7 +8,7 @@ import threading
 import numpy as np
 import pytest
 
-from app.front.controls import show
+from app.front.controls import set_value
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.setup import differs
 from app.viewer.lab.panels.world_panel import BOX, DISC, POLYGON, SELECT
@@ -63,10 +63,10 @@ def click(laboratory, x: float, y: float) -> None:
 
 def placed(laboratory, x: float = 5.0, y: float = 6.0) -> int:
     """Place a disc, select it, and return its key."""
-    show(laboratory.world.tool, DISC)
+    set_value(laboratory.world.tool, DISC)
     click(laboratory, x, y)
     settled(laboratory)
-    show(laboratory.world.tool, SELECT)
+    set_value(laboratory.world.tool, SELECT)
     click(laboratory, x, y)
     assert laboratory.world.selected
     return laboratory.world.selected
@@ -77,12 +77,12 @@ def drag(laboratory, key: int, x: float, done: bool = False, gesture: str = "g")
 
 
 def test_a_click_places_what_the_tool_says_with_the_measures_of_the_sliders(laboratory):
-    show(laboratory.world.tool, DISC)
-    show(laboratory.world.sliders["radius"], 1.5)
+    set_value(laboratory.world.tool, DISC)
+    set_value(laboratory.world.sliders["radius"], 1.5)
     click(laboratory, 5.0, 6.0)
-    show(laboratory.world.tool, BOX)
+    set_value(laboratory.world.tool, BOX)
     for name, value in {"width": 4.0, "depth": 2.0, "turn": 90.0}.items():
-        show(laboratory.world.sliders[name], value)
+        set_value(laboratory.world.sliders[name], value)
     click(laboratory, 12.0, 6.0)
     disc, box = settled(laboratory).obstacles
     assert (disc.centre, disc.radius) == ((5.0, 6.0), 1.5)
@@ -102,7 +102,7 @@ def test_with_no_tool_a_click_selects_the_obstacle_or_the_agent_or_nothing(labor
 
 
 def test_a_tool_takes_the_click_even_on_an_agent(laboratory):
-    show(laboratory.world.tool, DISC)
+    set_value(laboratory.world.tool, DISC)
     laboratory.clicked(3, np.array([5.0, 6.0, 50.0]), DOWN)
     assert len(settled(laboratory).obstacles) == 1
     assert laboratory.selected is None
@@ -112,7 +112,7 @@ def test_corners_make_a_polygon_when_the_last_is_clicked_twice_and_undo_takes_on
     panel = laboratory.world
     chosen = threading.Event()
     laboratory.simulation.edits.prepare = chosen.set
-    show(panel.tool, POLYGON)
+    set_value(panel.tool, POLYGON)
     assert chosen.wait(60)
     for corner in [(2.0, 2.0), (6.0, 2.0), (9.0, 9.0)]:
         click(laboratory, *corner)
@@ -174,7 +174,7 @@ def test_a_hostile_drag_moves_nothing_and_its_end_is_told(laboratory, by):
 
 @pytest.mark.parametrize("ray", [(math.nan, 0.0, -1.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)])
 def test_a_click_that_does_not_meet_the_floor_places_nothing(laboratory, ray):
-    show(laboratory.world.tool, DISC)
+    set_value(laboratory.world.tool, DISC)
     laboratory.clicked(None, np.array([5.0, 5.0, 50.0]), np.array(ray))
     assert settled(laboratory).obstacles == ()
 

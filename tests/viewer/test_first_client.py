@@ -18,7 +18,14 @@ from agents.spec import Spec
 from app.front.message_filter import MessageFilter
 from app.front.page_front import Front
 from app.front.relay import HELD, Admission
-from app.front.server import admit_browsers, close_server, entrances, front_of, open_server, stops
+from app.front.server import (
+    admit_browsers,
+    close_server,
+    entrances,
+    front_of,
+    on_emergency_stop,
+    open_server,
+)
 from app.live.laboratory.example import example
 from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory
@@ -323,7 +330,7 @@ def test_an_emergency_stop_waits_until_it_is_known_what_it_stops(early):
     with closing(HTTPConnection("localhost", server.get_port(), timeout=LATE)) as line:
         line.request("POST", "/emergency", headers={"X-Flockscope": "stop"})
         assert ask(server.get_port()).status == 200
-        stops(server, stopped.append)
+        on_emergency_stop(server, stopped.append)
         assert line.getresponse().status == 204
     assert stopped == ["browser at 127.0.0.1"]
 

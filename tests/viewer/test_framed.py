@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.front.origin import allowed, trusted
+from app.front.origin import is_trusted, parse_allowed_host
 from app.front.page_front import Front
 from app.front.server import admit_browsers, close_server, open_server
 from tests.viewer.http_client import ask, upgrade
@@ -112,9 +112,9 @@ def test_who_knows_it_may_come_through_a_proxy_of_any_name(port, plain):
     ],
 )
 def test_an_invited_request_comes_by_one_name(host, origin, may):
-    assert trusted(host, origin, invited=True) == may
+    assert is_trusted(host, origin, invited=True) == may
 
 
 def test_a_name_that_is_allowed_may_differ_from_the_inner_one():
-    named = (allowed("hub.example.org"),)
-    assert trusted("localhost:9000", "https://hub.example.org", named, invited=True)
+    named = (parse_allowed_host("hub.example.org"),)
+    assert is_trusted("localhost:9000", "https://hub.example.org", named, invited=True)

@@ -6,7 +6,7 @@ import socket
 
 import pytest
 
-from app.front.origin import allowed, authority, trusted
+from app.front.origin import authority, is_trusted, parse_allowed_host
 from worlds.input_error import InputError
 
 NAME = socket.gethostname()
@@ -27,7 +27,7 @@ NAME = socket.gethostname()
     ],
 )
 def test_own_pages_and_programs_may(host, origin):
-    assert trusted(host, origin)
+    assert is_trusted(host, origin)
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_own_pages_and_programs_may(host, origin):
     ],
 )
 def test_foreign_pages_and_foreign_names_may_not(host, origin):
-    assert not trusted(host, origin)
+    assert not is_trusted(host, origin)
 
 
 HUB = "hub.example.org"
@@ -83,9 +83,11 @@ HUB = "hub.example.org"
     ],
 )
 def test_an_allowed_name_may(name, host, origin):
-    assert trusted(host, origin, (allowed("other.example.org"), allowed(name)))
+    assert is_trusted(
+        host, origin, (parse_allowed_host("other.example.org"), parse_allowed_host(name))
+    )
     if HUB in host or (origin and HUB in origin):
-        assert not trusted(host, origin)
+        assert not is_trusted(host, origin)
 
 
 @pytest.mark.parametrize(
@@ -105,7 +107,7 @@ def test_an_allowed_name_may(name, host, origin):
     ],
 )
 def test_nobody_else_may_for_that(name, host, origin):
-    assert not trusted(host, origin, (allowed(name),))
+    assert not is_trusted(host, origin, (parse_allowed_host(name),))
 
 
 @pytest.mark.parametrize(
@@ -138,7 +140,7 @@ def test_nobody_else_may_for_that(name, host, origin):
 )
 def test_what_is_no_name_is_refused_in_one_line(text):
     with pytest.raises(InputError, match="is not a host name with an optional port") as refused:
-        allowed(text)
+        parse_allowed_host(text)
     assert "\n" not in str(refused.value)
 
 

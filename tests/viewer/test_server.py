@@ -12,7 +12,7 @@ import viser
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from app.front.http_server import listening
+from app.front.http_server import listen
 from app.front.server import UNWANTED, admit_browsers, close_server, open_server
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
@@ -62,7 +62,7 @@ def test_a_port_can_be_used_again_at_once():
 @pytest.mark.parametrize("host", ["192.0.2.1", "no-such-host.invalid"])
 def test_a_host_that_is_not_this_machine_is_refused(host):
     with pytest.raises(InputError, match=host) as refused:
-        listening(host, 0)
+        listen(host, 0)
     assert "Unknown error" not in str(refused.value)
 
 
@@ -72,7 +72,7 @@ def test_nothing_is_printed(capfd):
 
 
 def test_it_listens_on_this_machine_alone():
-    sock = listening("127.0.0.1", 0)
+    sock = listen("127.0.0.1", 0)
     assert sock.getsockname()[0] == "127.0.0.1"
     sock.close()
 

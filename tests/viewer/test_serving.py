@@ -19,12 +19,12 @@ from app.front.client_page import (
     Scripts,
     client_page,
     from_base88,
-    unpacked,
+    unpack_client,
     viser_page,
 )
 from app.front.http_server import text_response
-from app.front.origin import allowed
-from app.front.page_front import MOST, Front, leads_elsewhere
+from app.front.origin import parse_allowed_host
+from app.front.page_front import MOST, Front, foreign_source
 from app.front.server import admit_browsers, close_server, open_server
 from tests.viewer.http_client import ask, tell, upgrade
 from worlds.input_error import InputError
@@ -172,7 +172,7 @@ def test_scripts_run_by_their_hash_and_nothing_else_does(port):
     assert allowed[-1] == "'wasm-unsafe-eval'"
     texts = [text for _, text in Scripts.of(answer.text)]
     own, stop_key = texts[0], texts[-2]
-    client = unpacked(Scripts.of(viser_page())[0][0])
+    client = unpack_client(Scripts.of(viser_page())[0][0])
     assert allowed[:-1] == [
         f"'sha256-{base64.b64encode(hashlib.sha256(text).digest()).decode()}'"
         for text in (*map(str.encode, texts), client)
@@ -245,12 +245,12 @@ def test_what_other_pages_ask_for_is_refused_but_for_a_link_that_somebody_follow
     ],
 )
 def test_queries_that_name_another_source_of_messages(query, named):
-    assert leads_elsewhere(query) == named
+    assert foreign_source(query) == named
 
 
 def test_viser_reads_its_address_in_the_places_that_are_known_here():
     """A new place is to be looked at: what it reads may lead elsewhere, see `query.py`."""
-    client = unpacked(Scripts.of(viser_page())[0][0]).decode()
+    client = unpack_client(Scripts.of(viser_page())[0][0]).decode()
     assert client.count("URLSearchParams(window.location.search)") == 7
     assert "=`websocket`;" in client
     assert "get(`playbackPath`)" in client
@@ -285,7 +285,7 @@ def test_a_page_that_viser_builds_otherwise_is_refused_in_one_line(monkeypatch, 
 
 
 def test_an_allowed_name_reaches_the_page_and_its_websocket():
-    front = Front(allow=(allowed("hub.example.org"), allowed("[::1]:7")))
+    front = Front(allow=(parse_allowed_host("hub.example.org"), parse_allowed_host("[::1]:7")))
     server = open_server(port=0, front=front)
     admit_browsers(server)
     try:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.front.controls import UnusableError, one_of, within
+from app.front.controls import UnusableError, clamp_number, offered_choice
 
 HOSTILE = st.recursive(
     st.none()
@@ -26,7 +26,7 @@ HOSTILE = st.recursive(
 @given(HOSTILE)
 def test_a_number_comes_out_within_its_range_or_not_at_all(value):
     try:
-        made = within(value, 0.0, 6.28)
+        made = clamp_number(value, 0.0, 6.28)
     except UnusableError:
         return
     assert type(made) is float
@@ -36,7 +36,7 @@ def test_a_number_comes_out_within_its_range_or_not_at_all(value):
 @given(HOSTILE)
 def test_an_integer_without_bounds_is_an_integer_or_nothing(value):
     try:
-        made = within(value, None, None, int)
+        made = clamp_number(value, None, None, int)
     except UnusableError:
         return
     assert type(made) is int
@@ -44,23 +44,23 @@ def test_an_integer_without_bounds_is_an_integer_or_nothing(value):
 
 @given(st.floats(0.0, 6.28))
 def test_a_number_within_its_range_stays_what_it_is(value):
-    assert within(value, 0.0, 6.28) == value
+    assert clamp_number(value, 0.0, 6.28) == value
 
 
 @pytest.mark.parametrize("value", [math.nan, "1", None, True, [1.0], {"a": 1}])
 def test_what_is_no_number_is_unusable(value):
     with pytest.raises(UnusableError):
-        within(value, 0.0, 1.0)
+        clamp_number(value, 0.0, 1.0)
 
 
 @pytest.mark.parametrize(("value", "clamped"), [(math.inf, 1.0), (-math.inf, 0.0), (10**400, 1.0)])
 def test_what_is_too_large_is_clamped(value, clamped):
-    assert within(value, 0.0, 1.0) == clamped
+    assert clamp_number(value, 0.0, 1.0) == clamped
 
 
 @given(HOSTILE)
 def test_only_offered_choices_come_through(value):
     try:
-        assert one_of(value, ("heading", "layer")) in ("heading", "layer")
+        assert offered_choice(value, ("heading", "layer")) in ("heading", "layer")
     except UnusableError:
         assert value not in ("heading", "layer")

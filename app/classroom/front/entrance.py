@@ -9,14 +9,14 @@ from string import Template
 
 from aiohttp import web
 
-from app.classroom.class_keys import LONGEST, plain, same
+from app.classroom.class_keys import LONGEST, is_same_text, normalise_code
 from app.classroom.classroom import Classroom
 from app.classroom.front.class_request import JOINS, STRANGERS, form_of
 from app.classroom.student import Student
 from app.front.client_addresses import RateLimit
-from app.front.client_page import font_face, hashed
+from app.front.client_page import font_face, script_hash
 from app.front.http_server import POLICY, Request, address_of_line
-from app.front.page_front import policy
+from app.front.page_front import page_policy
 from app.package_files import STATIC
 from worlds.input_error import InputError
 
@@ -40,7 +40,7 @@ class Page:
 
     def policy(self, lines: tuple[str, ...] = ()) -> str:
         """What it may do; its forms are sent here alone."""
-        return policy(self.hashes, lines).replace("form-action 'none'", "form-action 'self'")
+        return page_policy(self.hashes, lines).replace("form-action 'none'", "form-action 'self'")
 
 
 @cache
@@ -51,7 +51,7 @@ def own_page(name: str, scripts: tuple[str, ...] = ()) -> Page:
     added = f"<style>{style}</style>" + "".join(f"<script>{text}</script>" for text in texts)
     page = (FOLDER / name).read_text("utf-8")
     page = page.replace("</head>", added.replace("$", "$$") + "</head>")
-    return Page(Template(page), tuple(hashed(text.encode()) for text in texts))
+    return Page(Template(page), tuple(script_hash(text.encode()) for text in texts))
 
 
 LASTS = 12 * 3600
@@ -91,20 +91,22 @@ class ClassEntrance:
         teaches = self.classroom.is_key(secret)
         if not teaches:
             known = is_teacher or is_student  # of strangers the code is taken as they have typed it
-            if not same(secret if known else plain(secret), self.classroom.code):
+            if not is_same_text(secret if known else normalise_code(secret), self.classroom.code):
                 return None
         if is_teacher if teaches else is_student:
             raise web.HTTPSeeOther("class" if teaches else "./")
         if teaches:
             page = own_page("teach.html", (THEME, "classroom/teach.js"))
-            return own(page.filled(key=secret), page)
+            return own_page_response(page.filled(key=secret), page)
         return self.ask_name()
 
     def ask_name(self, name: str = "", why: str = "") -> web.Response:
         """The page on which somebody gives a name, and why another one is needed."""
         page = own_page("join.html", (THEME,))
         words = {"code": self.classroom.code, "title": self.classroom.title}
-        return own(page.filled(**words, name=name, why=why), page, 400 if why else 200)
+        return own_page_response(
+            page.filled(**words, name=name, why=why), page, 400 if why else 200
+        )
 
     async def come_in(self, request: Request) -> web.StreamResponse:
         """Take in who sends the code and a name, or the teacher's key. Raises InputError."""
@@ -114,15 +116,15 @@ class ClassEntrance:
                 self.limit_tries(request)
             cookie = self.classroom.admit_teacher(given.get("key", ""))
             return self.let_in(request, "teacher", cookie, "class")
-        code = plain(given.get("code", ""))
-        if not same(code, self.classroom.code):
+        code = normalise_code(given.get("code", ""))
+        if not is_same_text(code, self.classroom.code):
             self.limit_tries(request)
         elif not self.joins.take():
             raise web.HTTPTooManyRequests(text="many come in at once: try again in a moment\n")
         try:
             _, cookie = self.classroom.admit(code, given.get("name", ""))
         except InputError as refusal:
-            if not same(code, self.classroom.code):
+            if not is_same_text(code, self.classroom.code):
                 return web.Response(status=403, text=f"{refusal}\n")
             return self.ask_name(given.get("name", "")[:60], str(refusal))
         return self.let_in(request, "student", cookie, "./")
@@ -159,7 +161,7 @@ class ClassEntrance:
             raise web.HTTPTooManyRequests(text="too many tries from one address\n")
 
 
-def own(text: str, page: Page, status: int = 200) -> web.Response:
+def own_page_response(text: str, page: Page, status: int = 200) -> web.Response:
     """A page with a form."""
     headers = {POLICY: page.policy(), **OF_FORMS}
     return web.Response(text=text, status=status, content_type="text/html", headers=headers)

@@ -34,12 +34,12 @@ from app.front.http_server import (
     Request,
     address_of_line,
     is_websocket,
-    listening,
+    listen,
+    load_certificate,
     send,
-    tls,
 )
 from app.front.log import Log, log_failures
-from app.front.origin import AllowedHost, elsewhere, here
+from app.front.origin import AllowedHost, local_address, network_addresses
 from app.front.page_front import ALIVE, PAGES, page_response, refusal, websocket_addresses
 from app.front.relay import NOT_THERE, Ending, connect_viser, never, relay
 from app.viewer.lab.scene_requests import MARK, SCRIPTS
@@ -77,8 +77,8 @@ class ClassFront:
     ):
         self.classroom = classroom
         self.allow = allow
-        self.tls = None if certificate is None else tls(*certificate)
-        self.sock = listening(host, port)
+        self.tls = None if certificate is None else load_certificate(*certificate)
+        self.sock = listen(host, port)
         self.port: int = self.sock.getsockname()[1]
         self.name = secrets.token_hex(8)
         self.session: aiohttp.ClientSession
@@ -96,7 +96,7 @@ class ClassFront:
         named = [
             f"{self.scheme if one.port in plain else 'https'}://{one}" for one in self.allow
         ]  # at any other port there is a proxy, which encrypts
-        found = elsewhere(host, self.port) or [here(host, self.port)]
+        found = network_addresses(host, self.port) or [local_address(host, self.port)]
         return [*named, *(one.replace("http:", f"{self.scheme}:", 1) for one in found)]
 
     async def open(self) -> None:
@@ -123,7 +123,7 @@ class ClassFront:
     @property
     def teachers_link(self) -> str:
         """What opens the teacher's page, for who starts the class alone."""
-        at = here("127.0.0.1", self.port).replace("http:", f"{self.scheme}:", 1)
+        at = local_address("127.0.0.1", self.port).replace("http:", f"{self.scheme}:", 1)
         return f"{at}/{self.classroom.key}"
 
     @property

@@ -52,13 +52,13 @@ def lab(
     Space or Esc in any browser is the emergency stop. Keys in the terminal: a arms, space or any
     other key is the emergency stop, r resets it, d disarms, q leaves.
     """
-    from app.front.origin import allowed
+    from app.front.origin import parse_allowed_host
     from app.live.device_kinds import EMULATED
     from app.live.operating.lab_choices import laboratory
 
     if record is not None:
         demand_parquet("--record")
-    names = tuple(allowed(name) for name in allow_host or ())
+    names = tuple(parse_allowed_host(name) for name in allow_host or ())
     choices = laboratory(file, EMULATED if file is None and source is None else source)
 
     def opening() -> LivePage:

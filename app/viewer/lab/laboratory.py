@@ -15,11 +15,11 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.of_agents import measurable
 from agents.spec import CompleteSpec, Spec
-from app.front.controls import show
+from app.front.controls import set_value
 from app.front.notices import Notices
-from app.front.origin import AllowedHost, here
+from app.front.origin import AllowedHost, local_address
 from app.front.page_front import Front
-from app.front.server import admit_browsers, close_server, front_of, open_server, when_heard
+from app.front.server import admit_browsers, close_server, front_of, on_browser_message, open_server
 from app.front.uploads import accept_uploads
 from app.results_folder import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
@@ -158,7 +158,7 @@ class Laboratory:
             rates_of(allowance),
             self.changes,
         )
-        when_heard(self.server, self.simulation.news.set)
+        on_browser_message(self.server, self.simulation.news.set)
         self.taking = PictureExporter(self, self.making)
         self.listen()
         self.drawing.start()
@@ -172,7 +172,7 @@ class Laboratory:
     @property
     def address(self) -> str:
         """Where a browser on this machine finds it."""
-        return here(self.host, self.port)
+        return local_address(self.host, self.port)
 
     def close(self) -> None:
         """Stop drawing, running and serving; a sweep that runs goes on."""
@@ -378,7 +378,7 @@ class Laboratory:
     def switch_links(self) -> None:
         """Show links, or hide them."""
         links = self.view.form["links"]
-        show(links, not links.value)
+        set_value(links, not links.value)
 
     def point(self, client: viser.ClientHandle, camera: str) -> None:
         """Point one browser's camera."""

@@ -10,9 +10,9 @@ import numpy as np
 import viser
 
 from app.front.notices import Notices
-from app.front.origin import AllowedHost, here
+from app.front.origin import AllowedHost, local_address
 from app.front.page_front import Front
-from app.front.server import admit_browsers, close_server, open_server, stops
+from app.front.server import admit_browsers, close_server, on_emergency_stop, open_server
 from app.live.operating.lab_choices import Choices
 from app.viewer.live.panels.live_plots import LivePlots
 from app.viewer.live.panels.log_panel import LogPanel
@@ -78,7 +78,7 @@ class LivePage:
             close_server(self.server)
             raise
         self.session.shelf = recordings or recording
-        stops(self.server, self.session.emergency)
+        on_emergency_stop(self.server, self.session.emergency)
         self.notices = Notices(self.server, self.session.notices)
         self.scene = Scene(self.server)
         self.hand = DragHandle(self.server.scene, self.lab.area, self.session.place)
@@ -99,7 +99,7 @@ class LivePage:
     @property
     def address(self) -> str:
         """Where a browser on this machine finds it."""
-        return here(self.host, self.port)
+        return local_address(self.host, self.port)
 
     def close(self) -> None:
         """Stop the cars first, then drawing and serving."""

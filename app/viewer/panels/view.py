@@ -7,7 +7,7 @@ from typing import Any
 
 import viser
 
-from app.front.controls import show
+from app.front.controls import set_value
 from app.viewer.panels.dials import Form
 from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
 from app.viewer.scene.shown.control import Control
@@ -70,7 +70,7 @@ class ViewPanel:
         common, rising = self.usual.look.trail_length, self.usual.rising
         before, now = (common, rising) if event.target.value == RISING else (rising, common)
         if event.client is not None and length.value == before:
-            show(length, now)
+            set_value(length, now)
 
     def fit(self, frame: Frame, numbers: tuple[str, ...] = ()) -> None:
         """Show what applies to a frame; agents can be coloured by these numbers too."""
@@ -89,14 +89,14 @@ class ViewPanel:
         if tuple(colour.options) != choices:
             colour.options = choices
         self.offered = self.colour if self.colour in choices else choices[0]
-        show(colour, self.offered)
+        set_value(colour, self.offered)
         self.offering = False
 
     def next_colour(self) -> None:
         """Colour by the next quantity."""
         colour = self.form["colour"]
         choices = tuple(colour.options)
-        show(colour, choices[(choices.index(colour.value) + 1) % len(choices)])
+        set_value(colour, choices[(choices.index(colour.value) + 1) % len(choices)])
 
     def take(self, look: Mapping[str, Any]) -> None:
         """Show these, by the names of their controls, and all else as usual."""
@@ -104,7 +104,7 @@ class ViewPanel:
         self.colour = wanted["colour"]
         self.offer(tuple(dict.fromkeys([*self.form["colour"].options, self.colour])))
         for name, control in self.form.handles.items():
-            show(control, wanted[name])
+            set_value(control, wanted[name])
 
     def not_usual(self) -> dict[str, Any]:
         """What is not as usual, by the names of the controls."""

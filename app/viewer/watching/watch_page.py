@@ -17,9 +17,9 @@ from agents.catalogue import MODELS
 from agents.models.declare import DeclaredParameter, declared
 from app.front.client_addresses import USUAL, ConnectionLimits
 from app.front.message_filter import CAMERA, Kind
-from app.front.origin import here
+from app.front.origin import local_address
 from app.front.page_front import Front
-from app.front.server import admit_browsers, close_server, open_server, when_heard
+from app.front.server import admit_browsers, close_server, on_browser_message, open_server
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.flock_monitors import BLOCKS
 from app.viewer.lab.panels.laboratory_plots import EARLIER
@@ -146,7 +146,7 @@ class WatchPage:
         self.news = threading.Event()
         """Set when there may be something new to draw."""
         laboratory.simulation.news.tell(self.news)
-        when_heard(self.server, self.news.set)
+        on_browser_message(self.server, self.news.set)
         self.server.on_client_connect(self.welcome)
         self.server.on_client_disconnect(self.farewell)
         admit_browsers(self.server)  # last: browsers find all of the above
@@ -159,7 +159,7 @@ class WatchPage:
     @property
     def address(self) -> str:
         """Where a browser on this machine finds it."""
-        return here(self.host, self.port)
+        return local_address(self.host, self.port)
 
     def browsers(self) -> int:
         """Number of browsers that watch."""

@@ -15,7 +15,7 @@ from viser import ClientHandle, ViserServer
 from agents.inspection import Inspection
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES, usual_charts
-from app.front.controls import show
+from app.front.controls import set_value
 from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.lab.panels.laboratory_plots import WINDOWS, Overlay
 from app.viewer.measuring.flock_numbers import EarlierRuns
@@ -238,7 +238,7 @@ class OwnPlots:
             self.model = curves.model
             usual = usual_charts(curves.model, curves.offered)
             for (choice, _), names in zip(self.charts, usual, strict=False):
-                show(choice, chart_title(names))
+                set_value(choice, chart_title(names))
 
 
 class Watcher:

@@ -14,7 +14,7 @@ from viser import uplot
 
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES, usual_charts
-from app.front.controls import show
+from app.front.controls import set_value
 from app.viewer.measuring.flock_numbers import EarlierRuns
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_curves import (
@@ -427,11 +427,11 @@ class LaboratoryPlots:
         if model is not self.model:
             self.model = model
             for chart, names in zip(self.charts, usual_charts(model, offered), strict=True):
-                show(chart.choice, chart_title(names))
+                set_value(chart.choice, chart_title(names))
         if self.asked is not None and self.asked[0] is model:
             for chart, name in zip(self.charts, self.asked[1], strict=False):
                 if name in self.choices:
-                    show(chart.choice, name)
+                    set_value(chart.choice, name)
             self.asked = None
 
 

@@ -9,7 +9,7 @@ import time
 import viser
 
 from agents.catalogue import MODELS
-from app.front.controls import show
+from app.front.controls import set_value
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.panels.shell import GREEN, GREY, ORANGE, VIOLET, block
@@ -74,14 +74,14 @@ class RunPanel:
         """Go to the speed of the list that is nearest to one (ticks per second)."""
         finite = [one for one in self.speeds.values() if math.isfinite(one)]
         nearest = min(finite, key=lambda one: abs(math.log(one / speed)))
-        show(self.speed, speed_text(nearest))
+        set_value(self.speed, speed_text(nearest))
         self.simulation.run_at(nearest)
 
     def change_speed(self, by: int) -> None:
         """Go to a faster or slower speed of the list."""
         names = list(self.speeds)
         place = names.index(self.speed.value) + by
-        show(self.speed, names[min(max(place, 0), len(names) - 1)])
+        set_value(self.speed, names[min(max(place, 0), len(names) - 1)])
         self.simulation.run_at(self.speeds[self.speed.value])
 
     def refresh(self, state: SimulationState, scene: SavedScene | None = None) -> None:

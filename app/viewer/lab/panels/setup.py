@@ -12,7 +12,7 @@ from agents.catalogue import MODELS
 from agents.conditions import Conditions
 from agents.models.model import Model
 from agents.spec import OPTIONS, CompleteSpec, Options, Spec
-from app.front.controls import show
+from app.front.controls import set_value
 from app.viewer.panels.dials import handle
 from app.viewer.panels.shell import block
 from app.viewer.run.run_preset import MOST_AGENTS, at_home, home, world_title, world_titles
@@ -74,13 +74,13 @@ class SetupPanel:
         """A model brings its own number of agents, its dimensions, its world and its options."""
         model = MODELS[model_titled(self.model.value)]
         for name, one in self.plain.items():
-            show(one, control_value(name, by_default(name, model)))
+            set_value(one, control_value(name, by_default(name, model)))
         if event.client is None:
             return
         if world_title(model.world) in self.worlds:
-            show(self.world, world_title(model.world))
-        show(self.agents, model.agents)
-        show(self.dim, f"{model.dim or model.dimensions[0]}-D")
+            set_value(self.world, world_title(model.world))
+        set_value(self.agents, model.agents)
+        set_value(self.dim, f"{model.dim or model.dimensions[0]}-D")
         self.fit()
 
     async def world_chosen(self, event: viser.GuiEvent) -> None:
@@ -101,7 +101,7 @@ class SetupPanel:
         self.size.disabled = own.sized
         self.dim.disabled = own.dim == 3
         if own.dim is not None:
-            show(self.dim, f"{own.dim}-D")
+            set_value(self.dim, f"{own.dim}-D")
         self.fit_beside()
 
     def fit_beside(self) -> None:
@@ -110,7 +110,7 @@ class SetupPanel:
         if tuple(self.beside.options) != options:
             chosen = self.beside.value
             self.beside.options = options
-            show(self.beside, chosen if chosen in options else NOBODY)
+            set_value(self.beside, chosen if chosen in options else NOBODY)
 
     @staticmethod
     def companions(model: str, dim: int) -> tuple[str, ...]:
@@ -136,7 +136,7 @@ class SetupPanel:
         """The run for Setup, and what is beside it; models that stay keep their parameters."""
         spec, beside = self.chosen()
         if self.new_seed.value and self.seed.value == self.running[0].seed:
-            show(self.seed, (self.seed.value + 1) % LARGEST_SEED)
+            set_value(self.seed, (self.seed.value + 1) % LARGEST_SEED)
         stays = spec.model == self.running[0].model
         if beside is not None and stays and (spec.model, beside.model) == state.models:
             beside = beside.but(parameters=state.beside_values)
@@ -154,21 +154,21 @@ class SetupPanel:
         model = MODELS[spec.model]
         if model.title not in self.model.options:
             self.model.options = (*self.model.options, model.title)
-        show(self.model, model.title)
+        set_value(self.model, model.title)
         self.offered = spec.world
         self.offer(spec.world)
-        show(self.dim, f"{spec.dim}-D")
+        set_value(self.dim, f"{spec.dim}-D")
         self.fit_beside()
-        show(self.beside, NOBODY if beside is None else MODELS[beside.model].title)
+        set_value(self.beside, NOBODY if beside is None else MODELS[beside.model].title)
         for name, control in {"agents": self.agents, "size": self.size, **self.plain}.items():
-            show(control, control_value(name, getattr(spec, name)))
+            set_value(control, control_value(name, getattr(spec, name)))
 
     def offer(self, world: str | World) -> None:
         """Let a world that is none of the built-in ones be chosen, and choose it."""
         words = world_title(world)
         self.worlds[words] = world
         self.world.options = tuple(self.worlds)
-        show(self.world, words)
+        set_value(self.world, words)
         self.fit()
 
     def refresh(self, state: SimulationState) -> None:
@@ -176,7 +176,7 @@ class SetupPanel:
         self.running = state.spec, state.beside
         if state.run != self.shown_run:
             self.shown_run = state.run
-            show(self.seed, state.spec.seed)
+            set_value(self.seed, state.spec.seed)
         changed = ", ".join(differs(self.chosen(), self.running))
         self.note.content = block(
             f'<div class="fs-note">Changed: <b>{changed}</b>. Press Setup to use it.</div>'

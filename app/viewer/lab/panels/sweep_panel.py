@@ -14,7 +14,7 @@ import viser
 from agents.catalogue import MODELS
 from agents.models.declare import NumberParameter, is_wide
 from agents.observables.catalogue import OBSERVABLES, usual_charts
-from app.front.controls import show
+from app.front.controls import set_value
 from app.front.viser_internals import identifier
 from app.viewer.lab.sweeps import sweep_request
 from app.viewer.lab.sweeps.laboratory_sweeps import SweepPanelState, Sweeps
@@ -83,14 +83,14 @@ class AxisForm:
             first = next((one for one in found if one.noise), found[0] if found else None)
             chosen = parameter_label(first)[0] if first else options[0]
         self.over.options = options
-        show(self.over, chosen)
+        set_value(self.over, chosen)
         self.propose()
 
     def choose(self, name: str) -> bool:
         """Choose an axis; whether it is offered."""
         label = next((label for label, one in self.names.items() if one == name), None)
         if label is not None:
-            show(self.over, label)
+            set_value(self.over, label)
             self.propose()
         return label is not None
 
@@ -112,10 +112,10 @@ class AxisForm:
         for control, value in ((self.low, first), (self.high, last)):
             control.min, control.max = float(low), float(high)
             control.step, control.precision = step, precision
-            show(control, float(value))
-        show(self.log, is_wide(first, last))
+            set_value(control, float(value))
+        set_value(self.log, is_wide(first, last))
         if is_whole(self.model, name):
-            show(self.count, min(self.count.value, max(2, int(last - first) + 1)))
+            set_value(self.count, min(self.count.value, max(2, int(last - first) + 1)))
 
     def axis(self) -> Axis | None:
         """What is chosen; None for nothing."""
@@ -301,7 +301,7 @@ class SweepPanel:
         before = self.observable.value if self.observed else observable_words(usual)
         self.observed = observed
         self.observable.options = tuple(observed)
-        show(self.observable, before if before in observed else next(iter(observed)))
+        set_value(self.observable, before if before in observed else next(iter(observed)))
 
     def follow(self, seen: SweepPanelState) -> None:
         """Show the sweeps there are, and one of them."""
@@ -310,7 +310,7 @@ class SweepPanel:
             self.which.options = names
         chosen = self.sweeps.chosen if self.sweeps.chosen in names else names[0]
         if self.which.value != chosen:
-            show(self.which, chosen)
+            set_value(self.which, chosen)
         one, made = seen.of(chosen), seen.shown
         put(self.status, block(status(one, seen)))
         put(self.picture, block(seen.picture) if seen.picture else "")
@@ -318,7 +318,7 @@ class SweepPanel:
             if tuple(self.column.options) != made.columns:
                 self.column.options = made.columns
             if self.column.value != made.column:
-                show(self.column, made.column)
+                set_value(self.column, made.column)
         sight(self.column, made is not None and len(made.columns) > 1)
         sight(self.table, made is not None)
         sight(self.take, made is not None)

@@ -7,7 +7,7 @@ import time
 
 import viser
 
-from app.front.controls import show
+from app.front.controls import set_value
 from app.viewer.panels.shell import block
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState, TimeLineState
@@ -76,7 +76,7 @@ class TimeLinePanel:
             if getattr(self.slider, name) != value:
                 setattr(self.slider, name, value)
         if time.monotonic() - self.moved > HELD and self.slider.value != line.at:
-            show(self.slider, line.at)
+            set_value(self.slider, line.at)
 
 
 def describe_time_line(line: TimeLineState, frame: Frame) -> str:

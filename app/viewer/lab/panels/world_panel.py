@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from app.front.controls import show
+from app.front.controls import set_value
 from app.viewer.editing import forms
 from app.viewer.editing.editor import Editor
 from app.viewer.editing.free_places import floor_place, obstacle_hit
@@ -98,7 +98,7 @@ class WorldControls:
             slider.min, slider.step = step, step
             slider.max = round(0.5 * side if name == "radius" else side, 6)
             slider.precision = max(0, round(-np.log10(step)))
-            show(slider, round(round(share * short / step) * step, 9))
+            set_value(slider, round(round(share * short / step) * step, 9))
 
     def measure(self, obstacle: Any, resting: bool) -> None:
         """Show the measures of the selected obstacle, or those that the next one will have."""
@@ -106,7 +106,7 @@ class WorldControls:
         for name, slider in self.sliders.items():
             put(slider, "visible", name in now or name in MEASURES[self.tool.value])
             if name in now and resting:
-                show(slider, float(np.clip(round(now[name], 9), slider.min, slider.max)))
+                set_value(slider, float(np.clip(round(now[name], 9), slider.min, slider.max)))
 
     def list(self, editor: Editor, selected: int) -> None:
         """The obstacles by number, shape and name."""
@@ -115,7 +115,7 @@ class WorldControls:
             self.which.options = options
         keys = editor.now.keys
         chosen = options[keys.index(selected) + 1] if selected in keys else NONE
-        show(self.which, chosen)
+        set_value(self.which, chosen)
 
 
 def put(control: Any, name: str, value: Any) -> None:
@@ -258,7 +258,7 @@ class WorldPanel(WorldControls):
             return
         number = self.which.options.index(self.which.value)
         if self.which.value != NONE and number <= len(editor.now.keys):
-            show(self.tool, SELECT)
+            set_value(self.tool, SELECT)
             self.select(editor.now.keys[number - 1])
         else:
             self.select(0)
@@ -291,7 +291,7 @@ class WorldPanel(WorldControls):
 
     def drop_tool(self) -> None:
         """Let a click select again."""
-        show(self.tool, SELECT)
+        set_value(self.tool, SELECT)
         self.corners.clear()
 
     async def cleared(self, _event: viser.GuiEvent) -> None:

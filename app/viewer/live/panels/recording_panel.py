@@ -8,7 +8,7 @@ from pathlib import Path
 
 import viser
 
-from app.front.controls import show
+from app.front.controls import set_value
 from app.viewer.live.panels.state_panel import whose
 from app.viewer.live.room_replay import listed, size
 from app.viewer.live.session import Session
@@ -68,9 +68,9 @@ class ReplayPanel:
         self.name.content = block(f'<div class="fs-quiet">{html.escape(played.name)}</div>')
         if self.slider.max != max(played.seconds, STEP):
             self.slider.max = max(played.seconds, STEP)
-            show(self.speed, "1")
+            set_value(self.speed, "1")
         if time.monotonic() - self.moved > HELD:
-            show(self.slider, round(min(played.time, played.seconds), 2))
+            set_value(self.slider, round(min(played.time, played.seconds), 2))
         self.switch.label = "Pause" if played.plays else "Play"
         self.switch.icon = viser.Icon.PLAYER_PAUSE if played.plays else viser.Icon.PLAYER_PLAY
 
@@ -126,7 +126,7 @@ class RecordingPanel:
         names = listed(self.session.shelf) or (NONE,)
         if tuple(self.earlier.options) != names:
             self.earlier.options = names
-            show(self.earlier, names[0])
+            set_value(self.earlier, names[0])
         self.told.content = block(where(state, self.session.shelf))
         if state.recording:
             self.line.content = block(how_much(state.recording, now - self.begun[1]))

@@ -9,7 +9,7 @@ from typing import Any
 
 import viser
 
-from app.front.controls import show
+from app.front.controls import set_value
 from app.live.control.injected_target import Injection
 from app.live.control.loop_status import Status
 from app.live.control.safety_limits import CarLimits
@@ -131,10 +131,10 @@ class RoomPanel:
         """Show what is open."""
         if state.run != self.shown_run and state.phase != "opening":
             self.shown_run = state.run
-            show(self.source, state.source)
-            show(self.link, state.link)
+            set_value(self.source, state.source)
+            set_value(self.link, state.link)
         if status is not None and time.monotonic() > self.asked + OBEYED:
-            show(self.companions, len(status.companions))
+            set_value(self.companions, len(status.companions))
         for control in (self.source, self.link, self.open):
             control.disabled = armed
         self.emulated.visible = self.choices.sources[self.source.value] == SIMULATED

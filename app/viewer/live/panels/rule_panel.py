@@ -11,7 +11,7 @@ import viser
 
 from agents.models.declare import DeclaredParameter, declared
 from agents.models.model import Model
-from app.front.controls import show
+from app.front.controls import set_value
 from app.live.operating.flock_driver import NOT_SIMULATED
 from app.viewer.live.panels.state_panel import whose
 from app.viewer.live.session import Session
@@ -56,7 +56,7 @@ class RulePanel:
         """Follow the session: other controls for another rule, values as the loop has them."""
         self.rule.disabled = armed
         if state.phase != "opening" and not armed and self.rule.value != state.rule:
-            show(self.rule, state.rule)
+            set_value(self.rule, state.rule)
         if state.model is None:
             return
         if self.shown != (state.run, state.model.name):
@@ -64,7 +64,7 @@ class RulePanel:
             self.rebuild(state, state.model)
         for name, control in self.controls.items():
             if name in state.values and self.shown_values.get(name) != state.values[name]:
-                show(control, state.values[name])
+                set_value(control, state.values[name])
         self.shown_values = dict(state.values)
         self.dials.refresh()
 

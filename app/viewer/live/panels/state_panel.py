@@ -11,7 +11,7 @@ from typing import Literal
 
 import viser
 
-from app.front.controls import show
+from app.front.controls import set_value
 from app.front.viser_internals import GuiModalHandle, identifier
 from app.live.control.loop_status import Status
 from app.live.links.link import RUN
@@ -158,7 +158,7 @@ class ArmingConfirmation:
         if question is None:
             return
         verdict = self.session.arm_by_code(question.code.value, f"browser {number}")
-        show(question.code, "")
+        set_value(question.code, "")
         if verdict in ("right", "off"):
             self.close(number)
         elif verdict == "no code":
