@@ -31,7 +31,7 @@ from app.viewer.live.page import LivePage  # noqa: E402
 
 REPEATS, QUICK = 20, 3
 FLOODERS = (
-    ("--slider", "β", "--camera"),
+    ("--slider", "Scale β", "--camera"),
     ("--key", "Colour by the next quantity"),
     ("--key", "EMERGENCY STOP: this key too"),
 )
@@ -134,10 +134,12 @@ def measured(page: LivePage, repeats: int, by_message: bool, flooded: bool) -> l
         floods = []
         for wanted in FLOODERS[: 3 if flooded else 0]:
             seconds = str(30.0 + 3.0 * repeats)
-            asked = ("-m", "tests.attacks.flooder", str(port), seconds, *wanted)
+            asked = ("-m", "tests.attacks.flooder", str(port), seconds, "--wait", *wanted)
             floods.append(program(stack, *asked))
         for flood in floods:
             assert flood.stdout.readline() == "floods\n"
+        for flood in floods:  # all are in: who floods first would keep the others waiting
+            print("go", file=flood.stdin, flush=True)
         return [press(page, presser) for _ in range(repeats)]
 
 

@@ -1,6 +1,6 @@
 """A program that floods a page from a process of its own, and comes back when it is cut off.
 
-python -m tests.attacks.flooder PORT SECONDS [--key LABEL] [--slider LABEL] [--camera] [--stay]
+python -m tests.attacks.flooder PORT SECONDS [--key LABEL] [--slider LABEL] [--camera] [--stay] [--wait]
 
 Prints one line of JSON: messages that the line took, connections that came about, connections that
 were refused, and the codes with which they were closed.
@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import sys
 import time
 
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
@@ -63,6 +64,7 @@ def main() -> None:
     parser.add_argument("--key", default="")
     parser.add_argument("--slider", default="")
     parser.add_argument("--camera", action="store_true")
+    parser.add_argument("--wait", action="store_true", help="begin when a line is read")
     parser.add_argument("--stay", action="store_true", help="do not come back when cut off")
     wanted = parser.parse_args()
     end = time.monotonic() + wanted.seconds
@@ -86,6 +88,8 @@ def main() -> None:
             if not said_so:
                 print("floods", flush=True)
                 said_so = True
+                if wanted.wait:
+                    sys.stdin.readline()
             each = len(heap) // AT_ONCE and heap.count(heap[: len(heap) // AT_ONCE])
             while time.monotonic() < end and sent < MOST and not browser.gone:
                 browser.socket.socket.sendall(heap)
