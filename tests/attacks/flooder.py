@@ -1,6 +1,7 @@
 """A program that floods a page from a process of its own, and comes back when it is cut off.
 
-python -m tests.attacks.flooder PORT SECONDS [--key LABEL] [--slider LABEL] [--camera] [--stay] [--wait]
+python -m tests.attacks.flooder PORT SECONDS [--key LABEL] [--slider LABEL] [--camera] [--stay]
+                                            [--wait]
 
 Prints one line of JSON: messages that the line took, connections that came about, connections that
 were refused, and the codes with which they were closed.
