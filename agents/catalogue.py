@@ -27,7 +27,7 @@ from agents.bodies import (
 from agents.bodies.tracking import Tracking
 from agents.models.declare import Body, Rule, declared
 from agents.models.model import Model
-from agents.models.rule_file import thing_in
+from agents.models.rule_file import declaration_in_file
 from agents.rules import (
     active_brownian,
     boundary_points,
@@ -96,7 +96,7 @@ BUILT_IN = [
     ),
     Model(reynolds.REYNOLDS, steered.BODY, world="obstacles", agents=80, tells=CROWD),
     Model(vasarhelyi.VASARHELYI, drone.BODY, world="drone-arena", agents=30, tells=CROWD),
-    drone.tenth(vasarhelyi.VASARHELYI, tells=CROWD),
+    drone.scale_to_tenth(vasarhelyi.VASARHELYI, tells=CROWD),
     Model(
         pedestrian.RULE,
         point_mass.BODY,
@@ -211,29 +211,29 @@ def collect() -> dict[str, Model]:
 
     Warns of what cannot be loaded.
     """
-    found = {model.name: model for model in BUILT_IN}
-    return found | plug_ins("flockscope.rules", model_of_entry, found)
+    models = {model.name: model for model in BUILT_IN}
+    return models | plug_ins("flockscope.rules", model_of_entry, models)
 
 
-def brought_body(_: str, thing: object) -> tuple[str, Body]:
+def body_of_entry(_: str, entry: object) -> tuple[str, Body]:
     """The body that an entry point brings. Raises TypeError if it is none."""
-    if not isinstance(thing, Body):
-        raise TypeError(f"a Body is needed, not {type(thing).__name__}")
-    declared(thing.parameters)
-    return thing.name, thing
+    if not isinstance(entry, Body):
+        raise TypeError(f"a Body is needed, not {type(entry).__name__}")
+    declared(entry.parameters)
+    return entry.name, entry
 
 
-def model_of_entry(_: str, thing: object) -> tuple[str, Model]:
+def model_of_entry(_: str, entry: object) -> tuple[str, Model]:
     """The model that an entry point brings. Raises TypeError if it is none, or no rule."""
-    if not isinstance(thing, Rule | Model):
-        raise TypeError(f"a Rule or a Model is needed, not {type(thing).__name__}")
-    model = Model(thing, NEUTRAL.get(thing.wish, CONSTANT)) if isinstance(thing, Rule) else thing
+    if not isinstance(entry, Rule | Model):
+        raise TypeError(f"a Rule or a Model is needed, not {type(entry).__name__}")
+    model = Model(entry, NEUTRAL.get(entry.wish, CONSTANT)) if isinstance(entry, Rule) else entry
     declared(model.parameters)
     return model.name, model
 
 
 BODIES = {one.name: one for one in (CONSTANT, point_mass.BODY)}
-BODIES |= plug_ins("flockscope.bodies", brought_body, BODIES)
+BODIES |= plug_ins("flockscope.bodies", body_of_entry, BODIES)
 """Bodies that any rule may have, if it wishes what they take: `RULE-BODY` is such a model."""
 
 ON_WHEELS = "-cars"
@@ -250,13 +250,13 @@ def from_file(path: str) -> Model:
     An edited file replaces what it brought before; none replaces a model of anything else.
     """
     try:
-        name, found = model_of_entry(path, thing_in(path))
+        name, loaded_model = model_of_entry(path, declaration_in_file(path))
     except (TypeError, AssertionError) as error:
         raise InputError(f"{path}: {error}") from None
     if name in MODELS and FILES.get(name) != Path(path).resolve():
         raise InputError(f"{path}: there is a model {name!r} already; its rule needs another name")
-    if name not in MODELS or found.rule is not MODELS[name].rule:
-        MODELS[name] = found
+    if name not in MODELS or loaded_model.rule is not MODELS[name].rule:
+        MODELS[name] = loaded_model
         FILES[name] = Path(path).resolve()
     return MODELS[name]
 
@@ -270,15 +270,15 @@ def model(name: str) -> Model:
     """
     rule = name.removesuffix(ON_WHEELS)
     if name not in MODELS and rule != name and rule in MODELS and MODELS[rule].rule.name == rule:
-        MODELS[name] = on_wheels(MODELS[rule].rule)
+        MODELS[name] = drive_on_wheels(MODELS[rule].rule)
     if name not in MODELS:
-        with_body(name)
+        add_model_with_body(name)
     if name not in MODELS:
         raise unknown("model", name, MODELS)
     return MODELS[name]
 
 
-def with_body(name: str) -> None:
+def add_model_with_body(name: str) -> None:
     """Add the model `RULE-BODY` to the catalogue if both exist. Raises InputError."""
     for body in BODIES.values():
         rule = name.removesuffix(f"-{body.name}")
@@ -292,7 +292,7 @@ def with_body(name: str) -> None:
                 raise InputError(str(error)) from None
 
 
-def on_wheels(rule: Rule) -> Model:
+def drive_on_wheels(rule: Rule) -> Model:
     """The model of cars driven by a rule, on an unbounded floor. Raises InputError if it cannot be.
 
     Cars of another rule that wishes a velocity are declared one by one: it may need its own body.
@@ -305,19 +305,19 @@ def on_wheels(rule: Rule) -> Model:
     return car.driving(rule, world="cars-torus", agents=12, spacing=0.6, defaults={"yields": True})
 
 
-def obedient() -> tuple[str, ...]:
+def obedient_car_models() -> tuple[str, ...]:
     """The models of cars whose commands real cars can obey."""
     return tuple(
         name
-        for name, one in MODELS.items()
-        if one.body.vehicle is not None and one.body.vehicle.wheel
+        for name, body_model in MODELS.items()
+        if body_model.body.vehicle is not None and body_model.body.vehicle.wheel
     )
 
 
-def cars_by(name: str) -> Model:
+def cars_for_rule(name: str) -> Model:
     """The cars that go by a rule: a model of cars, or the rule of another one. Raises
     InputError."""
-    models = obedient()
+    models = obedient_car_models()
     if name in models:
         return MODELS[name]
     rules: dict[str, Rule] = {}
@@ -334,10 +334,10 @@ def cars_by(name: str) -> Model:
             f"{' and '.join(f'{d}-D' for d in rule.dimensions)}, and cars take a heading or a "
             "velocity in 2-D"
         )
-    taken = set(rule.parameters.model_fields) & set(car.Car.model_fields)
-    if taken and not issubclass(rule.parameters, Tracking):
+    shared_names = set(rule.parameters.model_fields) & set(car.Car.model_fields)
+    if shared_names and not issubclass(rule.parameters, Tracking):
         raise InputError(
-            f"rule {name} cannot drive cars: it has a parameter {sorted(taken)[0]} of its own, "
-            "and so have they"
+            f"rule {name} cannot drive cars: it has a parameter {sorted(shared_names)[0]} of its "
+            "own, and so have they"
         )
     return car.driving(rule)

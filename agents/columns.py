@@ -30,7 +30,7 @@ def crash_columns(dim: int) -> list[str]:
 def columns_of(model: Model, world: World, with_past: bool = False) -> list[Column]:
     """The columns that a run of a model in a world is recorded in, in their order."""
     length, axes = model.in_units("length"), AXES[: world.dim]
-    made = [
+    columns = [
         Column("tick", "ticks", "ticks done since the start"),
         Column("id", "1", "identity of the agent, which keeps it for the whole run"),
         *(Column(axis, length, f"position along {axis}") for axis in axes),
@@ -39,18 +39,18 @@ def columns_of(model: Model, world: World, with_past: bool = False) -> list[Colu
         Column("informed", "1", "whether it is an information agent"),
     ]
     if world.mission is not None and world.mission.path is not None:
-        made.append(Column(LEG, "1", "waypoints of the path that it has left behind"))
+        columns.append(Column(LEG, "1", "waypoints of the path that it has left behind"))
     if model.body.touches is not None:
         tick, cause, *places = crash_columns(world.dim)
-        made += [
+        columns += [
             Column(tick, "ticks", "tick at whose beginning it crashed, -1 while it has not"),
             Column(cause, "1", "what it touched: 1 another agent, 2 an obstacle or a wall, else 0"),
             *(Column(name, length, f"where it crashed, along {name[-1]}") for name in places),
         ]
-    made += [Column(name, model.unit_of(name), kind(model, name)) for name in model.columns]
+    columns += [Column(name, model.unit_of(name), kind(model, name)) for name in model.columns]
     if with_past:
-        made.append(Column(PAST, "1", "what messages on their way tell"))
-    return made
+        columns.append(Column(PAST, "1", "what messages on their way tell"))
+    return columns
 
 
 def kind(model: Model, name: str) -> str:

@@ -168,8 +168,8 @@ def ticks_back(conditions: Conditions, dt: float) -> int:
     if not conditions.is_late:
         return 0
     delay, jitter, loss, _ = messages(conditions, dt)
-    lost = math.ceil(math.log(UNHEARD) / math.log(loss)) if loss > 0.0 else 0
-    ages = delay + math.ceil(-math.log(UNHEARD) * jitter) + lost + 1
+    lost_in_a_row = math.ceil(math.log(UNHEARD) / math.log(loss)) if loss > 0.0 else 0
+    ages = delay + math.ceil(-math.log(UNHEARD) * jitter) + lost_in_a_row + 1
     if ages > MOST_TICKS:
         raise InputError(
             f"delay = {conditions.delay:g}, jitter = {conditions.jitter:g}, "
@@ -194,28 +194,30 @@ class Wind:
         self.dim = dim
         angle = math.radians(conditions.wind_heading)
         self.along = np.array([math.cos(angle), math.sin(angle), 0.0])
-        self.kept = math.exp(-dt / conditions.gust_time)
-        self._restart()
+        self.persistence = math.exp(-dt / conditions.gust_time)
+        self._reset_gusts()
 
-    def _restart(self) -> None:
+    def _reset_gusts(self) -> None:
         """The gusts as they are before tick 0."""
         self.rng = np.random.default_rng([self.seed, STREAM])
-        self.reached = 0
+        self.next_tick = 0
         self.last = self.rng.standard_normal(3)
 
-    def during(self, tick: int, ticks: int) -> np.ndarray:
+    def displacements(self, tick: int, ticks: int) -> np.ndarray:
         """Displacement of agents in each of `ticks` ticks from `tick` on, length, (ticks, 3)."""
-        now = self.conditions
-        if not now.is_windy:
+        conditions = self.conditions
+        if not conditions.is_windy:
             return NO_WIND
-        speed = np.tile(now.wind * self.along, (ticks, 1))
-        speed[:, 2] += now.wind_up
-        if now.pulse:
+        speed = np.tile(conditions.wind * self.along, (ticks, 1))
+        speed[:, 2] += conditions.wind_up
+        if conditions.pulse:
             time = np.arange(tick, tick + ticks) * self.dt
-            blows = (time >= now.pulse_at) & (time < now.pulse_at + now.pulse_lasts)
-            speed[blows] += now.pulse * self.along
-        if now.gusts:
-            speed += now.gusts * self.gusts(tick, ticks)
+            blows = (time >= conditions.pulse_at) & (
+                time < conditions.pulse_at + conditions.pulse_lasts
+            )
+            speed[blows] += conditions.pulse * self.along
+        if conditions.gusts:
+            speed += conditions.gusts * self.gusts(tick, ticks)
         speed[:, self.dim :] = 0.0
         return speed * self.dt
 
@@ -223,14 +225,14 @@ class Wind:
         """Gusts of standard deviation 1 in each of the ticks, (ticks, 3)."""
         from scipy.signal import lfilter
 
-        if tick < self.reached:
-            self._restart()
-        drawn = self.rng.standard_normal((tick + ticks - self.reached, 3))
-        spread = math.sqrt(1.0 - self.kept**2)
-        made, _ = lfilter(
-            [spread], [1.0, -self.kept], drawn, axis=0, zi=self.kept * self.last[None]
+        if tick < self.next_tick:
+            self._reset_gusts()
+        noise = self.rng.standard_normal((tick + ticks - self.next_tick, 3))
+        spread = math.sqrt(1.0 - self.persistence**2)
+        process, _ = lfilter(
+            [spread], [1.0, -self.persistence], noise, axis=0, zi=self.persistence * self.last[None]
         )
-        if len(made):
-            self.last = made[-1]
-        self.reached = tick + ticks
-        return made[len(made) - ticks :]
+        if len(process):
+            self.last = process[-1]
+        self.next_tick = tick + ticks
+        return process[len(process) - ticks :]

@@ -47,10 +47,10 @@ class ConformanceFailure(Exception):
     """The model does not pass the check."""
 
 
-def demand(holds: Any, seen: str) -> None:
+def demand(holds: Any, finding: str) -> None:
     """Raise Failed with what was seen, unless it holds."""
     if not holds:
-        raise ConformanceFailure(seen)
+        raise ConformanceFailure(finding)
 
 
 @dataclass(frozen=True)
@@ -63,9 +63,9 @@ class ConformanceResult:
     reason: str = ""
 
 
-def at_home(model: Model, **given: Any) -> Flock:
+def flock_at_home(model: Model, **options: Any) -> Flock:
     """A small flock of a model in the model's own world."""
-    return Flock(model.name, **{"agents": AGENTS, "rng": 7, **given})
+    return Flock(model.name, **{"agents": AGENTS, "rng": 7, **options})
 
 
 def empty_space(model: Model, dim: int | None = None) -> World:
@@ -73,24 +73,24 @@ def empty_space(model: Model, dim: int | None = None) -> World:
 
     The loop for worlds with something solid in them is another one than that for worlds without.
     """
-    home = at_home(model, agents=1)
+    home = flock_at_home(model, agents=1)
     reach = max(home.reach, home.sight)
     side = (40.0 * reach,) * (dim or home.world.dim)
-    far = Disc(centre=(FAR * reach, FAR * reach), radius=0.5 * reach)
+    disc = Disc(centre=(FAR * reach, FAR * reach), radius=0.5 * reach)
     return World(
-        "empty space", side, ("open",) * len(side), obstacles=(far,) if home.world.is_solid else ()
+        "empty space", side, ("open",) * len(side), obstacles=(disc,) if home.world.is_solid else ()
     )
 
 
 def crowd(model: Model, dim: int | None = None, agents: int = AGENTS) -> dict[str, np.ndarray]:
     """A start in empty space, with every agent near others and no two of them touching."""
-    home = at_home(model, agents=1)
-    apart = max(home.reach / 4.0, model.spacing or 0.0, 1.5 * size_of(home))
+    home = flock_at_home(model, agents=1)
+    spacing = max(home.reach / 4.0, model.spacing or 0.0, 1.5 * size_of(home))
     rng = np.random.default_rng(11)
     dim = dim or home.world.dim
     side = int(np.ceil(agents ** (1.0 / dim)))
     places = np.stack(np.meshgrid(*[np.arange(side)] * dim), -1).reshape(-1, dim)[:agents]
-    position = 3.0 * home.reach + apart * (places + rng.uniform(-0.15, 0.15, places.shape))
+    position = 3.0 * home.reach + spacing * (places + rng.uniform(-0.15, 0.15, places.shape))
     heading = rng.normal(size=position.shape)
     heading /= np.linalg.norm(heading, axis=1)[:, None]
     informed = np.arange(agents) < model.informed
@@ -103,41 +103,50 @@ def size_of(flock: Flock) -> float:
     return float(getattr(flock.parameters, name)) if name else 0.0
 
 
-def quiet(model: Model) -> dict[str, float]:
+def noiseless_settings(model: Model) -> dict[str, float]:
     """Settings without noise."""
-    return {one.name: 0.0 for one in declared(model.parameters) if one.noise}
+    return {
+        declaration.name: 0.0 for declaration in declared(model.parameters) if declaration.noise
+    }
 
 
-def in_space(model: Model, start: dict[str, np.ndarray] | None = None, **given: Any) -> Flock:
+def flock_in_empty_space(
+    model: Model, start: dict[str, np.ndarray] | None = None, **options: Any
+) -> Flock:
     """A flock in empty space, by default the crowd."""
     start = crowd(model) if start is None else start
-    return Flock(model.name, start=start, world=empty_space(model), **{"rng": 7, **given})
+    return Flock(model.name, start=start, world=empty_space(model), **{"rng": 7, **options})
 
 
-def demand_same(one: Flock, other: Flock, seen: str) -> None:
+def demand_same(flock: Flock, other: Flock, finding: str) -> None:
     """Raise Failed unless two flocks are the same to the bit."""
     for name in ("position", "heading", "speed"):
-        demand(np.array_equal(getattr(one, name), getattr(other, name)), f"{seen}: another {name}")
-    same = np.array_equal(one.signals(), other.signals(), equal_nan=True)
-    demand(same, f"{seen}: other signals")
+        demand(
+            np.array_equal(getattr(flock, name), getattr(other, name)), f"{finding}: another {name}"
+        )
+    same_signals = np.array_equal(flock.signals(), other.signals(), equal_nan=True)
+    demand(same_signals, f"{finding}: other signals")
 
 
-def demand_sound(flock: Flock, seen: str) -> None:
+def demand_sound(flock: Flock, finding: str) -> None:
     """Raise Failed unless positions are finite, headings unit vectors and speeds >= 0."""
     for name in ("position", "heading", "speed"):
-        demand(np.isfinite(getattr(flock, name)).all(), f"{seen}: a {name} that is no number")
+        demand(np.isfinite(getattr(flock, name)).all(), f"{finding}: a {name} that is no number")
     length = np.linalg.norm(flock.heading, axis=1)
-    demand(np.allclose(length, 1.0, atol=1e-6), f"{seen}: a heading of length {worst(length, 1.0)}")
+    demand(
+        np.allclose(length, 1.0, atol=1e-6),
+        f"{finding}: a heading of length {furthest_value(length, 1.0)}",
+    )
 
 
-def worst(values: np.ndarray, wanted: float) -> float:
+def furthest_value(values: np.ndarray, target: float) -> float:
     """The value that is furthest from the wanted one."""
-    return float(values[np.argmax(np.abs(values - wanted))]) if len(values) else wanted
+    return float(values[np.argmax(np.abs(values - target))]) if len(values) else target
 
 
 def threads(model: Model) -> None:
     """One thread and two give the same bits."""
-    one, two = in_space(model), in_space(model, threads=2)
+    one, two = flock_in_empty_space(model), flock_in_empty_space(model, threads=2)
     two.split_from = 1
     for flock in (one, two):
         flock.run(TICKS)
@@ -146,12 +155,12 @@ def threads(model: Model) -> None:
 
 def order(model: Model) -> None:
     """All at once, it makes no difference in which order agents act."""
-    whole, single = in_space(model), in_space(model)
+    together, single = flock_in_empty_space(model), flock_in_empty_space(model)
     for _ in range(2):
-        whole.run(1)
+        together.run(1)
         for row in np.random.default_rng(3).permutation(AGENTS):
             single.step_member(int(row))
-    demand_same(whole, single, "another order")
+    demand_same(together, single, "another order")
 
 
 def saved(model: Model) -> None:
@@ -160,73 +169,82 @@ def saved(model: Model) -> None:
         demand_parquet("a state")
     except InputError as missing:
         raise InapplicableCheck(str(missing)) from None
-    flock = at_home(model)
+    flock = flock_at_home(model)
     flock.run(TICKS)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "state.parquet"
         flock.save(path)
-        again = Flock.load(path)
-    for one in (flock, again):
-        one.run(TICKS)
-    demand_same(flock, again, "the saved run")
+        loaded = Flock.load(path)
+    for continued in (flock, loaded):
+        continued.run(TICKS)
+    demand_same(flock, loaded, "the saved run")
 
 
 def plain(model: Model) -> None:
     """Run as plain Python it gives the same numbers up to rounding."""
-    compiled, python = in_space(model), in_space(model, interpret=True)
+    compiled, python = flock_in_empty_space(model), flock_in_empty_space(model, interpret=True)
     for flock in (compiled, python):
         flock.run(2)
     demand_close(python, compiled.position, compiled.heading, "plain Python")
 
 
-def demand_close(flock: Flock, position: np.ndarray, heading: np.ndarray, seen: str) -> None:
+def demand_close(flock: Flock, position: np.ndarray, heading: np.ndarray, finding: str) -> None:
     """Raise Failed unless a flock is where it should be, up to rounding."""
     scale = max(1.0, float(np.abs(position).max()))
     off = float(np.abs(flock.position - position).max()) / scale
-    demand(off < ROUNDING, f"{seen}: positions {off:.2g} apart")
+    demand(off < ROUNDING, f"{finding}: positions {off:.2g} apart")
     off = float(np.abs(flock.heading - heading).max())
-    demand(off < ROUNDING, f"{seen}: headings {off:.2g} apart")
+    demand(off < ROUNDING, f"{finding}: headings {off:.2g} apart")
 
 
-def symmetric(model: Model, name: str, there: Callable, turned: Callable) -> None:
-    """Raise Failed unless moved agents move alike; `there` moves places, `turned` headings."""
+def demand_symmetry(
+    model: Model, name: str, move_places: Callable, turn_headings: Callable
+) -> None:
+    """Raise Failed unless agents that start elsewhere move alike, up to rounding."""
     if name not in model.symmetries:
         raise InapplicableCheck(f"{model.name} declares that a {name} makes a difference")
     start = crowd(model)
-    moved = {**start, "position": there(start["position"]), "heading": turned(start["heading"])}
-    here, other = (in_space(model, one, **quiet(model)) for one in (start, moved))
-    for flock in (here, other):
+    moved_start = {
+        **start,
+        "position": move_places(start["position"]),
+        "heading": turn_headings(start["heading"]),
+    }
+    original, other = (
+        flock_in_empty_space(model, places, **noiseless_settings(model))
+        for places in (start, moved_start)
+    )
+    for flock in (original, other):
         flock.run(TICKS)
-    demand_close(other, there(here.position), turned(here.heading), name)
+    demand_close(other, move_places(original.position), turn_headings(original.heading), name)
 
 
 def shift(model: Model) -> None:
     """Shifted in empty space, agents do the same."""
-    symmetric(model, "shift", lambda x: x + 0.7, lambda u: u)
+    demand_symmetry(model, "shift", lambda x: x + 0.7, lambda u: u)
 
 
 def rotation(model: Model) -> None:
     """Turned about the vertical, agents do the same, turned."""
     c, s = np.cos(ANGLE), np.sin(ANGLE)
 
-    def turned(x: np.ndarray) -> np.ndarray:
+    def turn_vectors(x: np.ndarray) -> np.ndarray:
         return np.column_stack([c * x[:, 0] - s * x[:, 1], s * x[:, 0] + c * x[:, 1], *x[:, 2:].T])
 
-    symmetric(model, "rotation", turned, turned)
+    demand_symmetry(model, "rotation", turn_vectors, turn_vectors)
 
 
 def mirror(model: Model) -> None:
     """Mirrored, agents do the same, mirrored."""
 
-    def turned(x: np.ndarray) -> np.ndarray:
+    def mirror_vectors(x: np.ndarray) -> np.ndarray:
         return x * ([1.0, -1.0] if x.shape[1] == 2 else [1.0, -1.0, 1.0])
 
-    symmetric(model, "mirror", turned, turned)
+    demand_symmetry(model, "mirror", mirror_vectors, mirror_vectors)
 
 
 def inside(model: Model) -> None:
     """In the model's own world, agents stay in the box and out of what is solid."""
-    flock = at_home(model)
+    flock = flock_at_home(model)
     for _ in range(4):
         flock.run(TICKS)
         demand_sound(flock, "at home")
@@ -238,7 +256,7 @@ def inside(model: Model) -> None:
 
 def alone(model: Model) -> None:
     """A flock of one agent runs, and so does one that all agents have left."""
-    flock = at_home(model, agents=1, informed=0)
+    flock = flock_at_home(model, agents=1, informed=0)
     flock.run(TICKS)
     demand_sound(flock, "one agent")
     flock.members[0].remove()
@@ -250,7 +268,7 @@ def one_spot(model: Model) -> None:
     """Agents that all start in one spot have finite positions afterwards."""
     start = crowd(model)
     start["position"] = np.repeat(start["position"][:1], AGENTS, axis=0)
-    flock = in_space(model, start)
+    flock = flock_in_empty_space(model, start)
     flock.run(TICKS)
     demand_sound(flock, "all in one spot")
 
@@ -259,7 +277,8 @@ def other_dimensions(model: Model) -> None:
     """In all dimensions that it is declared for, positions stay finite."""
     for dim in model.dimensions:
         world, start = empty_space(model, dim), crowd(model, dim)
-        at_hand = dim == at_home(model, agents=1).world.dim  # another loop takes long to compile
+        # A loop for another number of dimensions takes long to compile.
+        at_hand = dim == flock_at_home(model, agents=1).world.dim
         flock = Flock(model.name, start=start, world=world, rng=7, interpret=not at_hand)
         flock.run(2)
         demand_sound(flock, f"in {dim}-D")
@@ -267,66 +286,74 @@ def other_dimensions(model: Model) -> None:
 
 def proposed(model: Model) -> None:
     """The range that a slider proposes is within what is allowed, and the default is in it."""
-    for one in declared(model.parameters):
-        if not isinstance(one, NumberParameter):
-            demand(one.kind != "number", f"{one.name}: no range for a slider")
+    for declaration in declared(model.parameters):
+        if not isinstance(declaration, NumberParameter):
+            demand(declaration.kind != "number", f"{declaration.name}: no range for a slider")
             continue
         try:
-            demand_proposed(one.proposed, one.default, one.low, one.high)
+            demand_proposed(
+                declaration.proposed, declaration.default, declaration.low, declaration.high
+            )
         except ValueError as why:
-            raise ConformanceFailure(f"{one.name}: {why}") from None
+            raise ConformanceFailure(f"{declaration.name}: {why}") from None
 
 
 def bounds(model: Model) -> None:
     """With any one parameter at an end of its range, positions stay finite."""
-    for one in declared(model.parameters):
-        ends = (False, True) if one.kind == "switch" else one.choices or (one.low, one.high)
+    for declaration in declared(model.parameters):
+        ends = (
+            (False, True)
+            if declaration.kind == "switch"
+            else declaration.choices or (declaration.low, declaration.high)
+        )
         for value in ends:
-            flock = in_space(model, None, **{one.name: value})
+            flock = flock_in_empty_space(model, None, **{declaration.name: value})
             flock.run(2)
-            demand_sound(flock, f"{one.name} = {value}")
+            demand_sound(flock, f"{declaration.name} = {value}")
 
 
-def lately(flock: Flock, one: LessonStep) -> float:
+def late_mean(flock: Flock, lesson: LessonStep) -> float:
     """Run a flock the ticks of a try; the mean of the observable over the last fifth of them."""
     looks = 5
-    short = max(1, one.proof.ticks // (5 * looks))
-    flock.run(one.proof.ticks - (looks - 1) * short)
-    seen = [flock.observe(one.proof.observable)]
+    short = max(1, lesson.proof.ticks // (5 * looks))
+    flock.run(lesson.proof.ticks - (looks - 1) * short)
+    values = [flock.observe(lesson.proof.observable)]
     for _ in range(looks - 1):
         flock.run(short)
-        seen.append(flock.observe(one.proof.observable))
-    return float(np.mean(seen))
+        values.append(flock.observe(lesson.proof.observable))
+    return float(np.mean(values))
 
 
-def run_try(model: Model, one: LessonStep, seed: int) -> tuple[float, float]:
+def run_try(model: Model, lesson: LessonStep, seed: int) -> tuple[float, float]:
     """Make a try with a model at home: the observable without the change, and with it."""
     flock = Flock(model.name, rng=seed)
-    before = lately(flock, one)
-    if one.anew:
-        flock = Flock(model.name, rng=seed, **one.set)
+    before = late_mean(flock, lesson)
+    if lesson.anew:
+        flock = Flock(model.name, rng=seed, **lesson.set)
     else:
-        flock.set(**one.set)
-    return before, lately(flock, one)
+        flock.set(**lesson.set)
+    return before, late_mean(flock, lesson)
 
 
 def tries(model: Model) -> None:
     """What it proposes to try comes true, in its own world from three starts."""
     if not model.to_try:
         raise InapplicableCheck(f"{model.name} declares nothing to try")
-    for one in model.to_try:
-        if one.proof.observable not in OBSERVABLES:
+    for lesson in model.to_try:
+        if lesson.proof.observable not in OBSERVABLES:
             raise ConformanceFailure(
-                f"{one.changes}: there is no observable {one.proof.observable}"
+                f"{lesson.changes}: there is no observable {lesson.proof.observable}"
             )
-        options = sorted(OPTIONS.keys() & one.set.keys())
-        demand(one.anew or not options, f"{one.changes}: {', '.join(options)} needs anew=True")
+        options = sorted(OPTIONS.keys() & lesson.set.keys())
+        demand(
+            lesson.anew or not options, f"{lesson.changes}: {', '.join(options)} needs anew=True"
+        )
         for seed in SEEDS:
-            before, after = run_try(model, one, seed)
+            before, after = run_try(model, lesson, seed)
             demand(
-                one.proof.holds(before, after),
-                f"{one.changes}, seed {seed}: not {one.proof.in_words}, but {before:.4g} without "
-                f"it and {after:.4g} with it",
+                lesson.proof.holds(before, after),
+                f"{lesson.changes}, seed {seed}: not {lesson.proof.in_words}, but {before:.4g} "
+                f"without it and {after:.4g} with it",
             )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from agents import catalogue
 from agents.clock import TickClock
 from agents.flock_world import complete_spec, find_world, is_built_in
-from agents.inspection import Inspection, inspect, warm
+from agents.inspection import Inspection, compile_inspection, inspect
 from agents.member import FlockSpace, Member
 from agents.models.declare import checked
 from agents.models.sources import cite
@@ -25,7 +25,13 @@ from agents.record import STATES, Recorder
 from agents.recording import Recording
 from agents.snapshot import Snapshot
 from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec, versions
-from agents.state.agent_rows import chosen, demand_memory_for, join_arrays, start_arrays, with_past
+from agents.state.agent_rows import (
+    demand_memory_for,
+    join_arrays,
+    resize_past,
+    select_rows,
+    start_arrays,
+)
 from agents.state.start import Start, free_positions, given_start, random_headings, random_start
 from worlds.input_error import InputError, unknown
 
@@ -106,21 +112,21 @@ class Flock(TickClock, Motion):
         rng = seed_from(rng)
         if rng is not None and words.setdefault("seed", rng) != rng:
             raise InputError(f"rng = {rng} and seed = {words['seed']}: both are the seed, give one")
-        asked = (model if isinstance(model, Spec) else Spec(model)).taking(**words)
-        if asked.start == "given" and start is None:
+        spec_request = (model if isinstance(model, Spec) else Spec(model)).taking(**words)
+        if spec_request.start == "given" and start is None:
             raise InputError(
                 "start = 'given' in the spec: a run from given arrays begins again only from its "
                 "saved state, with Flock.load"
             )
-        self.model = catalogue.model(asked.model)
+        self.model = catalogue.model(spec_request.model)
         self.threads = whole_number("threads", threads, 1, MOST_THREADS)
-        spec = complete_spec(asked, self.model)
+        spec = complete_spec(spec_request, self.model)
         demand_memory_for(self.model, spec.count, self.threads)
         self.seed = spec.seed
         self.options = spec.model_copy(update={"start": "random" if start is None else "given"})
         self.interpret = interpret
         self.parameters = checked(
-            self.model.parameters, spec.parameters, others=(*OPTIONS, *OWN_WORDS)
+            self.model.parameters, spec.parameters, other_names=(*OPTIONS, *OWN_WORDS)
         )
         self.world = find_world(self.options, self.model)
         if spec.informed and not self.model.rule.led:
@@ -129,44 +135,46 @@ class Flock(TickClock, Motion):
             )
         super().__init__(rng=self.seed)
         self.tick = 0
-        begin = self._begin() if start is None else self._given(start)
-        knowing = int(begin.informed.sum())
-        counted = {"agents": len(begin.position) - knowing, "informed": knowing}
-        self.options = self.options.model_copy(update=counted)
+        begin = self._random_start() if start is None else self._start_from_arrays(start)
+        informed_count = int(begin.informed.sum())
+        counts = {"agents": len(begin.position) - informed_count, "informed": informed_count}
+        self.options = self.options.model_copy(update=counts)
         self._members: list[Member] | None = None
         self._acted: set[int] = set()
-        self._lay_out(begin)
+        self._make_arrays(begin)
         reporters: dict[str, Any] = {
-            name: partial(observed, name=known_observable(name)) for name in collect
+            name: partial(measure_observable, name=known_observable(name)) for name in collect
         }
-        if asked.seed is None:
+        if spec_request.seed is None:
             reporters["seed"] = "seed"
         self.datacollector = mesa.DataCollector(
             model_reporters=reporters | dict(model_reporters or {}),
             agent_reporters=dict(agent_reporters or {}),
         )
 
-    def _begin(self) -> Start:
+    def _random_start(self) -> Start:
         """A random start, with the speeds that the body begins with. Raises InputError."""
         run = self.options
-        begin = random_start(self.world, run.agents, run.informed, self.rng, run.spacing, self._gap)
-        return self._set_off(begin, bool(begin.speed.any()))
+        begin = random_start(
+            self.world, run.agents, run.informed, self.rng, run.spacing, self._start_gap
+        )
+        return self._with_start_speeds(begin, bool(begin.speed.any()))
 
-    def _given(self, start: Mapping[str, Any]) -> Start:
+    def _start_from_arrays(self, start: Mapping[str, Any]) -> Start:
         """A start from arrays; without speeds with those that the body begins with. Or
         InputError."""
         begin = given_start(self.world, start, bool(self.model.passing(self.parameters)))
-        return self._set_off(begin, "speed" in start)
+        return self._with_start_speeds(begin, "speed" in start)
 
     @property
-    def _gap(self) -> float:
+    def _start_gap(self) -> float:
         """How far from what is solid agents start at least, length."""
         body = self.model.body
         if body.stride is not None:
             return float(body.stride(self.parameters))
         return 0.5 * float(getattr(self.parameters, body.size)) if body.size else 0.0
 
-    def _set_off(self, begin: Start, with_speeds: bool) -> Start:
+    def _with_start_speeds(self, begin: Start, with_speeds: bool) -> Start:
         """The start with the one speed of the body, or, without speeds, those it begins with."""
         body, n = self.model.body, len(begin.speed)
         if body.speed is not None:
@@ -175,9 +183,9 @@ class Flock(TickClock, Motion):
             return begin
         return replace(begin, speed=body.begins(self.parameters, self.rng, n))
 
-    def _lay_out(self, begin: Start) -> None:
+    def _make_arrays(self, begin: Start) -> None:
         """Make the arrays and the engine that runs over them."""
-        self._use(start_arrays(begin, self.model, 1))
+        self._set_arrays(start_arrays(begin, self.model, 1))
         self.next_id = len(begin.position) + 1
 
     def __repr__(self) -> str:
@@ -206,16 +214,18 @@ class Flock(TickClock, Motion):
         """
         if subscription:
             return super().observe(name, *subscription)
-        return observed(self, known_observable(name))
+        return measure_observable(self, known_observable(name))
 
     def inspect(self, row: int) -> Inspection:
         """One agent seen from close: whom it listens to and how much."""
-        now = self.snapshot(copy=False, signals=True)
-        return inspect(now, self.engine.surroundings, self.context, row, self.interpret)
+        snapshot = self.snapshot(copy=False, signals=True)
+        return inspect(snapshot, self.engine.surroundings, self.context, row, self.interpret)
 
     def warm(self) -> None:
         """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
-        warm(self.snapshot(copy=False), self.engine.surroundings, self.context, self.interpret)
+        compile_inspection(
+            self.snapshot(copy=False), self.engine.surroundings, self.context, self.interpret
+        )
 
     @property
     def members(self) -> list[Member]:
@@ -229,20 +239,20 @@ class Flock(TickClock, Motion):
         """Let the members follow the rows by identity; those whose agent is not there are gone."""
         if self._members is None:
             return
-        there = {member.unique_id: member for member in self._members}
+        by_identity = {member.unique_id: member for member in self._members}
         ids = self.ids.tolist()
-        if list(there) == ids:
+        if list(by_identity) == ids:
             return
         self._members = []
-        for identity in there.keys() - ids:
-            self._deregister(there.pop(identity))
+        for identity in by_identity.keys() - ids:
+            self._deregister(by_identity.pop(identity))
         for row in np.argsort(self.ids).tolist():
-            member = there.get(ids[row])
+            member = by_identity.get(ids[row])
             if member is None:
-                there[ids[row]] = Member(self, row=row)
+                by_identity[ids[row]] = Member(self, row=row)
             else:
                 member.row = row
-        self._members.extend(there[identity] for identity in ids)
+        self._members.extend(by_identity[identity] for identity in ids)
 
     @property
     def agents(self):
@@ -289,15 +299,17 @@ class Flock(TickClock, Motion):
         members = self.members
         dim = self.world.dim
         if position is None:
-            position = free_positions(self.world, 1, self.rng, gap=self._gap)[0]
+            position = free_positions(self.world, 1, self.rng, gap=self._start_gap)[0]
         if heading is None:
             heading = random_headings(self.rng, 1, dim)[0]
-        new = self._given({"position": [position], "heading": [heading], "informed": [informed]})
+        new = self._start_from_arrays(
+            {"position": [position], "heading": [heading], "informed": [informed]}
+        )
         ages = self.arrays.past.shape[1]
-        more = with_past(
+        new_arrays = resize_past(
             start_arrays(new, self.model, self.next_id), ages, len(self.model.signals), self.tick
         )
-        self._use(join_arrays(self.arrays, more))
+        self._set_arrays(join_arrays(self.arrays, new_arrays))
         self.next_id += 1
         members.append(member)
         return len(self.ids) - 1
@@ -311,9 +323,9 @@ class Flock(TickClock, Motion):
             _ = self.members
             super().register_agent(agent)
             return
-        after, self.next_id = self.next_id, int(self.ids[agent.row])
+        next_id, self.next_id = self.next_id, int(self.ids[agent.row])
         super().register_agent(agent)
-        self.next_id = after
+        self.next_id = next_id
 
     def deregister_agent(self, agent: mesa.Agent) -> None:
         """Take an agent out of the flock, as `Agent.remove` does. KeyError if it is not there.
@@ -336,12 +348,12 @@ class Flock(TickClock, Motion):
         self._take_out([m for m in self.members if type(m).remove is Member.remove])
         super().remove_all_agents()
 
-    def _take_out(self, leaving: Sequence[Member]) -> None:
+    def _take_out(self, members: Sequence[Member]) -> None:
         """Take members and their rows out, at once."""
-        rows = [member.row for member in leaving]
-        for member in leaving:
+        rows = [member.row for member in members]
+        for member in members:
             self._deregister(member)
-        self._use(chosen(self.arrays, np.delete(np.arange(len(self.ids)), rows)))
+        self._set_arrays(select_rows(self.arrays, np.delete(np.arange(len(self.ids)), rows)))
         self._members = [member for member in self.members if not member.is_gone]
         for row, member in enumerate(self._members):
             member.row = row
@@ -384,7 +396,7 @@ class Flock(TickClock, Motion):
         self.options = CompleteSpec(**dict(self.options))  # those of before were of type `Spec`
         self.model = catalogue.model(state["model"])
         self.parameters = checked(self.model.parameters, state["parameters"])
-        self._use(self.arrays)
+        self._set_arrays(self.arrays)
 
     @property
     def spec(self) -> CompleteSpec:
@@ -417,8 +429,8 @@ class Flock(TickClock, Motion):
     def load(cls, path: str | Path, tick: int | None = None, **more: Any) -> Flock:
         """The flock of a saved state, or of one tick (the last) of a recording. Raises
         InputError."""
-        saved = Recording(path)
-        return cls.from_snapshot(saved.spec, saved.state(tick), **more)
+        recording = Recording(path)
+        return cls.from_snapshot(recording.spec, recording.state(tick), **more)
 
     @classmethod
     def from_snapshot(cls, spec: Spec, saved: Snapshot, **more: Any) -> Flock:
@@ -452,6 +464,6 @@ def known_observable(name: str) -> str:
     return name
 
 
-def observed(flock: Flock, name: str) -> Any:
+def measure_observable(flock: Flock, name: str) -> Any:
     """The value of an observable now."""
     return OBSERVABLES[name].measure(flock.snapshot(copy=False).measurable())

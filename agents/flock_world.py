@@ -32,15 +32,15 @@ def complete_spec(spec: Spec, model: Model) -> CompleteSpec:
     else:
         own = layout_dim(world) if spec.layout is None else own_dim(spec.layout, world)
         dim = own or model.dim or model.dimensions[0]
-    chosen: dict[str, Any] = {
+    choices: dict[str, Any] = {
         key: getattr(model, key)
         for key in ("agents", *Options.model_fields)
         if getattr(spec, key) is None and hasattr(model, key)
     }
     if model.rule.noise:
-        chosen["noise"] = model.rule.noise
+        choices["noise"] = model.rule.noise
     seed = secrets.randbelow(LARGEST_DRAWN) if spec.seed is None else spec.seed
-    return CompleteSpec(**{**dict(spec), "world": world, "dim": dim, "seed": seed, **chosen})
+    return CompleteSpec(**{**dict(spec), "world": world, "dim": dim, "seed": seed, **choices})
 
 
 def find_world(spec: CompleteSpec, model: Model) -> World:
@@ -50,20 +50,20 @@ def find_world(spec: CompleteSpec, model: Model) -> World:
     seed. Raises InputError.
     """
     if isinstance(spec.world, World):
-        found = spec.world
+        world = spec.world
     elif spec.layout is not None:
-        found = world_from_layout(spec.layout, spec.world, spec.dim, spec.size)
+        world = world_from_layout(spec.layout, spec.world, spec.dim, spec.size)
     else:
-        found = build_world(
+        world = build_world(
             spec.world, spec.dim, spec.size, lambda dim: (spec.count / model.density) ** (1.0 / dim)
         )
-    found = draw_obstacles(found, spec.seed)
-    if found.dim not in model.dimensions:
+    world = draw_obstacles(world, spec.seed)
+    if world.dim not in model.dimensions:
         allowed = " and ".join(f"{d}-D" for d in model.dimensions)
         raise InputError(
-            f"dim = {found.dim!r} is not allowed: {model.name} is defined in {allowed}"
+            f"dim = {world.dim!r} is not allowed: {model.name} is defined in {allowed}"
         )
-    return found
+    return world
 
 
 def is_built_in(world: World, seed: int) -> bool:

@@ -41,13 +41,16 @@ class TickIndex:
     def __init__(self, file: ParquetTable):
         self.file = file
         ticks, starts = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
-        known, fresh, many = np.empty(0, np.int64), [], 0
+        agent_ids, pieces, many = np.empty(0, np.int64), [], 0
         last, row, frames = -1, 0, 0
         open_ids = np.empty(0, np.int64)
         """Of the tick that the last piece ends in."""
-        most = MOST_NUMBERS // max(len(file.names), 1)
+        most_rows = MOST_NUMBERS // max(len(file.names), 1)
         for batch in file.batches(("tick", "id")):
-            tick, ids = self.whole(batch["tick"], "ticks"), self.whole(batch["id"], "identities")
+            tick, ids = (
+                self.whole_numbers(batch["tick"], "ticks"),
+                self.whole_numbers(batch["id"], "identities"),
+            )
             step = np.diff(tick, prepend=last)
             if (tick < 0).any() or (tick >= LARGEST).any():
                 raise InputError(f"{file.origin} holds ticks outside [0, 2^53)")
@@ -61,35 +64,35 @@ class TickIndex:
                 np.concatenate([np.full(len(open_ids), last), tick]),
                 np.concatenate([open_ids, ids]),
             )
-            fresh.append(batch["id"].unique().to_numpy().astype(np.int64))
-            many += len(fresh[-1])
-            if many > max(BATCH, len(known)):
-                known, fresh, many = np.unique(np.concatenate([known, *fresh])), [], 0
+            pieces.append(batch["id"].unique().to_numpy().astype(np.int64))
+            many += len(pieces[-1])
+            if many > max(BATCH, len(agent_ids)):
+                agent_ids, pieces, many = np.unique(np.concatenate([agent_ids, *pieces])), [], 0
             row += len(tick)
             last = int(tick[-1])
-            if max(frames, len(known)) > MOST or len(open_ids) > most:
-                raise file.too_much(f"{row} rows and more that are looked up together")
+            if max(frames, len(agent_ids)) > MOST or len(open_ids) > most_rows:
+                raise file.size_error(f"{row} rows and more that are looked up together")
         self.ticks, self.starts = np.concatenate(ticks), np.concatenate(starts)
         self.ends = np.append(self.starts[1:], row)
-        self.agents = len(np.unique(np.concatenate([known, *fresh])))
+        self.agents = len(np.unique(np.concatenate([agent_ids, *pieces])))
 
-    def whole(self, column: Any, what: str) -> np.ndarray:
+    def whole_numbers(self, column: Any, name: str) -> np.ndarray:
         """A column of whole numbers, int64. Raises InputError."""
         import pyarrow as pa
 
         if not pa.types.is_integer(column.type) or column.null_count:
-            raise InputError(f"{self.file.origin} is no recording: its {what} are no whole numbers")
-        found: np.ndarray = column.to_numpy().astype(np.int64)
-        return found
+            raise InputError(f"{self.file.origin} is no recording: its {name} are no whole numbers")
+        numbers: np.ndarray = column.to_numpy().astype(np.int64)
+        return numbers
 
     def unique(self, tick: np.ndarray, ids: np.ndarray) -> np.ndarray:
         """The identities of the last tick. Raises InputError where one is twice in a tick."""
-        step, same = np.diff(ids), np.diff(tick) == 0
-        if (step[same] <= 0).any():  # mostly they rise
+        step, same_tick = np.diff(ids), np.diff(tick) == 0
+        if (step[same_tick] <= 0).any():  # mostly they rise
             order = np.lexsort((ids, tick))
-            twice = (np.diff(ids[order]) == 0) & (np.diff(tick[order]) == 0)
-            if twice.any():
-                at = tick[order][np.argmax(twice)]
+            is_repeated = (np.diff(ids[order]) == 0) & (np.diff(tick[order]) == 0)
+            if is_repeated.any():
+                at = tick[order][np.argmax(is_repeated)]
                 raise InputError(
                     f"{self.file.origin} has two agents of one identity at one tick ({at})"
                 )
@@ -117,7 +120,7 @@ class SnapshotReader:
         self.parameters = checked(model.parameters, spec.parameters, self.origin)
         self.groups: OrderedDict[int, Any] = OrderedDict()
 
-    def before(self, tick: float) -> int:
+    def last_tick_until(self, tick: float) -> int:
         """The last recorded tick that is not after one; the first of all before that."""
         return int(self.ticks[max(0, int(np.searchsorted(self.ticks, tick, side="right")) - 1)])
 
@@ -163,7 +166,9 @@ class SnapshotReader:
         table = self.file.group(k)
         demand_numbers(table, self.origin)
         self.groups[k] = table
-        while len(self.groups) > 1 and sum(one.nbytes for one in self.groups.values()) > AT_HAND:
+        while (
+            len(self.groups) > 1 and sum(loaded.nbytes for loaded in self.groups.values()) > AT_HAND
+        ):
             self.groups.popitem(last=False)
         return table
 
@@ -184,13 +189,13 @@ def demand_kinds(schema: Any, origin: str) -> None:
     numbers = (types.is_integer, types.is_floating, types.is_boolean)
     for field in schema:
         kind, is_axis = field.type, field.name.removeprefix("u") in tuple(AXES)
-        if field.name == PAST and any(one(kind) for one in lists):
+        if field.name == PAST and any(is_list(kind) for is_list in lists):
             kind = kind.value_type
         if field.name == "tick" or field.name == "id":
-            sound, what = types.is_integer(kind), "no whole numbers"
+            is_sound, fault = types.is_integer(kind), "no whole numbers"
         elif is_axis or field.name in ("speed", PAST):
-            sound, what = types.is_floating(kind), "what is no number with a point"
+            is_sound, fault = types.is_floating(kind), "what is no number with a point"
         else:
-            sound, what = any(one(kind) for one in numbers), "what is no number"
-        if not sound:
-            raise InputError(f"{origin}: its column {field.name!r} holds {what}")
+            is_sound, fault = any(one(kind) for one in numbers), "what is no number"
+        if not is_sound:
+            raise InputError(f"{origin}: its column {field.name!r} holds {fault}")

@@ -13,7 +13,7 @@ from agents.engine.noise import tick_key
 from agents.models.model import Model
 from agents.models.model_calls import call
 from agents.observables.neighbours import nearest_of, separation
-from agents.rules.terms.potential_field import push
+from agents.rules.terms.potential_field import obstacle_force
 from agents.snapshot import FlockState, Snapshot
 from worlds.compilation import plain_python
 from worlds.queries.surroundings import Surroundings, points_within, set_goal
@@ -71,7 +71,7 @@ def as_me(flock: FlockState, row: int, signals: np.ndarray) -> Me:
     """A row as rules see themselves; `signals` (K,) are its columns."""
     x, y, *z = (float(c) for c in flock.position[row])
     ux, uy, *uz = (float(c) for c in flock.heading[row])
-    shared = len(flock.model.signals)
+    signal_count = len(flock.model.signals)
     key: Any = np.uint64(tick_key(flock.seed, flock.tick))
     return Me(
         x,
@@ -81,10 +81,10 @@ def as_me(flock: FlockState, row: int, signals: np.ndarray) -> Me:
         uy,
         uz[0] if uz else 0.0,
         float(flock.speed[row]),
-        signals[:shared],
-        signals[shared:],
+        signals[:signal_count],
+        signals[signal_count:],
         bool(flock.informed[row]),
-        signals[shared - 1] if flock.model.body.deafens else 1.0,
+        signals[signal_count - 1] if flock.model.body.deafens else 1.0,
         int(flock.ids[row]),
         flock.tick,
         key,
@@ -93,33 +93,33 @@ def as_me(flock: FlockState, row: int, signals: np.ndarray) -> Me:
 
 
 def as_near(
-    flock: FlockState, row: int, rows: np.ndarray, apart: np.ndarray, signals: np.ndarray, seen
+    flock: FlockState, row: int, rows: np.ndarray, offset: np.ndarray, signals: np.ndarray, points
 ) -> NeighbourBlock:
-    """Other rows, `apart` (M, dim) from a row, and boundary points (P, 2), as rules see them."""
-    dim, shared = flock.world.dim, len(flock.model.signals)
+    """Rows at an `offset` (M, dim) from a row, and boundary points (P, 2), as rules see them."""
+    dim, signal_count = flock.world.dim, len(flock.model.signals)
     x, y, z = np.zeros((3, len(rows)))
     ux, uy, uz = np.zeros((3, len(rows)))
-    for axis, (at, turned) in enumerate(((x, ux), (y, uy), (z, uz))):
+    for axis, (at, heading) in enumerate(((x, ux), (y, uy), (z, uz))):
         if axis < dim:
-            at[:] = flock.position[row, axis] + apart[:, axis]
-            turned[:] = flock.heading[rows, axis]
-    sent = np.ascontiguousarray(signals[:shared, rows])
-    heard = sent[shared - 1] if flock.model.body.deafens else np.ones(len(rows))
-    px, py = np.ascontiguousarray(seen.T)
-    speed, spare = flock.speed[rows], np.zeros((4, max(len(rows), len(seen))))
+            at[:] = flock.position[row, axis] + offset[:, axis]
+            heading[:] = flock.heading[rows, axis]
+    sent = np.ascontiguousarray(signals[:signal_count, rows])
+    heard = sent[signal_count - 1] if flock.model.body.deafens else np.ones(len(rows))
+    px, py = np.ascontiguousarray(points.T)
+    speed, spare = flock.speed[rows], np.zeros((4, max(len(rows), len(points))))
     return NeighbourBlock(
-        len(rows), x, y, z, ux, uy, uz, speed, sent, heard, len(seen), px, py, spare
+        len(rows), x, y, z, ux, uy, uz, speed, sent, heard, len(points), px, py, spare
     )
 
 
-def perceived(flock: FlockState, surroundings: Surroundings, row: int) -> np.ndarray:
+def perceived_points(flock: FlockState, surroundings: Surroundings, row: int) -> np.ndarray:
     """The boundary points that an agent's rule sees, (P, 2), length."""
     if not flock.model.rule.sees_points:
         return NO_POINTS
-    found = np.zeros(surroundings.most_points, np.int32)
+    rows = np.zeros(surroundings.most_points, np.int32)
     x, y = (float(c) for c in flock.position[row, :2])
-    n = points_within(surroundings, x, y, flock.reach, found)
-    return np.column_stack([surroundings.point_x[found[:n]], surroundings.point_y[found[:n]]])
+    n = points_within(surroundings, x, y, flock.reach, rows)
+    return np.column_stack([surroundings.point_x[rows[:n]], surroundings.point_y[rows[:n]]])
 
 
 def forces_on(
@@ -134,13 +134,13 @@ def forces_on(
     p, rule, body = context.parameters, flock.model.rule, flock.model.body
     if rule.perceive is not None and (rule.explain or body.explain):
         call(flock.model, interpret, rule.perceive, me, near, surroundings, p)
-    found: dict[str, np.ndarray] = {}
+    forces: dict[str, np.ndarray] = {}
     for part in (rule, body):
         if part.explain is not None:
             out = np.zeros((len(part.forces), 3))
             call(flock.model, interpret, part.explain, me, near, surroundings, p, out)
-            found |= dict(zip(part.forces, out[:, : flock.world.dim], strict=True))
-    return found
+            forces |= dict(zip(part.forces, out[:, : flock.world.dim], strict=True))
+    return forces
 
 
 def obstacle_push(
@@ -155,7 +155,7 @@ def obstacle_push(
     In mass length/s^2; its parameters must have `gain`, `Q` and `body`.
     """
     me = as_me(flock, row, flock.arrays.memory[:, row].copy())
-    force = call(flock.model, interpret, push, me, surroundings, context.parameters)
+    force = call(flock.model, interpret, obstacle_force, me, surroundings, context.parameters)
     return np.array(force[: flock.world.dim])
 
 
@@ -175,27 +175,27 @@ def field_of_view(flock: FlockState) -> float:
 
 
 def zones_of(
-    apart: np.ndarray, heading: np.ndarray, shells: tuple[Shell, ...], view: float
+    offset: np.ndarray, heading: np.ndarray, shells: tuple[Shell, ...], view: float
 ) -> np.ndarray:
-    """Which of `shells` the places `apart` (M, dim) from an agent are in, (M,) int.
+    """Which of `shells` the places at an `offset` (M, dim) from an agent are in, (M,) int.
 
     A place at a zone's outer radius is in the next one, but at that of the last one within. UNSEEN
     is what lies beyond all, or outside of the field of view (deg) about the `heading` (dim,) in a
     zone that is not all round.
     """
-    distance = np.linalg.norm(apart, axis=1)
-    ahead = apart @ heading >= np.cos(np.deg2rad(0.5 * view)) * distance
-    found = np.full(len(apart), UNSEEN)
+    distance = np.linalg.norm(offset, axis=1)
+    is_in_view = offset @ heading >= np.cos(np.deg2rad(0.5 * view)) * distance
+    zones = np.full(len(offset), UNSEEN)
     inner = 0.0
     for index, shell in enumerate(shells):
         last = index == len(shells) - 1
         within = (distance <= shell.radius) if last else (distance < shell.radius)
-        found[(distance >= inner) & within & (ahead | shell.all_round)] = index
+        zones[(distance >= inner) & within & (is_in_view | shell.all_round)] = index
         inner = max(inner, shell.radius)
-    return found
+    return zones
 
 
-def warm(
+def compile_inspection(
     flock: Snapshot, surroundings: Surroundings, context: Context, interpret: bool = False
 ) -> None:
     """Compile what `inspect` calls, which takes seconds; the flock may run on meanwhile."""
@@ -204,9 +204,9 @@ def warm(
         return
     surroundings = surroundings._replace(goal=surroundings.goal.copy())
     columns = len(flock.model.columns)
-    rows, apart = np.empty(0, int), np.empty((0, flock.world.dim))
+    rows, offset = np.empty(0, int), np.empty((0, flock.world.dim))
     me = as_me(flock, 0, np.zeros(columns))
-    near = as_near(flock, 0, rows, apart, np.zeros((columns, 1)), NO_POINTS)
+    near = as_near(flock, 0, rows, offset, np.zeros((columns, 1)), NO_POINTS)
     set_goal(surroundings, 0.0)
     if rule.sees_points:
         points_within(surroundings, me.x, me.y, 0.0, np.zeros(surroundings.most_points, np.int32))
@@ -225,28 +225,28 @@ def inspect(
     is nobody's. Raises Fault.
     """
     with plain_python(interpret):
-        return inspected(flock, surroundings, context, row, interpret)
+        return inspect_row(flock, surroundings, context, row, interpret)
 
 
-def inspected(
+def inspect_row(
     flock: Snapshot, surroundings: Surroundings, context: Context, row: int, interpret: bool
 ) -> Inspection:
     """The agent of a row as `inspect` tells it."""
     world, rule = flock.world, flock.model.rule
-    apart = separation(flock.position[row], flock.position, world.size, world.images)
-    d2 = (apart**2).sum(axis=1)
+    offset = separation(flock.position[row], flock.position, world.size, world.images)
+    d2 = (offset**2).sum(axis=1)
     active = flock.active
     rows = np.flatnonzero((d2 > 0.0) & (d2 <= flock.reach**2) & active & active[row])
     parameters = context.parameters
     if flock.nearest:
-        others = np.flatnonzero(active & active[row])
-        rows = np.sort(others[nearest_of(apart[others], flock.nearest)])
+        other_rows = np.flatnonzero(active & active[row])
+        rows = np.sort(other_rows[nearest_of(offset[other_rows], flock.nearest)])
         parameters = context.unbounded
-    apart = apart[rows]
+    offset = offset[rows]
     signals = flock.arrays.memory
     own = signals[:, row].copy()
-    known = dict(zip(flock.model.columns, own.tolist(), strict=True))
-    seen = perceived(flock, surroundings, row)
+    values = dict(zip(flock.model.columns, own.tolist(), strict=True))
+    points = perceived_points(flock, surroundings, row)
     weights = np.ones(len(rows))
     forces: dict[str, np.ndarray] = {}
     own_shells, view = shells(flock) if active[row] else (), field_of_view(flock)
@@ -256,7 +256,7 @@ def inspected(
         surroundings = surroundings._replace(goal=surroundings.goal.copy())
         set_goal(surroundings, flock.elapsed)
         me = as_me(flock, row, own.copy())
-        near = as_near(flock, row, rows, apart, signals, seen)
+        near = as_near(flock, row, rows, offset, signals, points)
         if rule.weigh is not None and len(rows):
             call(flock.model, interpret, rule.weigh, me, near, parameters, weights)
         forces = forces_on(flock, surroundings, context, me, near, interpret)
@@ -264,15 +264,15 @@ def inspected(
         int(flock.ids[row]),
         row,
         rows,
-        apart,
+        offset,
         weights,
-        known,
+        values,
         forces,
-        seen,
-        zones_of(apart, flock.heading[row], own_shells, view) if own_shells else np.empty(0, int),
+        points,
+        zones_of(offset, flock.heading[row], own_shells, view) if own_shells else np.empty(0, int),
         own_shells,
         view,
         rule.places,
-        known.get(rule.places_while) == 1.0,
+        values.get(rule.places_while) == 1.0,
         flock.model,
     )

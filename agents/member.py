@@ -43,8 +43,8 @@ class Member(mesa.Agent):
         super().__init__(model)
 
     def __repr__(self) -> str:
-        where = "gone" if self.is_gone else f"row {self._row}"
-        return f"<{type(self).__name__} {self.unique_id}, {where}>"
+        place = "gone" if self.is_gone else f"row {self._row}"
+        return f"<{type(self).__name__} {self.unique_id}, {place}>"
 
     @property
     def is_gone(self) -> bool:
@@ -144,18 +144,18 @@ class Member(mesa.Agent):
 
     def get_neighbors_in_radius(self, radius: float = 1) -> tuple[list, np.ndarray]:
         """The other agents within a radius, and how far they are, as Mesa's space has it."""
-        agents, apart = self.space.get_agents_in_radius(self.position, radius)
-        return self._others(agents, apart)
+        agents, distances = self.space.get_agents_in_radius(self.position, radius)
+        return self._others(agents, distances)
 
     def get_nearest_neighbors(self, k: int = 1) -> tuple[list, np.ndarray]:
         """The `k` nearest other agents, and how far they are, as Mesa's space has it."""
-        agents, apart = self.space.get_k_nearest_agents(self.position, k + 1)
-        return self._others(agents, apart)
+        agents, distances = self.space.get_k_nearest_agents(self.position, k + 1)
+        return self._others(agents, distances)
 
-    def _others(self, agents: list, apart: np.ndarray) -> tuple[list, np.ndarray]:
+    def _others(self, agents: list, distances: np.ndarray) -> tuple[list, np.ndarray]:
         """These agents, and how far they are, without itself."""
         other = np.array([agent is not self for agent in agents], bool)
-        return [agent for agent in agents if agent is not self], apart[other]
+        return [agent for agent in agents if agent is not self], distances[other]
 
     def step(self) -> None:
         """Decide and move, once per tick; see `Flock.step_member`."""
@@ -214,8 +214,8 @@ class FlockSpace(ContinuousSpace):
             raise InputError(
                 f"{next(iter(kwargs))} is not taken where a world wraps along some axes"
             )
-        apart = np.linalg.norm(self.calculate_difference_vector(point, agents), axis=-1)
-        return apart, self.active_agents if agents is None else np.asarray(agents)
+        distances = np.linalg.norm(self.calculate_difference_vector(point, agents), axis=-1)
+        return distances, self.active_agents if agents is None else np.asarray(agents)
 
     def torus_correct(self, point: Any) -> np.ndarray:
         """A point, in the box along the axes that wrap; where none does, along all, as in Mesa."""

@@ -88,7 +88,7 @@ class MissionLog:
         n = len(flock.ids)
         self.flock = flock
         self.every = every
-        self.kept: list[np.ndarray] = []
+        self.positions: list[np.ndarray] = []
         self.centre: list[np.ndarray] = []
         self.follows = np.ones(n, bool)
         self.pairs2 = np.full((n, n), np.inf)
@@ -112,7 +112,7 @@ class MissionLog:
         late = by_axis[max(0, SINCE - first) :]
         if flock.informed.any() and len(late):
             keep_following(late, flock.informed, flock.reach, self.follows, *self.working)
-        self.kept.append(trace[-first % self.every :: self.every].copy())
+        self.positions.append(trace[-first % self.every :: self.every].copy())
         if self.has_goal:
             ticks = np.arange(first, first + len(trace))
             goal = flock.goal_at(ticks)
@@ -126,7 +126,7 @@ class MissionLog:
         if self.has_goal:
             away = np.linalg.norm(flock.position - flock.goal_at([self.ticks])[0], axis=1)
         return MissionRecord(
-            np.concatenate(self.kept),
+            np.concatenate(self.positions),
             self.every,
             self.ticks,
             arrived,

@@ -25,10 +25,10 @@ from agents.engine.runner import (
 from agents.models.declare import as_floats, checked
 from agents.models.model import Model
 from agents.models.model_calls import call
-from agents.observables.consistency import DESIRED, HOLD, is_consistent, until_consistent
+from agents.observables.consistency import DESIRED, HOLD, is_consistent, stop_when_consistent
 from agents.snapshot import FlockState, Snapshot
 from agents.spec import Options
-from agents.state.agent_rows import StrayAgents, chosen, stray, with_past
+from agents.state.agent_rows import StrayAgents, resize_past, select_rows, stray
 from worlds.compilation import DISABLED
 from worlds.input_error import InputError
 from worlds.memory import demand_memory
@@ -66,7 +66,7 @@ class Motion(FlockState):
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
 
-    def _use(self, arrays: Arrays) -> None:
+    def _set_arrays(self, arrays: Arrays) -> None:
         """Take these arrays as the flock's state."""
         self.arrays = arrays
         self._engine = None
@@ -79,22 +79,22 @@ class Motion(FlockState):
         if ages != self.arrays.past.shape[1]:
             size = 2 * self.world.dim + 1 + len(self.model.signals)
             demand_memory("what messages tell", float(len(self.ids)) * ages * size * 8)
-            self.arrays = with_past(self.arrays, ages, len(self.model.signals), self.tick)
+            self.arrays = resize_past(self.arrays, ages, len(self.model.signals), self.tick)
             self._engine = None
 
     @property
     def of_pairs(self) -> bool:
         """Whether agents act eight at once: see `agents.engine.pairs`."""
         interpreted = self.interpret or DISABLED
-        together = self.options.activation == "synchronous" and not self.options.is_late
-        return self.model.is_of_pairs and together and not interpreted and not self.nearest
+        is_synchronous = self.options.activation == "synchronous" and not self.options.is_late
+        return self.model.is_of_pairs and is_synchronous and not interpreted and not self.nearest
 
     @property
     def loop(self) -> ModuleType:
         """The module of the compiled loop."""
-        where = self.world.dim, self.world.is_solid
+        world_kind = self.world.dim, self.world.is_solid
         how = self.of_pairs, self.options.is_windy, self.nearest > 0
-        return loop_of(self.model, *where, *how)
+        return loop_of(self.model, *world_kind, *how)
 
     @property
     def engine(self) -> SynchronousEngine | PairEngine | SequentialEngine:
@@ -105,9 +105,9 @@ class Motion(FlockState):
 
     def _make_engine(self, arrays: Arrays) -> SynchronousEngine | PairEngine | SequentialEngine:
         space = Space(
-            in_space(self.world.size, float),
-            in_space(self.world.wraps, int),
-            in_space(self.world.images, int),
+            pad_to_space(self.world.size, float),
+            pad_to_space(self.world.wraps, int),
+            pad_to_space(self.world.images, int),
             self.world.low[2] if self.world.dim == 3 else 0.0,
         )
         place = WorldContext(space, survey(self.world, self.sight))
@@ -120,9 +120,9 @@ class Motion(FlockState):
             threads = self.threads if split else 1
             engine = PairEngine if self.of_pairs else SynchronousEngine
             return engine(self.loop, arrays, place, self.seed, threads, self.call)
-        shuffled = self.options.activation == "random"
+        is_random = self.options.activation == "random"
         return SequentialEngine(
-            turns_module(self.loop), arrays, place, self.seed, shuffled, self.call
+            turns_module(self.loop), arrays, place, self.seed, is_random, self.call
         )
 
     def compile_tick(self) -> None:
@@ -132,8 +132,8 @@ class Motion(FlockState):
         """
         if len(self.ids):
             # It has surroundings of its own: a tick writes the place of the mission's goal there.
-            engine = self._make_engine(chosen(self.arrays, np.arange(1)))
-            engine.run(self._during(1), self.tick, 1)
+            engine = self._make_engine(select_rows(self.arrays, np.arange(1)))
+            engine.run(self._context_with_wind(1), self.tick, 1)
             self.stray()
 
     def call(self, function: Callable, *arguments: Any) -> Any:
@@ -143,19 +143,19 @@ class Motion(FlockState):
     def _make_context(self) -> Context:
         self.passing = self.model.passing(self.parameters) if self.world.is_solid else ""
         noise = VECTORIAL if self.options.noise == "vectorial" else ANGULAR
-        made = {NOISE: 0.0, **as_floats(self.parameters)}
+        values = {NOISE: 0.0, **as_floats(self.parameters)}
         if self.interpret or DISABLED:  # numbers that divide by zero as compiled ones do
-            made = {name: np.float64(value) for name, value in made.items()}
+            values = {name: np.float64(value) for name, value in values.items()}
         self._wind = Wind(self.options, self.seed, self.dt, self.world.dim)
-        numbers = self.loop.P(**made)
+        numbers = self.loop.P(**values)
         unbounded = numbers
         if self.nearest:
             unbounded = numbers._replace(**{self.model.bound: np.float64(np.inf)})
         return Context(numbers, noise, self.reach, self.dt, NO_WIND, 0, unbounded, self.nearest)
 
-    def _during(self, ticks: int) -> Context:
+    def _context_with_wind(self, ticks: int) -> Context:
         """What agents go by in the next ticks, the wind with it."""
-        wind = self._wind.during(self.tick, ticks)
+        wind = self._wind.displacements(self.tick, ticks)
         return self.context._replace(wind=wind, since=self.tick)
 
     def stray(self) -> StrayAgents | None:
@@ -204,7 +204,7 @@ class Motion(FlockState):
         self._acted.clear()
         self.world, self.parameters = past.world, past.parameters
         self.tick, self.next_id = past.tick, past.next_id
-        self._use(Arrays._make(map(np.array, past.arrays)))
+        self._set_arrays(Arrays._make(map(np.array, past.arrays)))
         self._match_members()
 
     def links(self) -> np.ndarray:
@@ -226,10 +226,10 @@ class Motion(FlockState):
 
     def set(self, **values: Any) -> None:
         """Change parameters of the running flock. Raises InputError, and then changes nothing."""
-        before = self.loop
+        old_loop = self.loop
         self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})
         self.context = self._make_context()
-        if self.loop is not before:
+        if self.loop is not old_loop:
             self._end_tick()
             self._engine = None
         self._make_past()
@@ -252,16 +252,18 @@ class Motion(FlockState):
     def advance(self, ticks: int) -> None:
         """Run ticks without collecting anything; frees the GIL while it runs."""
         if ticks > 0 and self._acted:
-            left = [row for row in np.argsort(self.ids).tolist() if row not in self._acted]
-            for row in left:
+            remaining_rows = [
+                row for row in np.argsort(self.ids).tolist() if row not in self._acted
+            ]
+            for row in remaining_rows:
                 self.step_member(row)
             ticks -= 1
         while ticks > 0:
-            some = self._ticks_to_event(min(ticks, STRETCH))
+            ticks_to_run = self._ticks_to_event(min(ticks, STRETCH))
             if len(self.ids):
-                self._run(some)
-            self._go_on(some)
-            ticks -= some
+                self._run(ticks_to_run)
+            self._count_ticks(ticks_to_run)
+            ticks -= ticks_to_run
 
     def _ticks_to_event(self, ticks: int) -> int:
         """How many of so many ticks, one at least, can run before something else has its turn."""
@@ -273,27 +275,27 @@ class Motion(FlockState):
     def _match_members(self) -> None:
         """Let what stands for single agents follow the rows, whose identities may have changed."""
 
-    def _go_on(self, ticks: int) -> None:
+    def _count_ticks(self, ticks: int) -> None:
         """Count ticks that were run, and let what is due have its turn."""
         self.tick += ticks
         self._fire_due()
 
     def _run(self, ticks: int, until: EngineStopCondition = NEVER, trace: np.ndarray = UNTRACED):
         """Run the compiled loop from this tick on; what its `run` answers."""
-        return self.engine.run(self._during(ticks), self.tick, ticks, until, trace)
+        return self.engine.run(self._context_with_wind(ticks), self.tick, ticks, until, trace)
 
     def trace(self, ticks: int) -> np.ndarray:
         """Run ticks (>= 0); the positions after each of them, (ticks, N, dim)."""
         self._end_tick()
-        kept = np.empty((ticks, *self.position.shape))
+        positions = np.empty((ticks, *self.position.shape))
         done = 0
         while done < ticks:
-            some = self._ticks_to_event(ticks - done)
-            self._demand_as_many(kept.shape[1])
-            self._run(some, trace=kept[done : done + some])
-            self._go_on(some)
-            done += some
-        return kept
+            ticks_to_run = self._ticks_to_event(ticks - done)
+            self._demand_as_many(positions.shape[1])
+            self._run(ticks_to_run, trace=positions[done : done + ticks_to_run])
+            self._count_ticks(ticks_to_run)
+            done += ticks_to_run
+        return positions
 
     def _demand_as_many(self, n: int) -> None:
         """Raise InputError where an event has changed the number of agents of such a run."""
@@ -316,7 +318,7 @@ class Motion(FlockState):
         `between` is called between them and may end the run by raising.
         """
         self._end_tick()
-        until = until_consistent(len(self.ids), self.reference, desired, hold)
+        until = stop_when_consistent(len(self.ids), self.reference, desired, hold)
         return self.run_until_held(until, limit, between)
 
     def run_until_held(
@@ -333,7 +335,7 @@ class Motion(FlockState):
             ticks = self._ticks_to_event(min(CHUNK, limit - self.tick))
             self._demand_as_many(n)
             done, last_off = self._run(ticks, until)
-            self._go_on(done)
+            self._count_ticks(done)
             if done < ticks:
                 return last_off + 1
             until = until._replace(last_off=last_off)
@@ -350,7 +352,7 @@ class Motion(FlockState):
             self._end_tick()
         if not self._acted:
             self.engine.open(self.context, self.tick)
-        self.engine.one(self._during(1), self.tick, row)
+        self.engine.one(self._context_with_wind(1), self.tick, row)
         self._acted.add(row)
         if len(self._acted) == len(self.ids):
             self._end_tick()
@@ -359,7 +361,7 @@ class Motion(FlockState):
         """End a tick in which agents have stepped one by one, if there is one."""
         if self._acted:
             self._acted.clear()
-            self._go_on(1)
+            self._count_ticks(1)
 
     def signals(self) -> np.ndarray:
         """Signals, memories and measures of the agents now, (K, N): `model.columns`.
@@ -375,11 +377,11 @@ class Motion(FlockState):
         return self.snapshot(copy=False, signals=name in self.model.signals).signal(name)
 
 
-def in_space(values: Sequence[float] | np.ndarray, kind: type) -> np.ndarray:
+def pad_to_space(values: Sequence[float] | np.ndarray, kind: type) -> np.ndarray:
     """Numbers of each axis (dim,) with zeros for the axes that a plane has not, (3,)."""
-    made: np.ndarray = np.zeros(3, kind)
-    made[: len(values)] = values
-    return made
+    vector: np.ndarray = np.zeros(3, kind)
+    vector[: len(values)] = values
+    return vector
 
 
 @cache

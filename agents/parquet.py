@@ -42,12 +42,12 @@ def unpacked_bytes(content: bytes) -> int:
     total = pages = at = 0
     while at < len(content):
         header, begins = read_struct(content, at, HEADER)
-        packed, unpacked = header.get(PACKED, -1), header.get(UNPACKED, -1)
+        packed_size, unpacked_size = header.get(PACKED, -1), header.get(UNPACKED, -1)
         pages += 1
-        if packed < 0 or unpacked < 0 or pages > MOST_PAGES:
+        if packed_size < 0 or unpacked_size < 0 or pages > MOST_PAGES:
             raise ParquetError
-        total += unpacked
-        at = begins + packed
+        total += unpacked_size
+        at = begins + packed_size
     return total
 
 
@@ -95,7 +95,7 @@ class ParquetTable:
             file = pq.ParquetFile(source, metadata=meta)
             self.schema = file.schema_arrow
             self.names: list[str] = self.schema.names
-            texts = [one.name for one in self.schema if is_text(one.type)]
+            texts = [field.name for field in self.schema if is_text(field.type)]
             # Few bytes can stand for long texts in every row: they stay apart until they are
             # measured.
             if texts:
@@ -108,10 +108,10 @@ class ParquetTable:
             raise self.is_none() from None
         except OSError as error:
             if error.strerror is None:  # of pyarrow, not of the disk
-                raise self.damaged("its footer cannot be read") from None
+                raise self.damage_error("its footer cannot be read") from None
             raise InputError(f"{self.origin} cannot be read: {error.strerror}") from None
         except (pa.ArrowException, ValueError):
-            raise self.damaged("its footer cannot be read") from None
+            raise self.damage_error("its footer cannot be read") from None
         self.offsets = np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)])
         for name in self.names:
             if self.names.count(name) > 1:
@@ -125,7 +125,7 @@ class ParquetTable:
         """The refusal for a file that is something else."""
         return InputError(f"{self.origin} is not {self.kind}")
 
-    def damaged(self, how: str = "its rows cannot be read") -> InputError:
+    def damage_error(self, how: str = "its rows cannot be read") -> InputError:
         """The refusal for a file that is none in its inside."""
         return InputError(f"{self.origin} is damaged: {how}")
 
@@ -138,14 +138,14 @@ class ParquetTable:
                 "are read"
             )
         try:
-            found = json.loads(text)
+            values = json.loads(text)
         except RecursionError:
             raise InputError(f"the metadata of {self.origin} is nested too deeply") from None
         except ValueError:
             raise self.is_none() from None
-        if not isinstance(found, dict):
+        if not isinstance(values, dict):
             raise self.is_none()
-        return found
+        return values
 
     def batches(
         self, columns: Iterable[str] | None = None, rows: int = BATCH, group: int | None = None
@@ -161,16 +161,16 @@ class ParquetTable:
             self.demand_modest(k, names)
             count = 0
             with self.reading():
-                found = self.file.iter_batches(
+                record_batches = self.file.iter_batches(
                     rows, row_groups=[k], columns=names, use_threads=False
                 )
-                for batch in found:
+                for batch in record_batches:
                     count += batch.num_rows
                     if batch.schema.names != names:
-                        raise self.damaged()
-                    yield self.plain(batch)
+                        raise self.damage_error()
+                    yield self.decode_texts(batch)
             if count != self.meta.row_group(k).num_rows:
-                raise self.damaged("rows are missing")
+                raise self.damage_error("rows are missing")
 
     @contextmanager
     def reading(self) -> Iterator[None]:
@@ -182,9 +182,9 @@ class ParquetTable:
         except InputError:
             raise
         except (pa.ArrowException, OSError, ValueError, KeyError):
-            raise self.damaged() from None
+            raise self.damage_error() from None
 
-    def plain(self, batch: Any) -> Any:
+    def decode_texts(self, batch: Any) -> Any:
         """A batch with its texts as texts. Raises InputError for long ones."""
         import pyarrow as pa
         import pyarrow.compute as pc
@@ -192,17 +192,17 @@ class ParquetTable:
         columns, fields, size = [], [], 0
         for name, column in zip(batch.schema.names, batch.columns, strict=True):
             if pa.types.is_dictionary(column.type):
-                words = column.dictionary
-                words.validate(full=True)  # text that is no UTF-8
-                if is_text(words.type) and (
-                    (pc.max(pc.binary_length(words)).as_py() or 0) > self.longest
+                dictionary = column.dictionary
+                dictionary.validate(full=True)  # text that is no UTF-8
+                if is_text(dictionary.type) and (
+                    (pc.max(pc.binary_length(dictionary)).as_py() or 0) > self.longest
                 ):
-                    raise self.damaged(f"a text of it is longer than {self.longest} bytes")
-                if is_text(words.type):
-                    each = pc.cast(pc.binary_length(words), pa.int64()).take(column.indices)
+                    raise self.damage_error(f"a text of it is longer than {self.longest} bytes")
+                if is_text(dictionary.type):
+                    each = pc.cast(pc.binary_length(dictionary), pa.int64()).take(column.indices)
                     size += pc.sum(each).as_py() or 0
                     if size > MOST_TEXT:
-                        raise self.damaged(f"its texts unpack to more than {MOST_TEXT} bytes")
+                        raise self.damage_error(f"its texts unpack to more than {MOST_TEXT} bytes")
                 column = column.dictionary_decode()
             columns.append(column)
             fields.append(self.schema.field(name).with_type(column.type))
@@ -218,10 +218,10 @@ class ParquetTable:
         """Some columns (all), a pyarrow Table. Raises InputError for more than MOST_NUMBERS."""
         names = self.names if columns is None else list(columns)
         if self.rows * len(names) > MOST_NUMBERS:
-            raise self.too_much(f"{self.rows} rows of {len(names)} columns")
+            raise self.size_error(f"{self.rows} rows of {len(names)} columns")
         numbers = sum(self.numbers(k, names) for k in range(self.meta.num_row_groups))
         if numbers > MOST_NUMBERS:  # a row of a list has many
-            raise self.too_much(f"{numbers} numbers")
+            raise self.size_error(f"{numbers} numbers")
         return self.table(self.batches(names), names)
 
     def table(self, batches: Iterable[Any], columns: Iterable[str] | None = None) -> Any:
@@ -229,43 +229,47 @@ class ParquetTable:
         InputError."""
         import pyarrow as pa
 
-        made, size = [], 0
+        pieces, size = [], 0
         for batch in batches:
-            made.append(batch)
+            pieces.append(batch)
             size += batch.nbytes
             if size > MOST_BYTES:
-                raise self.damaged(f"its rows unpack to more than {MOST_BYTES} bytes")
+                raise self.damage_error(f"its rows unpack to more than {MOST_BYTES} bytes")
         names = self.names if columns is None else list(columns)
         none = pa.schema([self.schema.field(name) for name in names], self.schema.metadata)
-        return pa.Table.from_batches(made, made[0].schema if made else none)
+        return pa.Table.from_batches(pieces, pieces[0].schema if pieces else none)
 
-    def too_much(self, what: str) -> InputError:
+    def size_error(self, thing: str) -> InputError:
         """The refusal for more than is decoded together."""
         return InputError(
-            f"{self.origin} holds {what}: at most {MOST_NUMBERS} numbers are read at once"
+            f"{self.origin} holds {thing}: at most {MOST_NUMBERS} numbers are read at once"
         )
 
     def demand_modest(self, k: int, names: Iterable[str]) -> None:
         """Raise InputError for columns of a row group that unpack to too much."""
         if (numbers := self.numbers(k, names)) > MOST_NUMBERS:
-            raise self.too_much(f"{numbers} numbers in a row group")
-        if self.unpacked(k, names) > MOST_BYTES:
-            raise self.damaged("its pages unpack to too much")
+            raise self.size_error(f"{numbers} numbers in a row group")
+        if self.unpacked_size(k, names) > MOST_BYTES:
+            raise self.damage_error("its pages unpack to too much")
 
     def chunks(self, k: int, names: Iterable[str]) -> list[Any]:
         """The column chunks of a row group that belong to columns."""
-        wanted = set(names)
+        wanted_names = set(names)
         with self.reading():
             group = self.meta.row_group(k)
-            found = [group.column(place) for place in range(group.num_columns)]
-            return [one for one in found if not wanted.isdisjoint(beginnings(one.path_in_schema))]
+            columns = [group.column(place) for place in range(group.num_columns)]
+            return [
+                column
+                for column in columns
+                if not wanted_names.isdisjoint(column_names(column.path_in_schema))
+            ]
 
     def numbers(self, k: int, names: Iterable[str]) -> int:
         """Numbers in columns of a row group, by the footer."""
         rows = self.meta.row_group(k).num_rows
-        return sum(max(one.num_values, rows) for one in self.chunks(k, names))
+        return sum(max(column.num_values, rows) for column in self.chunks(k, names))
 
-    def unpacked(self, k: int, names: Iterable[str]) -> int:
+    def unpacked_size(self, k: int, names: Iterable[str]) -> int:
         """Bytes that the pages of columns of a row group unpack to, by their own headers.
 
         A reader makes room for what these say, whatever the footer says. Raises InputError.
@@ -278,11 +282,11 @@ class ParquetTable:
                     file.seek(min(start for start in starts if start))
                     total += unpacked_bytes(file.read(max(chunk.total_compressed_size, 0)))
         except (ParquetError, OSError, ValueError):
-            raise self.damaged() from None
+            raise self.damage_error() from None
         return total
 
 
-def beginnings(path: str) -> list[str]:
+def column_names(path: str) -> list[str]:
     """What the column of a path may be called: names may have points, and paths join them by one.
 
     >>> beginnings("x.y.list.element")
@@ -307,6 +311,6 @@ def demand_format(meta: dict[str, Any], newest: int, origin: str) -> int:
     number = meta.get("format")
     if not isinstance(number, int) or isinstance(number, bool) or not 1 <= number <= newest:
         newer = isinstance(number, int) and number > newest
-        why = "it is newer than this version of flockscope reads" if newer else "it is none"
-        raise InputError(f"{origin} has format {shortened(number)}: {why} (1 to {newest})")
+        reason = "it is newer than this version of flockscope reads" if newer else "it is none"
+        raise InputError(f"{origin} has format {shortened(number)}: {reason} (1 to {newest})")
     return number

@@ -58,7 +58,7 @@ def read_struct(content: bytes, at: int, shape: StructSchema) -> tuple[dict[int,
 
 
 def struct(
-    content: bytes, at: int, shape: StructSchema, depth: int, left: list[int]
+    content: bytes, at: int, shape: StructSchema, depth: int, budget: list[int]
 ) -> tuple[dict[int, Any], int]:
     """As `read_struct`, `depth` structs and lists down, of which `left[0]` may still come.
 
@@ -67,11 +67,11 @@ def struct(
     A footer of a long recording has a million fields: what most of them are is read in place.
     """
     if shape is not NOTHING:  # which takes no memory
-        left[0] -= 1
-    if depth > DEEPEST or left[0] < 0:
+        budget[0] -= 1
+    if depth > DEEPEST or budget[0] < 0:
         raise ParquetError
     fields = shape.fields
-    found: dict[int, Any] = {}
+    values: dict[int, Any] = {}
     field = 0
     while head := content[at]:
         at += 1
@@ -80,7 +80,7 @@ def struct(
             field += head >> 4
         else:
             field, at = signed(content, at, I16)
-        wanted = fields.get(field)
+        field_kind = fields.get(field)
         value: Any
         if kind in BITS:
             value = content[at]
@@ -98,29 +98,29 @@ def struct(
             value = content[at]
             at += 1
         elif kind == STRUCT:
-            inner = wanted if isinstance(wanted, StructSchema) else NOTHING
-            value, at = struct(content, at, inner, depth + 1, left)
-            kind = wanted if inner is wanted else kind
-        elif kind == LIST and isinstance(wanted, list):
-            value, at = items(content, at, wanted[0], depth + 1, left)
-            kind = wanted
+            inner = field_kind if isinstance(field_kind, StructSchema) else NOTHING
+            value, at = struct(content, at, inner, depth + 1, budget)
+            kind = field_kind if inner is field_kind else kind
+        elif kind == LIST and isinstance(field_kind, list):
+            value, at = items(content, at, field_kind[0], depth + 1, budget)
+            kind = field_kind
         else:
-            value, at = skipped(content, at, kind, depth + 1, left)
-        if wanted is not None:
-            if field in found or kind != wanted:
+            value, at = skip_value(content, at, kind, depth + 1, budget)
+        if field_kind is not None:
+            if field in values or kind != field_kind:
                 raise ParquetError
-            found[field] = value
-    return found, at + 1
+            values[field] = value
+    return values, at + 1
 
 
 def number(content: bytes, at: int) -> tuple[int, int]:
     """A number of seven bits in each byte, below 2^64; and where it ends."""
     value = 0
     for shift in range(0, 70, 7):
-        more = content[at]
+        byte = content[at]
         at += 1
-        value |= (more & 0x7F) << shift
-        if more < 0x80:
+        value |= (byte & 0x7F) << shift
+        if byte < 0x80:
             if value >> 64:
                 raise ParquetError
             return value, at
@@ -160,28 +160,30 @@ def count(content: bytes, at: int) -> tuple[int, int, int]:
 
 
 def items(
-    content: bytes, at: int, wanted: Any, depth: int, left: list[int]
+    content: bytes, at: int, item_kind: Any, depth: int, budget: list[int]
 ) -> tuple[list[Any], int]:
     """The values of a list, all of the kind that is wanted; and where it ends."""
     size, kind, at = count(content, at)
-    found: list[Any] = []
-    if kind != kind_of(wanted):
+    values: list[Any] = []
+    if kind != kind_of(item_kind):
         if size:
             raise ParquetError
-        return found, at
+        return values, at
     for _ in range(size):
         value: Any
         if kind == STRUCT:
-            value, at = struct(content, at, wanted, depth, left)
+            value, at = struct(content, at, item_kind, depth, budget)
         elif kind == BINARY:
             value, at = binary(content, at)
         else:
             value, at = signed(content, at, kind)
-        found.append(value)
-    return found, at
+        values.append(value)
+    return values, at
 
 
-def skipped(content: bytes, at: int, kind: int, depth: int, left: list[int]) -> tuple[None, int]:
+def skip_value(
+    content: bytes, at: int, kind: int, depth: int, budget: list[int]
+) -> tuple[None, int]:
     """Nothing, and where a value ends that is read over. Raises Damaged for no kind of Parquet."""
     if depth > DEEPEST:
         raise ParquetError
@@ -196,15 +198,15 @@ def skipped(content: bytes, at: int, kind: int, depth: int, left: list[int]) -> 
     elif kind in (LIST, SET):
         size, kind, at = count(content, at)
         for _ in range(size):
-            _, at = skipped(content, at, kind, depth + 1, left)
+            _, at = skip_value(content, at, kind, depth + 1, budget)
     elif kind == STRUCT:
-        _, at = struct(content, at, NOTHING, depth, left)
+        _, at = struct(content, at, NOTHING, depth, budget)
     else:
         raise ParquetError
     return None, at
 
 
-def written_struct(shape: StructSchema, values: Mapping[int, Any]) -> bytes:
+def struct_bytes(shape: StructSchema, values: Mapping[int, Any]) -> bytes:
     """A struct of these fields, all of which are of its shape, as `read_struct` reads it."""
     out = bytearray()
     write_struct(out, shape, values)
@@ -215,41 +217,41 @@ def write_struct(out: bytearray, shape: StructSchema, values: Mapping[int, Any])
     """Append a struct of these fields."""
     last = 0
     for field, value in sorted(values.items()):
-        wanted = shape.fields[field]
-        kind = FALSE if value is False else kind_of(wanted)
+        field_kind = shape.fields[field]
+        kind = FALSE if value is False else kind_of(field_kind)
         out.append((field - last) << 4 | kind)  # no field here is sixteen after another
         last = field
         if kind in BITS:
             write_number(out, value << 1 if value >= 0 else (-value << 1) - 1)
         elif kind > FALSE:
-            write_value(out, wanted, value)
+            write_value(out, field_kind, value)
     out.append(0)
 
 
-def kind_of(wanted: Any) -> int:
+def kind_of(field_kind: Any) -> int:
     """The protocol's number for a declared kind."""
-    if isinstance(wanted, int):
-        return wanted
-    return STRUCT if isinstance(wanted, StructSchema) else LIST
+    if isinstance(field_kind, int):
+        return field_kind
+    return STRUCT if isinstance(field_kind, StructSchema) else LIST
 
 
-def write_value(out: bytearray, wanted: Any, value: Any) -> None:
+def write_value(out: bytearray, field_kind: Any, value: Any) -> None:
     """Append a value of a declared kind."""
-    if isinstance(wanted, StructSchema):
-        write_struct(out, wanted, value)
-    elif isinstance(wanted, list):
-        kind = kind_of(wanted[0])
+    if isinstance(field_kind, StructSchema):
+        write_struct(out, field_kind, value)
+    elif isinstance(field_kind, list):
+        kind = kind_of(field_kind[0])
         if len(value) < 15:
             out.append(len(value) << 4 | kind)
         else:
             out.append(0xF0 | kind)
             write_number(out, len(value))
         for each in value:
-            write_value(out, wanted[0], each)
-    elif wanted == BINARY:
+            write_value(out, field_kind[0], each)
+    elif field_kind == BINARY:
         write_number(out, len(value))
         out += value
-    elif wanted == BYTE:
+    elif field_kind == BYTE:
         out.append(value)
     else:
         write_number(out, value << 1 if value >= 0 else (-value << 1) - 1)
@@ -353,16 +355,16 @@ def sound_footer(file: BinaryIO) -> bytes:
     start = size - 8 - length
     file.seek(start)
     footer, _ = read_struct(file.read(length), 0, FOOTER)
-    again = written_struct(FOOTER, checked(footer, start))
-    return MAGIC + again + len(again).to_bytes(4, "little") + MAGIC
+    content = struct_bytes(FOOTER, check_footer(footer, start))
+    return MAGIC + content + len(content).to_bytes(4, "little") + MAGIC
 
 
-def checked(footer: dict[int, Any], start: int) -> dict[int, Any]:
+def check_footer(footer: dict[int, Any], start: int) -> dict[int, Any]:
     """What is needed of a footer that begins at byte `start` of its file. Raises Damaged."""
     if not {VERSION, SCHEMA, ROWS, GROUPS} <= footer.keys() or ENCRYPTION in footer:
         raise ParquetError
     leaves = list(leaves_of(footer[SCHEMA]))
-    groups = [checked_group(group, leaves, start) for group in footer[GROUPS]]
+    groups = [check_group(group, leaves, start) for group in footer[GROUPS]]
     if footer[ROWS] < 0 or sum(group[GROUP_ROWS] for group in groups) != footer[ROWS]:
         raise ParquetError
     pairs = [pair for pair in footer.get(PAIRS, []) if is_plain(pair)]
@@ -382,24 +384,24 @@ def leaves_of(elements: list[dict[int, Any]]) -> Iterator[Leaf]:
     """
     if not 1 < len(elements) <= MOST_COLUMNS or KIND in elements[0]:
         raise ParquetError
-    left: list[tuple[int, list[bytes], bool]] = [(elements[0].get(CHILDREN, 0), [], False)]
+    open_groups: list[tuple[int, list[bytes], bool]] = [(elements[0].get(CHILDREN, 0), [], False)]
     """Of each group that is open: how many are still to come in it, its path, its repetition."""
-    if left[0][0] < 1:
+    if open_groups[0][0] < 1:
         raise ParquetError
     for element in elements[1:]:
-        if not left or len(left) > DEEPEST_COLUMN:
+        if not open_groups or len(open_groups) > DEEPEST_COLUMN:
             raise ParquetError
-        to_come, above, repeated = left.pop()
-        if to_come > 1:
-            left.append((to_come - 1, above, repeated))
+        children_left, parent_path, is_repeated = open_groups.pop()
+        if children_left > 1:
+            open_groups.append((children_left - 1, parent_path, is_repeated))
         demand_element(element)
-        path = [*above, element[NAME]]
-        repeated = repeated or element[REPETITION] == REPEATED
+        path = [*parent_path, element[NAME]]
+        is_repeated = is_repeated or element[REPETITION] == REPEATED
         if KIND in element:
-            yield Leaf(element[KIND], path, repeated)
+            yield Leaf(element[KIND], path, is_repeated)
         else:
-            left.append((element[CHILDREN], path, repeated))
-    if left:
+            open_groups.append((element[CHILDREN], path, is_repeated))
+    if open_groups:
         raise ParquetError
 
 
@@ -417,19 +419,19 @@ def demand_element(element: dict[int, Any]) -> None:
         raise ParquetError
 
 
-def checked_group(group: dict[int, Any], leaves: list[Leaf], start: int) -> dict[int, Any]:
+def check_group(group: dict[int, Any], leaves: list[Leaf], start: int) -> dict[int, Any]:
     """What is needed of a row group, which must have every column. Raises Damaged."""
     rows, chunks = group.get(GROUP_ROWS, -1), group.get(CHUNKS, [])
     if rows < 0 or len(chunks) != len(leaves):
         raise ParquetError
-    made = [
-        checked_chunk(chunk, leaf, rows, start) for chunk, leaf in zip(chunks, leaves, strict=True)
+    columns = [
+        check_chunk(chunk, leaf, rows, start) for chunk, leaf in zip(chunks, leaves, strict=True)
     ]
-    total = sum(chunk[META][UNPACKED] for chunk in made)
-    return {CHUNKS: made, BYTES: min(total, 2**62), GROUP_ROWS: rows}
+    total = sum(chunk[META][UNPACKED] for chunk in columns)
+    return {CHUNKS: columns, BYTES: min(total, 2**62), GROUP_ROWS: rows}
 
 
-def checked_chunk(chunk: dict[int, Any], leaf: Leaf, rows: int, start: int) -> dict[int, Any]:
+def check_chunk(chunk: dict[int, Any], leaf: Leaf, rows: int, start: int) -> dict[int, Any]:
     """What is needed of the values of a column in a row group. Raises Damaged."""
     content = chunk.get(META, {})
     if not {KIND, CODEC, VALUES, UNPACKED, PACKED, DATA} <= content.keys():
@@ -438,14 +440,14 @@ def checked_chunk(chunk: dict[int, Any], leaf: Leaf, rows: int, start: int) -> d
         raise ParquetError
     if content[KIND] != leaf.kind or content[CODEC] not in CODECS:
         raise ParquetError
-    if any(one not in CODINGS for one in content.get(ENCODINGS, [])):
+    if any(encoding not in CODINGS for encoding in content.get(ENCODINGS, [])):
         raise ParquetError
-    values, unpacked, packed = content[VALUES], content[UNPACKED], content[PACKED]
-    if values < 0 or unpacked < 0 or (values != rows and not leaf.is_repeated):
+    values, unpacked_size, packed_size = content[VALUES], content[UNPACKED], content[PACKED]
+    if values < 0 or unpacked_size < 0 or (values != rows and not leaf.is_repeated):
         raise ParquetError
     data = content[DATA]
     first = min(data, content.get(DICTIONARY) or data)  # some write 0 for none
-    if first < len(MAGIC) or packed < 0 or max(data, first + packed) > start:
+    if first < len(MAGIC) or packed_size < 0 or max(data, first + packed_size) > start:
         raise ParquetError
     return {OFFSET: 0, META: content | {ENCODINGS: content.get(ENCODINGS, []), PATH: leaf.path}}
 

@@ -72,7 +72,7 @@ class PartStream:
             if pa.types.is_fixed_size_list(kind):
                 kind = kind.value_type
             numbers = (pa.types.is_integer, pa.types.is_floating, pa.types.is_boolean, is_text)
-            if not any(one(kind) for one in numbers):
+            if not any(is_number(kind) for is_number in numbers):
                 raise InputError(
                     f"{self.origin}: its column {shortened(field.name)} holds neither numbers "
                     "nor text"
@@ -84,24 +84,24 @@ class PartStream:
         """The next message; None where no whole one follows. Raises InputError, OSError."""
         begin = self.file.read(8)
         length = int.from_bytes(begin[4:], "little")
-        if len(begin) < 8 or begin[:4] != BEGIN or not 0 < length <= self.left:
+        if len(begin) < 8 or begin[:4] != BEGIN or not 0 < length <= self.remaining_bytes:
             return None
         if length > MOST_HEADER:
-            raise self.too_much(f"a header of {length} bytes", MOST_HEADER)
+            raise self.size_error(f"a header of {length} bytes", MOST_HEADER)
         header = self.file.read(length)
         try:
-            made = Message(header)
+            reply = Message(header)
         except (struct.error, ValueError):
             return None
-        if not 0 <= made.length <= self.left:
+        if not 0 <= reply.length <= self.remaining_bytes:
             return None
-        if made.length > MOST_BYTES:
-            raise self.too_much(f"a batch of {made.length} bytes", MOST_BYTES)
-        made.content = begin + header + self.file.read(made.length)
-        return made
+        if reply.length > MOST_BYTES:
+            raise self.size_error(f"a batch of {reply.length} bytes", MOST_BYTES)
+        reply.content = begin + header + self.file.read(reply.length)
+        return reply
 
     @property
-    def left(self) -> int:
+    def remaining_bytes(self) -> int:
         """Bytes that have not been read."""
         return self.size - self.file.tell()
 
@@ -116,7 +116,7 @@ class PartStream:
 
         waiting: list[Any] = []
         count = size = 0
-        while (batch := self.next_batch()) is not None:
+        while (batch := self.read_batch()) is not None:
             if batch.num_rows:
                 waiting.append(batch)
                 count += batch.num_rows
@@ -127,20 +127,22 @@ class PartStream:
         if waiting:
             yield from pa.Table.from_batches(waiting).combine_chunks().to_batches()
 
-    def next_batch(self) -> Any:
+    def read_batch(self) -> Any:
         """The next record batch; None where no sound one follows. Raises InputError, OSError."""
         import pyarrow as pa
         import pyarrow.compute as pc
 
-        made = self.message()
-        if made is None or made.kind != BATCH:
+        message = self.message()
+        if message is None or message.kind != BATCH:
             return None
-        if made.is_packed:
+        if message.is_packed:
             raise InputError(f"{self.origin} has packed batches, and flockscope writes none")
-        if made.rows * len(self.schema) > MOST_NUMBERS:
-            raise self.too_much(f"a batch of {made.rows} rows", MOST_NUMBERS // len(self.schema))
+        if message.rows * len(self.schema) > MOST_NUMBERS:
+            raise self.size_error(
+                f"a batch of {message.rows} rows", MOST_NUMBERS // len(self.schema)
+            )
         try:
-            content = pa.ipc.read_message(pa.BufferReader(made.content))
+            content = pa.ipc.read_message(pa.BufferReader(message.content))
             batch = pa.ipc.read_record_batch(content, self.schema)
             batch.validate(full=True)
         except (pa.ArrowException, OSError, ValueError):
@@ -152,9 +154,9 @@ class PartStream:
                 raise InputError(f"{self.origin}: a text of it is longer than {self.longest} bytes")
         return batch
 
-    def too_much(self, what: str, most: int) -> InputError:
+    def size_error(self, thing: str, limit: int) -> InputError:
         """The refusal for more than is read together."""
-        return InputError(f"{self.origin} holds {what}: at most {most} are read at once")
+        return InputError(f"{self.origin} holds {thing}: at most {limit} are read at once")
 
 
 class Message:
@@ -184,8 +186,8 @@ class Message:
         """The number at a byte."""
         if at < 0:
             raise ValueError
-        found: int = struct.unpack_from(form, self.header, at)[0]
-        return found
+        value: int = struct.unpack_from(form, self.header, at)[0]
+        return value
 
     def place(self, table: int, field: int) -> int:
         """The byte at which a field of a table stands; 0 if it is left out."""

@@ -76,7 +76,7 @@ class Recorder:
         self.waiting: list = []
         self.rows = 0
         self.frames = 0
-        self.kept = 0, 0, 0
+        self.flushed = 0, 0, 0
         """What is on the disk: frames, their last tick, bytes of the `.part`."""
         self.over = False
 
@@ -84,9 +84,9 @@ class Recorder:
         demand_parquet(f"recording {str(self.path)!r}")
         import pyarrow as pa
 
-        now = self.snapshot()
-        schema = batch_of(now, self.with_past).schema
-        meta = metadata(self.flock.spec, now, schema.names)
+        snapshot = self.snapshot()
+        schema = batch_of(snapshot, self.with_past).schema
+        meta = metadata(self.flock.spec, snapshot, schema.names)
         schema = schema.with_metadata({KEY: json.dumps(meta).encode()})
         demand_writable("recording", self.path, self.overwrite, self.endings)
         if self.part.exists():
@@ -127,21 +127,21 @@ class Recorder:
         with suppress(OSError):
             self.file.close()
         reason = refused(self.path, failure)
-        frames, tick, size = self.kept
+        frames, tick, size = self.flushed
         if not frames:
             self.discard()
             return reason
-        rest = f"{counted(frames, 'frame')} that fitted, the last of tick {tick}"
+        remainder = f"{counted(frames, 'frame')} that fitted, the last of tick {tick}"
         try:
             with open(self.part, "r+b") as file:
                 file.truncate(size)
             finish(self.part, self.path, self.overwrite)
         except (OSError, InputError):
             return InputError(
-                f"{reason}; {self.part} holds {rest}: `flockscope recover {self.part}` makes a "
-                "recording of them once there is room"
+                f"{reason}; {self.part} holds {remainder}: `flockscope recover {self.part}` "
+                "makes a recording of them once there is room"
             )
-        return InputError(f"{reason}; it holds {rest}")
+        return InputError(f"{reason}; it holds {remainder}")
 
     def discard(self) -> None:
         """Delete the unfinished recording."""
@@ -174,7 +174,7 @@ class Recorder:
             self.stream.write_table(table)
             self.file.flush()
             last = self.waiting[-1].column("tick")[0].as_py()
-            self.kept = self.frames, last, self.file.tell()
+            self.flushed = self.frames, last, self.file.tell()
         self.waiting, self.rows = [], 0
 
 
@@ -206,27 +206,29 @@ def batch_of(flock: Snapshot, with_past: bool = False):
     return pa.RecordBatch.from_pydict(columns)
 
 
-def metadata(spec: CompleteSpec, now: Snapshot, names: Collection[str]) -> dict[str, Any]:
+def metadata(spec: CompleteSpec, snapshot: Snapshot, names: Collection[str]) -> dict[str, Any]:
     """What a reader needs beside the columns of these names: run, time, units, world."""
     return {
         "format": FORMAT,
         "spec": spec.to_toml(),
-        "next_id": now.next_id,
-        **described(now.model, now.world, now.dt, PAST in names),
+        "next_id": snapshot.next_id,
+        **describe_columns(snapshot.model, snapshot.world, snapshot.dt, PAST in names),
     }
 
 
-def described(one: Model, world: World, dt: float, with_past: bool) -> dict[str, Any]:
+def describe_columns(
+    flock_model: Model, world: World, dt: float, with_past: bool
+) -> dict[str, Any]:
     """Model, time, units and world of a recording, as JSON has them."""
     return {
-        "model": one.name,
-        "title": one.title,
+        "model": flock_model.name,
+        "title": flock_model.title,
         "time_per_tick": dt,
-        "time_unit": one.body.unit,
-        "length_unit": one.in_units("length"),
+        "time_unit": flock_model.body.unit,
+        "length_unit": flock_model.in_units("length"),
         "columns": {
             name: {"unit": unit, "meaning": meaning}
-            for name, unit, meaning in columns_of(one, world, with_past)
+            for name, unit, meaning in columns_of(flock_model, world, with_past)
         },
         "world_name": world.name,
         "world": world.to_layout(),
@@ -287,14 +289,14 @@ def recover(part: str | Path) -> tuple[Path, int]:
         raise InputError(f"{str(part)!r} cannot be recovered: {error.strerror or error}") from None
 
 
-def arrays_of(table, dim: int, one: Model, origin: str) -> Arrays:
+def arrays_of(table, dim: int, flock_model: Model, origin: str) -> Arrays:
     """The arrays of one tick of a recording. Raises InputError if columns are missing."""
     axes = AXES[:dim]
     try:
         column = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
-        unread = dict.fromkeys(one.rule.written, np.zeros(table.num_rows))
-        signals = [(unread | column)[name] for name in one.columns]
-        mortal = one.body.touches is not None
+        unrecorded = dict.fromkeys(flock_model.rule.written, np.zeros(table.num_rows))
+        signals = [(unrecorded | column)[name] for name in flock_model.columns]
+        mortal = flock_model.body.touches is not None
         crash_record = [column[name] for name in crash_columns(dim)] if mortal else []
         arrays = Arrays(
             np.column_stack([column[a] for a in axes]),
@@ -305,7 +307,7 @@ def arrays_of(table, dim: int, one: Model, origin: str) -> Arrays:
             column.get(LEG, np.zeros(table.num_rows, np.int32)).astype(np.int32),
             np.array(signals, float).reshape(len(signals), table.num_rows),
             np.column_stack(crash_record) if mortal else no_crashes(0, dim),
-            past_of(column.get(PAST), table.num_rows, 2 * dim + 1 + len(one.signals)),
+            past_of(column.get(PAST), table.num_rows, 2 * dim + 1 + len(flock_model.signals)),
         )
     except KeyError as missing:
         raise InputError(f"{origin} has no column {missing}") from None

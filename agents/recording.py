@@ -17,7 +17,7 @@ from agents.frames import SnapshotReader, TickIndex, demand_kinds
 from agents.models.declare import checked
 from agents.option import whole_number
 from agents.parquet import ParquetTable, demand_format
-from agents.record import FORMAT, KEY, PAST, SHEET, described, table_writer
+from agents.record import FORMAT, KEY, PAST, SHEET, describe_columns, table_writer
 from agents.snapshot import Snapshot
 from agents.spec import Spec
 from agents.state.agent_rows import LARGEST
@@ -62,25 +62,30 @@ class Recording:
             raise self.file.is_none()
         written_in = demand_format(meta, FORMAT, self.file.origin)
         try:
-            text = text_of(meta["spec"])
+            text = demand_text(meta["spec"])
             self.spec = Spec.from_toml(text, str(path)).demand_complete(str(path))
             if written_in == 1:
-                meta = self.of_before(meta)
+                meta = self.metadata_of_format_1(meta)
             self.next_id = meta["next_id"]
             if type(self.next_id) is not int or not 0 <= self.next_id <= LARGEST:
                 raise ValueError(f"next_id = {shortened(self.next_id)} is outside [0, 2^53]")
-            self.model, self.title = line_of(meta["model"]), line_of(meta["title"])
+            self.model, self.title = (
+                demand_text_line(meta["model"]),
+                demand_text_line(meta["title"]),
+            )
             self.time_per_tick = float(meta["time_per_tick"])
             if not 0.0 < self.time_per_tick < math.inf:
                 raise ValueError(f"a tick stands for a time of {self.time_per_tick:g}")
-            self.time_unit = line_of(meta["time_unit"])
-            self.length_unit = line_of(meta["length_unit"])
+            self.time_unit = demand_text_line(meta["time_unit"])
+            self.length_unit = demand_text_line(meta["length_unit"])
             self.columns: dict[str, dict[str, str]] = {
-                name: {key: line_of(meta["columns"][name][key]) for key in ("unit", "meaning")}
+                name: {
+                    key: demand_text_line(meta["columns"][name][key]) for key in ("unit", "meaning")
+                }
                 for name in self.names
             }
             self.layout: dict[str, Any] = dict(meta["world"])
-            self.world_name = line_of(meta["world_name"])
+            self.world_name = demand_text_line(meta["world_name"])
         except KeyError as missing:
             raise self.bad_metadata(f"it has no {missing}") from None
         except RecursionError:
@@ -97,28 +102,30 @@ class Recording:
     def __repr__(self) -> str:
         return f"<Recording {self.model}, {len(self.ticks)} frames, {self.rows} rows, {self.path}>"
 
-    def of_before(self, meta: dict[str, Any]) -> dict[str, Any]:
+    def metadata_of_format_1(self, meta: dict[str, Any]) -> dict[str, Any]:
         """The metadata of format 1 with what is missing there, from its model. Raises
         InputError."""
-        one = model(self.spec.model)
-        dt = one.body.lasts(checked(one.parameters, self.spec.parameters))
-        return meta | described(one, find_world(self.spec, one), dt, PAST in self.names)
+        flock_model = model(self.spec.model)
+        dt = flock_model.body.lasts(checked(flock_model.parameters, self.spec.parameters))
+        return meta | describe_columns(
+            flock_model, find_world(self.spec, flock_model), dt, PAST in self.names
+        )
 
     @cached_property
     def world(self) -> World:
         """The world, with all that stands in it. Raises InputError."""
         try:
-            made = world_from_layout(self.layout, self.world_name)
-            demand_sound(made)
+            built_world = world_from_layout(self.layout, self.world_name)
+            demand_sound(built_world)
         except (OverflowError, RecursionError, TypeError, ValueError) as error:
-            why = str(error) if isinstance(error, InputError) else "it cannot be read"
-            raise InputError(f"the world of {self.file.origin} is none: {why}") from None
-        if made.dim != self.spec.dim:
+            reason = str(error) if isinstance(error, InputError) else "it cannot be read"
+            raise InputError(f"the world of {self.file.origin} is none: {reason}") from None
+        if built_world.dim != self.spec.dim:
             raise InputError(
-                f"the world of {self.file.origin} has {made.dim} dimensions, "
+                f"the world of {self.file.origin} has {built_world.dim} dimensions, "
                 f"its run {self.spec.dim}"
             )
-        return made
+        return built_world
 
     @cached_property
     def index(self) -> TickIndex:
@@ -150,9 +157,9 @@ class Recording:
     def state(self, tick: int | None = None) -> Snapshot:
         """The same as `at`, in the world that its spec gives a run that goes on. Raises
         InputError."""
-        one = model(self.spec.model)
+        flock_model = model(self.spec.model)
         frames = SnapshotReader(
-            self.index, self.spec, one, find_world(self.spec, one), self.next_id
+            self.index, self.spec, flock_model, find_world(self.spec, flock_model), self.next_id
         )
         return frames.at(int(self.ticks[-1]) if tick is None else tick)
 
@@ -168,23 +175,23 @@ class Recording:
                 raise unknown("column", name, self.names, str(self.path))
         if ticks is None:
             return self.file.table(self.file.batches(names), names)
-        wanted = [whole_number("tick", tick, 0) for tick in np.atleast_1d(ticks).tolist()]
-        places = {tick: self.index.place(tick) for tick in wanted}
+        wanted_ticks = [whole_number("tick", tick, 0) for tick in np.atleast_1d(ticks).tolist()]
+        places = {tick: self.index.place(tick) for tick in wanted_ticks}
         for tick, place in places.items():
             if place is None:
                 raise InputError(f"tick = {tick} is not in {str(self.path)!r}")
-        chosen = np.unique(list(places.values()))
-        return self.file.table(self.pieces(chosen, names), names)
+        chosen_places = np.unique(list(places.values()))
+        return self.file.table(self.pieces(chosen_places, names), names)
 
     def pieces(self, places: np.ndarray, names: list[str]) -> Iterator[Any]:
         """Record batches with the rows of some of its ticks, by their places among `ticks`."""
         starts, ends = self.index.starts[places], self.index.ends[places]
         for k, (low, high) in enumerate(pairwise(self.file.offsets)):
-            here = (starts < high) & (ends > low)
-            if not here.any():
+            is_in_group = (starts < high) & (ends > low)
+            if not is_in_group.any():
                 continue
             group = self.file.group(k, names)
-            for first, end in zip(starts[here], ends[here], strict=True):
+            for first, end in zip(starts[is_in_group], ends[is_in_group], strict=True):
                 since = max(int(first - low), 0)
                 yield from group.slice(since, int(min(end, high) - low) - since).to_batches()
 
@@ -237,7 +244,7 @@ class Recording:
         """What it holds, as JSON has it. Raises InputError."""
         _ = self.world  # which is shown as a layout, and has to be one
         first, last = int(self.ticks[0]), int(self.ticks[-1])
-        apart = np.diff(self.ticks)
+        gaps = np.diff(self.ticks)
         return {
             "recording": str(self.path),
             "model": self.model,
@@ -246,7 +253,7 @@ class Recording:
             "frames": len(self.ticks),
             "first_tick": first,
             "last_tick": last,
-            "ticks_apart": [int(apart.min()), int(apart.max())] if len(apart) else [0, 0],
+            "ticks_apart": [int(gaps.min()), int(gaps.max())] if len(gaps) else [0, 0],
             "time_per_tick": self.time_per_tick,
             "time_unit": self.time_unit,
             "lasts": (last - first) * self.time_per_tick,
@@ -261,13 +268,13 @@ class Recording:
         }
 
 
-def text_of(value: Any) -> str:
+def demand_text(value: Any) -> str:
     """A text of metadata. Raises TypeError for anything else."""
     if not isinstance(value, str):
         raise TypeError(f"{shortened(value)} stands where a text is needed")
     return value
 
 
-def line_of(value: Any) -> str:
+def demand_text_line(value: Any) -> str:
     """A text of metadata in one line. Raises TypeError or ValueError for anything else."""
-    return demand_line(text_of(value))
+    return demand_line(demand_text(value))

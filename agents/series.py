@@ -35,8 +35,8 @@ class Series:
         """
         take = OBSERVABLES[name].over if name in OBSERVABLES else None
         if take is None:
-            known = [one.name for one in OBSERVABLES.values() if one.over]
-            raise unknown("observable over a run", name, known)
+            names = [observable.name for observable in OBSERVABLES.values() if observable.over]
+            raise unknown("observable over a run", name, names)
         if SERIES not in self.values:
             raise InputError(
                 f"{name} is measured from a series of {SERIES}, which was not observed"
@@ -53,11 +53,11 @@ class Follower:
         self.names = needed(names)
         self.rows: list[list[float]] = []
 
-    def look(self) -> None:
+    def note_values(self) -> None:
         """Note what is observed now."""
         flock = self.flock
-        seen = [float(flock.observe(name)) for name in self.names]
-        self.rows.append([flock.tick, flock.active.sum(), *seen])
+        values = [float(flock.observe(name)) for name in self.names]
+        self.rows.append([flock.tick, flock.active.sum(), *values])
 
     @property
     def series(self) -> Series:
@@ -76,15 +76,15 @@ def needed(names: Iterable[str]) -> list[str]:
     >>> needed(["groups", "binder", "susceptibility"])
     ['groups', 'polarisation']
     """
-    found: dict[str, None] = {}
+    needed_names: dict[str, None] = {}
     for name in names:
         if name not in OBSERVABLES:
             raise unknown("observable", name, OBSERVABLES)
-        one = OBSERVABLES[name]
-        if one.is_table:
+        observable = OBSERVABLES[name]
+        if observable.is_table:
             raise InputError(f"{name} is a table, not a number: it has no series over a run")
-        found[SERIES if one.over else name] = None
-    return list(found)
+        needed_names[SERIES if observable.over else name] = None
+    return list(needed_names)
 
 
 def follow(flock: Flock, ticks: int, names: Iterable[str] = (SERIES,), every: int = 1) -> Series:
@@ -108,6 +108,6 @@ def follow(flock: Flock, ticks: int, names: Iterable[str] = (SERIES,), every: in
     ticks, every = whole_number("ticks", ticks, 0), whole_number("every", every, 1)
     for _ in range(ticks // every):
         flock.run(every)
-        follower.look()
+        follower.note_values()
     flock.run(ticks % every)
     return follower.series

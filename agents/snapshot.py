@@ -10,9 +10,9 @@ import numpy as np
 from agents.engine.arrays import Arrays
 from agents.models.declare import Parameters
 from agents.models.model import Model
-from agents.observables.array_checks import is_finite, leave_out, whole_rows
+from agents.observables.array_checks import finite_rows, is_finite, warn_of_omitted
 from agents.observables.neighbours import groups_within, layers, links, nearest_links
-from agents.state.agent_rows import Crashes, active, chosen, crashes
+from agents.state.agent_rows import Crashes, active, crashes, select_rows
 from worlds.input_error import InputError, unknown
 from worlds.mission import along_route
 from worlds.world import World
@@ -192,7 +192,7 @@ class Snapshot(FlockState):
 
     def of(self, rows: np.ndarray) -> Snapshot:
         """The agents of some rows, as if there were no others."""
-        return replace(self, arrays=chosen(self.arrays, rows), whole=self.whole or self)
+        return replace(self, arrays=select_rows(self.arrays, rows), whole=self.whole or self)
 
     def measurable(self) -> Snapshot:
         """The agents that observables see: those that have not crashed.
@@ -201,12 +201,12 @@ class Snapshot(FlockState):
         how many (`agents.observables.array_checks.OmittedRowsWarning`).
         """
         arrays = self.position, self.heading, self.speed
-        sound = all(map(is_finite, arrays))
-        if sound and not self.can_crash:
+        is_sound = all(map(is_finite, arrays))
+        if is_sound and not self.can_crash:
             return self
-        there = self.active
-        if not sound:
-            whole = whole_rows(*arrays)
-            leave_out(int((there & ~whole).sum()), int(there.sum()), "agents")
-            there = there & whole
-        return self if there.all() else self.of(np.flatnonzero(there))
+        is_active = self.active
+        if not is_sound:
+            is_finite_row = finite_rows(*arrays)
+            warn_of_omitted(int((is_active & ~is_finite_row).sum()), int(is_active.sum()), "agents")
+            is_active = is_active & is_finite_row
+        return self if is_active.all() else self.of(np.flatnonzero(is_active))

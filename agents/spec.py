@@ -153,7 +153,7 @@ class Spec(Options):
         try:
             super().__init__(**{"model": model, **values})
         except ValidationError as error:
-            raise refusal(error.errors()[0]) from None
+            raise input_error_of(error.errors()[0]) from None
         if self.agents is not None and self.start == "random":
             whole_number("agents", self.agents, 1)
         if self.is_late and self.activation != "synchronous":
@@ -184,8 +184,8 @@ class Spec(Options):
         if not words:
             return self
         options = {key: words.pop(key) for key in OPTIONS if key in words}
-        given = {key: value for key, value in options.items() if value is not None}
-        return self.but(**given, parameters={**self.parameters, **words})
+        given_options = {key: value for key, value in options.items() if value is not None}
+        return self.but(**given_options, parameters={**self.parameters, **words})
 
     def to_toml(self) -> str:
         """The spec as TOML; floats are written so that they come back to the bit."""
@@ -254,8 +254,8 @@ class CompleteSpec(Spec):
 
         Raises InputError.
         """
-        opened = any(changes.get(key, "") is None for key in CLOSED)
-        return super().but(**changes) if opened else self.with_values(**changes)
+        is_opened = any(changes.get(key, "") is None for key in CLOSED)
+        return super().but(**changes) if is_opened else self.with_values(**changes)
 
 
 CLOSED = tuple(CompleteSpec.__annotations__)
@@ -269,7 +269,7 @@ OPTIONS: dict[str, Option] = {key: extra["option"] for key, extra in _EXTRAS.ite
 """What a person may choose of a run beside its model, by name."""
 
 
-def refusal(fault: Any) -> InputError:
+def input_error_of(fault: Any) -> InputError:
     """What pydantic found wrong with a spec, in our words."""
     error = fault.get("ctx", {}).get("error")
     if isinstance(error, InputError):

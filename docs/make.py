@@ -20,10 +20,10 @@ from rule_scenes import flock_of, scene_of
 
 from agents.catalogue import MODELS, Model
 from agents.engine.block import neighbour_of
-from agents.engine.cache import reached
+from agents.engine.cache import global_values
 from agents.flock import Flock
 from agents.models.declare import DeclaredParameter, declared
-from agents.observables.catalogue import OBSERVABLES, usual_charts
+from agents.observables.catalogue import OBSERVABLES, default_charts
 from app.cli.choices import LISTED, declared_rows
 from worlds.layout import read_layout
 
@@ -89,7 +89,9 @@ def reads_speed_of_others(function) -> bool:
         return False
     asked = re.search(r"\b(other|near)\.speed\b", inspect.getsource(function.py_func))
     return bool(asked) or any(
-        reads_speed_of_others(one) for one in reached(function.py_func) if hasattr(one, "py_func")
+        reads_speed_of_others(one)
+        for one in global_values(function.py_func)
+        if hasattr(one, "py_func")
     )
 
 
@@ -257,7 +259,7 @@ def page(model: Model) -> str:
     many = f" --agents {agents}" if agents != model.agents else ""
     ticks = scene.ticks[-1]
     offered = [name for name, one in OBSERVABLES.items() if one.applies(flock)]
-    measure = usual_charts(model, offered)[0][0]
+    measure = default_charts(model, offered)[0][0]
     return f"""# {model.title} (`{model.name}`)
 
 {model.summary}

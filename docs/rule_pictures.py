@@ -15,7 +15,7 @@ from rule_scenes import Scene, flock_of, scene_of
 
 from agents import Flock
 from agents.models.model import Model
-from agents.observables.catalogue import in_a_corridor
+from agents.observables.catalogue import is_in_corridor
 from app.worlds.world_picture import (
     FLOOR,
     GOAL,
@@ -142,7 +142,7 @@ def how(flock: Flock) -> str:
         return f"{flock.observe('following'):.0%} linked"
     if seeks(flock) and flock.world.mission.goal.speed == 0.0:
         return f"{flock.observe('goal-distance'):.0f} m to the goal"
-    if in_a_corridor(flock):
+    if is_in_corridor(flock):
         return f"lane order {flock.observe('lane-order'):.2f}"
     return f"polarisation {flock.observe('polarisation'):.2f}"
 

@@ -12,19 +12,19 @@ from oracles.close_up import close_up
 from oracles.scenes import unit_vectors
 
 from agents import Flock
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 from agents.rules import active_brownian as rule
 from worlds.world import World
 
 SETTINGS = settings(max_examples=60, deadline=None, derandomize=True)
 
 
-@kept
+@compile_to_disk
 def explain(me, near, surroundings, p, out):
     rule.explain(me, near, surroundings, p, out)
 
 
-@kept
+@compile_to_disk
 def weigh(me, near, p, out):
     rule.weigh(me, near, p, out)
 

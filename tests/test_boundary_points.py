@@ -14,7 +14,7 @@ from oracles.olfati_saber import moved
 
 from agents import Flock
 from agents.engine.block import Me, NeighbourBlock
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 from agents.rules import boundary_points as rule
 from worlds.input_error import InputError
 from worlds.obstacles import obstacle
@@ -110,7 +110,7 @@ def test_three_ticks_are_those_of_the_reading(scene, given_):
         demand(compare_tick(flock) is not None)
 
 
-@kept
+@compile_to_disk
 def explain(me, near, surroundings, p, out):
     rule.perceive(me, near, surroundings, p)
     rule.explain(me, near, surroundings, p, out)
@@ -170,12 +170,12 @@ def test_a_whole_way_round_an_obstacle(shape, sense):
 # --- what an agent perceives ------------------------------------------------------------------
 
 
-@kept
+@compile_to_disk
 def boundary_end(me, near, ax, ay, p):
     return rule.boundary_end(me, near, ax, ay, p)
 
 
-@kept
+@compile_to_disk
 def is_blocked(me, near, gx, gy, width):
     return rule.is_blocked(me, near, gx, gy, width)
 

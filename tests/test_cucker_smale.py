@@ -13,19 +13,19 @@ from oracles.scenes import unit_vectors
 from scipy.integrate import quad
 
 from agents import Flock
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 from agents.observables.spread import velocity_spread
 from agents.rules import cucker_smale as rule
 
 SETTINGS = settings(max_examples=60, deadline=None, derandomize=True)
 
 
-@kept
+@compile_to_disk
 def explain(me, near, surroundings, p, out):
     rule.explain(me, near, surroundings, p, out)
 
 
-@kept
+@compile_to_disk
 def weigh(me, near, p, out):
     rule.weigh(me, near, p, out)
 

@@ -18,7 +18,7 @@ from agents import Flock, Member
 from agents.bodies import point_mass
 from agents.catalogue import MODELS
 from agents.engine.block import Decision
-from agents.engine.message_past import off_place
+from agents.engine.message_past import place_error
 from agents.models.declare import Parameters, Rule, parameter
 from agents.models.model import Model
 from agents.spec import Spec
@@ -115,7 +115,7 @@ def test_places_are_off_by_normal_numbers_of_their_own():
     """Of 40 000 draws: mean, spread and tail of a normal law, alike for no two pairs or ticks."""
     made = np.array(
         [
-            [off_place(7, tick, receiver, sender, axis) for axis in range(2)]
+            [place_error(7, tick, receiver, sender, axis) for axis in range(2)]
             for tick in range(20)
             for receiver in range(32)
             for sender in range(31)

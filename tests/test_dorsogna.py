@@ -11,18 +11,18 @@ from oracles.close_up import close_up
 from oracles.flocks import in_open_space, velocity_of
 
 from agents import Flock
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 from agents.rules import dorsogna as rule
 
 SETTINGS = settings(max_examples=60, deadline=None, derandomize=True)
 
 
-@kept
+@compile_to_disk
 def explain(me, near, surroundings, p, out):
     rule.explain(me, near, surroundings, p, out)
 
 
-@kept
+@compile_to_disk
 def weigh(me, near, p, out):
     rule.weigh(me, near, p, out)
 

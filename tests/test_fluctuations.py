@@ -129,7 +129,7 @@ def test_what_cannot_be_followed_is_refused_before_anything_runs():
 
 def test_a_series_has_only_what_was_observed():
     follower = Follower(flock_at_random(), ["groups"])
-    follower.look()
+    follower.note_values()
     with pytest.raises(InputError, match="series of polarisation, which was not observed"):
         follower.series.over("binder")
     with pytest.raises(InputError, match=r"unknown observable over a run 'bindr'.*'binder'"):

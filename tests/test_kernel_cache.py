@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 
 PLUGIN = """
 from flockscope import MODELS
@@ -127,7 +127,7 @@ def test_a_kernel_of_a_module_that_is_gone_is_compiled_anew(tmp_path, monkeypatc
     for _ in range(2):
         names: dict = {"__name__": "gone"}
         exec(code, names)
-        made = kept(names["doubled"])
+        made = compile_to_disk(names["doubled"])
         assert made(3.0) == 6.0
     assert sum(made.stats.cache_misses.values()) == 1
 

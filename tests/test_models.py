@@ -10,7 +10,7 @@ from agents.bodies import constant_speed, double_integrator
 from agents.catalogue import MODELS
 from agents.models.declare import declared
 from agents.models.model import Model
-from agents.observables.catalogue import OBSERVABLES, foremost, telling
+from agents.observables.catalogue import OBSERVABLES, main_observables, telling_observables
 from agents.rules import hwvem, olfati_saber
 from worlds.input_error import InputError
 from worlds.layout import world
@@ -75,7 +75,7 @@ def test_a_world_may_be_given_as_a_value():
 
 def test_what_is_told_unasked_is_what_the_model_declares_and_its_world_gives_occasion_for():
     def told(name, **given):
-        return telling(Flock(name, agents=6, rng=1, **given))
+        return telling_observables(Flock(name, agents=6, rng=1, **given))
 
     assert told("hwvem", informed=1) == ["polarisation", "consistency", "mean-neighbours"]
     assert told("hwvem", informed=0) == ["polarisation", "mean-neighbours"]
@@ -105,7 +105,7 @@ def test_units_are_the_model_s_own():
 @pytest.mark.parametrize("name", MODELS)
 def test_every_model_tells_numbers_that_its_flocks_have(name):
     flock = Flock(name, agents=5, rng=1)
-    found = telling(flock)
+    found = telling_observables(flock)
     assert found
     assert len(set(found)) == len(found)
     assert all(OBSERVABLES[one].applies(flock) and not OBSERVABLES[one].over for one in found)
@@ -114,7 +114,7 @@ def test_every_model_tells_numbers_that_its_flocks_have(name):
 def test_a_model_that_declares_what_cannot_be_measured_is_refused():
     odd = replace(MODELS["vem"], tells=("polarization",))
     with pytest.raises(InputError, match=r"unknown observable 'polarization'.*model vem"):
-        foremost(odd)
+        main_observables(odd)
 
 
 @pytest.mark.parametrize("name", ["vem", "vicsek1995", "hwvem", "couzin", "hwvem-nav"])

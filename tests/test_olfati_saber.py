@@ -11,7 +11,7 @@ from oracles.close_up import close_up
 from oracles.goal_scenes import GoalScene, goal_of, goal_scene, goal_scenes, velocity_of
 
 from agents.catalogue import MODELS
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 from agents.observables.energy import potential
 from agents.rules import olfati_saber as rule
 from agents.rules.terms import sigma
@@ -41,42 +41,42 @@ ANY = {
 TABLE_3 = MODELS["olfati-saber"].parameters()
 
 
-@kept
+@compile_to_disk
 def bump(z, h):
     return sigma.bump(z, h)
 
 
-@kept
+@compile_to_disk
 def sigma_norm(d2, eps):
     return sigma.sigma_norm(d2, eps)
 
 
-@kept
+@compile_to_disk
 def phi(z, a, b):
     return sigma.phi(z, a, b)
 
 
-@kept
+@compile_to_disk
 def phi_alpha(s, p):
     return sigma.phi_alpha(s, p)
 
 
-@kept
+@compile_to_disk
 def push(d2, p):
     return sigma.push(d2, p)
 
 
-@kept
+@compile_to_disk
 def level(d2, alarm, d, tau_a, tau_e, tau_s):
     return sigma.level(d2, alarm, d, tau_a, tau_e, tau_s)
 
 
-@kept
+@compile_to_disk
 def explain(me, near, surroundings, p, out):
     rule.explain(me, near, surroundings, p, out)
 
 
-@kept
+@compile_to_disk
 def weigh(me, near, p, out):
     sigma.weigh(me, near, p, out)
 

@@ -11,7 +11,7 @@ from oracles import vasarhelyi as oracle
 from oracles.scenes import unit_vectors
 
 from agents import Flock
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 from agents.rules.vasarhelyi import braking
 from worlds.obstacles import Disc, Polygon, Sphere
 from worlds.queries.clearance import clearance
@@ -28,7 +28,7 @@ ROUND = (
 )
 
 
-@kept
+@compile_to_disk
 def curve(r, a, p):
     return braking(r, a, p)
 

@@ -65,7 +65,7 @@ def test_gusts_are_an_ornstein_uhlenbeck_process():
     """
     sigma, lasts, dt, ticks = 0.7, 0.5, 0.02, 400
     gusty = Conditions(gusts=sigma, gust_time=lasts)
-    blown = np.array([Wind(gusty, seed, dt, 3).during(0, ticks) for seed in range(700)]) / dt
+    blown = np.array([Wind(gusty, seed, dt, 3).displacements(0, ticks) for seed in range(700)]) / dt
     assert blown.shape == (700, ticks, 3)
     many = np.concatenate([blown[:, :, axis] for axis in range(3)])
     assert many.mean() == pytest.approx(0.0, abs=0.05)
@@ -82,12 +82,12 @@ def test_gusts_are_an_ornstein_uhlenbeck_process():
 
 def test_gusts_depend_on_seed_and_tick_alone():
     gusty = Conditions(gusts=1.0, wind=0.1, gust_time=3.0)
-    whole = Wind(gusty, 5, 0.1, 2).during(0, 60)
+    whole = Wind(gusty, 5, 0.1, 2).displacements(0, 60)
     again = Wind(gusty, 5, 0.1, 2)
-    parts = [again.during(0, 7), again.during(7, 1), again.during(8, 52)]
+    parts = [again.displacements(0, 7), again.displacements(7, 1), again.displacements(8, 52)]
     assert np.array_equal(np.concatenate(parts), whole)
-    assert np.array_equal(again.during(20, 10), whole[20:30])
-    assert not np.array_equal(Wind(gusty, 6, 0.1, 2).during(0, 60), whole)
+    assert np.array_equal(again.displacements(20, 10), whole[20:30])
+    assert not np.array_equal(Wind(gusty, 6, 0.1, 2).displacements(0, 60), whole)
     assert (whole[:, 2] == 0.0).all()
 
 

@@ -61,7 +61,7 @@ class Brownian(Parameters):
 
 
 @compiled
-def diffused(me, s):
+def diffuse_heading(me, s):
     """The heading after rotational diffusion, of deviation s (rad) about each axis across it.
 
     In the plane, the heading's and its own, by a normal angle; in space along a tangent whose two
@@ -79,8 +79,12 @@ def diffused(me, s):
     tx = c * (1.0 + sign * me.ux * me.ux * a) + d * b
     ty = c * sign * b + d * (sign + me.uy * me.uy * a)
     tz = -c * sign * me.ux - d * me.uy
-    along, across = cos_sin(s * radius)
-    return along * me.ux + across * tx, along * me.uy + across * ty, along * me.uz + across * tz
+    along, sideways = cos_sin(s * radius)
+    return (
+        along * me.ux + sideways * tx,
+        along * me.uy + sideways * ty,
+        along * me.uz + sideways * tz,
+    )
 
 
 @compiled
@@ -95,7 +99,7 @@ def move(me, near, surroundings, want, p, out):
             z += kick * normal(me.key, me.id, KICK + 4)
     ux, uy, uz = me.ux, me.uy, me.uz
     if p.D_r > 0.0:
-        ux, uy, uz = diffused(me, math.sqrt(2.0 * p.D_r * p.dt))
+        ux, uy, uz = diffuse_heading(me, math.sqrt(2.0 * p.D_r * p.dt))
         length = math.sqrt(ux * ux + uy * uy + uz * uz)
         ux, uy, uz = ux / length, uy / length, uz / length
     speed = math.sqrt(want.x * want.x + want.y * want.y + want.z * want.z)

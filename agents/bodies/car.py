@@ -25,9 +25,9 @@ from agents.bodies.car_commands import (
     is_stopped,
     nearest_car,
     nearest_solid,
-    received,
-    rolled,
-    sent,
+    queue_command,
+    receive_command,
+    roll,
     wheelbase,
 )
 from agents.bodies.tracking import Tracking
@@ -220,13 +220,13 @@ def move(me, near, surroundings, want, p, out):
     base = out.shape[0] - ROWS
     ready = 1.0 - me.signal[base + FRESH]
     wheel, throttle = command(me, near, surroundings, want, p, base, out)
-    sent(me, wheel, throttle, p, base, out)
-    wheel, throttle = received(me, p, base, out)
-    most = p.servo * p.dt
+    queue_command(me, wheel, throttle, p, base, out)
+    wheel, throttle = receive_command(me, p, base, out)
+    servo_step = p.servo * p.dt
     steering = ready * me.signal[base + STEERING]
-    steering += min(max(wheel - steering, -most), most)
+    steering += min(max(wheel - steering, -servo_step), servo_step)
     speed = me.speed + (p.v_max * throttle - me.speed) * (1.0 - math.exp(-p.dt / p.lag))
-    x, y, ux, uy = rolled(me.x, me.y, me.ux, me.uy, speed, steering, wheelbase(p), p.dt)
+    x, y, ux, uy = roll(me.x, me.y, me.ux, me.uy, speed, steering, wheelbase(p), p.dt)
     stops = ready * me.signal[base + STOPS]
     if is_stopped(me, near, surroundings, x, y, ux, uy, p):
         x, y, ux, uy, speed = me.x, me.y, me.ux, me.uy, 0.0
@@ -300,11 +300,11 @@ def driving(rule: Rule, **more: Any) -> Model:
     `more` goes to the model; cars are on a plane, whatever the rule can do, and what there is to
     try with the rule need not come true of them.
     """
-    twice = sorted(
+    shared_names = sorted(
         set(rule.parameters.model_fields) & set(Car.model_fields) - set(Tracking.model_fields)
     )
-    if twice:
-        raise TypeError(f"rule {rule.name} and the car both have a parameter {twice[0]}")
+    if shared_names:
+        raise TypeError(f"rule {rule.name} and the car both have a parameter {shared_names[0]}")
     body = STEERED if rule.wish == "heading" else BODY
     return Model(
         replace(rule, dimensions=(2,)),

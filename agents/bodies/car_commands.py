@@ -60,7 +60,7 @@ def wheelbase(p):
 
 
 @compiled
-def rolled(x, y, ux, uy, speed, wheel, length, dt):
+def roll(x, y, ux, uy, speed, wheel, length, dt):
     """Place and heading after rolling for dt with the front wheels held: an arc, exactly.
 
     The yaw rate is speed tan(wheel) / length; (x, y) is the middle of the rear axle.
@@ -86,10 +86,10 @@ def separation(dx, dy, ux, uy, vx, vy, length, width):
     """
     a, b = 0.5 * length, 0.5 * width
     c, s = math.fabs(ux * vx + uy * vy), math.fabs(ux * vy - uy * vx)
-    along, across = a + a * c + b * s, b + a * s + b * c
+    length_sum, width_sum = a + a * c + b * s, b + a * s + b * c
     return max(
-        max(math.fabs(dx * ux + dy * uy) - along, math.fabs(dy * ux - dx * uy) - across),
-        max(math.fabs(dx * vx + dy * vy) - along, math.fabs(dy * vx - dx * vy) - across),
+        max(math.fabs(dx * ux + dy * uy) - length_sum, math.fabs(dy * ux - dx * uy) - width_sum),
+        max(math.fabs(dx * vx + dy * vy) - length_sum, math.fabs(dy * vx - dx * vy) - width_sum),
     )
 
 
@@ -100,20 +100,20 @@ def nearest_car(me, near, x, y, ux, uy, p):
     The block holds this car too, and knows it by its place and heading: of several that share both,
     all but one are others.
     """
-    least = math.inf
-    alike = 0
+    nearest_gap = math.inf
+    same_poses = 0
     for j in range(near.n):
         ex, ey = near.x[j] - me.x, near.y[j] - me.y
-        same = (ex * ex + ey * ey == 0.0) & (near.ux[j] == me.ux) & (near.uy[j] == me.uy)
-        alike += 1 if same else 0
+        is_same_pose = (ex * ex + ey * ey == 0.0) & (near.ux[j] == me.ux) & (near.uy[j] == me.uy)
+        same_poses += 1 if is_same_pose else 0
         gap = separation(
             near.x[j] - x, near.y[j] - y, ux, uy, near.ux[j], near.uy[j], p.length, p.width
         )
-        least = min(least, math.inf if same else gap)
-    if alike > 1:
+        nearest_gap = min(nearest_gap, math.inf if is_same_pose else gap)
+    if same_poses > 1:
         gap = separation(me.x - x, me.y - y, ux, uy, me.ux, me.uy, p.length, p.width)
-        least = min(least, gap)
-    return least
+        nearest_gap = min(nearest_gap, gap)
+    return nearest_gap
 
 
 @compiled
@@ -173,9 +173,9 @@ what is in the way, and of standing on after a second of it."""
 @compiled
 def gap_to(me, near, j, base, t, x, y, ux, uy, p):
     """Gap (m) between this car at (x, y) along (ux, uy) and car j, at time t (s) from now."""
-    known = 1.0 - near.signal[base + FRESH, j]
-    speed = known * near.signal[base + PACE, j]
-    half = 0.5 * t * speed * math.tan(known * near.signal[base + STEERING, j]) / wheelbase(p)
+    has_moved = 1.0 - near.signal[base + FRESH, j]
+    speed = has_moved * near.signal[base + PACE, j]
+    half = 0.5 * t * speed * math.tan(has_moved * near.signal[base + STEERING, j]) / wheelbase(p)
     half = min(max(half, -8.0), 8.0)
     c, s = cos_sin(half)
     chord = speed * t * (s / half if math.fabs(half) > 1e-9 else 1.0)
@@ -197,14 +197,14 @@ def gap_to(me, near, j, base, t, x, y, ux, uy, p):
 @compiled
 def least_gap(me, near, surroundings, base, t, x, y, ux, uy, p):
     """The least gap (m) between this car at (x, y) and any other or what is solid, at time t."""
-    least = math.inf
+    smallest_gap = math.inf
     for j in range(near.n):
         dx, dy = near.x[j] - me.x, near.y[j] - me.y
         gap = gap_to(me, near, j, base, t, x, y, ux, uy, p)
-        least = min(least, gap if dx * dx + dy * dy > 0.0 else math.inf)
+        smallest_gap = min(smallest_gap, gap if dx * dx + dy * dy > 0.0 else math.inf)
     if surroundings.solids > 0:
-        least = min(least, signed_distance(surroundings, x, y, 0.0) - 0.5 * p.length)
-    return least
+        smallest_gap = min(smallest_gap, signed_distance(surroundings, x, y, 0.0) - 0.5 * p.length)
+    return smallest_gap
 
 
 @compiled
@@ -221,30 +221,30 @@ def risk(me, near, surroundings, wheel, throttle, p, base):
     worst = 0.0
     limit = min(p.margin, least_gap(me, near, surroundings, base, 0.0, x, y, ux, uy, p))
     for k in range(STEPS):
-        before = speed
+        speed_before = speed
         speed = p.v_max * throttle + (speed - p.v_max * throttle) * keep
-        gone = 0.5 * (before + speed) * step
-        c, s = cos_sin(0.5 * gone * bend)
-        x += gone * (c * ux - s * uy)
-        y += gone * (s * ux + c * uy)
+        travelled = 0.5 * (speed_before + speed) * step
+        c, s = cos_sin(0.5 * travelled * bend)
+        x += travelled * (c * ux - s * uy)
+        y += travelled * (s * ux + c * uy)
         c, s = c * c - s * s, 2.0 * c * s
         ux, uy = c * ux - s * uy, s * ux + c * uy
         gap = least_gap(me, near, surroundings, base, step * (k + 1), x, y, ux, uy, p)
         if gap < limit:
-            close = min(1.0, (p.margin - gap) / (p.margin + 0.1))
-            worst = max(worst, 1.0 - k / STEPS + close)
+            closeness = min(1.0, (p.margin - gap) / (p.margin + 0.1))
+            worst = max(worst, 1.0 - k / STEPS + closeness)
     return worst
 
 
 @compiled
-def goes_on(me, wheel, p, base):
+def must_back_out(me, wheel, p, base):
     """Whether it backs out and still cannot reach its wish by turning: then it goes on with it."""
     backs = (me.signal[base + FRESH] == 0.0) & (me.signal[base + QUEUE + 1] < 0.0)
     return backs & (math.fabs(wheel) > 0.99 * math.radians(p.wheel_max))
 
 
 @compiled
-def yielded(me, near, surroundings, wheel, throttle, waited, p, base):
+def choose_clear_command(me, near, surroundings, wheel, throttle, waiting_time, p, base):
     """The command (wheel rad, throttle) nearest to the wished one that keeps clear of the others.
 
     Where none does, the one that puts it off longest. Backwards the wheels are best turned the
@@ -252,27 +252,27 @@ def yielded(me, near, surroundings, wheel, throttle, waited, p, base):
     the less it likes to stand.
     """
     worst = risk(me, near, surroundings, wheel, throttle, p, base)
-    backs = goes_on(me, wheel, p, base)
+    backs = must_back_out(me, wheel, p, base)
     best_wheel, best_throttle = wheel, throttle
     if worst == 0.0 and not backs:
         return wheel, throttle
     turns_back = FICKLE if backs else 0.0
-    least = RISK * worst + turns_back
-    most = math.radians(p.wheel_max)
+    least_cost = RISK * worst + turns_back
+    wheel_limit = math.radians(p.wheel_max)
     for a in range(WHEELS + 1):
-        angle = wheel if a == WHEELS else most * (2.0 * a / (WHEELS - 1.0) - 1.0)
-        full = max(0.0, 1.0 - p.alpha_turn * math.fabs(angle))
+        angle = wheel if a == WHEELS else wheel_limit * (2.0 * a / (WHEELS - 1.0) - 1.0)
+        full_throttle = max(0.0, 1.0 - p.alpha_turn * math.fabs(angle))
         for b in range(PACES):
             back = b == PACES - 1
-            pace = BACK if back else full * (1.0 - 0.5 * b)
+            pace = BACK if back else full_throttle * (1.0 - 0.5 * b)
             off = math.fabs(angle + wheel if back else angle - wheel)
             cost = TURNED * off + SLOWED * math.fabs(throttle - pace)
             cost += 0.0 if back else turns_back
-            cost += WAITING * waited if b == PACES - 2 else 0.0
-            if cost < least:
+            cost += WAITING * waiting_time if b == PACES - 2 else 0.0
+            if cost < least_cost:
                 cost += RISK * risk(me, near, surroundings, angle, pace, p, base)
-                if cost < least:
-                    least, best_wheel, best_throttle = cost, angle, pace
+                if cost < least_cost:
+                    least_cost, best_wheel, best_throttle = cost, angle, pace
     return best_wheel, best_throttle
 
 
@@ -295,8 +295,8 @@ def wheel_for(me, want, p):
     angle = math.atan2(me.ux * want.y - me.uy * want.x, me.ux * want.x + me.uy * want.y)
     angle -= yaw_error(me, p)
     angle -= 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
-    most = math.radians(p.wheel_max)
-    return min(max(angle, -most), most)
+    wheel_limit = math.radians(p.wheel_max)
+    return min(max(angle, -wheel_limit), wheel_limit)
 
 
 @compiled
@@ -327,36 +327,38 @@ def command(me, near, surroundings, want, p, base, out):
     time = time_stuck(me, p, base)
     out[base + STUCK] = time
     if p.yields > 0.0:
-        return yielded(me, near, surroundings, wheel, throttle_for(wheel, p), time, p, base)
+        return choose_clear_command(
+            me, near, surroundings, wheel, throttle_for(wheel, p), time, p, base
+        )
     if time < 0.0:
         return -wheel, BACK
     return wheel, throttle_for(wheel, p)
 
 
 @compiled
-def sent(me, wheel, throttle, p, base, out):
+def queue_command(me, wheel, throttle, p, base, out):
     """Put a command at the head of the queue; for a car that is not seen, the last one again."""
     ready = 1.0 - me.signal[base + FRESH]
     queue = base + QUEUE
     for k in range(2 * LONGEST - 2):
         out[queue + 2 + k] = ready * me.signal[queue + k]
-    seen = is_seen(me, p)
-    out[queue] = wheel if seen else ready * me.signal[queue]
-    out[queue + 1] = throttle if seen else ready * me.signal[queue + 1]
+    is_tracked = is_seen(me, p)
+    out[queue] = wheel if is_tracked else ready * me.signal[queue]
+    out[queue + 1] = throttle if is_tracked else ready * me.signal[queue + 1]
 
 
 @compiled
-def received(me, p, base, out):
+def receive_command(me, p, base, out):
     """The command in force: the one sent as long ago as its way takes, or the one before if lost.
 
     Tracking that is late by t is the same as commands that are: both act on poses of t ago.
     """
     ready = 1.0 - me.signal[base + FRESH]
-    way = math.floor((p.latency + me.id * p.hop) / p.dt + 0.5)
-    at = base + QUEUE + 2 * int(min(way, LONGEST - 1.0))
-    lost = uniform(me.key, me.id, LOST) < p.loss
-    wheel = ready * me.signal[base + WHEEL] if lost else out[at]
-    throttle = ready * me.signal[base + THROTTLE] if lost else out[at + 1]
+    delay_ticks = math.floor((p.latency + me.id * p.hop) / p.dt + 0.5)
+    at = base + QUEUE + 2 * int(min(delay_ticks, LONGEST - 1.0))
+    is_lost = uniform(me.key, me.id, LOST) < p.loss
+    wheel = ready * me.signal[base + WHEEL] if is_lost else out[at]
+    throttle = ready * me.signal[base + THROTTLE] if is_lost else out[at + 1]
     out[base + WHEEL] = wheel
     out[base + THROTTLE] = throttle
     return wheel, throttle

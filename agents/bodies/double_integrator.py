@@ -73,8 +73,10 @@ def move(me, near, surroundings, want, p, out):
         return BodyMove(me.x, me.y, me.z, me.ux, me.uy, me.uz, 0.0)
     ux, uy, uz = vx / speed, vy / speed, vz / speed
     speed = min(speed, p.p_max)
-    way = h * speed
-    return BodyMove(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, speed)
+    step_length = h * speed
+    return BodyMove(
+        me.x + step_length * ux, me.y + step_length * uy, me.z + step_length * uz, ux, uy, uz, speed
+    )
 
 
 BODY = Body(

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from agents.bodies.guard import guarded
+from agents.bodies.guard import guard_velocity
 from agents.engine.block import BodyMove
 from agents.models.declare import Body, Parameters, Rule, declared, parameter
 from agents.models.model import Model
@@ -90,31 +90,33 @@ class Drone(Parameters):
 
 
 @compiled
-def followed(me, want, p):
+def follow_velocity(me, want, p):
     """Velocity (m/s) after a tick: v + dt / tau (v^d - v), |change| <= a^max dt, |v^d| <= v^max."""
-    wanted = math.sqrt(want.x * want.x + want.y * want.y + want.z * want.z)
-    cut = p.v_max / wanted if wanted > p.v_max else 1.0
+    wanted_speed = math.sqrt(want.x * want.x + want.y * want.y + want.z * want.z)
+    cut = p.v_max / wanted_speed if wanted_speed > p.v_max else 1.0
     vx, vy, vz = me.speed * me.ux, me.speed * me.uy, me.speed * me.uz
     share = p.dt / p.tau
     ax = share * (cut * want.x - vx)
     ay = share * (cut * want.y - vy)
     az = share * (cut * want.z - vz)
     change = math.sqrt(ax * ax + ay * ay + az * az)
-    most = p.a_max * p.dt
-    slow = most / change if change > most else 1.0
+    speed_step = p.a_max * p.dt
+    slow = speed_step / change if change > speed_step else 1.0
     return vx + slow * ax, vy + slow * ay, vz + slow * az
 
 
 @compiled
 def move(me, near, surroundings, want, p, out):
     """Velocity, then position; at rest the heading is kept."""
-    vx, vy, vz = followed(me, want, p)
+    vx, vy, vz = follow_velocity(me, want, p)
     if p.guard > 0.0:
         at = nearest_surface(surroundings, me.x, me.y, me.z)
         step = p.dt * math.sqrt(vx * vx + vy * vy + vz * vz)
         reach = max(p.margin, 2.0 * step)
         if at.distance <= reach:
-            gx, gy, gz = guarded(surroundings, at, me, p.dt * vx, p.dt * vy, p.dt * vz, reach)
+            gx, gy, gz = guard_velocity(
+                surroundings, at, me, p.dt * vx, p.dt * vy, p.dt * vz, reach
+            )
             vx, vy, vz = gx / p.dt, gy / p.dt, gz / p.dt
     x, y, z = me.x + p.dt * vx, me.y + p.dt * vy, me.z + p.dt * vz
     speed = math.sqrt(vx * vx + vy * vy + vz * vz)
@@ -145,14 +147,18 @@ BODY = Body(
 )
 
 
-def tenth(rule: Rule, **more: Any) -> Model:
+def scale_to_tenth(rule: Rule, **more: Any) -> Model:
     """The model NAME-tenth: drones and flight at a tenth of the size, for small worlds.
 
     Every default in m, m/s and m/s^2 is divided by 10 and time goes on as before: in a world that
     is as much smaller the motion is the same. `more` goes to the model.
     """
-    every = declared(rule.parameters) + declared(Drone)
-    small = {one.name: one.default / 10.0 for one in every if one.unit in ("m", "m/s", "m/s^2")}
+    parameters = declared(rule.parameters) + declared(Drone)
+    small = {
+        declaration.name: declaration.default / 10.0
+        for declaration in parameters
+        if declaration.unit in ("m", "m/s", "m/s^2")
+    }
     return Model(
         rule,
         BODY,

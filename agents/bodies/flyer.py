@@ -10,8 +10,8 @@ from typing import Literal
 
 import numpy as np
 
-from agents.bodies.turning import towards
-from agents.bodies.upwash import saved
+from agents.bodies.turning import turn_towards
+from agents.bodies.upwash import drag_saving
 from agents.engine.block import BodyMove
 from agents.models.declare import Body, Parameters, parameter
 from worlds.compilation import compiled
@@ -147,16 +147,24 @@ def move(me, near, surroundings, want, p, out):
 
     Then go on along the new heading for tau. (0, 0, 0) keeps the heading and aims at v0.
     """
-    asked = math.sqrt(want.x * want.x + want.y * want.y + want.z * want.z)
+    wanted_speed = math.sqrt(want.x * want.x + want.y * want.y + want.z * want.z)
     ux, uy, uz = me.ux, me.uy, me.uz
-    if asked > 1e-12:
-        most = math.radians(p.theta_max) * p.tau
-        ux, uy, uz = towards(ux, uy, uz, want.x / asked, want.y / asked, want.z / asked, most)
+    if wanted_speed > 1e-12:
+        turn_limit = math.radians(p.theta_max) * p.tau
+        ux, uy, uz = turn_towards(
+            ux,
+            uy,
+            uz,
+            want.x / wanted_speed,
+            want.y / wanted_speed,
+            want.z / wanted_speed,
+            turn_limit,
+        )
         length = math.sqrt(ux * ux + uy * uy + uz * uz)
         ux, uy, uz = ux / length, uy / length, uz / length
     else:
-        asked = p.v0
-    aim = max(min(asked, p.v_max), p.v_min)
+        wanted_speed = p.v0
+    aim = max(min(wanted_speed, p.v_max), p.v_min)
     step = p.a_max * p.tau
     speed = me.speed + min(max(aim - me.speed, -step), step)
     d = speed * p.tau
@@ -171,20 +179,23 @@ def touches(me, near, surroundings, p):
     """
     if p.contact != ALWAYS and me.tick > 0:
         return 0.0
-    least = math.inf
-    here = 0
+    nearest2 = math.inf
+    agents_here = 0
     for j in range(near.n):
         dx = near.x[j] - me.x
         dy = near.y[j] - me.y
         dz = near.z[j] - me.z
         d2 = dx * dx + dy * dy + dz * dz
-        least = min(least, d2 if d2 > 0.0 else math.inf)
-        here += 0 if d2 > 0.0 else 1
-    apart = max(p.body, p.d_0) if me.tick == 0 else p.body
-    if here > 1 or least <= apart * apart:
+        nearest2 = min(nearest2, d2 if d2 > 0.0 else math.inf)
+        agents_here += 0 if d2 > 0.0 else 1
+    crash_distance = max(p.body, p.d_0) if me.tick == 0 else p.body
+    if agents_here > 1 or nearest2 <= crash_distance * crash_distance:
         return 1.0
-    near_enough = 0.5 * p.body + 2.0 * skin(me.x, me.y, me.z)
-    if surroundings.solids > 0 and signed_distance(surroundings, me.x, me.y, me.z) <= near_enough:
+    touching_distance = 0.5 * p.body + 2.0 * skin(me.x, me.y, me.z)
+    if (
+        surroundings.solids > 0
+        and signed_distance(surroundings, me.x, me.y, me.z) <= touching_distance
+    ):
         return 2.0
     return 0.0
 
@@ -192,7 +203,7 @@ def touches(me, near, surroundings, p):
 @compiled
 def measure(me, near, p, out):
     """The share of its induced drag that the agent saves by the others' upwash."""
-    out[0] = saved(me, near, p.b)
+    out[0] = drag_saving(me, near, p.b)
 
 
 def begins(parameters: Flyer, rng: np.random.Generator, n: int) -> np.ndarray:

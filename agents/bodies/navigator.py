@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from agents.bodies.guard import guarded
+from agents.bodies.guard import guard_velocity
 from agents.engine.block import BodyMove, Decision
 from agents.models.declare import Body, Parameters, Rule, parameter
 from agents.models.model import Model
@@ -125,7 +125,7 @@ class Navigator(Parameters):
 
 
 @compiled
-def along(want, at, x, y, z, me, p):
+def avoid_along_tangent(want, at, x, y, z, me, p):
     """theta_i (22): the wanted heading, or the tangent if an obstacle is in the way; and o_i (19).
 
     Of the two tangent directions at the nearest point `at` the one within 90 degrees of the
@@ -135,8 +135,8 @@ def along(want, at, x, y, z, me, p):
         return want, HEARD
     dx, dy, dz = at.x - x, at.y - y, at.z - z
     d = math.sqrt(dx * dx + dy * dy + dz * dz)
-    ahead = dx * want.x + dy * want.y + dz * want.z
-    if ahead < d * math.cos(p.theta_obstruct):
+    forward = dx * want.x + dy * want.y + dz * want.z
+    if forward < d * math.cos(p.theta_obstruct):
         return want, HEARD
     inward = me.ux * at.nx + me.uy * at.ny + me.uz * at.nz
     tx, ty, tz = me.ux - inward * at.nx, me.uy - inward * at.ny, me.uz - inward * at.nz
@@ -159,10 +159,10 @@ def spring(me, near, p):
         dy = me.y - near.y[j]
         dz = me.z - near.z[j]
         d2 = dx * dx + dy * dy + dz * dz
-        seen = 1.0 if (d2 > 0.0) & (d2 <= reach2) else 0.0
+        is_in_reach = 1.0 if (d2 > 0.0) & (d2 <= reach2) else 0.0
         d = math.sqrt(d2) if d2 > 0.0 else 1.0
-        rep = seen * (p.r_rep - d) / (p.r_rep * d) if d <= p.r_rep else 0.0
-        att = seen * (p.r_rep - d) / ((p.r_att - p.r_rep) * d)
+        rep = is_in_reach * (p.r_rep - d) / (p.r_rep * d) if d <= p.r_rep else 0.0
+        att = is_in_reach * (p.r_rep - d) / ((p.r_att - p.r_rep) * d)
         att = att if (d > p.r_rep) & (d <= p.r_att) else 0.0
         rx += rep * dx
         ry += rep * dy
@@ -194,8 +194,8 @@ def move(me, near, surroundings, want, p, out):
             me.x + v * want.x, me.y + v * want.y, me.z + v * want.z, want.x, want.y, want.z, v
         )
     at = nearest_surface(surroundings, me.x, me.y, me.z)
-    u, heard = along(want, at, me.x, me.y, me.z, me, p)
-    out[last] = heard
+    u, obstacle_share = avoid_along_tangent(want, at, me.x, me.y, me.z, me, p)
+    out[last] = obstacle_share
     rx, ry, rz, ax, ay, az = spring(me, near, p)
     vx = p.c_align * p.v0 * u.x + p.c_rep * rx + p.c_att * ax
     vy = p.c_align * p.v0 * u.y + p.c_rep * ry + p.c_att * ay
@@ -204,7 +204,7 @@ def move(me, near, surroundings, want, p, out):
     if speed > p.v0:
         vx, vy, vz = vx * (p.v0 / speed), vy * (p.v0 / speed), vz * (p.v0 / speed)
     if p.guard > 0.0 and at.distance <= p.r_avoid:
-        vx, vy, vz = guarded(surroundings, at, me, vx, vy, vz, p.r_avoid)
+        vx, vy, vz = guard_velocity(surroundings, at, me, vx, vy, vz, p.r_avoid)
     speed = math.sqrt(vx * vx + vy * vy + vz * vz)
     return BodyMove(me.x + vx, me.y + vy, me.z + vz, u.x, u.y, u.z, speed)
 

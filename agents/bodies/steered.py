@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from agents.bodies.guard import guarded
+from agents.bodies.guard import guard_velocity
 from agents.engine.block import BodyMove
 from agents.models.declare import Body, Parameters, parameter
 from worlds.compilation import compiled
@@ -87,7 +87,7 @@ class SteeredVehicle(Parameters):
 
 
 @compiled
-def steered(me, want, p):
+def steer(me, want, p):
     """Heading and speed after a tick: v + dt a, |a| <= F, then min <= |v| <= max: four numbers."""
     force = math.sqrt(want.x * want.x + want.y * want.y + want.z * want.z)
     h = p.dt * (p.max_force / force if force > p.max_force else 1.0)
@@ -104,19 +104,23 @@ def steered(me, want, p):
 @compiled
 def move(me, near, surroundings, want, p, out):
     """Velocity, then position; at rest the heading is kept."""
-    ux, uy, uz, speed = steered(me, want, p)
+    ux, uy, uz, speed = steer(me, want, p)
     if p.guard > 0.0:
         at = nearest_surface(surroundings, me.x, me.y, me.z)
         step = p.dt * speed
         reach = max(p.margin, 2.0 * step)
         if at.distance <= reach:
-            gx, gy, gz = guarded(surroundings, at, me, step * ux, step * uy, step * uz, reach)
+            gx, gy, gz = guard_velocity(
+                surroundings, at, me, step * ux, step * uy, step * uz, reach
+            )
             step = math.sqrt(gx * gx + gy * gy + gz * gz)
             speed = step / p.dt
             if step > 0.0:
                 ux, uy, uz = gx / step, gy / step, gz / step
-    way = p.dt * speed
-    return BodyMove(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, speed)
+    step_length = p.dt * speed
+    return BodyMove(
+        me.x + step_length * ux, me.y + step_length * uy, me.z + step_length * uz, ux, uy, uz, speed
+    )
 
 
 @compiled

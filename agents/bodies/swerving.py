@@ -51,8 +51,10 @@ def move(me, near, surroundings, want, p, out):
     ux, uy, uz = c * me.ux + s * ax, c * me.uy + s * ay, c * me.uz + s * az
     length = math.sqrt(ux * ux + uy * uy + uz * uz)
     ux, uy, uz = ux / length, uy / length, uz / length
-    way = p.v0 * p.dt
-    return BodyMove(me.x + way * ux, me.y + way * uy, me.z + way * uz, ux, uy, uz, p.v0)
+    step_length = p.v0 * p.dt
+    return BodyMove(
+        me.x + step_length * ux, me.y + step_length * uy, me.z + step_length * uz, ux, uy, uz, p.v0
+    )
 
 
 def begins(parameters: SwervingBody, rng: np.random.Generator, n: int) -> np.ndarray:

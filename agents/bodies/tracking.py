@@ -93,13 +93,13 @@ def error_of(me, p, x, y):
 
 
 @compiled
-def left_behind(me, p, x, y):
+def stale_error(me, p, x, y):
     """The error (m) that (x, y) becomes if the car is not seen in the next frame.
 
     It then counts as where it was, and has gone on, by about its velocity times the tick.
     """
-    gone = me.speed * p.dt
-    return x - gone * me.ux, y - gone * me.uy
+    travelled = me.speed * p.dt
+    return x - travelled * me.ux, y - travelled * me.uy
 
 
 @compiled

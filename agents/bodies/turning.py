@@ -51,23 +51,23 @@ class TurningBody(Parameters):
 
 
 @compiled
-def towards(ux, uy, uz, x, y, z, most):
-    """The heading u turned towards the direction (x, y, z), both unit vectors, by at most `most`.
+def turn_towards(ux, uy, uz, x, y, z, turn_limit):
+    """The heading u turned towards the direction (x, y, z), both unit vectors, by at most a limit.
 
-    `most` is in rad. A direction straight behind has no shorter side: it is turned to the left, or
-    about the vertical.
+    The limit is in rad. A direction straight behind has no shorter side: it is turned to the left,
+    or about the vertical.
     """
-    c, s = cos_sin(min(most, math.pi))
+    c, s = cos_sin(min(turn_limit, math.pi))
     along = ux * x + uy * y + uz * z
     ax, ay, az = x - along * ux, y - along * uy, z - along * uz
     length = math.sqrt(ax * ax + ay * ay + az * az)
-    behind = length < 1e-9
+    is_behind = length < 1e-9
     level = math.sqrt(ux * ux + uy * uy)
     upright = level < 1e-9
-    ax = where(behind, where(upright, 1.0, -uy), ax)
-    ay = where(behind, where(upright, 0.0, ux), ay)
-    az = where(behind, 0.0, az)
-    s = s / where(behind, where(upright, 1.0, level), length)
+    ax = where(is_behind, where(upright, 1.0, -uy), ax)
+    ay = where(is_behind, where(upright, 0.0, ux), ay)
+    az = where(is_behind, 0.0, az)
+    s = s / where(is_behind, where(upright, 1.0, level), length)
     within = along >= c
     return (
         where(within, x, c * ux + s * ax),
@@ -79,8 +79,8 @@ def towards(ux, uy, uz, x, y, z, most):
 @compiled
 def move(me, near, surroundings, want, p, out):
     """Turn by at most theta tau towards the wanted heading, then go s tau along the new one."""
-    most = math.radians(p.theta) * p.tau
-    ux, uy, uz = towards(me.ux, me.uy, me.uz, want.x, want.y, want.z, most)
+    turn_limit = math.radians(p.theta) * p.tau
+    ux, uy, uz = turn_towards(me.ux, me.uy, me.uz, want.x, want.y, want.z, turn_limit)
     length = math.sqrt(ux * ux + uy * uy + uz * uz)
     ux, uy, uz = ux / length, uy / length, uz / length
     d = p.s * p.tau

@@ -72,7 +72,7 @@ def relief(dx, dy, dz, core):
 
 
 @compiled
-def faded(dx):
+def wake_decay(dx):
     """exp(-dx / FADES) of a wake `dx` spans old, 1 ahead of it; to 10 digits up to 6 spans.
 
     The series of exp(-dx / 8 FADES), then squared three times: the library's exponential would keep
@@ -105,25 +105,25 @@ def share_of(me, near, j, b):
     dx = -(ex * ux + ey * uy + ez * uz)
     dy = (ex * uy - ey * ux) / level
     dz = (level2 * ez - uz * (ex * ux + ey * uy)) / level
-    return relief(dx, dy, dz, CORE) * faded(dx)
+    return relief(dx, dy, dz, CORE) * wake_decay(dx)
 
 
 @compiled
-def saved_within(me, near, b, limit):
-    """As `saved`, with the birds up to `limit` away: a length, at most 6 spans."""
-    found = near.spare[0]
+def drag_saving_within(me, near, b, limit):
+    """As `drag_saving`, with the birds up to `limit` away: a length, at most 6 spans."""
+    neighbours = near.spare[0]
     n = 0
     for j in range(near.n):
-        found[n] = j
+        neighbours[n] = j
         n += 1 if counts(me, near, j, limit) else 0
     total = 0.0
     for k in range(n):
-        total += share_of(me, near, int(found[k]), b)
+        total += share_of(me, near, int(neighbours[k]), b)
     return total
 
 
 @compiled
-def saved(me, near, b):
+def drag_saving(me, near, b):
     """Share of its own induced drag that this bird saves by all birds around; not clipped.
 
     Summed over the birds within 6 spans whose heading is within 30 degrees of its own, ahead and
@@ -133,4 +133,4 @@ def saved(me, near, b):
     span, a length > 0. A bird that flies straight up or down has no level wings and adds nothing.
     The share is negative in the downwash behind a bird, and may exceed 1 between two.
     """
-    return saved_within(me, near, b, WITHIN * b)
+    return drag_saving_within(me, near, b, WITHIN * b)

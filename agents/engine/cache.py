@@ -64,11 +64,11 @@ def describe_code(code: types.CodeType) -> str:
     return repr((code.co_code, code.co_names, code.co_varnames, code.co_freevars, constants))
 
 
-def fingerprint(function, digest, seen: set[int]) -> None:
+def fingerprint(function, digest, visited: set[int]) -> None:
     """Feed a function, and everything it reaches by global name or closure, to the digest."""
-    if id(function) in seen:
+    if id(function) in visited:
         return
-    seen.add(id(function))
+    visited.add(id(function))
     python = function.py_func if isinstance(function, Dispatcher) else function
     digest.update(describe_code(python.__code__).encode())
     digest.update(python.__module__.encode())  # a kept kernel imports it by this name
@@ -76,9 +76,9 @@ def fingerprint(function, digest, seen: set[int]) -> None:
         digest.update(describe(function.targetoptions).encode())
         compiler = function._compiler.pipeline_class  # type: ignore[attr-defined]
         digest.update(compiler.__qualname__.encode())
-    for value in reached(python):
+    for value in global_values(python):
         if isinstance(value, Dispatcher | types.FunctionType):
-            fingerprint(value, digest, seen)
+            fingerprint(value, digest, visited)
         elif isinstance(value, type) and hasattr(value, "_fields"):
             digest.update(repr((value.__name__, value._fields)).encode())
         elif isinstance(value, np.ndarray):
@@ -87,7 +87,7 @@ def fingerprint(function, digest, seen: set[int]) -> None:
             digest.update(repr(value).encode())
 
 
-def reached(python: types.FunctionType) -> list:
+def global_values(python: types.FunctionType) -> list:
     """The values that a function reaches by global name, `module.name` or closure."""
     names = python.__code__.co_names
     values = [python.__globals__[n] for n in names if n in python.__globals__]
@@ -96,7 +96,7 @@ def reached(python: types.FunctionType) -> list:
     return values + inside + [cell.cell_contents for cell in python.__closure__ or ()]
 
 
-def new_digest():
+def base_digest():
     """A digest of what every kernel depends on."""
     versions = numba.__version__, importlib.metadata.version("llvmlite"), sys.version_info[:3]
     digest = hashlib.sha256(repr((*versions, CHECKSUM)).encode())
@@ -109,11 +109,11 @@ WARNED_OF: set[str] = set()
 """What the user has been warned of."""
 
 
-def tell_once(words: str, about: str) -> None:
+def tell_once(message: str, about: str) -> None:
     """Tell the user something on stderr, the first time that it is about this."""
     if about not in WARNED_OF:
         WARNED_OF.add(about)
-        print(f"flockscope: {words}", file=sys.stderr)
+        print(f"flockscope: {message}", file=sys.stderr)
 
 
 class KernelFiles(IndexDataCacheFile):
@@ -127,14 +127,14 @@ class KernelFiles(IndexDataCacheFile):
     def save(self, key: Any, data: Any) -> None:
         """Keep what was compiled for a key: first itself, then the index that names it."""
         names = self._load_index()
-        taken = set(names.values())
+        used_names = set(names.values())
         name = names.get(key) or next(
-            name for name in map(self._data_name, itertools.count(1)) if name not in taken
+            name for name in map(self._data_name, itertools.count(1)) if name not in used_names
         )
         self._save_data(name, data)
         self._save_index(names | {key: name})
 
-    def whole(self) -> bool:
+    def is_intact(self) -> bool:
         """Whether anything is kept, all of it undamaged."""
         names = self._load_index().values()
         return bool(names) and all(self._read(name) is not None for name in names)
@@ -162,8 +162,8 @@ class KernelFiles(IndexDataCacheFile):
             return None
         if hashlib.sha256(content[CHECKSUM:]).digest() == content[:CHECKSUM]:
             return content[CHECKSUM:]
-        words = f"compiled kernels in {self.base} are damaged: they are compiled anew"
-        tell_once(words, "damaged")
+        message = f"compiled kernels in {self.base} are damaged: they are compiled anew"
+        tell_once(message, "damaged")
         return None
 
     def _write(self, name: str, value: Any) -> None:
@@ -236,14 +236,14 @@ def tell_unused(error: NotOwned) -> None:
     )
 
 
-def keep(entry, digest) -> Path:
+def keep_on_disk(entry, digest) -> Path:
     """Keep what `entry` compiles to in a folder named by the digest; returns the folder."""
     base, parts = cache_base(), ("kernels", digest.hexdigest()[:24])
     folder = base.joinpath(*parts)
     lock = folder / "lock"
     try:
-        with owned_folder(base, *parts, make=True) as opened:
-            os.close(open_in(opened, lock, os.O_WRONLY | os.O_CREAT))
+        with owned_folder(base, *parts, make=True) as folder_descriptor:
+            os.close(open_in(folder_descriptor, lock, os.O_WRONLY | os.O_CREAT))
     except OSError as error:
         tell_unwritable(error)
         return folder
@@ -256,7 +256,7 @@ def keep(entry, digest) -> Path:
 
 def is_kept(entry) -> bool:
     """Whether what `entry` compiles to is on disk, from this very checkout or installation."""
-    return isinstance(entry._cache, KernelCache) and entry._cache._cache_file.whole()
+    return isinstance(entry._cache, KernelCache) and entry._cache._cache_file.is_intact()
 
 
 def is_at_hand(entry) -> bool:
@@ -264,21 +264,25 @@ def is_at_hand(entry) -> bool:
     return bool(entry.signatures) or is_kept(entry)
 
 
-def kept(function):
+def compile_to_disk(function):
     """Compile a function that Python calls, kept on disk under a name made from what it does."""
-    made = entry(function)
-    digest = new_digest()
-    fingerprint(made, digest, set())
-    keep(made, digest)
-    return made
+    compiled_function = entry(function)
+    digest = base_digest()
+    fingerprint(compiled_function, digest, set())
+    keep_on_disk(compiled_function, digest)
+    return compiled_function
 
 
-def kept_part(function):
+def compile_part_to_disk(function):
     """The same for a part of a loop, which Python calls by itself: to inspect an agent, in tests.
 
     A function without a file, such as one that was typed, is compiled in every process.
     """
-    return kept(function) if Path(function.__code__.co_filename).is_file() else entry(function)
+    return (
+        compile_to_disk(function)
+        if Path(function.__code__.co_filename).is_file()
+        else entry(function)
+    )
 
 
-compilation.entry_of_part = kept_part
+compilation.entry_of_part = compile_part_to_disk

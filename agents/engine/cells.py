@@ -107,7 +107,7 @@ def plan(grid, space, reach, position):
 
 
 @compiled
-def into_box(x, length):
+def wrap_into_box(x, length):
     """x brought into [0, length) by whole lengths."""
     if 0.0 <= x < length:
         return x
@@ -124,7 +124,7 @@ def cell_of(grid, space, position, i):
         if not (abs(x) < math.inf):
             return -1
         if space.wraps[axis]:
-            x = into_box(x, space.size[axis])
+            x = wrap_into_box(x, space.size[axis])
             position[i, axis] = x
         n = grid.shape[axis]
         at = int((x - grid.origin[axis]) * grid.inverse[axis])
@@ -149,17 +149,17 @@ def count_rows(grid, space, slots, flock, part, low, high):
     count = grid.tally[part]
     for cell in range(cells + 1):
         count[cell] = 0
-    bad = -1
+    bad_row = -1
     for i in range(low, high):
         cell = cell_of(grid, space, flock.position, i)
         if cell < 0:
-            bad = i if bad < 0 else bad
+            bad_row = i if bad_row < 0 else bad_row
             cell = 0
         if mortal and flock.crash_record[i, 0] >= 0.0:
             cell = cells
         slots.cell[i] = cell
         count[cell] += 1
-    return bad
+    return bad_row
 
 
 @compiled
@@ -174,9 +174,9 @@ def share_slots(grid, parts):
     for cell in range(cells + 1):
         grid.start[cell] = slot
         for part in range(parts):
-            here = grid.tally[part, cell]
+            in_cell = grid.tally[part, cell]
             grid.tally[part, cell] = slot
-            slot += here
+            slot += in_cell
         if cell < cells:
             fullest = max(fullest, slot - grid.start[cell])
     grid.start[cells + 1] = slot
@@ -232,7 +232,7 @@ def axis_cells(grid, space, axis, at):
 
 
 @compiled
-def wrapped(grid, space, axis, at):
+def wrap_cell(grid, space, axis, at):
     """Cell index along a wrapping axis and the shift (length) to its nearest image."""
     n = grid.shape[axis]
     if at < 0:
@@ -243,7 +243,7 @@ def wrapped(grid, space, axis, at):
 
 
 @compiled
-def around(grid, space, cell, k):
+def cell_around(grid, space, cell, k):
     """The k-th of the up to 27 cells around a cell, itself among them: (cell or -1, shifts x y z).
 
     The shifts bring its agents to their nearest image.
@@ -252,9 +252,9 @@ def around(grid, space, cell, k):
     x = cell % nx + k % 3 - 1
     y = cell // nx % ny + k // 3 % 3 - 1
     z = cell // (nx * ny) + k // 9 - 1
-    ax, sx = wrapped(grid, space, 0, x)
-    ay, sy = wrapped(grid, space, 1, y)
-    az, sz = wrapped(grid, space, 2, z)
+    ax, sx = wrap_cell(grid, space, 0, x)
+    ay, sy = wrap_cell(grid, space, 1, y)
+    az, sz = wrap_cell(grid, space, 2, z)
     seen = (
         (x == ax or (space.images[0] and nx > 1))
         and (y == ay or (space.images[1] and ny > 1))
@@ -318,9 +318,9 @@ def fill_block(grid, space, slots, cell, block, signals):
     fz, mz = axis_cells(grid, space, 2, cz)
     m = 0
     for kz in range(fz, fz + mz):
-        az, sz = wrapped(grid, space, 2, cz + kz)
+        az, sz = wrap_cell(grid, space, 2, cz + kz)
         for ky in range(fy, fy + my):
-            ay, sy = wrapped(grid, space, 1, cy + ky)
+            ay, sy = wrap_cell(grid, space, 1, cy + ky)
             base = (az * ny + ay) * nx
             if cx + fx >= 0 and cx + fx + mx <= nx:
                 first = grid.start[base + cx + fx]
@@ -328,7 +328,7 @@ def fill_block(grid, space, slots, cell, block, signals):
                 m = copy_run(slots, block, signals, m, first, last, 0.0, sy, sz)
             else:
                 for kx in range(fx, fx + mx):
-                    ax, sx = wrapped(grid, space, 0, cx + kx)
+                    ax, sx = wrap_cell(grid, space, 0, cx + kx)
                     first, last = grid.start[base + ax], grid.start[base + ax + 1]
                     m = copy_run(slots, block, signals, m, first, last, sx, sy, sz)
     return m
@@ -341,12 +341,12 @@ def nearest_images(space, grid, block, m, x, y, z, dim):
     The images stand in rows 6 to 8 of the block, where `NearClaim` reads positions.
     """
     for axis in range(dim):
-        here = x if axis == 0 else (y if axis == 1 else z)
+        coordinate = x if axis == 0 else (y if axis == 1 else z)
         length = space.size[axis]
         if space.images[axis] and grid.shape[axis] == 1:
             for j in range(m):
-                d = block[axis, j] - here
-                block[6 + axis, j] = here + (d - length * math.floor(d / length + 0.5))
+                d = block[axis, j] - coordinate
+                block[6 + axis, j] = coordinate + (d - length * math.floor(d / length + 0.5))
         else:
             for j in range(m):
                 block[6 + axis, j] = block[axis, j]

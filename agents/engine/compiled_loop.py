@@ -18,7 +18,7 @@ from pathlib import Path
 from numba.core.dispatcher import Dispatcher
 
 from agents.engine import template
-from agents.engine.cache import fingerprint, is_kept, keep, new_digest
+from agents.engine.cache import base_digest, fingerprint, is_kept, keep_on_disk
 
 HERE = Path(__file__).parent
 LOADING = threading.Lock()
@@ -37,14 +37,15 @@ def loop_module(kind: str, parts: dict[str, Callable | int | None], fields):
     which does nothing. `fields` are the names of the parameters; the module's `P` holds them.
     """
     filled = {
-        part: getattr(template, part) if made is None else made for part, made in parts.items()
+        part: getattr(template, part) if function is None else function
+        for part, function in parts.items()
     }
     return load(kind, filled, fields)
 
 
 def turns_module(sweep: types.ModuleType):
     """The module whose `advance` lets the agents of a rule act in turn; `sweep` is its sweep."""
-    shared = (
+    names = (
         "ASKS_SPEED",
         "CRASHES",
         "DEAFENS",
@@ -55,38 +56,38 @@ def turns_module(sweep: types.ModuleType):
         "SEES_POINTS",
         "SIGNALS",
         "act",
+        "agent_of_slot",
         "holds",
         "judge",
         "lay",
-        "myself",
         "nearby",
         "pick_nearest",
         "ready",
         "see_points",
         "show",
     )
-    return load("turns", {part: vars(sweep)[part] for part in shared}, sweep.P._fields)
+    return load("turns", {part: vars(sweep)[part] for part in names}, sweep.P._fields)
 
 
 def delayed_module(sweep: types.ModuleType):
     """The module whose `advance` lets the agents of a rule know of each other by messages."""
-    shared = "ASKS_SPEED", "CRASHES", "DIM", "MEASURES", "NEAREST", "PRIVATE", "SEES_POINTS"
-    called = "act", "holds", "lay", "nearby", "pick_nearest", "ready", "see_points", "show"
+    constants = "ASKS_SPEED", "CRASHES", "DIM", "MEASURES", "NEAREST", "PRIVATE", "SEES_POINTS"
+    functions = "act", "holds", "lay", "nearby", "pick_nearest", "ready", "see_points", "show"
     turns = turns_module(sweep)
-    parts = {part: vars(sweep)[part] for part in (*shared, "SIGNALS", *called)}
+    parts = {part: vars(sweep)[part] for part in (*constants, "SIGNALS", *functions)}
     parts |= {part: vars(turns)[part] for part in ("judge_all", "link", "row_of")}
     return load("delayed", parts, sweep.P._fields)
 
 
 def load(kind: str, globals_: dict, fields) -> types.ModuleType:
     """A template as a module of its own, with the given globals, compiled under its own cache."""
-    digest = new_digest()
+    digest = base_digest()
     digest.update(repr(tuple(fields)).encode())
-    seen: set[int] = set()
+    visited: set[int] = set()
     for part, value in sorted(globals_.items()):
         digest.update(part.encode())
         if isinstance(value, Dispatcher):
-            fingerprint(value, digest, seen)
+            fingerprint(value, digest, visited)
         else:
             digest.update(repr(value).encode())
     module_name = f"{__package__}.{kind}_{digest.hexdigest()[:16]}"
@@ -94,8 +95,8 @@ def load(kind: str, globals_: dict, fields) -> types.ModuleType:
         if module_name not in sys.modules:
             module = execute_template(kind, module_name, globals_, fields)
             sys.modules[module_name] = module  # a kept kernel finds its parameters' class there
-            fingerprint(module.advance, digest, seen)
-            module.__dict__["cache_folder"] = keep(module.advance, digest)
+            fingerprint(module.advance, digest, visited)
+            module.__dict__["cache_folder"] = keep_on_disk(module.advance, digest)
     return sys.modules[module_name]
 
 

@@ -13,7 +13,7 @@ import math
 from typing import TYPE_CHECKING
 
 from agents.engine.cells import (
-    around,
+    cell_around,
     cell_of,
     count_rows,
     fill_slots,
@@ -23,7 +23,7 @@ from agents.engine.cells import (
     plan,
     share_slots,
 )
-from agents.engine.message_past import FURTHEST, age_of, note_present, off_place
+from agents.engine.message_past import FURTHEST, age_of, note_present, place_error
 from agents.engine.nearest_agents import all_images
 from agents.engine.noise import tick_key
 from agents.engine.solid_collision import fall
@@ -58,39 +58,39 @@ def across(space, axis, d):
 
 
 @compiled
-def look_back(flock, space, messages, now, known):
-    """Fill `known` (N, dim) with the newest places that messages may tell of.
+def look_back(flock, space, messages, tick, memory):
+    """Fill `memory` (N, dim) with the newest places that messages may tell of.
 
     Returns how far from there the oldest ones may be, length.
     """
     n, ages, _ = flock.past.shape
     first = min(messages.delay, ages - 1)
-    latest = (now - first + ages) % ages
-    most = 0.0
+    latest = (tick - first + ages) % ages
+    furthest_step = 0.0
     for i in range(n):
         for axis in range(DIM):
-            known[i, axis] = flock.past[i, latest, axis]
+            memory[i, axis] = flock.past[i, latest, axis]
         for age in range(first + 1, ages):
-            at = (now - age + ages) % ages
+            at = (tick - age + ages) % ages
             d2 = 0.0
             for axis in range(DIM):
-                d = across(space, axis, flock.past[i, at, axis] - known[i, axis])
+                d = across(space, axis, flock.past[i, at, axis] - memory[i, axis])
                 d2 += d * d
-            most = max(most, d2)
-    return math.sqrt(most)
+            furthest_step = max(furthest_step, d2)
+    return math.sqrt(furthest_step)
 
 
 @compiled
 def open_tick(
-    flock, space, surroundings, grid, slots, workspace, context, messages, known, tick, key
+    flock, space, surroundings, grid, slots, workspace, context, messages, memory, tick, key
 ):
     """Do what needs the whole flock, tell the present, and link the lists; a bad row or -1."""
     n = flock.ids.shape[0]
     set_goal(surroundings, tick * context.lasts)
     lay(grid, space, context, flock.position)
-    bad = count_rows(grid, space, slots, flock, 0, 0, n)
-    if bad >= 0:
-        return bad
+    bad_row = count_rows(grid, space, slots, flock, 0, 0, n)
+    if bad_row >= 0:
+        return bad_row
     share_slots(grid, 1)
     place_rows(grid, slots, 0, 0, n)
     fill_slots(slots, flock.position, flock.heading, flock.speed, flock.memory, 0, n)
@@ -98,24 +98,24 @@ def open_tick(
     if CRASHES:
         judge_all(flock, space, surroundings, grid, slots, workspace, context.parameters, tick, key)
     note_present(flock, tick)
-    aside = FURTHEST * messages.error * math.sqrt(DIM)
-    back = look_back(flock, space, messages, tick, known)
-    plan(grid, space, context.reach + aside + back, known)
+    error_reach = FURTHEST * messages.error * math.sqrt(DIM)
+    back = look_back(flock, space, messages, tick, memory)
+    plan(grid, space, context.reach + error_reach + back, memory)
     for cell in range(number_of(grid) + 1):
         grid.start[cell] = -1
     for i in range(n - 1, -1, -1):
         if not (CRASHES and flock.crash_record[i, 0] >= 0.0):
-            link(grid, slots, i, cell_of(grid, space, known, i))
+            link(grid, slots, i, cell_of(grid, space, memory, i))
     return -1
 
 
 @compiled
-def copy_known(flock, space, block, signals, j, age, m, known, now, shifts):
+def copy_known(flock, space, block, signals, j, age, m, memory, tick, shifts):
     """Copy to place m of a block what is known of row j: its state `age` ticks ago."""
     ages = flock.past.shape[1]
-    at = (now - age + ages) % ages
+    at = (tick - age + ages) % ages
     for axis in range(DIM):
-        place = known[j, axis] + across(space, axis, flock.past[j, at, axis] - known[j, axis])
+        place = memory[j, axis] + across(space, axis, flock.past[j, at, axis] - memory[j, axis])
         block[axis, m] = place + shifts[axis]
         block[3 + axis, m] = flock.past[j, at, DIM + axis]
     if ASKS_SPEED:
@@ -136,23 +136,23 @@ def copy_self(block, signals, workspace, me, m):
 
 
 @compiled
-def add_known(flock, space, workspace, messages, seed, me, i, j, m, known, shifts):
+def add_known(flock, space, workspace, messages, seed, me, i, j, m, memory, shifts):
     """Put what row i knows of row j into place m of the block; the next place."""
     ages = flock.past.shape[1]
     age = age_of(messages, seed, me.tick, flock.ids[i], flock.ids[j], ages)
     if age == ages:
         return m
     block, signals = workspace.block, workspace.signals
-    copy_known(flock, space, block, signals, j, age, m, known, me.tick, shifts)
+    copy_known(flock, space, block, signals, j, age, m, memory, me.tick, shifts)
     if messages.error > 0.0:
         for axis in range(DIM):
-            off = off_place(seed, me.tick, flock.ids[i], flock.ids[j], axis)
+            off = place_error(seed, me.tick, flock.ids[i], flock.ids[j], axis)
             block[axis, m] += messages.error * off
     return m + 1
 
 
 @compiled
-def gather(flock, space, grid, slots, workspace, messages, seed, me, i, cell, known):
+def gather(flock, space, grid, slots, workspace, messages, seed, me, i, cell, memory):
     """Copy what row i knows of those around it, and itself, into the block; how many, or -1.
 
     -1: the block has no room.
@@ -160,20 +160,20 @@ def gather(flock, space, grid, slots, workspace, messages, seed, me, i, cell, kn
     copy_self(workspace.block, workspace.signals, workspace, me, 0)
     m = 1
     for c in range(27):
-        near, sx, sy, sz = around(grid, space, cell, c)
+        near, sx, sy, sz = cell_around(grid, space, cell, c)
         j = grid.start[near] if near >= 0 else -1
         while j >= 0:
             if j != i:
                 if m == workspace.block.shape[1]:
                     return -1
                 shifts = (sx, sy, sz)
-                m = add_known(flock, space, workspace, messages, seed, me, i, j, m, known, shifts)
+                m = add_known(flock, space, workspace, messages, seed, me, i, j, m, memory, shifts)
             j = slots.row[j]
     return m
 
 
 @compiled
-def gather_all(flock, space, workspace, messages, seed, me, i, known):
+def gather_all(flock, space, workspace, messages, seed, me, i, memory):
     """Copy what row i knows of all that have not crashed, and itself; how many, or -1."""
     n = flock.ids.shape[0]
     if n > workspace.block.shape[1]:
@@ -183,7 +183,7 @@ def gather_all(flock, space, workspace, messages, seed, me, i, known):
     for j in range(n):
         if j != i and not (CRASHES and flock.crash_record[j, 0] >= 0.0):
             shifts = (0.0, 0.0, 0.0)
-            m = add_known(flock, space, workspace, messages, seed, me, i, j, m, known, shifts)
+            m = add_known(flock, space, workspace, messages, seed, me, i, j, m, memory, shifts)
     return m
 
 
@@ -197,7 +197,7 @@ def advance(
     workspace,
     context,
     messages,
-    known,
+    memory,
     seed,
     tick,
     order,
@@ -206,16 +206,16 @@ def advance(
 ):
     """Let the rows order[first:] act, after opening the tick if `opens`.
 
-    `messages` says how old they get; `known` (N, dim) keeps the newest places between two calls.
+    `messages` says how old they get; `memory` (N, dim) keeps the newest places between two calls.
     Returns what `advance` of `sequential_tick.py` does.
     """
     key = tick_key(seed, tick)
     if opens:
-        bad = open_tick(
-            flock, space, surroundings, grid, slots, workspace, context, messages, known, tick, key
+        bad_row = open_tick(
+            flock, space, surroundings, grid, slots, workspace, context, messages, memory, tick, key
         )
-        if bad >= 0:
-            return first, bad
+        if bad_row >= 0:
+            return first, bad_row
     for at in range(first, order.shape[0]):
         i = order[at]
         if CRASHES and flock.crash_record[i, 0] >= 0.0:
@@ -232,9 +232,9 @@ def advance(
             for k in range(SIGNALS):
                 workspace.mine[k] = workspace.out[k]
         if NEAREST:
-            m = gather_all(flock, space, workspace, messages, seed, me, i, known)
+            m = gather_all(flock, space, workspace, messages, seed, me, i, memory)
         else:
-            m = gather(flock, space, grid, slots, workspace, messages, seed, me, i, cell, known)
+            m = gather(flock, space, grid, slots, workspace, messages, seed, me, i, cell, memory)
         if m < 0:
             return at, -1
         if NEAREST:
@@ -243,9 +243,9 @@ def advance(
             nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
         points = see_points(surroundings, context.reach, me, workspace) if SEES_POINTS else 0
         near = nearby(m, workspace, 6, points)
-        noticed = near
+        visible = near
         if NEAREST:
-            close, _ = pick_nearest(workspace, m, 6, me, context.nearest)
-            noticed = nearby(close, workspace, -1, points)
-        act(flock, space, surroundings, i, me, near, noticed, context, workspace)
+            nearest_count, _ = pick_nearest(workspace, m, 6, me, context.nearest)
+            visible = nearby(nearest_count, workspace, -1, points)
+        act(flock, space, surroundings, i, me, near, visible, context, workspace)
     return order.shape[0], -1

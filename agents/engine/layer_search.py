@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from agents.engine.block import adjacent
-from agents.engine.cells import around
+from agents.engine.cells import cell_around
 from worlds.compilation import compiled
 
 UNKNOWN = math.inf
@@ -27,7 +27,7 @@ def visit(space, grid, slots, slot, r, k, tail):
     layer = slots.signal[k]
     flat = slots.z.shape[0] == 0
     for c in range(27):
-        cell, sx, sy, sz = around(grid, space, slots.cell[slots.row[slot]], c)
+        cell, sx, sy, sz = cell_around(grid, space, slots.cell[slots.row[slot]], c)
         if cell < 0:
             continue
         for j in range(grid.start[cell], grid.start[cell + 1]):
@@ -78,9 +78,9 @@ def next_layer(me, near, r, k):
     """
     if me.informed:
         return 1.0
-    least = UNKNOWN
+    lowest = UNKNOWN
     layer = near.signal[k]
     for j in range(near.n):
-        if adjacent(me, near, j, r) > 0.0 and layer[j] < least:
-            least = layer[j]
-    return least + 1.0 if least < me.flock_size else UNKNOWN
+        if adjacent(me, near, j, r) > 0.0 and layer[j] < lowest:
+            lowest = layer[j]
+    return lowest + 1.0 if lowest < me.flock_size else UNKNOWN

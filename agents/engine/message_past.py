@@ -41,9 +41,9 @@ class MessageDelays(NamedTuple):
 
 
 @compiled
-def off_place(seed, now, receiver, sender, axis):
+def place_error(seed, tick, receiver, sender, axis):
     """How far a receiver takes a sender to be off at a tick along an axis: a normal number, cut."""
-    key = mix((tick_key(seed, now) ^ ASIDE) + as_unsigned(sender) * GOLDEN)
+    key = mix((tick_key(seed, tick) ^ ASIDE) + as_unsigned(sender) * GOLDEN)
     counter = as_unsigned(receiver) * np.uint64(6) + np.uint64(2 * axis)
     first = as_float(mix(key + counter * GOLDEN) >> S11) * 2.0**-53
     second = as_float(mix(key + (counter + np.uint64(1)) * GOLDEN) >> S11) * 2.0**-53
@@ -60,7 +60,7 @@ def message_draw(seed, sent, receiver, sender, draw):
 
 
 @compiled
-def age_of(messages, seed, now, receiver, sender, ages):
+def age_of(messages, seed, tick, receiver, sender, ages):
     """Ticks since the newest message that has come from a sender; `ages` if none has.
 
     Before tick 0 agents stood where they began, and everybody knew.
@@ -68,28 +68,28 @@ def age_of(messages, seed, now, receiver, sender, ages):
     if messages.jitter == 0.0 and messages.loss == 0.0:
         return min(messages.delay, ages - 1)
     for age in range(messages.delay, ages):
-        sent = now - age
+        sent = tick - age
         if sent <= 0:
             return age
         if messages.loss > 0.0 and message_draw(seed, sent, receiver, sender, 0) < messages.loss:
             continue
         if messages.jitter == 0.0:
             return age
-        more = -messages.jitter * log(1.0 - message_draw(seed, sent, receiver, sender, 1))
-        if math.floor(messages.delay + more + 0.5) <= age:
+        jitter_delay = -messages.jitter * log(1.0 - message_draw(seed, sent, receiver, sender, 1))
+        if math.floor(messages.delay + jitter_delay + 0.5) <= age:
             return age
     return ages
 
 
 @compiled
-def note_present(flock, now):
+def note_present(flock, tick):
     """Write the flock as it stands into its past; one that has none has always stood there."""
     past = flock.past
     n, ages, size = past.shape
     dim = flock.position.shape[1]
-    at = now % ages
+    at = tick % ages
     for i in range(n):
-        new = math.isnan(past[i, (now + ages - 1) % ages, 0])
+        new = math.isnan(past[i, (tick + ages - 1) % ages, 0])
         for axis in range(dim):
             past[i, at, axis] = flock.position[i, axis]
             past[i, at, dim + axis] = flock.heading[i, axis]

@@ -35,22 +35,22 @@ def width_for(space, position, k):
 
 
 @compiled
-def covered(grid, dim):
+def covered_distance(grid, dim):
     """Distance (length) from an agent within which the cells around hold everybody."""
-    least = math.inf
+    smallest_side = math.inf
     for axis in range(dim):
         if grid.shape[axis] > 1:
-            least = min(least, 1.0 / grid.inverse[axis])
-    return SURE * least
+            smallest_side = min(smallest_side, 1.0 / grid.inverse[axis])
+    return SURE * smallest_side
 
 
 @compiled
-def rank(block, at, m, dim, me, k, apart, chosen):
+def rank(block, at, m, dim, me, k, distance2, nearest):
     """Which of the m agents of a block are the k nearest, nearest first; how many there are.
 
-    Positions start at row `at` of the block. `chosen` receives their columns, `apart` the squares
-    of their distances; of two equally far the one that stands first. An agent in the same spot is
-    no neighbour, as with a radius.
+    Positions start at row `at` of the block. `nearest` receives their columns, `distance2`
+    the squares of their distances; of two equally far the one that stands first. An agent in the
+    same spot is no neighbour, as with a radius.
     """
     n = 0
     for j in range(m):
@@ -59,15 +59,15 @@ def rank(block, at, m, dim, me, k, apart, chosen):
         if dim == 3:
             dz = block[at + 2, j] - me.z
             d2 += dz * dz
-        if not d2 > 0.0 or (n == k and d2 >= apart[n - 1]):
+        if not d2 > 0.0 or (n == k and d2 >= distance2[n - 1]):
             continue
         place = n if n < k else k - 1
-        while place > 0 and apart[place - 1] > d2:
-            apart[place] = apart[place - 1]
-            chosen[place] = chosen[place - 1]
+        while place > 0 and distance2[place - 1] > d2:
+            distance2[place] = distance2[place - 1]
+            nearest[place] = nearest[place - 1]
             place -= 1
-        apart[place] = d2
-        chosen[place] = j
+        distance2[place] = d2
+        nearest[place] = j
         n = min(n + 1, k)
     return n
 
@@ -82,9 +82,9 @@ def fill_all(grid, slots, block, signals):
 def all_images(space, block, m, x, y, z, dim):
     """Rows 6 to 8 of the block: the image of each of m agents that is nearest to (x, y, z)."""
     for axis in range(dim):
-        here = x if axis == 0 else (y if axis == 1 else z)
+        coordinate = x if axis == 0 else (y if axis == 1 else z)
         length = space.size[axis]
         for j in range(m):
-            d = block[axis, j] - here
-            near = here + (d - length * math.floor(d / length + 0.5))
+            d = block[axis, j] - coordinate
+            near = coordinate + (d - length * math.floor(d / length + 0.5))
             block[6 + axis, j] = near if space.images[axis] else block[axis, j]

@@ -110,8 +110,8 @@ def cos_sin(angle):
         )
     )
     quadrant = quarter - 4.0 * math.floor(0.25 * quarter)
-    odd = (quadrant == 1.0) | (quadrant == 3.0)
-    cosine, sine = where(odd, s, c), where(odd, c, s)
+    is_odd = (quadrant == 1.0) | (quadrant == 3.0)
+    cosine, sine = where(is_odd, s, c), where(is_odd, c, s)
     cosine = where((quadrant == 1.0) | (quadrant == 2.0), -cosine, cosine)
     sine = where(quadrant >= 2.0, -sine, sine)
     return cosine, sine
@@ -130,16 +130,16 @@ def log(x):
     s = f / (2.0 + f)
     z = s * s
     w = z * z
-    even = w * (
+    even_terms = w * (
         3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01)
     )
-    odd = z * (
+    odd_terms = z * (
         6.666666666666735130e-01
         + w
         * (2.857142874366239149e-01 + w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01))
     )
     half = 0.5 * f * f
-    return k * LN2_HIGH - ((half - (s * (half + even + odd) + k * LN2_LOW)) - f)
+    return k * LN2_HIGH - ((half - (s * (half + even_terms + odd_terms) + k * LN2_LOW)) - f)
 
 
 @compiled
@@ -200,13 +200,13 @@ def turn_by_noise(ux, uy, uz, eta, key, agent, dim):
         return c * ux - s * uy, s * ux + c * uy, 0.0
     edge, _ = cos_sin(0.5 * eta)
     along = 1.0 - uniform(key, agent, 1) * (1.0 - edge)
-    across = math.sqrt(max(0.0, 1.0 - along * along))
+    sideways = math.sqrt(max(0.0, 1.0 - along * along))
     c, s = cos_sin(2.0 * math.pi * uniform(key, agent, 0))
     # An orthonormal pair across the heading, without a singular direction (Duff et al. 2017).
     sign = where(uz < 0.0, -1.0, 1.0)
     a = -1.0 / (sign + uz)
     b = ux * uy * a
-    p, q = across * c, across * s
+    p, q = sideways * c, sideways * s
     return (
         along * ux + p * (1.0 + sign * ux * ux * a) + q * b,
         along * uy + p * sign * b + q * (sign + uy * uy * a),
@@ -221,21 +221,21 @@ KEEP = 1e-12
 
 
 @compiled
-def headed(me, wish, noise, eta, dim):
+def add_heading_noise(me, wish, noise, eta, dim):
     """The wanted heading, a unit Wish: the wish with its noise; without a wish, the old one."""
     x, y, z = wish.x, wish.y, wish.z
     if noise == VECTORIAL and eta > 0.0:
-        lost = x * x + y * y + z * z < KEEP * KEEP
+        is_zero = x * x + y * y + z * z < KEEP * KEEP
         ex, ey, ez = random_direction(me.key, me.id, dim)
-        x = where(lost, me.ux, x) + eta * ex
-        y = where(lost, me.uy, y) + eta * ey
-        z = where(lost, me.uz, z) + eta * ez
+        x = where(is_zero, me.ux, x) + eta * ex
+        y = where(is_zero, me.uy, y) + eta * ey
+        z = where(is_zero, me.uz, z) + eta * ez
     length = math.sqrt(x * x + y * y + z * z)
-    lost = length < KEEP
-    length = where(lost, 1.0, length)
-    x = where(lost, me.ux, x / length)
-    y = where(lost, me.uy, y / length)
-    z = where(lost, me.uz, z / length)
+    is_zero = length < KEEP
+    length = where(is_zero, 1.0, length)
+    x = where(is_zero, me.ux, x / length)
+    y = where(is_zero, me.uy, y / length)
+    z = where(is_zero, me.uz, z / length)
     if noise != VECTORIAL and eta > 0.0:
         x, y, z = turn_by_noise(x, y, z, eta, me.key, me.id, dim)
     return Decision(x, y, z)
@@ -248,15 +248,15 @@ NO_WIND = np.empty((0, 3))
 
 
 @compiled
-def carried(moved, context, tick):
+def carry_with_wind(move, context, tick):
     """Where the wind of a tick has taken an agent that has moved so."""
     wind, at = context.wind, tick - context.since
     return BodyMove(
-        moved.x + wind[at, 0],
-        moved.y + wind[at, 1],
-        moved.z + wind[at, 2],
-        moved.ux,
-        moved.uy,
-        moved.uz,
-        moved.speed,
+        move.x + wind[at, 0],
+        move.y + wind[at, 1],
+        move.z + wind[at, 2],
+        move.ux,
+        move.uy,
+        move.uz,
+        move.speed,
     )

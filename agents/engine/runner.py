@@ -76,13 +76,19 @@ class Engine:
         self.slots = empty_slots(n, dim, module.SIGNALS, module.ASKS_SPEED)
         self.grid = empty_grid(n, self.parts)
         self.workspaces: list[Workspace] = []
-        self.widen(256)
+        self.enlarge_workspaces(256)
 
-    def widen(self, capacity: int) -> None:
+    def enlarge_workspaces(self, capacity: int) -> None:
         """Larger workspaces."""
         loop = self.module
-        made = capacity, loop.SIGNALS, loop.PRIVATE, loop.MEASURES, self.surroundings.most_points
-        self.workspaces = [empty_workspace(*made) for _ in range(self.parts)]
+        workspace_shape = (
+            capacity,
+            loop.SIGNALS,
+            loop.PRIVATE,
+            loop.MEASURES,
+            self.surroundings.most_points,
+        )
+        self.workspaces = [empty_workspace(*workspace_shape) for _ in range(self.parts)]
 
 
 class SynchronousEngine(Engine):
@@ -106,7 +112,7 @@ class SynchronousEngine(Engine):
         part = work[1]
         done = 0
         while True:
-            more, last_off, bad, need = self.called(
+            more, last_off, bad_row, need = self.called(
                 self.module.advance,
                 self.arrays,
                 self.space,
@@ -124,10 +130,10 @@ class SynchronousEngine(Engine):
             )
             done += more
             until = until._replace(last_off=last_off)
-            if bad >= 0:
-                refuse(self.arrays, bad, tick + done)
+            if bad_row >= 0:
+                refuse(self.arrays, bad_row, tick + done)
             if need:
-                self.widen(2 * need)
+                self.enlarge_workspaces(2 * need)
             if not need or not work[0] & tick_phases.COUNT:  # the sort goes on from where it is
                 return done, last_off
 
@@ -171,11 +177,11 @@ class SynchronousEngine(Engine):
         spans = list(pairwise(chunks))
         own = [deque(spans[k * CHUNKS : (k + 1) * CHUNKS]) for k in range(self.parts)]
 
-        def alone(phase: int) -> None:
+        def run_alone(phase: int) -> None:
             self.call(context, tick, 1, (phase, 0, self.parts, 0, n))
 
-        def together(phase: int) -> None:
-            self.team.together(
+        def run_together(phase: int) -> None:
+            self.team.run_on_all(
                 lambda k: self.call(
                     context, tick, 1, (phase, k, self.parts, edges[k], edges[k + 1])
                 )
@@ -183,20 +189,20 @@ class SynchronousEngine(Engine):
 
         def sweep(k: int) -> None:
             for owner in range(k, k + self.parts):
-                left = own[owner % self.parts]
+                own_cells = own[owner % self.parts]
                 with suppress(IndexError):
                     while True:
-                        span = left.popleft() if owner == k else left.pop()
+                        span = own_cells.popleft() if owner == k else own_cells.pop()
                         self.call(context, tick, 1, (tick_phases.SWEEP, k, self.parts, *span))
 
-        alone(tick_phases.PLAN)
-        together(tick_phases.COUNT)
-        alone(tick_phases.SHARE)
-        together(tick_phases.PLACE)
-        together(tick_phases.FILL)
+        run_alone(tick_phases.PLAN)
+        run_together(tick_phases.COUNT)
+        run_alone(tick_phases.SHARE)
+        run_together(tick_phases.PLACE)
+        run_together(tick_phases.FILL)
         if self.module.SIGNALS:
-            alone(tick_phases.PREPARE)
-        self.team.together(sweep)
+            run_alone(tick_phases.PREPARE)
+        self.team.run_on_all(sweep)
 
 
 class SequentialEngine(Engine):
@@ -217,13 +223,13 @@ class SequentialEngine(Engine):
         super().__init__(module, arrays, place, seed, called=called)
         self.shuffled = shuffled
         if module.CRASHES:
-            self.widen(max(256, len(arrays.ids)))
+            self.enlarge_workspaces(max(256, len(arrays.ids)))
 
     def call(self, context, tick, order: np.ndarray, opens: bool) -> None:
         """Let the rows of `order` act, after opening the tick if `opens`."""
         first = 0
         while True:
-            first, bad = self.called(
+            first, bad_row = self.called(
                 self.module.advance,
                 self.arrays,
                 self.space,
@@ -239,12 +245,12 @@ class SequentialEngine(Engine):
                 first,
                 opens,
             )
-            if bad >= 0:
-                refuse(self.arrays, bad, tick)
+            if bad_row >= 0:
+                refuse(self.arrays, bad_row, tick)
             if first == len(order):
                 return
             opens = False
-            self.widen(2 * self.workspaces[0].block.shape[1])
+            self.enlarge_workspaces(2 * self.workspaces[0].block.shape[1])
 
     def run(
         self,
@@ -259,15 +265,15 @@ class SequentialEngine(Engine):
         `trace` (ticks, N, dim), if given, receives the positions after each tick.
         """
         last_off = until.last_off
-        for now in range(tick, tick + ticks):
+        for tick_now in range(tick, tick + ticks):
             if len(until.numbers):
                 if not self.module.holds(self.arrays, until.numbers):
-                    last_off = now
-                elif now - last_off >= until.hold:
-                    return now - tick, last_off
-            self.call(context, now, self.order(now), True)
+                    last_off = tick_now
+                elif tick_now - last_off >= until.hold:
+                    return tick_now - tick, last_off
+            self.call(context, tick_now, self.order(tick_now), True)
             if len(trace):
-                trace[now - tick] = self.arrays.position
+                trace[tick_now - tick] = self.arrays.position
         return ticks, last_off
 
     def order(self, tick: int) -> np.ndarray:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from agents.engine.block import Me
 from agents.engine.cells import (
-    around,
+    cell_around,
     cell_of,
     count_rows,
     fill_block,
@@ -39,9 +39,9 @@ if TYPE_CHECKING:
         SEES_POINTS,
         SIGNALS,
         act,
+        agent_of_slot,
         judge,
         lay,
-        myself,
         nearby,
         pick_nearest,
         ready,
@@ -83,7 +83,7 @@ def judge_all(flock, space, surroundings, grid, slots, workspace, p, tick, key):
         cell = slots.cell[slots.row[slot]]
         m = fill_block(grid, space, slots, cell, workspace.block, workspace.signals)
         while slot < grid.start[cell + 1]:
-            me = myself(flock, slots, slot, workspace, tick, key)
+            me = agent_of_slot(flock, slots, slot, workspace, tick, key)
             nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
             judge(flock, surroundings, slots.row[slot], me, nearby(m, workspace, 6, 0), p)
             slot += 1
@@ -95,9 +95,9 @@ def open_tick(flock, space, surroundings, grid, slots, workspace, context, tick,
     n = flock.ids.shape[0]
     set_goal(surroundings, tick * context.lasts)
     lay(grid, space, context, flock.position)
-    bad = count_rows(grid, space, slots, flock, 0, 0, n)
-    if bad >= 0:
-        return bad
+    bad_row = count_rows(grid, space, slots, flock, 0, 0, n)
+    if bad_row >= 0:
+        return bad_row
     share_slots(grid, 1)
     place_rows(grid, slots, 0, 0, n)
     fill_slots(slots, flock.position, flock.heading, flock.speed, flock.memory, 0, n)
@@ -139,7 +139,7 @@ def row_of(flock, i, workspace, tick, key):
 
 
 @compiled
-def put(flock, workspace, p, m, j, sx, sy, sz, tick, key):
+def copy_row(flock, workspace, p, m, j, sx, sy, sz, tick, key):
     """Copy row j, shifted, into column m of the block."""
     block = workspace.block
     other = row_of(flock, j, workspace, tick, key)
@@ -168,7 +168,7 @@ def gather_all(flock, workspace, p, tick, key):
     m = 0
     for j in range(n):
         if not CRASHES or flock.crash_record[j, 0] < 0.0:
-            put(flock, workspace, p, m, j, 0.0, 0.0, 0.0, tick, key)
+            copy_row(flock, workspace, p, m, j, 0.0, 0.0, 0.0, tick, key)
             m += 1
     return m
 
@@ -179,12 +179,12 @@ def gather(flock, space, grid, slots, workspace, p, i, tick, key):
     block = workspace.block
     m = 0
     for c in range(27):
-        cell, sx, sy, sz = around(grid, space, slots.cell[i], c)
+        cell, sx, sy, sz = cell_around(grid, space, slots.cell[i], c)
         j = grid.start[cell] if cell >= 0 else -1
         while j >= 0:
             if m == block.shape[1]:
                 return -1
-            put(flock, workspace, p, m, j, sx, sy, sz, tick, key)
+            copy_row(flock, workspace, p, m, j, sx, sy, sz, tick, key)
             m += 1
             j = slots.row[j]
     return m
@@ -202,9 +202,9 @@ def advance(
     p = context.parameters
     key = tick_key(seed, tick)
     if opens:
-        bad = open_tick(flock, space, surroundings, grid, slots, workspace, context, tick, key)
-        if bad >= 0:
-            return first, bad
+        bad_row = open_tick(flock, space, surroundings, grid, slots, workspace, context, tick, key)
+        if bad_row >= 0:
+            return first, bad_row
     for at in range(first, order.shape[0]):
         i = order[at]
         if CRASHES and flock.crash_record[i, 0] >= 0.0:
@@ -229,11 +229,11 @@ def advance(
             nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
         points = see_points(surroundings, context.reach, me, workspace) if SEES_POINTS else 0
         near = nearby(m, workspace, 6, points)
-        noticed = near
+        visible = near
         if NEAREST:
-            close, _ = pick_nearest(workspace, m, 6, me, context.nearest)
-            noticed = nearby(close, workspace, -1, points)
-        act(flock, space, surroundings, i, me, near, noticed, context, workspace)
+            nearest_count, _ = pick_nearest(workspace, m, 6, me, context.nearest)
+            visible = nearby(nearest_count, workspace, -1, points)
+        act(flock, space, surroundings, i, me, near, visible, context, workspace)
         unlink(grid, slots, i)
         cell = cell_of(grid, space, flock.position, i)
         if cell < 0:

@@ -22,12 +22,12 @@ MEETINGS = 32
 
 
 @compiled
-def hold_back(surroundings, space, me, moved, meets):
+def keep_out_of_solids(surroundings, space, me, move, meets):
     """The move, with what leads through solids taken out of it."""
-    dx, dy, dz = moved.x - me.x, moved.y - me.y, moved.z - me.z
+    dx, dy, dz = move.x - me.x, move.y - me.y, move.z - me.z
     if is_far(surroundings, me.x, me.y, me.z, math.sqrt(dx * dx + dy * dy + dz * dz)):
-        return moved
-    return followed(surroundings, space, me.x, me.y, me.z, moved, meets)
+        return move
+    return follow_surfaces(surroundings, space, me.x, me.y, me.z, move, meets)
 
 
 @compiled
@@ -49,55 +49,59 @@ def across(space, axis, x, d, crosses):
 
 
 @shared
-def followed(surroundings, space, ax, ay, az, moved, meets):
+def follow_surfaces(surroundings, space, ax, ay, az, move, meets):
     """The move from a, followed from surface to surface and from seam to seam.
 
     In what an agent cannot get out of in one tick it stays, and where even that would be inside,
     it is back where it was and has turned round.
     """
     x, y, z = ax, ay, az
-    dx, dy, dz = moved.x - ax, moved.y - ay, moved.z - az
-    ux, uy, uz, speed = moved.ux, moved.uy, moved.uz, moved.speed
-    hits, whole = 0, False
+    dx, dy, dz = move.x - ax, move.y - ay, move.z - az
+    ux, uy, uz, speed = move.ux, move.uy, move.uz, move.speed
+    hits, is_done = 0, False
     for _ in range(MEETINGS):
         px, py, pz = to_seam(space, 0, x, dx), to_seam(space, 1, y, dy), to_seam(space, 2, z, dz)
         part = min(px, min(py, pz))
         at = first_crossing(surroundings, x, y, z, part * dx, part * dy, part * dz)
         if at.share <= 1.0:
             hits += 1
-            way = part * at.share
-            x, y, z = x + way * dx, y + way * dy, z + way * dz
+            done_share = part * at.share
+            x, y, z = x + done_share * dx, y + done_share * dy, z + done_share * dz
             off = skin(x, y, z)
             x, y, z = x + off * at.nx, y + off * at.ny, z + off * at.nz
             if meets == STOPS:
                 speed = 0.0
                 break
             gain = 2.0 if meets == BOUNCES else 1.0
-            left = 1.0 - way
-            dx, dy, dz = left * dx, left * dy, left * dz
+            remaining_share = 1.0 - done_share
+            dx, dy, dz = remaining_share * dx, remaining_share * dy, remaining_share * dz
             inward = gain * (dx * at.nx + dy * at.ny + dz * at.nz)
             dx, dy, dz = dx - inward * at.nx, dy - inward * at.ny, dz - inward * at.nz
-            ahead = min(off, max(0.0, dx * at.nx + dy * at.ny + dz * at.nz))
-            dx, dy, dz = dx - ahead * at.nx, dy - ahead * at.ny, dz - ahead * at.nz
+            inward_step = min(off, max(0.0, dx * at.nx + dy * at.ny + dz * at.nz))
+            dx, dy, dz = (
+                dx - inward_step * at.nx,
+                dy - inward_step * at.ny,
+                dz - inward_step * at.nz,
+            )
             inward = gain * min(0.0, ux * at.nx + uy * at.ny + uz * at.nz)
             ux, uy, uz = ux - inward * at.nx, uy - inward * at.ny, uz - inward * at.nz
             continue
         x, y, z = x + part * dx, y + part * dy, z + part * dz
         if not (part < 1.0):
-            whole = True
+            is_done = True
             break
         x = across(space, 0, x, dx, px == part)
         y = across(space, 1, y, dy, py == part)
         z = across(space, 2, z, dz, pz == part)
-        left = 1.0 - part
-        dx, dy, dz = left * dx, left * dy, left * dz
-    if hits == 0 and whole:
-        return moved
+        remaining_share = 1.0 - part
+        dx, dy, dz = remaining_share * dx, remaining_share * dy, remaining_share * dz
+    if hits == 0 and is_done:
+        return move
     if not (signed_distance(surroundings, x, y, z) >= 0.0):
-        return BodyMove(ax, ay, az, -moved.ux, -moved.uy, -moved.uz, 0.0)
+        return BodyMove(ax, ay, az, -move.ux, -move.uy, -move.uz, 0.0)
     length = math.sqrt(ux * ux + uy * uy + uz * uz)
     if length < 1e-9:
-        return BodyMove(x, y, z, moved.ux, moved.uy, moved.uz, 0.0)
+        return BodyMove(x, y, z, move.ux, move.uy, move.uz, 0.0)
     if meets == SLIDES:
         speed *= length
     return BodyMove(x, y, z, ux / length, uy / length, uz / length, speed)
@@ -129,19 +133,19 @@ def fall(flock, space, surroundings, i, lasts):
         return
     x, y, z = flock.position[i, 0], flock.position[i, 1], flock.position[i, 2]
     speed = flock.speed[i] + GRAVITY * lasts
-    below = max(z - speed * lasts, min(z, space.floor))
-    rests = below <= space.floor
-    if surroundings.solids > 0 and signed_distance(surroundings, x, y, below) < 0.0:
+    lowest = max(z - speed * lasts, min(z, space.floor))
+    is_on_floor = lowest <= space.floor
+    if surroundings.solids > 0 and signed_distance(surroundings, x, y, lowest) < 0.0:
         # It sinks into a block at most as far as a crash has brought it there.
-        clear = signed_distance(surroundings, x, y, z) >= 0.0
-        below = resting(surroundings, x, y, z, below) if clear else below
-        rests = rests or clear
-    flock.position[i, 2] = below
-    flock.speed[i] = 0.0 if rests else speed
+        is_free = signed_distance(surroundings, x, y, z) >= 0.0
+        lowest = resting_height(surroundings, x, y, z, lowest) if is_free else lowest
+        is_on_floor = is_on_floor or is_free
+    flock.position[i, 2] = lowest
+    flock.speed[i] = 0.0 if is_on_floor else speed
 
 
 @compiled
-def resting(surroundings, x, y, high, low):
+def resting_height(surroundings, x, y, high, low):
     """The least height, from `high` down to `low`, at which nothing solid is entered yet."""
     while high - low > 1e-3 * (1.0 + math.fabs(high)):
         middle = 0.5 * (high + low)

@@ -22,19 +22,19 @@ from agents.engine.cells import (
     count_rows,
     fill_block,
     fill_slots,
-    into_box,
     nearest_images,
     number_of,
     place_rows,
     plan,
     share_slots,
+    wrap_into_box,
 )
 from agents.engine.flat import ones, zeros
-from agents.engine.nearest_agents import all_images, covered, fill_all, rank, width_for
-from agents.engine.noise import carried, headed, tick_key
-from agents.engine.solid_collision import PASSES, crash, fall, hold_back
+from agents.engine.nearest_agents import all_images, covered_distance, fill_all, rank, width_for
+from agents.engine.noise import add_heading_noise, carry_with_wind, tick_key
+from agents.engine.solid_collision import PASSES, crash, fall, keep_out_of_solids
 from agents.engine.tick_phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
-from agents.engine.waypoint_heading import guided
+from agents.engine.waypoint_heading import waypoint_heading
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import points_within, set_goal
 
@@ -71,27 +71,27 @@ MANY = 24
 
 
 @compiled
-def settle(flock, space, surroundings, i, me, moved, context):
+def write_move(flock, space, surroundings, i, me, move, context):
     """Write where body and wind bring row i, within the world's edges and out of its solids."""
     if WINDY:
-        moved = carried(moved, context, me.tick)
+        move = carry_with_wind(move, context, me.tick)
     if MEETS != PASSES and not passes(context.parameters):
-        moved = hold_back(surroundings, space, me, moved, MEETS)
-    flock.position[i, 0] = into_box(moved.x, space.size[0]) if space.wraps[0] else moved.x
-    flock.position[i, 1] = into_box(moved.y, space.size[1]) if space.wraps[1] else moved.y
-    flock.heading[i, 0] = moved.ux
-    flock.heading[i, 1] = moved.uy
+        move = keep_out_of_solids(surroundings, space, me, move, MEETS)
+    flock.position[i, 0] = wrap_into_box(move.x, space.size[0]) if space.wraps[0] else move.x
+    flock.position[i, 1] = wrap_into_box(move.y, space.size[1]) if space.wraps[1] else move.y
+    flock.heading[i, 0] = move.ux
+    flock.heading[i, 1] = move.uy
     if DIM == 3:
-        flock.position[i, 2] = into_box(moved.z, space.size[2]) if space.wraps[2] else moved.z
-        flock.heading[i, 2] = moved.uz
-    flock.speed[i] = moved.speed
+        flock.position[i, 2] = wrap_into_box(move.z, space.size[2]) if space.wraps[2] else move.z
+        flock.heading[i, 2] = move.uz
+    flock.speed[i] = move.speed
 
 
 @compiled
-def act(flock, space, surroundings, i, me, near, noticed, context, workspace):
+def act(flock, space, surroundings, i, me, near, visible, context, workspace):
     """One agent's tick: perceive, decide, add noise, move, remember; or fall, if it has crashed.
 
-    The rule goes by those `noticed`, the body by all that are `near`. An information agent listens
+    The rule goes by those `visible`, the body by all that are `near`. An information agent listens
     to nobody: it follows the mission's path, or keeps its heading.
     """
     p = context.parameters
@@ -103,17 +103,17 @@ def act(flock, space, surroundings, i, me, near, noticed, context, workspace):
     for k in range(SIGNALS):
         out[k] = me.signal[k]
     if me.informed:
-        want = guided(flock, surroundings, i, me)
+        want = waypoint_heading(flock, surroundings, i, me)
     else:
         if PRIVATE > 0:
-            perceive(me, noticed, surroundings, q)
-        want = decide(me, noticed, surroundings, q)
+            perceive(me, visible, surroundings, q)
+        want = decide(me, visible, surroundings, q)
         if HEADS:
-            want = headed(me, want, context.noise, p.eta, DIM)
-    moved = move(me, near, surroundings, want, p, out)
-    settle(flock, space, surroundings, i, me, moved, context)
+            want = add_heading_noise(me, want, context.noise, p.eta, DIM)
+    body_move = move(me, near, surroundings, want, p, out)
+    write_move(flock, space, surroundings, i, me, body_move, context)
     if SIGNALS > 0:
-        remember(me, noticed, q, out)
+        remember(me, visible, q, out)
     for k in range(SIGNALS):
         flock.memory[k, i] = out[k]
     for k in range(PRIVATE):
@@ -133,7 +133,7 @@ def judge(flock, surroundings, i, me, near, p):
 
 
 @compiled
-def myself(flock, slots, slot, workspace, tick, key):
+def agent_of_slot(flock, slots, slot, workspace, tick, key):
     """`Me` of a slot; the workspace receives its signals and its memory."""
     i = slots.row[slot]
     for k in range(SIGNALS):
@@ -164,7 +164,7 @@ def ready(flock, space, grid, slots, workspace, p, tick, key):
     """Before anyone decides: what each agent shows, and what the rule needs of the whole flock."""
     if SIGNALS > 0:
         for slot in range(slots.row.shape[0]):
-            me = myself(flock, slots, slot, workspace, tick, key)
+            me = agent_of_slot(flock, slots, slot, workspace, tick, key)
             for k in range(SIGNALS):
                 workspace.out[k] = workspace.mine[k]
             show(me, p, workspace.out)
@@ -187,7 +187,7 @@ def see_points(surroundings, reach, me, workspace):
 
 
 @compiled
-def within_reach(workspace, m, at, me, reach):
+def copy_within_reach(workspace, m, at, me, reach):
     """Copy those of the m agents of the block that are within reach to `close`; how many."""
     block = workspace.block
     r2 = reach * reach * FAR
@@ -209,15 +209,15 @@ def within_reach(workspace, m, at, me, reach):
 @compiled
 def pick(workspace, at, n):
     """Copy the n agents of the block that are `chosen` to `close`; positions start at row `at`."""
-    block, close = workspace.block, workspace.close
+    block, selected = workspace.block, workspace.close
     for axis in range(DIM):
         for k in range(n):
-            close[axis, k] = block[at + axis, np.uintp(workspace.chosen[k])]
+            selected[axis, k] = block[at + axis, np.uintp(workspace.chosen[k])]
         for k in range(n):
-            close[3 + axis, k] = block[3 + axis, np.uintp(workspace.chosen[k])]
+            selected[3 + axis, k] = block[3 + axis, np.uintp(workspace.chosen[k])]
     if ASKS_SPEED:
         for k in range(n):
-            close[6, k] = block[9, np.uintp(workspace.chosen[k])]
+            selected[6, k] = block[9, np.uintp(workspace.chosen[k])]
     for q in range(SIGNALS):
         for k in range(n):
             workspace.close_signals[q, k] = workspace.signals[q, np.uintp(workspace.chosen[k])]
@@ -240,13 +240,13 @@ def nearest_to(space, grid, slots, workspace, cell, m, at, me, context):
 
     They are among the m agents of the block, or else everybody is looked at.
     """
-    sure = covered(grid, DIM)
+    sure = covered_distance(grid, DIM)
     n, d2 = pick_nearest(workspace, m, at, me, context.nearest)
     if d2 > sure * sure:
         block = workspace.block
-        every = fill_all(grid, slots, block, workspace.signals)
-        all_images(space, block, every, me.x, me.y, me.z, DIM)
-        n, _ = pick_nearest(workspace, every, 6, me, context.nearest)
+        count = fill_all(grid, slots, block, workspace.signals)
+        all_images(space, block, count, me.x, me.y, me.z, DIM)
+        n, _ = pick_nearest(workspace, count, 6, me, context.nearest)
         fill_block(grid, space, slots, cell, block, workspace.signals)
         nearest_images(space, grid, block, m, me.x, me.y, me.z, DIM)
     return n
@@ -312,32 +312,32 @@ def sweep(flock, space, surroundings, grid, slots, workspace, context, tick, key
         m = fill_block(grid, space, slots, cell, block, workspace.signals)
         near = nearby(m, workspace, at, 0)
         while slot < end:
-            me = myself(flock, slots, slot, workspace, tick, key)
+            me = agent_of_slot(flock, slots, slot, workspace, tick, key)
             if SEES_POINTS:
                 near = nearby(
                     m, workspace, at, see_points(surroundings, context.reach, me, workspace)
                 )
             if lone:
                 nearest_images(space, grid, block, m, me.x, me.y, me.z, DIM)
-            noticed = near
+            visible = near
             if NEAREST:
-                close = nearest_to(space, grid, slots, workspace, cell, m, at, me, context)
-                noticed = nearby(close, workspace, -1, near.points)
+                nearest_count = nearest_to(space, grid, slots, workspace, cell, m, at, me, context)
+                visible = nearby(nearest_count, workspace, -1, near.points)
             elif SIFTS and m > MANY:
-                close = within_reach(workspace, m, at, me, context.reach)
-                near = noticed = nearby(close, workspace, -1, near.points)
+                nearest_count = copy_within_reach(workspace, m, at, me, context.reach)
+                near = visible = nearby(nearest_count, workspace, -1, near.points)
             if CRASHES:
                 judge(flock, surroundings, slots.row[slot], me, near, context.parameters)
-            act(flock, space, surroundings, slots.row[slot], me, near, noticed, context, workspace)
+            act(flock, space, surroundings, slots.row[slot], me, near, visible, context, workspace)
             slot += 1
 
 
 @compiled
-def note(position, into):
+def note(position, numbers):
     """Copy the positions (N, dim), without the temporary array of an assignment."""
     for i in range(position.shape[0]):
         for axis in range(DIM):
-            into[i, axis] = position[i, axis]
+            numbers[i, axis] = position[i, axis]
 
 
 @entry
@@ -368,20 +368,20 @@ def advance(
     last_off = until.last_off
     done = 0
     while done < ticks:
-        now = tick + done
+        tick_now = tick + done
         if until.numbers.shape[0] > 0:
             if not holds(flock, until.numbers):
-                last_off = now
-            elif now - last_off >= until.hold:
+                last_off = tick_now
+            elif tick_now - last_off >= until.hold:
                 break
-        key = tick_key(seed, now)
+        key = tick_key(seed, tick_now)
         if phases & PLAN:
-            set_goal(surroundings, now * context.lasts)
+            set_goal(surroundings, tick_now * context.lasts)
             lay(grid, space, context, flock.position)
         if phases & COUNT:
-            bad = count_rows(grid, space, slots, flock, part, first, last)
-            if bad >= 0:
-                return done, last_off, bad, 0
+            bad_row = count_rows(grid, space, slots, flock, part, first, last)
+            if bad_row >= 0:
+                return done, last_off, bad_row, 0
         if phases & SHARE:
             need = min(3**DIM * share_slots(grid, parts), flock.ids.shape[0])
             if NEAREST:
@@ -393,10 +393,20 @@ def advance(
         if phases & FILL:
             fill_slots(slots, flock.position, flock.heading, flock.speed, flock.memory, first, last)
         if phases & PREPARE:
-            ready(flock, space, grid, slots, workspace, context.parameters, now, key)
+            ready(flock, space, grid, slots, workspace, context.parameters, tick_now, key)
         if phases & SWEEP:
             sweep(
-                flock, space, surroundings, grid, slots, workspace, context, now, key, first, last
+                flock,
+                space,
+                surroundings,
+                grid,
+                slots,
+                workspace,
+                context,
+                tick_now,
+                key,
+                first,
+                last,
             )
         if trace.shape[0] > 0:
             note(flock.position, trace[done])

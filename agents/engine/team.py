@@ -19,10 +19,10 @@ class Team:
         self.inboxes: list[SimpleQueue] = [SimpleQueue() for _ in range(size - 1)]
         self.outbox: SimpleQueue = SimpleQueue()
         for inbox in self.inboxes:
-            threading.Thread(target=help_out, args=(inbox, self.outbox), daemon=True).start()
+            threading.Thread(target=run_helper, args=(inbox, self.outbox), daemon=True).start()
         finalize(self, dismiss, self.inboxes)
 
-    def together(self, job: Callable[[int], None]) -> None:
+    def run_on_all(self, job: Callable[[int], None]) -> None:
         """Call job(0), ..., job(size - 1), one on each thread; raise what any of them raises."""
         for k, inbox in enumerate(self.inboxes, start=1):
             inbox.put((job, k))
@@ -41,7 +41,7 @@ def attempt(job: Callable[[int], None], k: int) -> BaseException | None:
     return None
 
 
-def help_out(inbox: SimpleQueue, outbox: SimpleQueue) -> None:
+def run_helper(inbox: SimpleQueue, outbox: SimpleQueue) -> None:
     """The loop of a helper thread: shares of jobs until None comes."""
     while (task := inbox.get()) is not None:
         outbox.put(attempt(*task))

@@ -79,19 +79,19 @@ def spread(builder: Any, value: Any, vector: ir.VectorType) -> Any:
 @lower_cast(types.Float, Eight)
 @lower_cast(types.Integer, Eight)
 @lower_cast(types.Boolean, Eight)
-def cast_number(context, builder, given, wanted, value):
+def cast_number(context, builder, from_type, to_type, value):
     """One number as eight."""
-    element = {LANES: types.float64, WORDS: types.uint64, TRUTHS: types.boolean}[wanted]
-    one = context.cast(builder, value, given, element)
-    if wanted == TRUTHS:
-        one = builder.trunc(one, BIT) if one.type != BIT else one
-    return spread(builder, one, wanted.vector)
+    element = {LANES: types.float64, WORDS: types.uint64, TRUTHS: types.boolean}[to_type]
+    number = context.cast(builder, value, from_type, element)
+    if to_type == TRUTHS:
+        number = builder.trunc(number, BIT) if number.type != BIT else number
+    return spread(builder, number, to_type.vector)
 
 
 @lower_cast(Eight, Eight)
-def cast_truths(context, builder, given, wanted, value):  # noqa: ARG001
+def cast_truths(context, builder, from_type, to_type, value):  # noqa: ARG001
     """Truth values as 0.0 and 1.0."""
-    return value if given == wanted else builder.uitofp(value, wanted.vector)
+    return value if from_type == to_type else builder.uitofp(value, to_type.vector)
 
 
 IN_PLACE: dict[Any, Any] = {
@@ -113,7 +113,7 @@ def operation(symbol: Any, answer: Eight, *kinds: Eight) -> Callable:
             def generic(self, args: Any, kws: Any) -> Any:
                 if kws or len(args) != len(kinds):
                     return None
-                if not any(isinstance(given, Eight) for given in args):
+                if not any(isinstance(argument, Eight) for argument in args):
                     return None
                 for given, kind in zip(args, kinds, strict=True):
                     if kind == TRUTHS != given and symbol is operator.mul:
@@ -122,10 +122,10 @@ def operation(symbol: Any, answer: Eight, *kinds: Eight) -> Callable:
                         return None
                 return signature(answer, *kinds)
 
-        for one in (symbol, IN_PLACE.get(symbol, symbol)):
-            infer_global(one)(LaneTemplate)
+        for operator_symbol in (symbol, IN_PLACE.get(symbol, symbol)):
+            infer_global(operator_symbol)(LaneTemplate)
 
-            @lower_builtin(one, *kinds)
+            @lower_builtin(operator_symbol, *kinds)
             def lower(context: Any, builder: Any, sig: Any, values: Any) -> Any:  # noqa: ARG001
                 return build(builder, *values)
 
@@ -166,23 +166,23 @@ operation(operator.mul, LANES, LANES, TRUTHS)(lambda b, value, truth: chosen(b, 
 operation(operator.mul, LANES, LANES, LANES)(lambda b, x, y: b.fmul(x, y, flags=FREE))
 
 
-def of_llvm(name: str) -> Callable:
+def llvm_builder(name: str) -> Callable:
     """What builds a call of one of LLVM's own functions."""
 
     def build(builder: Any, value: Any) -> Any:
         kind = ir.FunctionType(value.type, (value.type,))
         title = f"llvm.{name}.v{WIDTH}f64"
-        called = cgutils.get_or_insert_function(builder.module, kind, title)
-        return builder.call(called, (value,))
+        callee = cgutils.get_or_insert_function(builder.module, kind, title)
+        return builder.call(callee, (value,))
 
     return build
 
 
-operation(math.sqrt, LANES, LANES)(of_llvm("sqrt"))
-operation(math.floor, LANES, LANES)(of_llvm("floor"))
-operation(math.fabs, LANES, LANES)(of_llvm("fabs"))
+operation(math.sqrt, LANES, LANES)(llvm_builder("sqrt"))
+operation(math.floor, LANES, LANES)(llvm_builder("floor"))
+operation(math.fabs, LANES, LANES)(llvm_builder("fabs"))
 for function in (math.exp, math.log, math.sin, math.cos):
-    operation(function, LANES, LANES)(of_llvm(function.__name__))
+    operation(function, LANES, LANES)(llvm_builder(function.__name__))
 operation(min, LANES, LANES, LANES)(lambda b, x, y: b.select(b.fcmp_ordered("<", y, x), y, x))
 operation(max, LANES, LANES, LANES)(lambda b, x, y: b.select(b.fcmp_ordered(">", y, x), y, x))
 
@@ -249,8 +249,8 @@ def power_of_two(number: Any) -> Any:
 @overload(power_of_two)
 def power_of_two_of_one(number):
     """The power for one agent."""
-    one = isinstance(number, types.Float | types.Integer)
-    return (lambda number: math.ldexp(1.0, int(number))) if one else None
+    is_number = isinstance(number, types.Float | types.Integer)
+    return (lambda number: math.ldexp(1.0, int(number))) if is_number else None
 
 
 @overload(mantissa)
@@ -276,8 +276,8 @@ def bits(value: int) -> ir.Constant:
 def mantissa_of_lanes(builder, value):
     """The bits of the fraction, with those of the exponent of 0.5."""
     word = builder.bitcast(value, WORDS.vector)
-    kept = builder.and_(word, bits((1 << 52) - 1))
-    return builder.bitcast(builder.or_(kept, bits(1022 << 52)), LANES.vector)
+    mantissa_bits = builder.and_(word, bits((1 << 52) - 1))
+    return builder.bitcast(builder.or_(mantissa_bits, bits(1022 << 52)), LANES.vector)
 
 
 @operation(exponent, LANES, LANES)
@@ -295,18 +295,18 @@ def power_of_two_of_lanes(builder, value):
     return builder.bitcast(word, LANES.vector)
 
 
-def in_llvm(function: Callable, **options: Any) -> Any:
+def compile_in_llvm(function: Callable, **options: Any) -> Any:
     """A function that is written down in LLVM's own words, for compiled code to call."""
     return intrinsic(**options)(function) if options else intrinsic(function)
 
 
 def address(context: Any, builder: Any, kind: Any, array: Any, *at: Any) -> Any:
     """Where in memory an element of a C array is."""
-    made = context.make_array(kind)(context, builder, array)
-    return cgutils.get_item_pointer(context, builder, kind, made, at, wraparound=False)
+    array_struct = context.make_array(kind)(context, builder, array)
+    return cgutils.get_item_pointer(context, builder, kind, array_struct, at, wraparound=False)
 
 
-@in_llvm
+@compile_in_llvm
 def load(typingctx, column, first):  # noqa: ARG001
     """Eight values of a column from its element `first` on: Lanes of floats, Words of integers."""
     kind = LANES if column.dtype == types.float64 else WORDS
@@ -323,7 +323,7 @@ def load(typingctx, column, first):  # noqa: ARG001
     return kind(column, first), codegen
 
 
-@in_llvm
+@compile_in_llvm
 def store(typingctx, table, row, lanes):  # noqa: ARG001
     """Write Lanes, or a number for all of them, into a row of a table (rows, 8)."""
 
@@ -338,13 +338,13 @@ def store(typingctx, table, row, lanes):  # noqa: ARG001
     return types.none(table, row, lanes), codegen
 
 
-@in_llvm
+@compile_in_llvm
 def is_any(typingctx, truths):  # noqa: ARG001
     """1 where a condition holds for any of eight agents, else 0."""
 
     def codegen(context, builder, sig, args):  # noqa: ARG001
         bits = builder.bitcast(args[0], ir.IntType(WIDTH))
-        some = builder.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
-        return builder.zext(some, INT64)
+        any_bit = builder.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
+        return builder.zext(any_bit, INT64)
 
     return types.uint64(truths), codegen

@@ -9,7 +9,7 @@ from worlds.compilation import compiled
 
 
 @compiled
-def apart(surroundings, leg, me):
+def offset_to_waypoint(surroundings, leg, me):
     """Vector from the agent to a waypoint, and its length."""
     dx = surroundings.path[leg, 0] - me.x
     dy = surroundings.path[leg, 1] - me.y
@@ -18,7 +18,7 @@ def apart(surroundings, leg, me):
 
 
 @compiled
-def guided(flock, surroundings, i, me):
+def waypoint_heading(flock, surroundings, i, me):
     """The heading theta^d of the information agent of row i, a unit Wish.
 
     To the waypoint of `flock.leg[i]`; within `surroundings.switch` of it the next one is taken.
@@ -27,12 +27,12 @@ def guided(flock, surroundings, i, me):
     legs = surroundings.path.shape[0]
     leg = flock.leg[i]
     if leg < legs:
-        dx, dy, dz, d = apart(surroundings, leg, me)
+        dx, dy, dz, d = offset_to_waypoint(surroundings, leg, me)
         if d <= surroundings.switch:
             leg = (leg + 1) % legs if surroundings.closed else leg + 1
             flock.leg[i] = leg
             if leg < legs:
-                dx, dy, dz, d = apart(surroundings, leg, me)
+                dx, dy, dz, d = offset_to_waypoint(surroundings, leg, me)
         if leg < legs and d > 0.0:
             return Decision(dx / d, dy / d, dz / d)
     return Decision(me.ux, me.uy, me.uz)

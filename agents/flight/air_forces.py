@@ -94,7 +94,8 @@ class Flapping:
 #
 #     inflow   velocity of the air across the chord, from below, at three quarters of the chord:
 #              U alpha of DeLaurier, mean pitch included
-#     felt     what of it makes circulation: finite span and shed wake slow it down (see `felt`)
+#     felt     what of it makes circulation: finite span and shed wake slow it down
+#              (see `effective_inflow`)
 #     middle   the same velocity at half of the chord, U alpha - 3/4 c theta' + 1/2 c theta'
 #     forward  V_x, velocity of the section along its chord
 #     rate     theta', nose up
@@ -134,7 +135,7 @@ def wake_terms(aspect_ratio: float) -> tuple[float, float]:
     return 0.5 * aspect_ratio / (2.32 + aspect_ratio), 0.181 + 0.772 / aspect_ratio
 
 
-def felt(inflow, slowed, aspect_ratio: float):
+def effective_inflow(inflow, downwash, aspect_ratio: float):
     """The inflow that makes circulation, m/s; shapes fit each other.
 
     DeLaurier multiplies an inflow of reduced frequency k by AR / (AR + 2) (F'(k) + i G'(k)) with
@@ -146,16 +147,16 @@ def felt(inflow, slowed, aspect_ratio: float):
     without a frequency, and the mean flow comes out as DeLaurier's too.
     """
     c1, _ = wake_terms(aspect_ratio)
-    return finite_span(aspect_ratio) * (inflow - c1 * (inflow - slowed))
+    return finite_span(aspect_ratio) * (inflow - c1 * (inflow - downwash))
 
 
-def slowing(inflow, slowed, speed, chord: float, aspect_ratio: float):
+def slowing(inflow, downwash, speed, chord: float, aspect_ratio: float):
     """d(slowed)/dt, m/s^2."""
     _, c2 = wake_terms(aspect_ratio)
-    return c2 * 2.0 * speed / chord * (inflow - slowed)
+    return c2 * 2.0 * speed / chord * (inflow - downwash)
 
 
-def separated(angle, craft: Aircraft):
+def separated_flow_share(angle, craft: Aircraft):
     """Share of the flow that has left a section at an angle of attack (rad), in [0, 1].
 
     DeLaurier switches at the stall angle; this blends over `stall_width`, so that what is
@@ -166,9 +167,9 @@ def separated(angle, craft: Aircraft):
     >>> [round(float(separated(a * craft.stall, craft)), 3) for a in (0.0, 0.7, 1.0, 1.3, -1.0)]
     [0.0, 0.057, 0.5, 0.943, 0.5]
     """
-    above = 1.0 / (1.0 + np.exp((craft.stall - angle) / craft.stall_width))
-    below = 1.0 / (1.0 + np.exp((craft.stall + angle) / craft.stall_width))
-    return above + below
+    stalled_above = 1.0 / (1.0 + np.exp((craft.stall - angle) / craft.stall_width))
+    stalled_below = 1.0 / (1.0 + np.exp((craft.stall + angle) / craft.stall_width))
+    return stalled_above + stalled_below
 
 
 def loads(flow: Flow, chord: float, craft: Aircraft) -> Loads:
@@ -181,9 +182,11 @@ def loads(flow: Flow, chord: float, craft: Aircraft) -> Loads:
     suction *= speed / flow.speed
     friction = craft.friction * half * flow.forward * np.abs(flow.forward)
     crossing = craft.cross_flow * half * np.sqrt(flow.forward**2 + flow.middle**2) * flow.middle
-    left = separated((flow.felt - 0.75 * turning) / flow.speed, craft)
+    separated_share = separated_flow_share((flow.felt - 0.75 * turning) / flow.speed, craft)
     return Loads(
-        (1.0 - left) * circulation + left * crossing, (1.0 - left) * (suction - friction), left
+        (1.0 - separated_share) * circulation + separated_share * crossing,
+        (1.0 - separated_share) * (suction - friction),
+        separated_share,
     )
 
 
@@ -229,9 +232,9 @@ def tail_air(craft: Aircraft, u, w, q, tail) -> TailForces:
     width = 2.0 * craft.tail_width
     felt = finite_span(width / craft.tail_chord) * inflow
     flow = Flow(along, felt, inflow, 0.0, np.sqrt(u**2 + w**2))
-    made = loads(flow, craft.tail_chord, craft)
-    X = width * (made.chordwise * c - made.normal * s)
-    Z = width * (-made.chordwise * s - made.normal * c)
+    tail_loads = loads(flow, craft.tail_chord, craft)
+    X = width * (tail_loads.chordwise * c - tail_loads.normal * s)
+    Z = width * (-tail_loads.chordwise * s - tail_loads.normal * c)
     return TailForces(X, Z, craft.tail_arm * Z)
 
 
@@ -282,29 +285,29 @@ def partial_velocities(craft: Aircraft, flap, twist) -> PartialVelocities:
     reach = craft.centre_of_mass - craft.twist_axis
     cos, sin, c, s = np.cos(flap), np.sin(flap), np.cos(twist), np.sin(twist)
     shape = np.broadcast_shapes(np.shape(flap), np.shape(twist))
-    made = PartialVelocities(*np.zeros((3, *shape, 5)))
-    made.across[..., 0] = -s
-    made.across[..., 1] = -cos * c
-    made.across[..., 2] = reach * cos * c + y * sin * s
-    made.across[..., 3] = y * c
-    made.along[..., 0] = c
-    made.along[..., 1] = -cos * s
-    made.along[..., 2] = reach * cos * s - y * sin * c
-    made.along[..., 3] = y * s
-    made.turning[..., 2] = cos
-    made.turning[..., 4] = SHARE
-    return made
+    partials = PartialVelocities(*np.zeros((3, *shape, 5)))
+    partials.across[..., 0] = -s
+    partials.across[..., 1] = -cos * c
+    partials.across[..., 2] = reach * cos * c + y * sin * s
+    partials.across[..., 3] = y * c
+    partials.along[..., 0] = c
+    partials.along[..., 1] = -cos * s
+    partials.along[..., 2] = reach * cos * s - y * sin * c
+    partials.along[..., 3] = y * s
+    partials.turning[..., 2] = cos
+    partials.turning[..., 4] = SHARE
+    return partials
 
 
-def wing_air(craft: Aircraft, u, w, q, flap: Swing, tip: Swing, slowed) -> WingForces:
+def wing_air(craft: Aircraft, u, w, q, flap: Swing, tip: Swing, downwash) -> WingForces:
     """Forces of the air on both wings.
 
     Parameters
     ----------
     u, w, q: (...,), m/s and rad/s. flap, tip: the flap and the twist of the wing tip, (...,).
-    slowed: (..., STRIPS), the slowed inflow of every strip, m/s (see `section.felt`).
+    slowed: (..., STRIPS), the slowed inflow of every strip, m/s (see `effective_inflow`).
     """
-    u, w, q = (np.asarray(one, float)[..., None] for one in (u, w, q))
+    u, w, q = (np.asarray(motion, float)[..., None] for motion in (u, w, q))
     phi, dphi, ddphi = (np.asarray(one)[..., None] for one in flap)
     eta, deta, ddeta = (np.asarray(one)[..., None] * SHARE for one in tip)
     chord, ratio = craft.chord, craft.aspect_ratio
@@ -312,42 +315,42 @@ def wing_air(craft: Aircraft, u, w, q, flap: Swing, tip: Swing, slowed) -> WingF
     reach = craft.centre_of_mass - craft.twist_axis
     cos, sin, c, s = np.cos(phi), np.sin(phi), np.cos(eta), np.sin(eta)
 
-    ahead = u - q * y * sin
+    forward = u - q * y * sin
     up = dphi * y - (w - q * reach) * cos
-    along = ahead * c + up * s
-    across = up * c - ahead * s
+    along = forward * c + up * s
+    across = up * c - forward * s
     rate = deta + q * cos
     speed = np.sqrt(u**2 + w**2)
     inflow = -across + rate * (0.75 * chord - craft.twist_axis)
     middle = -across + rate * (0.50 * chord - craft.twist_axis)
-    flow = Flow(along, felt(inflow, slowed, ratio), middle, rate, speed)
-    made = loads(flow, chord, craft)
+    flow = Flow(along, effective_inflow(inflow, downwash, ratio), middle, rate, speed)
+    section_loads = loads(flow, chord, craft)
 
     # Apparent mass: d(middle)/dt in two parts, the one of u', w', q' by partial velocities.
     d_ahead = -q * y * dphi * cos
     d_up = ddphi * y + (w - q * reach) * dphi * sin
     d_rate = ddeta - q * dphi * sin
     d_middle = deta * along - d_up * c + d_ahead * s + d_rate * (0.5 * chord - craft.twist_axis)
-    moved = apparent_mass(chord) * (1.0 - 0.5 * made.separated)
-    turned = apparent_inertia(chord)
+    moved_mass = apparent_mass(chord) * (1.0 - 0.5 * section_loads.separated)
+    turned_inertia = apparent_inertia(chord)
 
     place = partial_velocities(craft, phi, eta)
     quarter, half = (share * chord - craft.twist_axis for share in (0.25, 0.50))
-    lifted = moved * d_middle
-    couple = turning_moment(rate, speed, chord) - turned * d_rate
-    couple = couple - quarter * made.normal - half * lifted
+    lifted = moved_mass * d_middle
+    couple = turning_moment(rate, speed, chord) - turned_inertia * d_rate
+    couple = couple - quarter * section_loads.normal - half * lifted
     width = 2.0 * craft.half_span / STRIPS
     shares = width * (
-        np.einsum("...s,...sk->...k", made.normal + lifted, place.across)
-        + np.einsum("...s,...sk->...k", made.chordwise, place.along)
+        np.einsum("...s,...sk->...k", section_loads.normal + lifted, place.across)
+        + np.einsum("...s,...sk->...k", section_loads.chordwise, place.along)
         + np.einsum("...s,...sk->...k", couple, place.turning)
     )
     centre = place.across - half * place.turning
     turn = place.turning
     mass = width * (
-        np.swapaxes(centre * moved[..., None], -1, -2) @ centre[..., :3]
-        + turned * (np.swapaxes(turn, -1, -2) @ turn[..., :3])
+        np.swapaxes(centre * moved_mass[..., None], -1, -2) @ centre[..., :3]
+        + turned_inertia * (np.swapaxes(turn, -1, -2) @ turn[..., :3])
     )
     X, Z, M, flapping, twisting = np.moveaxis(shares, -1, 0)
-    slower = slowing(inflow, slowed, speed, chord, ratio)
-    return WingForces(X, Z, M, flapping, twisting, mass, slower, made.separated)
+    slower = slowing(inflow, downwash, speed, chord, ratio)
+    return WingForces(X, Z, M, flapping, twisting, mass, slower, section_loads.separated)

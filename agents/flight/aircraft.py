@@ -224,16 +224,16 @@ def demand_possible(craft: Aircraft, origin: str = "") -> None:
     Traceback (most recent call last):
     worlds.input_error.InputError: wing_mass = 0.06 kg is outside [0, 0.0475] kg with mass = 0.1 kg
     """
-    where = f" ({origin})" if origin else ""
-    for name, most, unit, other in (
+    location = f" ({origin})" if origin else ""
+    for name, limit, unit, other in (
         ("wing_mass", 0.475 * craft.mass, "kg", "mass"),
         ("wing_centre", craft.half_span, "m", "span"),
         ("twist_axis", craft.chord, "m", "chord"),
         ("body_diameter", craft.body_length, "m", "body_length"),
     ):
         value = getattr(craft, name)
-        if value > most:
+        if value > limit:
             raise InputError(
-                f"{name} = {value:g} {unit} is outside [0, {most:g}] {unit}"
-                f" with {other} = {getattr(craft, other):g} {unit}{where}"
+                f"{name} = {value:g} {unit} is outside [0, {limit:g}] {unit}"
+                f" with {other} = {getattr(craft, other):g} {unit}{location}"
             )

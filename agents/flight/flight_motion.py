@@ -1,7 +1,7 @@
 """Flight in time: the state, its rates, and their integration by SciPy.
 
 The state is u, w (m/s), q (rad/s), theta (rad), x, z (m; z downward) and, for every strip of the
-wing, the inflow slowed by its shed wake (m/s, see `agents.flight.air_forces.felt`).
+wing, the inflow slowed by its shed wake (m/s, see `agents.flight.air_forces.effective_inflow`).
 """
 
 from __future__ import annotations
@@ -44,14 +44,14 @@ def inertia(craft: Aircraft, flap: Swing, sign: float = CORRECTED) -> np.ndarray
     """What multiplies (u', w', q') on the left of (2.3) to (2.5), (..., 3, 3), kg, kg m, kg m^2."""
     sin = np.sin(flap.angle)
     arm = 2.0 * craft.wing_mass * craft.wing_centre * sin
-    made = np.zeros((*np.shape(sin), 3, 3))
-    made[..., 0, 0] = made[..., 1, 1] = craft.mass
-    made[..., 0, 2] = -arm
-    made[..., 2, 0] = sign * arm
-    made[..., 2, 2] = (
+    matrix = np.zeros((*np.shape(sin), 3, 3))
+    matrix[..., 0, 0] = matrix[..., 1, 1] = craft.mass
+    matrix[..., 0, 2] = -arm
+    matrix[..., 2, 0] = sign * arm
+    matrix[..., 2, 2] = (
         craft.body_inertia + 2.0 * craft.wing_inertia - sign * arm * craft.wing_centre * sin
     )
-    return made
+    return matrix
 
 
 def forcing(
@@ -69,7 +69,7 @@ def forcing(
     """
     u, w, q = np.moveaxis(np.asarray(speeds, float), -1, 0)
     sin, cos = np.sin(flap.angle), np.cos(flap.angle)
-    moved = 2.0 * craft.wing_mass * craft.wing_centre
+    moment = 2.0 * craft.wing_mass * craft.wing_centre
     weight = craft.mass * gravity
     swept = 2.0 * q * craft.wing_centre * flap.rate * cos
     return np.stack(
@@ -77,9 +77,9 @@ def forcing(
             -weight * np.sin(pitch) - craft.mass * q * w + 2.0 * craft.wing_mass * swept,
             weight * np.cos(pitch)
             + craft.mass * q * u
-            + moved * (flap.acceleration * cos - (q**2 + flap.rate**2) * sin),
+            + moment * (flap.acceleration * cos - (q**2 + flap.rate**2) * sin),
             -2.0 * craft.wing_inertia * MEAN_SHARE * tip.acceleration
-            - sign * moved * sin * (q * w - swept + gravity * np.sin(pitch)),
+            - sign * moment * sin * (q * w - swept + gravity * np.sin(pitch)),
         ),
         axis=-1,
     )
@@ -149,10 +149,10 @@ def accelerations(
 def rates(craft: Aircraft, controls: Controls, time, state) -> np.ndarray:
     """d(state)/dt (..., SIZE) of states (..., SIZE) at times (...,) in s."""
     u, w, q, theta = (state[..., k] for k in (U, W, Q, THETA))
-    gained, air = accelerations(craft, controls, time, state)
+    acceleration, air = accelerations(craft, controls, time, state)
     cos, sin = np.cos(theta), np.sin(theta)
     place = np.stack((q, u * cos + w * sin, w * cos - u * sin), axis=-1)
-    return np.concatenate((gained, place, air.slowing), axis=-1)
+    return np.concatenate((acceleration, place, air.slowing), axis=-1)
 
 
 @dataclass(frozen=True)
@@ -180,9 +180,9 @@ def fly(
     `times` (K,) are those to keep, by default the first and the last; `at` gets the share done.
     Raises InputError where the motion cannot be followed.
     """
-    kept = np.array([0.0, duration]) if times is None else np.asarray(times, float)
-    made = integrate(craft, controls, np.asarray(start, float)[None], duration, kept, at)
-    return FlightTrack(craft, controls, kept, made[:, 0])
+    sample_times = np.array([0.0, duration]) if times is None else np.asarray(times, float)
+    track = integrate(craft, controls, np.asarray(start, float)[None], duration, sample_times, at)
+    return FlightTrack(craft, controls, sample_times, track[:, 0])
 
 
 def integrate(
@@ -210,7 +210,7 @@ def integrate(
         return rates(craft, controls, time, state).ravel()
 
     with np.errstate(over="ignore"):  # far beyond the stall exp() is inf, and its inverse 0
-        made = solve_ivp(
+        solution = solve_ivp(
             slope,
             (0.0, duration),
             starts.ravel(),
@@ -219,6 +219,8 @@ def integrate(
             rtol=relative,
             atol=0.1 * relative,
         )
-    if not made.success:
-        raise InputError(f"the flight cannot be followed beyond {made.t[-1]:.3g} s: {made.message}")
-    return made.y.T.reshape(len(times), *shape)
+    if not solution.success:
+        raise InputError(
+            f"the flight cannot be followed beyond {solution.t[-1]:.3g} s: {solution.message}"
+        )
+    return solution.y.T.reshape(len(times), *shape)

@@ -43,22 +43,24 @@ def readings(craft: Aircraft, controls: Controls, time, state) -> FlightForces:
     """What is felt in states (..., SIZE) at times (...,) in s."""
     u, w, q, theta = (state[..., k] for k in (U, W, Q, THETA))
     flap, tip = controls.flapping.flap(time), controls.flapping.tip_twist(time)
-    gained, air = accelerations(craft, controls, time, state)
+    acceleration, air = accelerations(craft, controls, time, state)
     tail = tail_air(craft, u, w, q, controls.tail)
-    held = np.stack((air.X, air.Z, air.M, air.flap, air.twist), axis=-1)
-    held = held - np.einsum("...kl,...l->...k", air.mass, gained)
-    along, down = held[..., 0] + tail.X, held[..., 1] + tail.Z
-    pitching = held[..., 2] + tail.M
-    moving = hinge_torques(craft, state[..., :3], gained, theta, flap, tip)
-    power = (moving[0] - held[..., 3]) * flap.rate + (moving[1] - held[..., 4]) * tip.rate
-    given = along * u + down * w + pitching * q
-    given = given + held[..., 3] * flap.rate + held[..., 4] * tip.rate
+    air_forces = np.stack((air.X, air.Z, air.M, air.flap, air.twist), axis=-1)
+    air_forces = air_forces - np.einsum("...kl,...l->...k", air.mass, acceleration)
+    along, down = air_forces[..., 0] + tail.X, air_forces[..., 1] + tail.Z
+    pitching = air_forces[..., 2] + tail.M
+    moving = hinge_torques(craft, state[..., :3], acceleration, theta, flap, tip)
+    power = (moving[0] - air_forces[..., 3]) * flap.rate + (
+        moving[1] - air_forces[..., 4]
+    ) * tip.rate
+    air_power = along * u + down * w + pitching * q
+    air_power = air_power + air_forces[..., 3] * flap.rate + air_forces[..., 4] * tip.rate
     return FlightForces(
         along * np.sin(theta) - down * np.cos(theta),
         along * np.cos(theta) + down * np.sin(theta),
         pitching,
         power,
-        -given,
+        -air_power,
         air.separated.mean(axis=-1),
     )
 

@@ -61,8 +61,8 @@ def multipliers(matrix: np.ndarray) -> np.ndarray:
     >>> multipliers(np.diag([0.1, -0.5]))
     array([-0.5+0.j,  0.1+0.j])
     """
-    found = np.linalg.eigvals(matrix)
-    return found[np.argsort(-np.abs(found), kind="stable")]
+    eigenvalues = np.linalg.eigvals(matrix)
+    return eigenvalues[np.argsort(-np.abs(eigenvalues), kind="stable")]
 
 
 # Flight with wings held still, towed level: the drag that flapping must make up for.
@@ -92,20 +92,20 @@ def glide(craft: Aircraft, speed: float) -> Glide:
     '7.2'
     """
 
-    def felt(unknown: np.ndarray):
-        pitch, tail = unknown
+    def forces_at(angles: np.ndarray):
+        pitch, tail = angles
         controls = Controls(Flapping(0.0, 0.0), float(tail))
         return readings(craft, controls, 0.0, level(speed, float(pitch)))
 
-    def left(unknown: np.ndarray) -> list[float]:
-        made = felt(unknown)
-        return [made.lift / craft.weight - 1.0, made.pitching / craft.weight]
+    def residual_forces(angles: np.ndarray) -> list[float]:
+        forces = forces_at(angles)
+        return [forces.lift / craft.weight - 1.0, forces.pitching / craft.weight]
 
-    made = root(left, np.array([0.1, -0.05]), tol=1e-12)
-    if not made.success or not np.abs(made.x).max() < 0.7:
+    solution = root(residual_forces, np.array([0.1, -0.05]), tol=1e-12)
+    if not solution.success or not np.abs(solution.x).max() < 0.7:
         raise InputError(f"the aircraft cannot glide at {speed:g} m/s: its wings stall")
-    pitch, tail = (float(one) for one in made.x)
-    return Glide(speed, pitch, tail, -float(felt(made.x).thrust), level(speed, pitch))
+    pitch, tail = (float(angle) for angle in solution.x)
+    return Glide(speed, pitch, tail, -float(forces_at(solution.x).thrust), level(speed, pitch))
 
 
 SPEEDS = (2.0, 15.0)
@@ -217,23 +217,23 @@ class TrimTarget:
     frequency: float
     twist: float
 
-    def controls(self, unknown: np.ndarray) -> Controls:
+    def controls(self, unknowns: np.ndarray) -> Controls:
         """Controls of unknowns (..., 2 + len(MOVING))."""
-        return Controls(Flapping(unknown[..., 0], self.twist, self.frequency), unknown[..., 1])
+        return Controls(Flapping(unknowns[..., 0], self.twist, self.frequency), unknowns[..., 1])
 
-    def deviation(self, unknown: np.ndarray, relative: float) -> np.ndarray:
+    def deviation(self, unknowns: np.ndarray, relative: float) -> np.ndarray:
         """What of the demands fails for unknowns (B, M), (B, M), integrated with a tolerance.
 
         Raises InputError.
         """
-        starts = np.zeros((len(unknown), SIZE))
-        starts[:, MOVING] = unknown[:, 2:]
+        starts = np.zeros((len(unknowns), SIZE))
+        starts[:, MOVING] = unknowns[:, 2:]
         beat = 1.0 / self.frequency
-        control, end = self.controls(unknown), np.array([beat])
+        control, end = self.controls(unknowns), np.array([beat])
         ends = integrate(self.craft, control, starts, beat, end, relative=relative)[0]
         back = (ends - starts)[:, MOVING]
-        gone = ends[:, X] / beat - self.speed
-        return np.column_stack((back, gone, ends[:, Z] / beat))
+        mean_speed_error = ends[:, X] / beat - self.speed
+        return np.column_stack((back, mean_speed_error, ends[:, Z] / beat))
 
     def known(self, share: float) -> TrimTarget:
         """Between the known flight (0) and this one (1), of the same aircraft."""
@@ -276,17 +276,17 @@ def trim(
     demand("speed", speed, SPEEDS, "m/s")
     demand("frequency", frequency, FREQUENCIES, "Hz")
     demand("twist", twist, TWISTS, "rad")
-    asked = TrimTarget(craft, speed, frequency, twist)
-    first = guess(asked) if near is None else unknowns(near)
-    found = None if first is None else newton(asked, first, at)
-    if found is None:
-        found = led(asked, at)
-    if found is None:
+    target = TrimTarget(craft, speed, frequency, twist)
+    first = guess_unknowns(target) if near is None else unknowns(near)
+    solution = None if first is None else newton(target, first, at)
+    if solution is None:
+        solution = continue_to_target(target, at)
+    if solution is None:
         raise InputError(
             f"no level flight was found at {speed:g} m/s with {frequency:g} Hz and a twist of"
             f" {math.degrees(twist):g} deg: try another speed, frequency or twist"
         )
-    unknown, residual = found
+    unknown, residual = solution
     start = np.zeros(SIZE)
     start[MOVING] = unknown[2:]
     controls = Controls(Flapping(float(unknown[0]), twist, frequency), float(unknown[1]))
@@ -301,63 +301,65 @@ def demand(name: str, value: float, bounds: tuple[float, float], unit: str) -> N
         )
 
 
-def unknowns(made: Trim) -> np.ndarray:
+def unknowns(trimmed: Trim) -> np.ndarray:
     """The unknowns of a trim."""
-    return np.concatenate(((made.amplitude, made.tail), made.state[MOVING]))
+    return np.concatenate(((trimmed.amplitude, trimmed.tail), trimmed.state[MOVING]))
 
 
-def guess(asked: TrimTarget) -> np.ndarray | None:
+def guess_unknowns(target: TrimTarget) -> np.ndarray | None:
     """Unknowns to begin with: a glide at the same speed, and wings that beat; None without one."""
     try:
-        still = glide(asked.craft, asked.speed)
+        gliding = glide(target.craft, target.speed)
     except InputError:
         return None
-    return np.concatenate(((BEATING, still.tail), still.state[MOVING]))
+    return np.concatenate(((BEATING, gliding.tail), gliding.state[MOVING]))
 
 
 def newton(
-    asked: TrimTarget, first: np.ndarray, at: Callable[[float], None] | None = None
+    target: TrimTarget, first: np.ndarray, at: Callable[[float], None] | None = None
 ) -> tuple[np.ndarray, float] | None:
     """The unknowns that meet the demands and what is left of these, or None."""
-    now, nearest, relative = first, [np.inf], ROUGH
-    moves = STEP * np.eye(now.size)
+    current, nearest, relative = first, [np.inf], ROUGH
+    moves = STEP * np.eye(current.size)
     for done in range(ITERATIONS):
         if at is not None:
             at(done / ITERATIONS)
         try:
-            made = asked.deviation(np.concatenate((now[None], now + moves)), relative)
-            left = float(np.abs(made[0]).max())
-            if left < EXACT and relative == RELATIVE:
-                return (now, left) if now[0] > 0.0 else None
-            relative = RELATIVE if left < NEAR else ROUGH
-            nearest.append(min(left, nearest[-1]))
-            if len(nearest) > STALLED_STEPS and left > nearest[-1 - STALLED_STEPS]:
+            deviations = target.deviation(
+                np.concatenate((current[None], current + moves)), relative
+            )
+            residual = float(np.abs(deviations[0]).max())
+            if residual < EXACT and relative == RELATIVE:
+                return (current, residual) if current[0] > 0.0 else None
+            relative = RELATIVE if residual < NEAR else ROUGH
+            nearest.append(min(residual, nearest[-1]))
+            if len(nearest) > STALLED_STEPS and residual > nearest[-1 - STALLED_STEPS]:
                 return None
-            step = np.linalg.solve((made[1:] - made[0]).T / STEP, -made[0])
+            step = np.linalg.solve((deviations[1:] - deviations[0]).T / STEP, -deviations[0])
         except (InputError, np.linalg.LinAlgError):
             return None
-        now = now + step * min(1.0, float((STRIDES / np.abs(step[: STRIDES.size])).min()))
-        if not np.abs(now[[0, 1, 5]]).max() < STEEP:
+        current = current + step * min(1.0, float((STRIDES / np.abs(step[: STRIDES.size])).min()))
+        if not np.abs(current[[0, 1, 5]]).max() < STEEP:
             return None
     return None
 
 
-def led(
-    asked: TrimTarget, at: Callable[[float], None] | None = None
+def continue_to_target(
+    target: TrimTarget, at: Callable[[float], None] | None = None
 ) -> tuple[np.ndarray, float] | None:
     """As `newton`, from the known flight towards the asked one by steps that halve on failure."""
-    first = guess(asked.known(0.0))
-    found = None if first is None else newton(asked.known(0.0), first)
+    first = guess_unknowns(target.known(0.0))
+    solution = None if first is None else newton(target.known(0.0), first)
     share, stride = 0.0, STRIDE
-    while found is not None and share < 1.0:
+    while solution is not None and share < 1.0:
         if at is not None:
             at(share)
-        further = min(1.0, share + stride)
-        ahead = newton(asked.known(further), found[0])
-        if ahead is not None:
-            found, share = ahead, further
+        next_share = min(1.0, share + stride)
+        next_solution = newton(target.known(next_share), solution[0])
+        if next_solution is not None:
+            solution, share = next_solution, next_share
         elif stride > SHORTEST:
             stride *= 0.5
         else:
             return None
-    return found
+    return solution

@@ -36,26 +36,26 @@ DECADES = 2
 """A range above 0 that spans more decades than these is looked at by its logarithm."""
 
 
-def below(value: float) -> float:
+def round_down(value: float) -> float:
     """The largest of 1, 2, 5, 10, 20, ... and of 0.5, 0.2, 0.1, ... that is not above a value > 0.
 
     >>> below(0.07), below(49.0), below(20.0)
     (0.05, 20.0, 20.0)
     """
     power = math.floor(math.log10(value)) - 1
-    found = (float(f"{one}e{power + more}") for more in range(3) for one in (1, 2, 5))
-    return max(one for one in found if one <= value * (1.0 + ROUNDING))
+    steps = (float(f"{digit}e{power + shift}") for shift in range(3) for digit in (1, 2, 5))
+    return max(one for one in steps if one <= value * (1.0 + ROUNDING))
 
 
-def above(value: float) -> float:
+def round_up(value: float) -> float:
     """The least of them that is not below a value > 0.
 
     >>> above(0.07), above(49.0), above(20.0)
     (0.1, 50.0, 20.0)
     """
     power = math.floor(math.log10(value)) - 1
-    found = (float(f"{one}e{power + more}") for more in range(4) for one in (1, 2, 5))
-    return min(one for one in found if one >= value * (1.0 - ROUNDING))
+    steps = (float(f"{digit}e{power + shift}") for shift in range(4) for digit in (1, 2, 5))
+    return min(one for one in steps if one >= value * (1.0 - ROUNDING))
 
 
 def is_wide(low: float, high: float) -> bool:
@@ -67,7 +67,7 @@ def is_wide(low: float, high: float) -> bool:
     return low > 0.0 and high / low > 10.0**DECADES * (1.0 + ROUNDING)
 
 
-def around(default: float, low: float, high: float, step: float | None = None) -> Range:
+def range_around(default: float, low: float, high: float, step: float | None = None) -> Range:
     """A narrow range around a default, within [low, high].
 
     >>> around(0.03, 0.0, 1.0, 0.005), around(4.0, 0.01, 100.0, 0.1)
@@ -78,12 +78,12 @@ def around(default: float, low: float, high: float, step: float | None = None) -
     if default <= 0.0:
         step = step or high / STEPS
         narrow = high - low <= STEPS * step * (1.0 + ROUNDING)
-        return low, high if narrow else min(high, above(STEPS / 2 * step))
-    most = high if high <= WIDE * default else min(high, above(FACTOR * default))
-    return (max(low, below(default / 10.0)) if is_wide(low, most) else low), most
+        return low, high if narrow else min(high, round_up(STEPS / 2 * step))
+    top = high if high <= WIDE * default else min(high, round_up(FACTOR * default))
+    return (max(low, round_down(default / 10.0)) if is_wide(low, top) else low), top
 
 
-def still_proposed(proposed: Range | None, default: Any, other: Any) -> bool:
+def fits_default(proposed: Range | None, default: Any, other: Any) -> bool:
     """Whether a range that is proposed around a default will do around another one.
 
     It does not for another scale, such as that of a flock a tenth as large.
@@ -96,10 +96,10 @@ def still_proposed(proposed: Range | None, default: Any, other: Any) -> bool:
 
 def demand_proposed(proposed: Range, default: float, low: float, high: float) -> None:
     """Raise ValueError unless a range is one, within [low, high], with the default in it."""
-    least, most = proposed
-    if not (low <= least < most <= high and least <= default <= most and math.isfinite(most)):
+    bottom, top = proposed
+    if not (low <= bottom < top <= high and bottom <= default <= top and math.isfinite(top)):
         raise ValueError(
-            f"proposed = ({least:g}, {most:g}) is no range within [{low:g}, {high:g}] with the "
+            f"proposed = ({bottom:g}, {top:g}) is no range within [{low:g}, {high:g}] with the "
             f"default {default:g} in it"
         )
 
@@ -219,7 +219,7 @@ def describe(name: str, field: FieldInfo) -> DeclaredParameter:
         kind, choices = "choice", get_args(field.annotation)
     proposed: Any = extra["proposed"]
     if proposed is None and low is not None and high is not None:
-        proposed = around(field.default, low, high, extra["step"])  # type: ignore[arg-type]
+        proposed = range_around(field.default, low, high, extra["step"])  # type: ignore[arg-type]
     is_ranged = kind == "number" and low is not None and high is not None
     values: dict[str, Any] = {
         "name": name,
@@ -244,38 +244,43 @@ def checked(
     model: type[Parameters],
     values: dict[str, Any],
     origin: str = "",
-    others: Iterable[str] = (),
+    other_names: Iterable[str] = (),
 ) -> Parameters:
     """The values as a parameter model.
 
     Raises InputError naming the parameter, its value, what is allowed and `origin`, where it came
-    from. `others`: what else may stand beside parameters, and is suggested for a wrong name.
+    from. `other_names`: what else may stand beside parameters, and is suggested for a wrong name.
     """
-    where = f" ({origin})" if origin else ""
+    location = f" ({origin})" if origin else ""
     for name in values:
         if name not in model.model_fields:
-            raise unknown("parameter", name, model.model_fields, origin, others)
+            raise unknown("parameter", name, model.model_fields, origin, other_names)
     try:
         return model(**values)
     except ValidationError as error:
         name = str(error.errors()[0]["loc"][0])
-        one = describe(name, model.model_fields[name])
-        unit = "" if one.unit == "1" or one.kind != "number" else f" {one.unit}"
+        declaration = describe(name, model.model_fields[name])
+        unit = (
+            ""
+            if declaration.unit == "1" or declaration.kind != "number"
+            else f" {declaration.unit}"
+        )
         raise InputError(
-            f"{name} = {values[name]!r}{unit} is outside {one.allowed}{where}"
-            if one.kind == "number" and isinstance(values[name], int | float)
-            else f"{name} = {values[name]!r} is not allowed: it must be {one.allowed}{where}"
+            f"{name} = {values[name]!r}{unit} is outside {declaration.allowed}{location}"
+            if declaration.kind == "number" and isinstance(values[name], int | float)
+            else f"{name} = {values[name]!r} is not allowed: it must be "
+            f"{declaration.allowed}{location}"
         ) from None
 
 
 def as_floats(parameters: Parameters) -> dict[str, float]:
     """Parameters as the compiled code has them: a switch as 0 or 1, a choice as its index."""
     fields = type(parameters).model_fields
-    made = {}
+    numbers = {}
     for name, value in parameters:
         choices = get_args(fields[name].annotation) if isinstance(value, str) else ()
-        made[name] = float(choices.index(value) if choices else value)
-    return made
+        numbers[name] = float(choices.index(value) if choices else value)
+    return numbers
 
 
 Wished = Literal["heading", "acceleration", "velocity"]

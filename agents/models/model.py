@@ -15,7 +15,7 @@ from numba.core.dispatcher import Dispatcher
 from pydantic import create_model
 
 from agents.engine.block import neighbour_of
-from agents.engine.cache import reached
+from agents.engine.cache import global_values
 from agents.engine.layer_search import UNKNOWN
 from agents.engine.solid_collision import BOUNCES, PASSES, SLIDES, STOPS
 from agents.models.declare import (
@@ -25,7 +25,7 @@ from agents.models.declare import (
     Symmetry,
     as_floats,
     declared,
-    still_proposed,
+    fits_default,
 )
 from agents.models.tries import LessonStep
 
@@ -39,12 +39,13 @@ def python_of(function: Callable) -> FunctionType:
     return function.py_func  # type: ignore[attr-defined]
 
 
-def looks_at(name: str, function: Callable) -> bool:
+def uses_argument(name: str, function: Callable) -> bool:
     """Whether a compiled function uses its argument of that name."""
     return any(
-        name in (one.argval if isinstance(one.argval, tuple) else (one.argval,))
-        for one in dis.get_instructions(python_of(function))
-        if one.opname.startswith("LOAD_FAST")
+        name
+        in (instruction.argval if isinstance(instruction.argval, tuple) else (instruction.argval,))
+        for instruction in dis.get_instructions(python_of(function))
+        if instruction.opname.startswith("LOAD_FAST")
     )
 
 
@@ -56,14 +57,16 @@ def reads(name: str, function: Callable | None) -> bool:
     if function is None or function is neighbour_of:
         return False
     python = python_of(function)
-    inner = [one for one in reached(python) if isinstance(one, Dispatcher)]
+    inner = [callee for callee in global_values(python) if isinstance(callee, Dispatcher)]
     return name in python.__code__.co_names or any(reads(name, one) for one in inner)
 
 
-def calls(wanted: Callable, function: Callable) -> bool:
+def calls(target: Callable, function: Callable) -> bool:
     """Whether a compiled function, or one that it reaches, reaches another."""
-    inner = [one for one in reached(python_of(function)) if isinstance(one, Dispatcher)]
-    return any(one is wanted or calls(wanted, one) for one in inner)
+    inner = [
+        callee for callee in global_values(python_of(function)) if isinstance(callee, Dispatcher)
+    ]
+    return any(one is target or calls(target, one) for one in inner)
 
 
 def vector_name(column: str) -> str:
@@ -145,7 +148,7 @@ class Model:
 
         A length stays a length where the paper names no unit of it.
         """
-        own = {one.unit for one in declared(self.parameters)}
+        own = {declaration.unit for declaration in declared(self.parameters)}
         length = "m" if "m" in own else "length"
         if unit == "time":
             return self.body.unit
@@ -159,8 +162,8 @@ class Model:
 
     def words_of(self, column: str) -> str:
         """What people call one of `columns`, or the point or vector that it is a part of."""
-        words, name = {**self.rule.words, **self.body.words}, vector_name(column)
-        return words.get(column, words.get(name, name.replace("_", " ")))
+        labels, name = {**self.rule.words, **self.body.words}, vector_name(column)
+        return labels.get(column, labels.get(name, name.replace("_", " ")))
 
     @property
     def informed(self) -> int:
@@ -178,7 +181,7 @@ class Model:
         return self.signals + self.rule.memory + self.body.measures
 
     @cached_property
-    def beginning(self) -> np.ndarray:
+    def initial_columns(self) -> np.ndarray:
         """What the columns begin at: layers unknown, all heard, nothing remembered or measured."""
         rule, body = self.rule, self.body
         lengths = len(rule.signals), len(body.signals), len(rule.memory), len(body.measures)
@@ -192,9 +195,11 @@ class Model:
     @property
     def symmetries(self) -> tuple[Symmetry, ...]:
         """What makes no difference to its agents in empty space, noise apart."""
-        return tuple(one for one in self.rule.symmetries if one in self.body.symmetries)
+        return tuple(
+            symmetry for symmetry in self.rule.symmetries if symmetry in self.body.symmetries
+        )
 
-    def meets(self, solid: bool) -> int:
+    def collision_kind(self, solid: bool) -> int:
         """What its agents do where a step enters a solid, of `agents.engine.solid_collision`.
 
         Those that do not see what is solid bounce off it; in a world without they need not ask.
@@ -212,7 +217,7 @@ class Model:
             base = next(b for b in bases if name in b.model_fields)
             changed = copy(base.model_fields[name])
             extra: dict[str, Any] = dict(changed.json_schema_extra)  # type: ignore[arg-type]
-            if not still_proposed(extra["proposed"], changed.default, value):
+            if not fits_default(extra["proposed"], changed.default, value):
                 extra["proposed"] = None
             changed.default, changed.json_schema_extra = value, extra
             own[name] = (changed.annotation, changed)
@@ -233,14 +238,14 @@ class Model:
         A rule whose `decide` is not made of its term, but has been put in its place, goes by that.
         """
         rule, body = self.rule, self.body
-        asks = (rule.perceive, rule.prepare, body.measure, body.touches)
+        needs = (rule.perceive, rule.prepare, body.measure, body.touches)
         return (
             rule.term is not None
             and calls(rule.term, rule.decide)
             and not self.columns
             and not rule.sees_points
-            and not any(asks)
-            and not looks_at("near", body.move)
+            and not any(needs)
+            and not uses_argument("near", body.move)
         )
 
     @cached_property
@@ -248,7 +253,7 @@ class Model:
         """Whether it reads a speed, which is then seen of others too."""
         rule, body = self.rule, self.body
         read = rule.perceive, rule.decide, rule.remember, body.move, body.measure, body.touches
-        return any(reads("speed", one) for one in read)
+        return any(reads("speed", function) for function in read)
 
     def nearest(self, parameters: Parameters) -> int:
         """How many nearest agents are neighbours; 0 where all within reach are."""
@@ -275,7 +280,7 @@ class Model:
             "MEASURES": len(body.measures),
             "CRASHES": body.touches is not None,
             "ASKS_SPEED": self.asks_speed,
-            "MEETS": self.meets(solid),
+            "MEETS": self.collision_kind(solid),
             "perceive": rule.perceive,
             "decide": rule.decide,
             "term": rule.term,

@@ -14,7 +14,7 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 
 from agents.engine.block import BodyMove, Decision, Me, NeighbourBlock
-from agents.engine.cache import reached
+from agents.engine.cache import global_values
 from agents.models.declare import OF_BODIES, OF_RULES, Body, Rule
 from agents.models.model import Model
 from worlds.compilation import DISABLED, plain_python
@@ -75,16 +75,18 @@ def call(model: Model, interpret: bool, function: Callable, *arguments: Any) -> 
 def fault_of(model: Model, error: Exception) -> ModelCodeError | None:
     """What a model's author got wrong; None if the error is not theirs."""
     if isinstance(error, NumbaError):
-        return wrong_answer(model) or uncompiled(model, error)
+        return describe_wrong_answer(model) or describe_uncompiled(model, error)
     own = dict(codes(model))
     message = f"{type(error).__name__}: {error}"
     for frame, line in reversed(list(traceback.walk_tb(error.__traceback__))):
         if frame.f_code in own:
-            return at_fault(own, frame.f_code, line, describe_error(message, model, frame.f_code))
+            return format_fault(
+                own, frame.f_code, line, describe_error(message, model, frame.f_code)
+            )
     code = getattr(getattr(error, "uncompiled", None), "__code__", None)
     if code in own:  # numba lets some exceptions pass as they are, without a line
-        return at_fault(own, code, line_of(code, message), describe_error(message, model, code))
-    return wrong_answer(model)
+        return format_fault(own, code, line_of(code, message), describe_error(message, model, code))
+    return describe_wrong_answer(model)
 
 
 def declared_functions(part: Rule | Body, kind: str) -> Iterator[tuple[str, Any]]:
@@ -97,45 +99,47 @@ def declared_functions(part: Rule | Body, kind: str) -> Iterator[tuple[str, Any]
 
 def codes(model: Model) -> Iterator[tuple[CodeType, str]]:
     """The code of all functions that a model's rule and body reach, with their names."""
-    seen: set[int] = set()
+    visited: set[int] = set()
     for part, kind in ((model.body, "body"), (model.rule, "rule")):
-        left = [(function, title) for title, function in declared_functions(part, kind)]
-        while left:
-            function, title = left.pop()
-            if id(function) not in seen:
-                seen.add(id(function))
+        pending = [(function, title) for title, function in declared_functions(part, kind)]
+        while pending:
+            function, title = pending.pop()
+            if id(function) not in visited:
+                visited.add(id(function))
                 yield function.py_func.__code__, title
                 owner = title.split(",")[0]
-                left += [
+                pending += [
                     (other, f"{owner}, {other.py_func.__name__}")
-                    for other in reached(function.py_func)
+                    for other in global_values(function.py_func)
                     if isinstance(other, Dispatcher)
                 ]
 
 
-def at_fault(own: dict[CodeType, str], code: CodeType, line: int, reason: str) -> ModelCodeError:
+def format_fault(
+    own: dict[CodeType, str], code: CodeType, line: int, reason: str
+) -> ModelCodeError:
     """The one line: whose function, which line of which file, and the reason."""
     return ModelCodeError(f"{own[code]}, line {line}: {reason} ({Path(code.co_filename).name})")
 
 
-def wrong_answer(model: Model) -> ModelCodeError | None:
+def describe_wrong_answer(model: Model) -> ModelCodeError | None:
     """The rule's wish or the body's answer, if it is not of the kind that the engine takes."""
     answers: tuple[tuple[Any, type], ...] = (
         (model.rule.decide, Decision),
         (model.body.move, BodyMove),
     )
-    for function, wanted in answers:
+    for function, answer_kind in answers:
         code = function.py_func.__code__
-        for made in function.overloads.values():
-            kind = made.signature.return_type
-            if getattr(kind, "instance_class", None) is not wanted:
+        for compiled in function.overloads.values():
+            kind = compiled.signature.return_type
+            if getattr(kind, "instance_class", None) is not answer_kind:
                 last = max(lines(code))
-                reason = f"it returns {kind}, but a {wanted.__name__} is needed"
-                return at_fault(dict(codes(model)), code, last, reason)
+                reason = f"it returns {kind}, but a {answer_kind.__name__} is needed"
+                return format_fault(dict(codes(model)), code, last, reason)
     return None
 
 
-def uncompiled(model: Model, error: NumbaError) -> ModelCodeError:
+def describe_uncompiled(model: Model, error: NumbaError) -> ModelCodeError:
     """The innermost function of a model that numba could not compile, the line and the reason."""
     report = str(error)
     reasons = re.sub(r"Failed in \w+ mode pipeline.*", "", report)
@@ -146,14 +150,16 @@ def uncompiled(model: Model, error: NumbaError) -> ModelCodeError:
     callee = re.search(r"<function (\w+) at", report)
     for code in own:
         if at is not None and code.co_filename == at[1] and int(at[2]) in lines(code):
-            return at_fault(own, code, int(at[2]), describe_error(message, model, code))
+            return format_fault(own, code, int(at[2]), describe_error(message, model, code))
     for code in own:
         if callee is not None and code.co_name == callee[1]:
-            return at_fault(own, code, line_of(code, message), describe_error(message, model, code))
-    if (found := re.search(r">>> added\(UniTuple\(\w+ x (\d+)\)", message)) and model.rule.term:
+            return format_fault(
+                own, code, line_of(code, message), describe_error(message, model, code)
+            )
+    if (match := re.search(r">>> added\(UniTuple\(\w+ x (\d+)\)", message)) and model.rule.term:
         code = model.rule.term.py_func.__code__  # type: ignore[attr-defined]
-        reason = f"it has to have as many numbers as its rule says, {found[1]}"
-        return at_fault(own, code, max(lines(code)), reason)
+        reason = f"it has to have as many numbers as its rule says, {match[1]}"
+        return format_fault(own, code, max(lines(code)), reason)
     return ModelCodeError(f"model {model.name!r} cannot be compiled: {message[:LONGEST]}")
 
 
@@ -164,30 +170,36 @@ def lines(code: CodeType) -> set[int]:
 
 def line_of(code: CodeType, message: str) -> int:
     """The first line of a function with the longest name of a message, the last of several."""
-    found: dict[str, int] = {}
-    for one in dis.get_instructions(code):
-        if one.opname.startswith("LOAD_") and one.positions and one.positions.lineno:
-            found.setdefault(str(one.argval), one.positions.lineno)
-    named = [word for word in re.findall(r"\w+", message) if word in found]
-    return found[max(reversed(named), key=len)] if named else code.co_firstlineno
+    lines: dict[str, int] = {}
+    for instruction in dis.get_instructions(code):
+        if (
+            instruction.opname.startswith("LOAD_")
+            and instruction.positions
+            and instruction.positions.lineno
+        ):
+            lines.setdefault(str(instruction.argval), instruction.positions.lineno)
+    names = [name for name in re.findall(r"\w+", message) if name in lines]
+    return lines[max(reversed(names), key=len)] if names else code.co_firstlineno
 
 
 def describe_error(message: str, model: Model, code: CodeType) -> str:
     """A message of numba or of Python, in the words of a rule."""
     for pattern in UNKNOWN:
-        if found := re.search(pattern, message):
-            kind, name = found["kind"], found["name"]
+        if match := re.search(pattern, message):
+            kind, name = match["kind"], match["name"]
             if kind.startswith("P_"):
                 return f"no parameter {name!r}{nearest(name, model.parameters.model_fields)}"
             if kind in GIVEN:
-                given, made = GIVEN[kind]
-                return f"{given} has no {name!r}{nearest(name, made._fields)}"
-    if found := re.search(r"name '(\w+)' is not defined", message):
-        known = {*code.co_varnames, *code.co_names} - {found[1]}
-        return f"no name {found[1]!r}{nearest(found[1], sorted(known))}"
-    if called := re.search(r"Untyped global name '(\w+)': .* of <class '(\w+)'>", message):
-        why = "is not @compiled" if called[2] == "function" else "works in plain Python only"
-        return f"{called[1]!r} {why}"
+                kind_given, kind_made = GIVEN[kind]
+                return f"{kind_given} has no {name!r}{nearest(name, kind_made._fields)}"
+    if match := re.search(r"name '(\w+)' is not defined", message):
+        names = {*code.co_varnames, *code.co_names} - {match[1]}
+        return f"no name {match[1]!r}{nearest(match[1], sorted(names))}"
+    if global_match := re.search(r"Untyped global name '(\w+)': .* of <class '(\w+)'>", message):
+        reason = (
+            "is not @compiled" if global_match[2] == "function" else "works in plain Python only"
+        )
+        return f"{global_match[1]!r} {reason}"
     if "Truths" in message and "bool" in message:
         return "`if` cannot ask about eight agents at once: use where(condition, this, other)"
     if "NRT required" in message:
@@ -195,6 +207,6 @@ def describe_error(message: str, model: Model, code: CodeType) -> str:
     return message[:LONGEST]
 
 
-def nearest(name: str, known: Any) -> str:
+def nearest(name: str, names: Any) -> str:
     """The nearest known name, as the end of a sentence."""
-    return suggestion(name, known).replace(":", ",", 1)
+    return suggestion(name, names).replace(":", ",", 1)

@@ -16,7 +16,7 @@ NAMES = ("MODEL", "RULE")
 """Names that a file is searched for, in this order."""
 
 
-def thing_in(path: str | Path) -> object:
+def declaration_in_file(path: str | Path) -> object:
     """The `MODEL`, or else the `RULE`, of a Python file, which is run for it.
 
     Modules beside it can be imported. Raises InputError naming the file, and the line, for one that
@@ -26,36 +26,38 @@ def thing_in(path: str | Path) -> object:
     text = read_text(repr(str(path)), file)
     digest = hashlib.sha256(f"{file.resolve()}\0{text}".encode()).hexdigest()[:16]
     module = sys.modules.get(name := f"rule_file_{digest}") or run(file, text, name)
-    found = [vars(module)[one] for one in NAMES if one in vars(module)]
-    if not found:
+    declarations = [
+        vars(module)[wanted_name] for wanted_name in NAMES if wanted_name in vars(module)
+    ]
+    if not declarations:
         raise InputError(f"{file.name} has neither a RULE nor a MODEL ({path})")
-    return found[0]
+    return declarations[0]
 
 
 def run(file: Path, text: str, name: str) -> ModuleType:
     """Run the file as a module. Raises InputError."""
-    whole = str(file.resolve())
+    full_path = str(file.resolve())
     module = ModuleType(name)
-    module.__file__ = whole
-    linecache.checkcache(whole)
+    module.__file__ = full_path
+    linecache.checkcache(full_path)
     sys.modules[name] = module  # where its classes look up the names in their annotations
     sys.path.insert(0, str(file.resolve().parent))
     try:
-        exec(compile(text, whole, "exec"), module.__dict__)
+        exec(compile(text, full_path, "exec"), module.__dict__)
     except (Exception, SystemExit) as error:
         del sys.modules[name]
-        raise fault_in(file, whole, error) from error
+        raise describe_fault(file, full_path, error) from error
     finally:
         sys.path.pop(0)
     return module
 
 
-def fault_in(file: Path, whole: str, error: BaseException) -> InputError:
+def describe_fault(file: Path, full_path: str, error: BaseException) -> InputError:
     """What is wrong with a file that could not be run: file, line and reason."""
     frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if frame.filename == whole]
+    lines = [frame.lineno for frame in frames if frame.filename == full_path]
     line, reason = (lines[-1] if lines else None), f"{type(error).__name__}: {error}"
-    if isinstance(error, SyntaxError) and error.filename == whole:
+    if isinstance(error, SyntaxError) and error.filename == full_path:
         line, reason = error.lineno, f"{error.msg}"
     elif isinstance(error, InputError):
         reason = str(error)

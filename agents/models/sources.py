@@ -16,7 +16,7 @@ from agents.models.model import Model
 class Paper(NamedTuple):
     """A source of models."""
 
-    named: str
+    pattern: str
     """Pattern of the words by which declarations name it."""
     bibtex: str
 
@@ -294,8 +294,8 @@ PAPERS = (
 
 def cite(model: Model) -> list[str]:
     """BibTeX entries of a model's sources, its rule's own first; none if no paper is named."""
-    brought = entries(model.rule.bibtex)
-    return [*brought, *papers_in((model.rule.source, model.body.source))]
+    own_entries = entries(model.rule.bibtex)
+    return [*own_entries, *papers_in((model.rule.source, model.body.source))]
 
 
 def papers_in(sources: Iterable[str]) -> list[str]:
@@ -305,8 +305,8 @@ def papers_in(sources: Iterable[str]) -> list[str]:
     ['@article{reynolds1987', '@inproceedings{reynolds1999']
     """
     text = "\n".join(sources)
-    found = ((re.search(paper.named, text), paper.bibtex) for paper in PAPERS)
-    return [bibtex for at, bibtex in sorted((m.start(), b) for m, b in found if m)]
+    matches = ((re.search(paper.pattern, text), paper.bibtex) for paper in PAPERS)
+    return [bibtex for at, bibtex in sorted((m.start(), b) for m, b in matches if m)]
 
 
 def entries(bibtex: str) -> list[str]:

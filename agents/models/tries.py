@@ -54,8 +54,8 @@ class LessonCheck:
         name = self.observable.replace("-", " ")
         if self.relation in ("below", "above"):
             return f"{name}: {self.relation} {self.number:g} after {self.ticks} ticks"
-        way = "down" if self.relation == "falls" else "up"
-        return f"{name}: {way} by {self.number:g} or more in {self.ticks} ticks"
+        direction = "down" if self.relation == "falls" else "up"
+        return f"{name}: {direction} by {self.number:g} or more in {self.ticks} ticks"
 
 
 @dataclass(frozen=True)
@@ -80,10 +80,10 @@ class LessonStep:
         >>> LessonStep("Add noise", "Disorder", {"eta": 5.0, "informed": 3}, proof).changes
         'eta = 5, informed = 3'
         """
-        return ", ".join(f"{name} = {in_short(value)}" for name, value in self.set.items())
+        return ", ".join(f"{name} = {format_short(value)}" for name, value in self.set.items())
 
 
-def in_short(value: Any) -> str:
+def format_short(value: Any) -> str:
     """A value as a person would write it."""
     if isinstance(value, bool):
         return str(value).lower()

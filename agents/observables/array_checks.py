@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 from worlds.input_error import InputError
 
 HERE = str(Path(__file__).parent)
@@ -43,10 +43,10 @@ class OmittedRowsWarning(UserWarning):
         super().__init__(f"{what}: {rows} of {of} {are} left out: nan or infinite")
 
 
-def leave_out(rows: int, of: int, what: str) -> None:
+def warn_of_omitted(rows: int, total: int, kind: str) -> None:
     """Say that rows are left out, to whoever called the observable; nothing if there are none."""
     if rows:
-        warnings.warn(OmittedRowsWarning(rows, of, what), skip_file_prefixes=(HERE,))
+        warnings.warn(OmittedRowsWarning(rows, total, kind), skip_file_prefixes=(HERE,))
 
 
 def numbers(name: str, value: Any, axes: int | None = None) -> np.ndarray:
@@ -65,8 +65,10 @@ def floats(name: str, value: Any) -> np.ndarray:
     if type(value) is np.ndarray and value.dtype == np.float64:
         return value
     if isinstance(value, np.ma.MaskedArray):
-        known = value.data.dtype.kind in "iuf"
-        value = np.where(np.ma.getmaskarray(value), np.nan, value.data) if known else value.data
+        is_numeric = value.data.dtype.kind in "iuf"
+        value = (
+            np.where(np.ma.getmaskarray(value), np.nan, value.data) if is_numeric else value.data
+        )
     try:
         array = np.asarray(value)
     except ValueError:
@@ -103,11 +105,11 @@ def integers(name: str, value: Any, low: float, high: float = math.inf) -> np.nd
         return array.astype(np.int64)
     if array.dtype.kind not in "iu":
         raise InputError(f"{name} holds {array.dtype} values: whole numbers are needed")
-    least, most = array.min(), array.max()
-    if least < low or most >= high:
-        odd = least if least < low else most
-        below = "" if high == math.inf else f" and < {high:g}"
-        raise InputError(f"{name} holds {odd}: whole numbers >= {low}{below} are needed")
+    lowest, highest = array.min(), array.max()
+    if lowest < low or highest >= high:
+        outlier = lowest if lowest < low else highest
+        upper_bound = "" if high == math.inf else f" and < {high:g}"
+        raise InputError(f"{name} holds {outlier}: whole numbers >= {low}{upper_bound} are needed")
     return array.astype(np.int64, copy=False)
 
 
@@ -152,21 +154,21 @@ def same_length(**arrays: np.ndarray) -> None:
         raise InputError(f"arrays do not match in their numbers of rows: {each}")
 
 
-@kept
-def look(rows):
+@compile_to_disk
+def check_headings(rows):
     """The sum of all squares of vectors (N, 2) or (N, 3), and how many of them are no headings."""
-    total, odd = 0.0, 0
+    total, bad_count = 0.0, 0
     if rows.shape[1] == 2:
         for i in range(np.uintp(rows.shape[0])):
             square = rows[i, 0] * rows[i, 0] + rows[i, 1] * rows[i, 1]
             total += square
-            odd += 0 if (square >= SHORTEST) & (square <= LONGEST) else 1
+            bad_count += 0 if (square >= SHORTEST) & (square <= LONGEST) else 1
     else:
         for i in range(np.uintp(rows.shape[0])):
             square = rows[i, 0] * rows[i, 0] + rows[i, 1] * rows[i, 1] + rows[i, 2] * rows[i, 2]
             total += square
-            odd += 0 if (square >= SHORTEST) & (square <= LONGEST) else 1
-    return total, odd
+            bad_count += 0 if (square >= SHORTEST) & (square <= LONGEST) else 1
+    return total, bad_count
 
 
 def is_finite(array: np.ndarray) -> bool:
@@ -176,13 +178,13 @@ def is_finite(array: np.ndarray) -> bool:
     return bool(np.isfinite(array).all())
 
 
-def whole_rows(*arrays: np.ndarray) -> np.ndarray:
+def finite_rows(*arrays: np.ndarray) -> np.ndarray:
     """The rows of which all that arrays (N, ...) have are numbers, (N,) bool."""
     fine = [np.isfinite(array).reshape(len(array), -1).all(axis=1) for array in arrays]
     return np.logical_and.reduce(fine)
 
 
-def together(**arrays: np.ndarray) -> tuple[Any, ...]:
+def drop_bad_rows(**arrays: np.ndarray) -> tuple[Any, ...]:
     """Arrays (N, ...) without the rows of which one of them is no number; warns of these.
 
     Returns which rows stay, (N,) bool, or None for all, and the arrays. Vectors must have the same
@@ -195,17 +197,17 @@ def together(**arrays: np.ndarray) -> tuple[Any, ...]:
         raise InputError(f"arrays do not match in their shapes: {each}")
     if all(is_finite(array) for array in arrays.values()):
         return None, *arrays.values()
-    stay = whole_rows(*arrays.values())
-    leave_out(int((~stay).sum()), len(stay), ", ".join(arrays))
-    return stay, *(array[stay] for array in arrays.values())
+    finite = finite_rows(*arrays.values())
+    warn_of_omitted(int((~finite).sum()), len(finite), ", ".join(arrays))
+    return finite, *(array[finite] for array in arrays.values())
 
 
-def spread(stay: np.ndarray | None, values: np.ndarray, missing: Any) -> np.ndarray:
-    """What was found row by row, with `missing` for the rows that were left out."""
-    if stay is None:
+def spread(finite: np.ndarray | None, values: np.ndarray, filler: Any) -> np.ndarray:
+    """What was found row by row, with `filler` for the rows that were left out."""
+    if finite is None:
         return values
-    all_rows = np.full((len(stay), *values.shape[1:]), missing, values.dtype)
-    all_rows[stay] = values
+    all_rows = np.full((len(finite), *values.shape[1:]), filler, values.dtype)
+    all_rows[finite] = values
     return all_rows
 
 
@@ -213,9 +215,9 @@ def headings(value: Any) -> np.ndarray:
     """Headings (N, dim) without the rows that are not numbers; warns of these. Raises
     InputError."""
     heading = vectors("heading", value)
-    if look(np.ascontiguousarray(heading))[1] == 0:
+    if check_headings(np.ascontiguousarray(heading))[1] == 0:
         return heading
-    return units(together(heading=heading)[1])
+    return units(drop_bad_rows(heading=heading)[1])
 
 
 def units(heading: np.ndarray) -> np.ndarray:
@@ -223,12 +225,12 @@ def units(heading: np.ndarray) -> np.ndarray:
 
     A heading of an agent that stands is no number: nan leaves its row out, zeros are refused.
     """
-    if look(np.ascontiguousarray(heading))[1]:
+    if check_headings(np.ascontiguousarray(heading))[1]:
         lengths = np.linalg.norm(heading, axis=1)
-        odd = lengths[np.argmax(np.abs(lengths - 1.0))]
+        bad_length = lengths[np.argmax(np.abs(lengths - 1.0))]
         raise InputError(
-            f"heading has a row of length {odd:.4g}: unit vectors are needed, or nan for an agent "
-            "that has no direction"
+            f"heading has a row of length {bad_length:.4g}: unit vectors are needed, or nan for an "
+            "agent that has no direction"
         )
     return heading
 
@@ -238,18 +240,18 @@ def box(size: Any, images: Any, dim: int) -> tuple[np.ndarray, np.ndarray]:
 
     Raises InputError.
     """
-    sides, seen = numbers("size", size), np.asarray(images)
+    sides, image_axes = numbers("size", size), np.asarray(images)
     if sides.shape != (dim,):
         raise InputError(f"size has shape {sides.shape}: ({dim},) is needed, a side for each axis")
     for side in sides.tolist():
         if not 0.0 < side < math.inf:
             raise InputError(f"size = {sides.tolist()} is not allowed: each side is a length > 0")
-    if seen.shape != (dim,) or seen.dtype.kind not in "biu":
+    if image_axes.shape != (dim,) or image_axes.dtype.kind not in "biu":
         raise InputError(
-            f"images has shape {seen.shape} and holds {seen.dtype} values: ({dim},) True or False "
-            "is needed"
+            f"images has shape {image_axes.shape} and holds {image_axes.dtype} values: "
+            f"({dim},) True or False is needed"
         )
-    return sides, seen.astype(bool, copy=False)
+    return sides, image_axes.astype(bool, copy=False)
 
 
 def length(name: str, value: Any, positive: bool = False) -> float:
@@ -259,6 +261,6 @@ def length(name: str, value: Any, positive: bool = False) -> float:
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not 0.0 <= number < math.inf or (positive and number == 0.0):
-        least = "> 0" if positive else ">= 0"
-        raise InputError(f"{name} = {value!r} is not allowed: a finite number {least} is needed")
+        bound = "> 0" if positive else ">= 0"
+        raise InputError(f"{name} = {value!r} is not allowed: a finite number {bound} is needed")
     return number

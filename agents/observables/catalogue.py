@@ -29,27 +29,27 @@ def among_solids(flock) -> bool:
     return flock.world.is_solid
 
 
-def in_a_corridor(flock) -> bool:
+def is_in_corridor(flock) -> bool:
     """Whether its world is flat, goes on for ever along x and ends along y."""
     world = flock.world
     return world.dim == 2 and bool(world.wraps[0] and not world.wraps[1])
 
 
-def on_its_way(flock) -> bool:
+def has_mission_end(flock) -> bool:
     """Whether its mission has an end: a goal, or that of a path."""
     mission = flock.world.mission
     return mission is not None and (mission.goal is not None or mission.path is not None)
 
 
-def led(flock) -> bool:
+def has_informed(flock) -> bool:
     """Whether there are information agents."""
     return bool(flock.informed.any())
 
 
-def led_along_a_path(flock) -> bool:
+def has_informed_on_path(flock) -> bool:
     """Whether there are information agents that have a path to follow."""
     mission = flock.world.mission
-    return mission is not None and mission.path is not None and led(flock)
+    return mission is not None and mission.path is not None and has_informed(flock)
 
 
 def can_crash(flock) -> bool:
@@ -79,7 +79,7 @@ ORDER = [
         SHARE,
         lambda flock: consistency.consistency(flock.heading, flock.reference),
         quick=True,
-        applies=led,
+        applies=has_informed,
         beside="polarisation",
         card=MonitorCard("consistency", ".4f", of=lambda model: model.rule.led),
     ),
@@ -104,7 +104,7 @@ ORDER = [
             flock.position, flock.heading, flock.world.size, flock.world.images
         ),
         quick=True,
-        tells=in_a_corridor,
+        tells=is_in_corridor,
     ),
     Observable(
         "correlation-length",
@@ -204,8 +204,8 @@ WORLD = [
         LENGTH,
         of_flocks.goal_distance,
         quick=True,
-        applies=on_its_way,
-        tells=on_its_way,
+        applies=has_mission_end,
+        tells=has_mission_end,
         card=MonitorCard(
             lambda world: "to goal" if world.mission.goal is not None else "to path's end",
             part="way",
@@ -218,8 +218,8 @@ WORLD = [
         SHARE,
         of_flocks.following,
         needs_links=True,
-        applies=led,
-        tells=led_along_a_path,
+        applies=has_informed,
+        tells=has_informed_on_path,
         card=MonitorCard("following", ".0%", part="team"),
     ),
 ]
@@ -308,11 +308,11 @@ FLIGHT = [
 BUILT_IN = {one.name: one for one in [*ORDER, *NEIGHBOURS, *WORLD, *GROUPS, *FLIGHT]}
 
 
-def observable_of_entry(_: str, thing: object) -> tuple[str, Observable]:
+def observable_of_entry(_: str, entry: object) -> tuple[str, Observable]:
     """The observable that an entry point brings. Raises TypeError if it is none."""
-    if not isinstance(thing, Observable):
-        raise TypeError(f"an Observable is needed, not {type(thing).__name__}")
-    return thing.name, thing
+    if not isinstance(entry, Observable):
+        raise TypeError(f"an Observable is needed, not {type(entry).__name__}")
+    return entry.name, entry
 
 
 OBSERVABLES = BUILT_IN | plug_ins("flockscope.observables", observable_of_entry, BUILT_IN)
@@ -328,7 +328,7 @@ ENDS = ("crashes", "goal-distance")
 CHARTS = 3
 
 
-def foremost(model: Any) -> tuple[str, ...]:
+def main_observables(model: Any) -> tuple[str, ...]:
     """The observables that tell how a model's flocks do, as it declares them, or by its kind.
 
     Raises InputError if it declares one that there is not.
@@ -339,32 +339,36 @@ def foremost(model: Any) -> tuple[str, ...]:
     return model.tells or (MILLING if model.rule.zones else ORDERED)
 
 
-def telling(flock: Any) -> list[str]:
+def telling_observables(flock: Any) -> list[str]:
     """What tells how a flock does: what its model declares, then what its world gives occasion for.
 
     An observable that says nothing of this flock is not among them.
     """
-    own = [name for name in foremost(flock.model) if OBSERVABLES[name].applies(flock)]
-    return own + [name for name, one in OBSERVABLES.items() if one.tells(flock) and name not in own]
+    own = [name for name in main_observables(flock.model) if OBSERVABLES[name].applies(flock)]
+    return own + [
+        name
+        for name, observable in OBSERVABLES.items()
+        if observable.tells(flock) and name not in own
+    ]
 
 
-def usual_charts(model: Any, offered: Collection[str]) -> tuple[tuple[str, ...], ...]:
+def default_charts(model: Any, available: Collection[str]) -> tuple[tuple[str, ...], ...]:
     """What tells most of a model's flocks that have these observables: three charts, some empty.
 
     What it declares, two in one chart where they may share it; the last is of crashes, or of the
     way to a goal, where a flock has that.
     """
     charts: list[tuple[str, ...]] = []
-    for name in foremost(model):
-        beside = OBSERVABLES[name].beside
-        if name not in offered:
+    for name in main_observables(model):
+        companion = OBSERVABLES[name].beside
+        if name not in available:
             continue
-        if charts and beside and charts[-1] == (beside,):
-            charts[-1] = (beside, name)
+        if charts and companion and charts[-1] == (companion,):
+            charts[-1] = (companion, name)
         else:
             charts.append((name,))
-    shown = [name for chart in charts for name in chart]
-    ends = [(name,) for name in ENDS if name in offered and name not in shown][:1]
+    used_names = [name for chart in charts for name in chart]
+    ends = [(name,) for name in ENDS if name in available and name not in used_names][:1]
     charts = charts[: CHARTS - len(ends)]
-    empty: tuple[str, ...] = ()
-    return (*charts, *[empty] * (CHARTS - len(charts) - len(ends)), *ends)
+    no_names: tuple[str, ...] = ()
+    return (*charts, *[no_names] * (CHARTS - len(charts) - len(ends)), *ends)

@@ -22,13 +22,13 @@ def squared_angle(heading, i, x, y, z):
     """Square of the angle (rad) between row i and a unit vector; exact for small and large."""
     dx, dy = heading[i, 0] - x, heading[i, 1] - y
     sx, sy = heading[i, 0] + x, heading[i, 1] + y
-    apart = dx * dx + dy * dy
+    distance2 = dx * dx + dy * dy
     along = sx * sx + sy * sy
     if heading.shape[1] == 3:
         dz, sz = heading[i, 2] - z, heading[i, 2] + z
-        apart += dz * dz
+        distance2 += dz * dz
         along += sz * sz
-    angle = 2.0 * math.atan2(math.sqrt(apart), math.sqrt(along))
+    angle = 2.0 * math.atan2(math.sqrt(distance2), math.sqrt(along))
     return angle * angle
 
 
@@ -112,9 +112,9 @@ def consistency(heading: np.ndarray, reference=None) -> float:
         raise InputError(f"reference has {len(target)} axes and heading {dim}")
     if n == 0:
         return 1.0
-    apart = np.linalg.norm(heading - target, axis=1)
+    distance = np.linalg.norm(heading - target, axis=1)
     along = np.linalg.norm(heading + target, axis=1)
-    angle = 2.0 * np.arctan2(apart, along)
+    angle = 2.0 * np.arctan2(distance, along)
     return 1.0 - float(np.linalg.norm(angle)) / (n * math.pi)
 
 
@@ -129,12 +129,12 @@ def convergence_time(degrees, desired: float = DESIRED) -> int | None:
     3
     """
     degree = column("degrees", degrees)
-    below = np.flatnonzero(~(degree >= desired))
-    k = 0 if below.size == 0 else int(below[-1]) + 1
+    unmet = np.flatnonzero(~(degree >= desired))
+    k = 0 if unmet.size == 0 else int(unmet[-1]) + 1
     return k if k < len(degree) else None
 
 
-def until_consistent(
+def stop_when_consistent(
     n: int, reference, desired: float = DESIRED, hold: int = HOLD
 ) -> EngineStopCondition:
     """When n agents are consistent: Deg_con >= desired has held for `hold` ticks. Or InputError."""

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.engine.cache import kept
-from agents.observables.array_checks import box, length, together, vectors
+from agents.engine.cache import compile_to_disk
+from agents.observables.array_checks import box, drop_bad_rows, length, vectors
 from agents.observables.neighbours import nearest_neighbour
 
 LARGEST = 4000
@@ -31,7 +31,7 @@ class Correlation(NamedTuple):
     """Pairs of each bin, (B,) int."""
 
 
-@kept
+@compile_to_disk
 def pair_sums(position, fluctuation, side, width, pairs, distance, product):
     """Add up all pairs i < j by distance: their number, distances and scalar products.
 
@@ -64,7 +64,7 @@ def bin_width(position: np.ndarray, size, images) -> float:
     Or what makes BINS bins of the largest distance that can be, if that is more. Arguments as for
     `correlation`; 1 if all are on one spot or fewer than two are there.
     """
-    _, position = together(position=vectors("position", position))
+    _, position = drop_bad_rows(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
     if len(position) < 2:
         return 1.0
@@ -95,7 +95,7 @@ def correlation(
     nothing, some bin is always below 0. Raises InputError.
     """
     position, velocity = vectors("position", position), vectors("velocity", velocity)
-    _, position, velocity = together(position=position, velocity=velocity)
+    _, position, velocity = drop_bad_rows(position=position, velocity=velocity)
     size, images = box(size, images, position.shape[1])
     width = None if width is None else length("width", width, positive=True)
     n = len(position)
@@ -111,14 +111,14 @@ def correlation(
     width = bin_width(position, size, images) if width is None else width
     side = np.pad(np.where(images, size, 0.0), (0, 3 - position.shape[1]))
     pairs, distance, product = np.zeros(BINS, np.int64), np.zeros(BINS), np.zeros(BINS)
-    place, change = in_columns(position), in_columns(fluctuation)
+    place, change = axis_columns(position), axis_columns(fluctuation)
     pair_sums(place, change, side, width, pairs, distance, product)
-    some = pairs > 0
-    count = pairs[some]
-    return Correlation(distance[some] / count, product[some] / count / power, count)
+    has_pairs = pairs > 0
+    count = pairs[has_pairs]
+    return Correlation(distance[has_pairs] / count, product[has_pairs] / count / power, count)
 
 
-def in_columns(vectors: np.ndarray) -> np.ndarray:
+def axis_columns(vectors: np.ndarray) -> np.ndarray:
     """Vectors (N, dim) as contiguous columns (3, N), with zeros for what is missing."""
     return np.ascontiguousarray(np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1]))).T)
 
@@ -136,10 +136,10 @@ def correlation_length(
     >>> correlation_length(apart, across, np.ones(2), np.zeros(2, bool))
     1.5
     """
-    found = correlation(position, velocity, size, images, width)
-    if found is None:
+    curve = correlation(position, velocity, size, images, width)
+    if curve is None:
         return math.nan
-    r = np.concatenate([[0.0], found.distance])
-    c = np.concatenate([[1.0], found.value])
+    r = np.concatenate([[0.0], curve.distance])
+    c = np.concatenate([[1.0], curve.value])
     k = int(np.argmax(c <= 0.0))
     return float(r[k - 1] + (r[k] - r[k - 1]) * c[k - 1] / (c[k - 1] - c[k]))

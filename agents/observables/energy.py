@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.observables.array_checks import is_finite, length, numbers, together, vectors
+from agents.observables.array_checks import drop_bad_rows, is_finite, length, numbers, vectors
 from worlds.input_error import InputError
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
@@ -72,11 +72,11 @@ def urgency(distance, p: Any) -> np.ndarray:
     return np.where(np.isnan(distance), np.nan, eta)
 
 
-def potential_sum(one: np.ndarray, other: np.ndarray, p: Any) -> float:
+def potential_sum(position: np.ndarray, other: np.ndarray, p: Any) -> float:
     """Sum of eta psi_alpha over all pairs within r of places (N, dim) and places (M, dim)."""
-    if not len(one) or not len(other):
+    if not len(position) or not len(other):
         return 0.0
-    distance = np.linalg.norm(one[:, None] - other[None], axis=2)
+    distance = np.linalg.norm(position[:, None] - other[None], axis=2)
     distance = distance[(distance > 0.0) & (distance <= p.r)]
     return float((urgency(distance, p) * potential(distance, p)).sum())
 
@@ -100,7 +100,7 @@ def hamiltonian(position, velocity, goal, points, p: Any) -> float:
     13.0
     """
     position, velocity = vectors("position", position), vectors("velocity", velocity)
-    _, position, velocity = together(position=position, velocity=velocity)
+    _, position, velocity = drop_bad_rows(position=position, velocity=velocity)
     dim = position.shape[1]
     ends = numbers("goal", goal)
     if ends.shape != (2, dim) or not is_finite(ends):
@@ -113,7 +113,7 @@ def hamiltonian(position, velocity, goal, points, p: Any) -> float:
     points = vectors("points", points) if points.size else np.empty((0, dim))
     if points.shape[1] != dim:
         raise InputError(f"points have {points.shape[1]} axes and positions {dim}")
-    _, points = together(points=points)
+    _, points = drop_bad_rows(points=points)
     flock = p.c1a * potential_sum(position, position, p)
     boundary = 2.0 * p.c1b * potential_sum(position, points, p)
     pull = p.c1g * float(np.square(position - at).sum())

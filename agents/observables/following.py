@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from agents.engine.cache import kept
-from agents.observables.array_checks import column, leave_out, length, numbers
+from agents.engine.cache import compile_to_disk
+from agents.observables.array_checks import column, length, numbers, warn_of_omitted
 from worlds.input_error import InputError
 from worlds.queries.surroundings import nearest_surface
 
 
-@kept
-def bring_pairs(trace, least2):
+@compile_to_disk
+def fill_nearest_pairs(trace, least2):
     """`nearest_pairs` of arrays that are checked."""
     ticks, dim, n = trace.shape
     for t in range(ticks):
@@ -28,8 +28,8 @@ def bring_pairs(trace, least2):
                 least2[i, j] = min(least2[i, j], d2)
 
 
-@kept
-def bring_clearances(trace, surroundings, least):
+@compile_to_disk
+def fill_clearances(trace, surroundings, clearances):
     """`least_clearances` of arrays that are checked."""
     ticks, dim, n = trace.shape
     if surroundings.solids == 0:
@@ -39,23 +39,23 @@ def bring_clearances(trace, surroundings, least):
             z = trace[t, 2, i] if dim == 3 else 0.0
             if math.isfinite(trace[t, 0, i]) and math.isfinite(trace[t, 1, i]) and math.isfinite(z):
                 at = nearest_surface(surroundings, trace[t, 0, i], trace[t, 1, i], z)
-                least[i] = min(least[i], at.distance)
+                clearances[i] = min(clearances[i], at.distance)
 
 
-@kept
-def bring_following(trace, there, informed, r, follows, reached, queue):
-    """`keep_following` of arrays that are checked; `there` (T, N) bool tells who is where."""
+@compile_to_disk
+def fill_following(trace, is_present, informed, r, follows, reached, queue):
+    """`keep_following` of arrays that are checked; `is_present` (T, N) bool tells who is where."""
     ticks, dim, n = trace.shape
     for t in range(ticks):
         tail = 0
-        lost = False
+        is_lost = False
         for i in range(n):
-            reached[i] = informed[i] and there[t, i]
-            lost = lost or (informed[i] and not there[t, i])
+            reached[i] = informed[i] and is_present[t, i]
+            is_lost = is_lost or (informed[i] and not is_present[t, i])
             if reached[i]:
                 queue[tail] = i
                 tail += 1
-        if tail == 0 and lost:
+        if tail == 0 and is_lost:
             continue
         at = 0
         while at < tail:
@@ -72,10 +72,10 @@ def bring_following(trace, there, informed, r, follows, reached, queue):
                         queue[tail] = j
                         tail += 1
         for i in range(n):
-            follows[i] = follows[i] and (reached[i] or not there[t, i])
+            follows[i] = follows[i] and (reached[i] or not is_present[t, i])
 
 
-KERNELS = (bring_pairs, bring_clearances, bring_following)
+KERNELS = (fill_nearest_pairs, fill_clearances, fill_following)
 
 
 def places(trace: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -88,18 +88,20 @@ def places(trace: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     ticks, dim, n = trace.shape
     if dim not in (2, 3):
         raise InputError(f"trace has shape {trace.shape}: (T, 2, N) or (T, 3, N) is needed")
-    there = np.isfinite(trace).all(axis=1)
-    if not there.all():
-        leave_out(int((~there).sum()), ticks * n, "trace")
-        trace = np.where(there[:, None], trace, np.nan)
-    return np.ascontiguousarray(trace), there
+    is_present = np.isfinite(trace).all(axis=1)
+    if not is_present.all():
+        warn_of_omitted(int((~is_present).sum()), ticks * n, "trace")
+        trace = np.where(is_present[:, None], trace, np.nan)
+    return np.ascontiguousarray(trace), is_present
 
 
 def demand_output(name: str, array: np.ndarray, shape: tuple[int, ...], kind: type) -> np.ndarray:
     """An array that is written to, of just this shape and kind. Raises InputError."""
     if not isinstance(array, np.ndarray) or array.shape != shape or array.dtype != kind:
-        found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else repr(array)
-        raise InputError(f"{name} is {found}: an array {kind.__name__} {shape} is needed")
+        description = (
+            f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else repr(array)
+        )
+        raise InputError(f"{name} is {description}: an array {kind.__name__} {shape} is needed")
     return array
 
 
@@ -112,7 +114,7 @@ def nearest_pairs(trace: np.ndarray, least2: np.ndarray) -> None:
     """
     trace, _ = places(trace)
     n = trace.shape[2]
-    bring_pairs(trace, demand_output("least2", least2, (n, n), float))
+    fill_nearest_pairs(trace, demand_output("least2", least2, (n, n), float))
 
 
 def least_clearances(trace: np.ndarray, surroundings, least: np.ndarray) -> None:
@@ -122,7 +124,7 @@ def least_clearances(trace: np.ndarray, surroundings, least: np.ndarray) -> None
     `engine.surroundings`. Left out and refused as for `nearest_pairs`.
     """
     trace, _ = places(trace)
-    bring_clearances(trace, surroundings, demand_output("least", least, trace.shape[2:], float))
+    fill_clearances(trace, surroundings, demand_output("least", least, trace.shape[2:], float))
 
 
 def keep_following(trace, informed, r: float, follows, reached, queue) -> None:
@@ -134,11 +136,11 @@ def keep_following(trace, informed, r: float, follows, reached, queue) -> None:
     `nearest_pairs`: where an agent is not known nothing is said of it, nor of anybody at a tick at
     which that is so of all information agents.
     """
-    trace, there = places(trace)
+    trace, is_present = places(trace)
     shape = trace.shape[2:]
-    bring_following(
+    fill_following(
         trace,
-        there,
+        is_present,
         demand_output("informed", informed, shape, bool),
         length("r", r),
         demand_output("follows", follows, shape, bool),

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.bodies.upwash import CORE, WITHIN, relief, saved_within
+from agents.bodies.upwash import CORE, WITHIN, drag_saving_within, relief
 from agents.engine.block import Me, NeighbourBlock
-from agents.engine.cache import kept
-from agents.observables.array_checks import box, numbers, spread, together, units, vectors
+from agents.engine.cache import compile_to_disk
+from agents.observables.array_checks import box, drop_bad_rows, numbers, spread, units, vectors
 from worlds.input_error import InputError
 
 FAR = 1e9
@@ -34,34 +34,34 @@ class Spacing(NamedTuple):
     """Share of its induced drag saved there."""
 
 
-@kept
+@compile_to_disk
 def relieve(dx, dy, dz, core, out):
     """`relief` for arrays (M,) of lengths in spans."""
     for i in range(dx.shape[0]):
         out[i] = relief(dx[i], dy[i], dz[i], core)
 
 
-@kept
-def sum_up(position, heading, size, images, b, block, none, out):
+@compile_to_disk
+def sum_drag_savings(position, heading, size, images, b, block, none, out):
     """Each bird's `saved` (N,); `block` (7, N) holds the others' nearest images, `none` nothing."""
     n = position.shape[1]
     x, y, z = position[0], position[1], position[2]
-    no, spare = none[0], block[3:]
+    no, sums = none[0], block[3:]
     ux, uy, uz = heading[0], heading[1], heading[2]
     for i in range(n):
         for axis in range(3):
             for j in range(n):
-                apart = position[axis, j] - position[axis, i]
+                offset = position[axis, j] - position[axis, i]
                 if images[axis]:
-                    apart -= size[axis] * math.floor(apart / size[axis] + 0.5)
-                block[axis, j] = position[axis, i] + apart
+                    offset -= size[axis] * math.floor(offset / size[axis] + 0.5)
+                block[axis, j] = position[axis, i] + offset
         me = Me(
             x[i], y[i], z[i], ux[i], uy[i], uz[i], 0.0, none[0], none[0], False, 1.0, i, 0, 0, n
         )
         near = NeighbourBlock(
-            n, block[0], block[1], block[2], ux, uy, uz, no, none, no, 0, no, no, spare
+            n, block[0], block[1], block[2], ux, uy, uz, no, none, no, 0, no, no, sums
         )
-        out[i] = saved_within(me, near, b, WITHIN * b)
+        out[i] = drag_saving_within(me, near, b, WITHIN * b)
 
 
 def upwash_share(dx, dy, dz=0.0, core: float = CORE) -> np.ndarray:
@@ -77,17 +77,17 @@ def upwash_share(dx, dy, dz=0.0, core: float = CORE) -> np.ndarray:
     """
     if not 0.0 <= core < math.inf:
         raise InputError(f"core = {core!r} span is not allowed: a number >= 0 is needed")
-    far = np.clip(numbers("dx", dx), -FAR, FAR)
+    behind = np.clip(numbers("dx", dx), -FAR, FAR)
     try:
-        there = np.broadcast_arrays(far, numbers("dy", dy), numbers("dz", dz))
+        offsets = np.broadcast_arrays(behind, numbers("dy", dy), numbers("dz", dz))
     except ValueError:
-        shapes = ", ".join(str(np.shape(one)) for one in (dx, dy, dz))
+        shapes = ", ".join(str(np.shape(offset)) for offset in (dx, dy, dz))
         raise InputError(f"dx, dy and dz of shapes {shapes} do not match") from None
-    out = np.empty(there[0].size)
-    relieve(*(np.ascontiguousarray(one).ravel() for one in there), float(core), out)
-    aside = np.isinf(there[1]) | np.isinf(there[2])
-    share = np.where(aside, 0.0, out.reshape(there[0].shape))
-    return np.where(np.isnan(there).any(axis=0), np.nan, share)
+    out = np.empty(offsets[0].size)
+    relieve(*(np.ascontiguousarray(one).ravel() for one in offsets), float(core), out)
+    is_endless = np.isinf(offsets[1]) | np.isinf(offsets[2])
+    share = np.where(is_endless, 0.0, out.reshape(offsets[0].shape))
+    return np.where(np.isnan(offsets).any(axis=0), np.nan, share)
 
 
 def best_spacing(core: float = CORE, behind: float = math.inf, above: float = 0.0) -> Spacing:
@@ -103,13 +103,13 @@ def best_spacing(core: float = CORE, behind: float = math.inf, above: float = 0.
     """
     from scipy.optimize import minimize_scalar
 
-    found = minimize_scalar(
+    optimum = minimize_scalar(
         lambda tip: -float(upwash_share(behind, 1.0 + tip, above, core)),
         bounds=(-0.5, 1.0),
         method="bounded",
         options={"xatol": 1e-10},
     )
-    return Spacing(float(found.x), -float(found.fun))
+    return Spacing(float(optimum.x), -float(optimum.fun))
 
 
 def saved_shares(
@@ -125,12 +125,13 @@ def saved_shares(
     number is missing is left out and has nan, and a warning tells of it. `span` > 0 is the wing
     span in the unit of the positions. `size` (dim,) and `images` (dim,) bool: the sides of a box
     and along which of its axes the nearest image counts; None: open space. See
-    `agents.bodies.upwash.saved` for what is summed; of N birds it costs N^2. Raises InputError.
+    `agents.bodies.upwash.drag_saving` for what is summed; of N birds it costs N^2. Raises
+    InputError.
     """
     position, heading = vectors("position", position), vectors("heading", heading)
     if not 0.0 < span < math.inf:
         raise InputError(f"span = {span!r} is not allowed: a length > 0 is needed")
-    stay, position, heading = together(position=position, heading=heading)
+    finite, position, heading = drop_bad_rows(position=position, heading=heading)
     units(heading)
     n, dim = position.shape
     places, ways = np.zeros((3, n)), np.zeros((3, n))
@@ -139,8 +140,10 @@ def saved_shares(
     if size is not None and images is not None:
         sides[:dim], wraps[:dim] = box(size, images, dim)
     out = np.zeros(n)
-    sum_up(places, ways, sides, wraps, float(span), np.empty((7, n)), np.zeros((1, 1)), out)
-    return spread(stay, out, np.nan)
+    sum_drag_savings(
+        places, ways, sides, wraps, float(span), np.empty((7, n)), np.zeros((1, 1)), out
+    )
+    return spread(finite, out, np.nan)
 
 
 def vee(birds: int, step: float = 0.5, tip: float | None = None) -> np.ndarray:
@@ -180,7 +183,7 @@ def vee_saved(
     if not isinstance(draws, int | np.integer) or draws < 1:
         raise InputError(f"draws = {draws!r} is not allowed: a whole number >= 1 is needed")
     places = vee(birds, step, tip)
-    ahead = np.tile([1.0, 0.0, 0.0], (birds, 1))
+    headings = np.tile([1.0, 0.0, 0.0], (birds, 1))
     chance = np.random.default_rng(rng)
-    moved = [places + jitter * chance.standard_normal(places.shape) for _ in range(draws)]
-    return np.array([saved_shares(one, ahead, 1.0) for one in moved])
+    disturbed = [places + jitter * chance.standard_normal(places.shape) for _ in range(draws)]
+    return np.array([saved_shares(position, headings, 1.0) for position in disturbed])

@@ -11,16 +11,16 @@ from scipy.sparse.linalg import eigsh
 
 from agents.observables.array_checks import (
     box,
+    drop_bad_rows,
     integers,
     labels_of,
     numbers,
     pairs,
     same_length,
-    together,
     units,
     vectors,
 )
-from agents.observables.order import outward, rounding
+from agents.observables.order import outward_directions, rounding
 
 DENSE_UP_TO = 400
 """Agents up to which the Laplacian's eigenvalues are found by the dense method."""
@@ -32,8 +32,10 @@ def graph(n: int, links: np.ndarray) -> coo_array:
     """The adjacency matrix (n, n) of undirected links (M, 2), rows in [0, n). Raises InputError."""
     links = pairs(links, n)
     i, j = links[:, 0], links[:, 1]
-    ones = np.ones(2 * len(links))
-    return coo_array((ones, (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(n, n))
+    ones_of_links = np.ones(2 * len(links))
+    return coo_array(
+        (ones_of_links, (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(n, n)
+    )
 
 
 def group_labels(n: int, links: np.ndarray) -> np.ndarray:
@@ -42,10 +44,12 @@ def group_labels(n: int, links: np.ndarray) -> np.ndarray:
     `links` (M, 2) are undirected pairs of rows in [0, n). Raises InputError.
     """
     links = pairs(links, n)
-    return ranked(connected_components(graph(n, links), directed=False)[1]) if n else np.arange(0)
+    return (
+        rank_groups(connected_components(graph(n, links), directed=False)[1]) if n else np.arange(0)
+    )
 
 
-def ranked(label: np.ndarray) -> np.ndarray:
+def rank_groups(label: np.ndarray) -> np.ndarray:
     """Groups numbered by their size, int (N,): 0 the largest, ties by the first row.
 
     `label` is int (N,), any numbers. Raises InputError.
@@ -102,7 +106,7 @@ def algebraic_connectivity(n: int, links: np.ndarray, dim: int = 2) -> float:
 # group of which nobody stays has nan. What is no such array raises InputError.
 
 
-def in_groups(labels: np.ndarray, **arrays: np.ndarray) -> tuple[np.ndarray, ...]:
+def select_grouped(labels: np.ndarray, **arrays: np.ndarray) -> tuple[np.ndarray, ...]:
     """The size of each group (G,), and labels and arrays of those in a group that are numbers."""
     label = labels_of(labels)
     same_length(labels=label, **arrays)
@@ -110,12 +114,12 @@ def in_groups(labels: np.ndarray, **arrays: np.ndarray) -> tuple[np.ndarray, ...
         inside = label >= 0
         label, arrays = label[inside], {name: array[inside] for name, array in arrays.items()}
     groups = int(label.max(initial=-1)) + 1
-    stay, *whole = together(**arrays)
-    label = label if stay is None else label[stay]
-    return np.bincount(label, minlength=groups), label, *whole
+    finite, *finite_arrays = drop_bad_rows(**arrays)
+    label = label if finite is None else label[finite]
+    return np.bincount(label, minlength=groups), label, *finite_arrays
 
 
-def averaged(size: np.ndarray, labels: np.ndarray, values: np.ndarray) -> np.ndarray:
+def group_means(size: np.ndarray, labels: np.ndarray, values: np.ndarray) -> np.ndarray:
     """The mean of values (N, K) over each group, (G, K), of groups of these sizes (G,)."""
     columns = [np.bincount(labels, column, len(size)) for column in values.T]
     sums = np.stack(columns, axis=1)
@@ -125,8 +129,8 @@ def averaged(size: np.ndarray, labels: np.ndarray, values: np.ndarray) -> np.nda
 
 def means(labels: np.ndarray, values: np.ndarray) -> np.ndarray:
     """The mean of values (N, K) over each group, (G, K)."""
-    size, label, values = in_groups(labels, values=numbers("values", values, axes=2))
-    return averaged(size, label, values)
+    size, label, values = select_grouped(labels, values=numbers("values", values, axes=2))
+    return group_means(size, label, values)
 
 
 def polarisations(labels: np.ndarray, heading: np.ndarray) -> np.ndarray:
@@ -141,8 +145,8 @@ def polarisations(labels: np.ndarray, heading: np.ndarray) -> np.ndarray:
     >>> polarisations(np.array([0, 0, 1]), np.array([east, west, west])).tolist()
     [0.0, 1.0]
     """
-    size, label, heading = in_groups(labels, heading=vectors("heading", heading))
-    return lengths(averaged(size, label, units(heading)))
+    size, label, heading = select_grouped(labels, heading=vectors("heading", heading))
+    return lengths(group_means(size, label, units(heading)))
 
 
 def lengths(mean: np.ndarray) -> np.ndarray:
@@ -155,16 +159,19 @@ def centres(labels: np.ndarray, position: np.ndarray, size, images) -> np.ndarra
 
     `position` is (N, dim), `size` (dim,) the sides of the box > 0, `images` (dim,) bool.
     """
-    agents, label, position = in_groups(labels, position=vectors("position", position))
+    agents, label, position = select_grouped(labels, position=vectors("position", position))
     return middles(agents, label, position, *box(size, images, position.shape[1]))
 
 
 def middles(agents, label, position, size, images) -> np.ndarray:
     """`centres` of groups of these many agents, of arrays that are checked."""
     turn = 2.0 * np.pi * position / size
-    sine, cosine = averaged(agents, label, np.sin(turn)), averaged(agents, label, np.cos(turn))
-    around = np.arctan2(sine, cosine) % (2.0 * np.pi) / (2.0 * np.pi) * size
-    return np.where(images, around, averaged(agents, label, position))
+    sine, cosine = (
+        group_means(agents, label, np.sin(turn)),
+        group_means(agents, label, np.cos(turn)),
+    )
+    mean_place = np.arctan2(sine, cosine) % (2.0 * np.pi) / (2.0 * np.pi) * size
+    return np.where(images, mean_place, group_means(agents, label, position))
 
 
 def angular_momenta(
@@ -177,23 +184,23 @@ def angular_momenta(
     (dim,) bool. A lone agent has 0.
     """
     position, heading = vectors("position", position), vectors("heading", heading)
-    agents, label, position, heading = in_groups(labels, position=position, heading=heading)
+    agents, label, position, heading = select_grouped(labels, position=position, heading=heading)
     return momenta(agents, label, position, units(heading), *box(size, images, position.shape[1]))
 
 
 def momenta(agents, label, position, heading, size, images) -> np.ndarray:
     """`angular_momenta` of groups of these many agents, of arrays that are checked."""
-    apart = position - middles(agents, label, position, size, images)[label]
-    apart = apart - np.where(images, size * np.round(apart / size), 0.0)
-    apart[agents[label] == 1] = 0.0
+    offset = position - middles(agents, label, position, size, images)[label]
+    offset = offset - np.where(images, size * np.round(offset / size), 0.0)
+    offset[agents[label] == 1] = 0.0
     largest = np.zeros(len(agents))
     np.maximum.at(largest, label, np.max(np.abs(position), axis=1, initial=0.0))
-    along = outward(apart, rounding(agents, largest, size, images)[label, None])
+    along = outward_directions(offset, rounding(agents, largest, size, images)[label, None])
     if position.shape[1] == 2:
         turning = (along[:, 0] * heading[:, 1] - along[:, 1] * heading[:, 0])[:, None]
     else:
         turning = np.cross(along, heading)
-    return lengths(averaged(agents, label, turning))
+    return lengths(group_means(agents, label, turning))
 
 
 def size_histogram(labels: np.ndarray) -> dict[int, int]:
@@ -216,10 +223,10 @@ def group_table(
     length, `heading` (N, dim), unit vectors, `size` (dim,) > 0, `images` (dim,) bool.
     """
     position, heading = vectors("position", position), vectors("heading", heading)
-    agents, label, position, heading = in_groups(labels, position=position, heading=heading)
+    agents, label, position, heading = select_grouped(labels, position=position, heading=heading)
     columns = (
         agents,
-        lengths(averaged(agents, label, units(heading))),
+        lengths(group_means(agents, label, units(heading))),
         momenta(agents, label, position, heading, *box(size, images, position.shape[1])),
     )
     return {

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from agents.observables.array_checks import box, together, units, vectors
+from agents.observables.array_checks import box, drop_bad_rows, units, vectors
 from worlds.input_error import InputError
 
 
@@ -43,7 +43,7 @@ def lane_order(
     1.0
     """
     position, heading = vectors("position", position), vectors("heading", heading)
-    _, position, heading = together(position=position, heading=heading)
+    _, position, heading = drop_bad_rows(position=position, heading=heading)
     units(heading)
     size, images = box(size, images, position.shape[1])
     n = len(position)

@@ -8,24 +8,24 @@ import numpy as np
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 from agents.observables.array_checks import (
     box,
+    drop_bad_rows,
     flags,
     integers,
     length,
     numbers,
     pairs,
     spread,
-    together,
     vectors,
 )
-from agents.observables.groups import graph, ranked
+from agents.observables.groups import graph, rank_groups
 from worlds.compilation import compiled
 from worlds.input_error import InputError
 
 
-def into_the_box(position: np.ndarray, size, images) -> np.ndarray:
+def wrap_into_box(position: np.ndarray, size, images) -> np.ndarray:
     """Positions (N, dim), those along axes in `images` brought into [0, size). Raises InputError.
 
     Row by row: what is nan stays nan.
@@ -41,11 +41,11 @@ def tree(position: np.ndarray, size, images) -> cKDTree:
 
     Rows that are no numbers are left out, with a warning. Raises InputError.
     """
-    _, position = together(position=vectors("position", position))
+    _, position = drop_bad_rows(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
     if not images.any():
         return cKDTree(position)
-    return cKDTree(into_the_box(position, size, images), boxsize=np.where(images, size, 0.0))
+    return cKDTree(wrap_into_box(position, size, images), boxsize=np.where(images, size, 0.0))
 
 
 def links(position: np.ndarray, r: float, size, images) -> np.ndarray:
@@ -59,27 +59,29 @@ def links(position: np.ndarray, r: float, size, images) -> np.ndarray:
 
     Raises InputError.
     """
-    stay, position = together(position=vectors("position", position))
+    finite, position = drop_bad_rows(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
     r = length("r", r)
     if len(position) < 2:
         return np.empty((0, 2), np.int64)
-    found = tree(position, size, images)
-    pairs = found.query_pairs(r, output_type="ndarray")
-    apart = separation(found.data[pairs[:, 0]], found.data[pairs[:, 1]], size, images)
-    pairs = pairs[(apart != 0.0).any(axis=1)].astype(np.int64)
-    pairs = pairs if stay is None else np.flatnonzero(stay)[pairs]
+    position_tree = tree(position, size, images)
+    pairs = position_tree.query_pairs(r, output_type="ndarray")
+    offset = separation(
+        position_tree.data[pairs[:, 0]], position_tree.data[pairs[:, 1]], size, images
+    )
+    pairs = pairs[(offset != 0.0).any(axis=1)].astype(np.int64)
+    pairs = pairs if finite is None else np.flatnonzero(finite)[pairs]
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-def nearest_of(apart: np.ndarray, k: int) -> np.ndarray:
+def nearest_of(offset: np.ndarray, k: int) -> np.ndarray:
     """Rows of the k nearest places, nearest first: apart (M, dim) -> int (k or fewer,).
 
     A place at distance 0 is nobody's neighbour, and nor is one that is no number.
     """
-    d2 = (apart**2).sum(axis=1)
-    there = np.flatnonzero(d2 > 0.0)
-    return there[np.argsort(d2[there], kind="stable")[:k]]
+    d2 = (offset**2).sum(axis=1)
+    others = np.flatnonzero(d2 > 0.0)
+    return others[np.argsort(d2[others], kind="stable")[:k]]
 
 
 def nearest_links(position: np.ndarray, k: int, size, images) -> np.ndarray:
@@ -87,21 +89,21 @@ def nearest_links(position: np.ndarray, k: int, size, images) -> np.ndarray:
 
     The rest as `links`. Raises InputError.
     """
-    stay, position = together(position=vectors("position", position))
+    finite, position = drop_bad_rows(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
     if len(position) < 2:
         return np.empty((0, 2), np.int64)
-    found = tree(position, size, images)
+    position_tree = tree(position, size, images)
     many = min(len(position), k + 1)
     while True:
-        distance, near = found.query(found.data, many)
-        counted = (distance > 0.0) & ((distance > 0.0).cumsum(axis=1) <= k)
-        if many == len(position) or counted.sum(axis=1).min() == k:
+        distance, near = position_tree.query(position_tree.data, many)
+        is_neighbour = (distance > 0.0) & ((distance > 0.0).cumsum(axis=1) <= k)
+        if many == len(position) or is_neighbour.sum(axis=1).min() == k:
             break
         many = min(len(position), 2 * many)  # several are in one spot
-    one = np.repeat(np.arange(len(position)), counted.sum(axis=1))
-    pairs = np.unique(np.sort(np.column_stack([one, near[counted]]), axis=1), axis=0)
-    return pairs if stay is None else np.flatnonzero(stay)[pairs]
+    row = np.repeat(np.arange(len(position)), is_neighbour.sum(axis=1))
+    pairs = np.unique(np.sort(np.column_stack([row, near[is_neighbour]]), axis=1), axis=0)
+    return pairs if finite is None else np.flatnonzero(finite)[pairs]
 
 
 def separation(a: np.ndarray, b: np.ndarray, size, images) -> np.ndarray:
@@ -131,13 +133,13 @@ def mean_neighbours(position: np.ndarray, r: float, size, images) -> float:
     Arguments as for `links`; rows left out are not counted. Pairs are counted, not listed: quick in
     a crowd too.
     """
-    _, position = together(position=vectors("position", position))
+    _, position = drop_bad_rows(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
     r = length("r", r)
     if len(position) == 0:
         return 0.0
-    found = tree(position, size, images)
-    on_one_spot, within = found.count_neighbors(found, [0.0, r])
+    position_tree = tree(position, size, images)
+    on_one_spot, within = position_tree.count_neighbors(position_tree, [0.0, r])
     return float(within - on_one_spot) / len(position)
 
 
@@ -147,13 +149,13 @@ def nearest_neighbour(position: np.ndarray, size, images) -> np.ndarray:
     `position` (N, dim), length: a row that is no number has nan, and a warning tells of it. `size`
     (dim,) sides of the box > 0, `images` (dim,) bool. Raises InputError.
     """
-    stay, position = together(position=vectors("position", position))
+    finite, position = drop_bad_rows(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
     if len(position) < 2:
-        return spread(stay, np.full(len(position), np.inf), np.nan)
-    found = tree(position, size, images)
-    distance, _ = found.query(found.data, k=2)
-    return spread(stay, distance[:, 1], np.nan)
+        return spread(finite, np.full(len(position), np.inf), np.nan)
+    position_tree = tree(position, size, images)
+    distance, _ = position_tree.query(position_tree.data, k=2)
+    return spread(finite, distance[:, 1], np.nan)
 
 
 # Connected groups straight from positions, without a list of all who are within reach.
@@ -194,7 +196,7 @@ def round_trip(cell, count):
 
 
 @compiled
-def some_pair(position, first, a, b, side, r2):
+def has_close_pair(position, first, a, b, side, r2):
     """Whether an agent of cell a and one of cell b are on two spots within reach of each other."""
     for i in range(first[a], first[a + 1]):
         for j in range(first[b], first[b + 1]):
@@ -209,24 +211,24 @@ def some_pair(position, first, a, b, side, r2):
     return False
 
 
-@kept
-def join(position, cells, first, side, count, far, r2, parent, linked):
+@compile_to_disk
+def join(position, cells, first, side, count, offsets, r2, parent, linked):
     """Join the cells (C, 3) that have agents within reach of each other.
 
     `position` is (N, 3), sorted by cell, `first` (C + 1,) the first row of each cell, `side` (3,)
     the box along axes seen across the seam and 0 along others, `count` (3,) the cells along them,
-    `far` (3,) how many cells away an agent within reach can be. `parent` (C,) begins with each cell
-    alone and ends with the one that stands for its component; `linked` (C,) tells which cells have
-    another within reach, or two spots of their own.
+    `offsets` (3,) how many cells away an agent within reach can be. `parent` (C,) begins with each
+    cell alone and ends with the one that stands for its component; `linked` (C,) tells which cells
+    have another within reach, or two spots of their own.
     """
     for a in range(cells.shape[0]):
         for i in range(first[a] + 1, first[a + 1]):
             for axis in range(3):
                 if position[i, axis] != position[first[a], axis]:
                     linked[a] = True
-        for dx in range(far[0] + 1):
-            for dy in range(-far[1], far[1] + 1):
-                for dz in range(-far[2], far[2] + 1):
+        for dx in range(offsets[0] + 1):
+            for dy in range(-offsets[1], offsets[1] + 1):
+                for dz in range(-offsets[2], offsets[2] + 1):
                     b = find(
                         cells,
                         round_trip(cells[a, 0] + dx, count[0]),
@@ -234,9 +236,9 @@ def join(position, cells, first, side, count, far, r2, parent, linked):
                         round_trip(cells[a, 2] + dz, count[2]),
                     )
                     if b >= 0 and b != a:
-                        one, other = root(parent, a), root(parent, b)
-                        if one != other and some_pair(position, first, a, b, side, r2):
-                            parent[max(one, other)] = min(one, other)
+                        root_a, root_b = root(parent, a), root(parent, b)
+                        if root_a != root_b and has_close_pair(position, first, a, b, side, r2):
+                            parent[max(root_a, root_b)] = min(root_a, root_b)
                             linked[a] = linked[b] = True
     for a in range(cells.shape[0]):
         parent[a] = root(parent, a)
@@ -259,29 +261,29 @@ def groups_within(position: np.ndarray, r: float, size, images) -> np.ndarray:
     >>> groups_within(on_a_line, 1.0, np.ones(2), np.zeros(2, bool)).tolist()
     [1, 0, 0]
     """
-    stay, position = together(position=vectors("position", position))
+    finite, position = drop_bad_rows(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
     r = length("r", r)
     n, dim = position.shape
     if n == 0 or r == 0.0:
-        return spread(stay, np.arange(n), -1)
-    inside = into_the_box(position, size, images)
-    most = r / math.sqrt(dim) * (1.0 - 1e-9)
-    around = np.maximum(1, np.ceil(np.asarray(size, float) / most))
-    width = np.where(images, size / around, most)
+        return spread(finite, np.arange(n), -1)
+    inside = wrap_into_box(position, size, images)
+    largest_side = r / math.sqrt(dim) * (1.0 - 1e-9)
+    cell_counts = np.maximum(1, np.ceil(np.asarray(size, float) / largest_side))
+    width = np.where(images, size / cell_counts, largest_side)
     cell = np.floor(inside / width).astype(np.int64)
-    cell = np.where(images, np.minimum(cell, around.astype(np.int64) - 1), cell)
+    cell = np.where(images, np.minimum(cell, cell_counts.astype(np.int64) - 1), cell)
     order = np.lexsort(cell.T[::-1])
-    missing = ((0, 0), (0, 3 - dim))
+    padding = ((0, 0), (0, 3 - dim))
     cells, first = np.unique(cell[order], axis=0, return_index=True)
     of_agent = np.repeat(np.arange(len(cells)), np.diff(first, append=n))
     parent, linked = np.arange(len(cells)), np.zeros(len(cells), bool)
     join(
-        np.pad(inside[order], missing),
-        np.pad(cells, missing),
+        np.pad(inside[order], padding),
+        np.pad(cells, padding),
         np.append(first, n),
         np.pad(np.where(images, size, 0.0), (0, 3 - dim)),
-        np.pad(np.where(images, around, 0).astype(np.int64), (0, 3 - dim)),
+        np.pad(np.where(images, cell_counts, 0).astype(np.int64), (0, 3 - dim)),
         np.pad((np.floor(r / width) + 1).astype(np.int64), (0, 3 - dim)),
         r * r,
         parent,
@@ -289,7 +291,7 @@ def groups_within(position: np.ndarray, r: float, size, images) -> np.ndarray:
     )
     label = np.empty(n, np.int64)
     label[order] = np.where(linked[of_agent], parent[of_agent], len(cells) + np.arange(n))
-    return spread(stay, ranked(label), -1)
+    return spread(finite, rank_groups(label), -1)
 
 
 # Layers below the information agents: hops through the r-graph (Liu et al. 2021, (2) to (4)).

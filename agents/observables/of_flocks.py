@@ -21,8 +21,8 @@ SAVED = "saved"
 def nearest(flock) -> float:
     """Least distance between two agents of the flock."""
     world = flock.world
-    found = neighbours.nearest_neighbour(flock.position, world.size, world.images)
-    return float(np.min(found, initial=np.inf))
+    distances = neighbours.nearest_neighbour(flock.position, world.size, world.images)
+    return float(np.min(distances, initial=np.inf))
 
 
 def mean_neighbours(flock) -> float:
@@ -97,8 +97,10 @@ def group_angular_momentum(flock) -> float:
     if not len(label):
         return math.nan
     first = label == 0
-    where, heading = flock.position[first], flock.heading[first]
-    return float(groups.angular_momenta(label[first], where, heading, world.size, world.images)[0])
+    position, heading = flock.position[first], flock.heading[first]
+    return float(
+        groups.angular_momenta(label[first], position, heading, world.size, world.images)[0]
+    )
 
 
 def group_table(flock) -> dict[int, dict[str, float]]:

@@ -6,7 +6,15 @@ import math
 
 import numpy as np
 
-from agents.observables.array_checks import box, column, headings, length, together, units, vectors
+from agents.observables.array_checks import (
+    box,
+    column,
+    drop_bad_rows,
+    headings,
+    length,
+    units,
+    vectors,
+)
 
 
 def polarisation(heading: np.ndarray) -> float:
@@ -45,7 +53,7 @@ def centre(position: np.ndarray, size: np.ndarray, images: np.ndarray) -> np.nda
     `position` (N, dim), `size` (dim,) sides of the box > 0, `images` (dim,) bool. nan for nobody;
     positions that are no numbers are left out, with a warning. Raises InputError.
     """
-    _, position = together(position=vectors("position", position))
+    _, position = drop_bad_rows(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
     if len(position) == 0:
         return np.full(position.shape[1], np.nan)
@@ -75,15 +83,15 @@ def angular_momentum(
     1.0
     """
     position, heading = vectors("position", position), vectors("heading", heading)
-    _, position, heading = together(position=position, heading=heading)
+    _, position, heading = drop_bad_rows(position=position, heading=heading)
     units(heading)
     size, images = box(size, images, position.shape[1])
     if len(position) == 0:
         return 0.0
-    apart = position - middle(position, size, images)
-    apart = apart - np.where(images, size * np.round(apart / size), 0.0)
+    offset = position - middle(position, size, images)
+    offset = offset - np.where(images, size * np.round(offset / size), 0.0)
     largest = float(np.max(np.abs(position)))
-    along = outward(apart, rounding(len(position), np.array(largest), size, images))
+    along = outward_directions(offset, rounding(len(position), np.array(largest), size, images))
     if position.shape[1] == 2:
         turning = abs(along[:, 0] @ heading[:, 1] - along[:, 1] @ heading[:, 0]) / len(along)
     else:
@@ -91,10 +99,10 @@ def angular_momentum(
     return min(1.0, float(turning))
 
 
-def outward(apart: np.ndarray, error) -> np.ndarray:
-    """Unit vectors along `apart` (N, dim), length; zeros where it is not longer than `error`."""
-    far = np.linalg.norm(apart, axis=1, keepdims=True)
-    return np.divide(apart, far, out=np.zeros_like(apart), where=far > error)
+def outward_directions(offset: np.ndarray, error) -> np.ndarray:
+    """Unit vectors along `offset` (N, dim), length; zeros where it is not longer than `error`."""
+    length = np.linalg.norm(offset, axis=1, keepdims=True)
+    return np.divide(offset, length, out=np.zeros_like(offset), where=length > error)
 
 
 def rounding(n, largest: np.ndarray, size: np.ndarray, images: np.ndarray):
@@ -127,7 +135,7 @@ def susceptibility(series: np.ndarray, n: float) -> float:
     25.0
     """
     n = length("n", n)
-    _, series = together(series=column("series", series))
+    _, series = drop_bad_rows(series=column("series", series))
     return float(n * np.var(series)) if len(series) else math.nan
 
 
@@ -142,7 +150,7 @@ def binder(series: np.ndarray) -> float:
     >>> round(binder(np.array([0.7, 0.7, 0.7])), 12)
     0.666666666667
     """
-    series = np.abs(together(series=column("series", series))[1])
+    series = np.abs(drop_bad_rows(series=column("series", series))[1])
     if not series.any():
         return math.nan
     square = np.square(series / series.max())

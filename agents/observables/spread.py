@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from agents.observables.array_checks import box, together, vectors
+from agents.observables.array_checks import box, drop_bad_rows, vectors
 from agents.observables.order import middle
 
 
@@ -21,13 +21,13 @@ def gyration_radius(position: np.ndarray, size: np.ndarray, images: np.ndarray) 
     >>> gyration_radius(corners, np.ones(2), np.zeros(2, bool))
     2.5
     """
-    _, position = together(position=vectors("position", position))
+    _, position = drop_bad_rows(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
     if len(position) < 2:
         return 0.0
-    apart = position - middle(position, size, images)
-    apart = apart - np.where(images, size * np.round(apart / size), 0.0)
-    return math.sqrt((apart**2).sum(axis=1).mean())
+    offset = position - middle(position, size, images)
+    offset = offset - np.where(images, size * np.round(offset / size), 0.0)
+    return math.sqrt((offset**2).sum(axis=1).mean())
 
 
 def velocity_spread(velocity: np.ndarray) -> float:
@@ -39,7 +39,7 @@ def velocity_spread(velocity: np.ndarray) -> float:
     >>> velocity_spread(np.array([[3.0, 4.0], [-3.0, -4.0]]))
     5.0
     """
-    _, velocity = together(velocity=vectors("velocity", velocity))
+    _, velocity = drop_bad_rows(velocity=vectors("velocity", velocity))
     if len(velocity) == 0:
         return 0.0
     return math.sqrt(((velocity - velocity.mean(axis=0)) ** 2).sum(axis=1).mean())

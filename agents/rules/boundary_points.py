@@ -139,15 +139,15 @@ def is_blocked(me, near, gx, gy, width):
     if length == 0.0:
         return 0.0
     ux, uy = x / length, y / length
-    found = 0.0
+    count = 0.0
     for k in range(near.points):
         dx = near.point_x[k] - me.x
         dy = near.point_y[k] - me.y
         along = dx * ux + dy * uy
-        across = math.fabs(dx * uy - dy * ux)
-        inside = (along > 0.0) & (along <= length) & (across <= width)
-        found = 1.0 if inside else found
-    return found
+        offset = math.fabs(dx * uy - dy * ux)
+        inside = (along > 0.0) & (along <= length) & (offset <= width)
+        count = 1.0 if inside else count
+    return count
 
 
 @compiled
@@ -160,24 +160,24 @@ def boundary_end(me, near, ax, ay, p):
     """
     axis = math.atan2(ay - me.y, ax - me.x)
     sign = -1.0 if p.sense == CLOCKWISE else 1.0
-    now = math.inf
+    current = math.inf
     for k in range(near.points):
         phase = math.atan2(near.point_y[k] - me.y, near.point_x[k] - me.x) - axis
         phase = sign * (phase + TURN if phase < 0.0 else phase)
         near.spare[0, k] = phase
-        now = phase if phase < now else now
+        current = phase if phase < current else current
     while True:
-        ahead = now
+        last_step = current
         for k in range(near.points):
             phase = near.spare[0, k]
-            ahead = phase if (phase - now < p.dtheta) & (phase > ahead) else ahead
-        if ahead == now:
+            last_step = phase if (phase - current < p.dtheta) & (phase > last_step) else last_step
+        if last_step == current:
             break
-        now = ahead
+        current = last_step
     k = 0
-    while near.spare[0, k] != now:
+    while near.spare[0, k] != current:
         k += 1
-    return near.point_x[k], near.point_y[k], sign * now
+    return near.point_x[k], near.point_y[k], sign * current
 
 
 @compiled

@@ -103,15 +103,15 @@ def term(me, other, p):
 
 
 @compiled
-def missed(me, x, y, z, sigma):
+def miss_direction(me, x, y, z, sigma):
     """The direction turned by a normal angle of deviation sigma (rad), to any side."""
     length = math.sqrt(x * x + y * y + z * z)
-    lost = length < 1e-12
-    length = where(lost, 1.0, length)
+    is_zero = length < 1e-12
+    length = where(is_zero, 1.0, length)
     x, y, z = (
-        where(lost, me.ux, x / length),
-        where(lost, me.uy, y / length),
-        where(lost, me.uz, z / length),
+        where(is_zero, me.ux, x / length),
+        where(is_zero, me.uy, y / length),
+        where(is_zero, me.uz, z / length),
     )
     if sigma == 0.0:
         return Decision(x, y, z)
@@ -135,9 +135,13 @@ def missed(me, x, y, z, sigma):
 def answer(me, sums, surroundings, p):
     """Repulsion first (1); else orientation (2), attraction (3) or the mean of both."""
     rx, ry, rz, ox, oy, oz, ax, ay, az, n_r, _, _ = sums
-    close = n_r > 0.0
-    x, y, z = where(close, rx, ox + ax), where(close, ry, oy + ay), where(close, rz, oz + az)
-    return missed(me, x, y, z, p.sigma)
+    has_repulsion = n_r > 0.0
+    x, y, z = (
+        where(has_repulsion, rx, ox + ax),
+        where(has_repulsion, ry, oy + ay),
+        where(has_repulsion, rz, oz + az),
+    )
+    return miss_direction(me, x, y, z, p.sigma)
 
 
 @compiled

@@ -107,12 +107,12 @@ class DOrsogna(Parameters):
 
 
 @compiled
-def pushed(me, other, p):
+def force_terms(me, other, p):
     """Repulsion and attraction of another, -grad U (2): six numbers, 0 beyond the range."""
-    there = (other.d2 > 0.0) & (other.d2 <= (RANGE * max(p.l_r, p.l_a)) ** 2)
-    d = math.sqrt(where(there, other.d2, 1.0))
-    push = there * (-p.C_r / p.l_r * exp(-d / p.l_r) / d)
-    pull = there * (p.C_a / p.l_a * exp(-d / p.l_a) / d)
+    is_in_range = (other.d2 > 0.0) & (other.d2 <= (RANGE * max(p.l_r, p.l_a)) ** 2)
+    d = math.sqrt(where(is_in_range, other.d2, 1.0))
+    push = is_in_range * (-p.C_r / p.l_r * exp(-d / p.l_r) / d)
+    pull = is_in_range * (p.C_a / p.l_a * exp(-d / p.l_a) / d)
     return (
         push * other.dx,
         push * other.dy,
@@ -126,11 +126,11 @@ def pushed(me, other, p):
 @compiled
 def term(me, other, p):
     """The force of another, -grad U (2): along the line between the two."""
-    there = (other.d2 > 0.0) & (other.d2 <= (RANGE * max(p.l_r, p.l_a)) ** 2)
-    d = math.sqrt(where(there, other.d2, 1.0))
+    is_in_range = (other.d2 > 0.0) & (other.d2 <= (RANGE * max(p.l_r, p.l_a)) ** 2)
+    d = math.sqrt(where(is_in_range, other.d2, 1.0))
     push = p.C_r / p.l_r * exp(-d / p.l_r)
     pull = p.C_a / p.l_a * exp(-d / p.l_a)
-    force = there * ((pull - push) / d)
+    force = is_in_range * ((pull - push) / d)
     return force * other.dx, force * other.dy, force * other.dz
 
 
@@ -149,7 +149,7 @@ def answer(me, sums, surroundings, p):
     return Decision(x + fx, y + fy, z + fz)
 
 
-around = sums_around(6, pushed)
+around = sums_around(6, force_terms)
 
 
 @compiled
@@ -164,11 +164,11 @@ def explain(me, near, surroundings, p, out):
 @compiled
 def weigh(me, near, p, out):
     """How strong the force of each is, over that of the strongest of the two at no distance."""
-    most = max(p.C_r / p.l_r, p.C_a / p.l_a)
+    strongest = max(p.C_r / p.l_r, p.C_a / p.l_a)
     for j in range(near.n):
         fx, fy, fz = term(me, neighbour_of(me, near, j), p)
         size = math.sqrt(fx * fx + fy * fy + fz * fz)
-        out[j] = size / most if most > 0.0 else 0.0
+        out[j] = size / strongest if strongest > 0.0 else 0.0
 
 
 RULE = Rule(

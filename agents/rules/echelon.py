@@ -13,8 +13,8 @@ from typing import NamedTuple
 from agents.engine.block import Decision
 from agents.models.declare import Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
-from agents.rules.couzin import missed
-from agents.rules.terms.potential_field import push
+from agents.rules.couzin import miss_direction
+from agents.rules.terms.potential_field import obstacle_force
 from agents.rules.terms.zone_sums import ALL_ROUND, edge_of, weigh_zones, zone_sums
 from agents.rules.zones import REPELLED_ALL_ROUND, Zones
 from worlds.compilation import compiled
@@ -59,11 +59,11 @@ def is_free(me, near, ahead, x, y, z, apart2, b):
         ex, ey, ez = x - near.x[k], y - near.y[k], z - near.z[k]
         mx, my, mz = me.x - near.x[k], me.y - near.y[k], me.z - near.z[k]
         d2 = ex * ex + ey * ey + ez * ez
-        behind = -(ex * near.ux[k] + ey * near.uy[k] + ez * near.uz[k])
+        lag = -(ex * near.ux[k] + ey * near.uy[k] + ez * near.uz[k])
         other = (mx * mx + my * my + mz * mz > 0.0) & (k != ahead)
-        taken = (d2 < close2) & (d2 < apart2)
-        spoilt = (behind > 0.0) & (behind < LONG * b) & (d2 - behind * behind < close2)
-        against += 1.0 if other & (taken | spoilt) else 0.0
+        is_taken = (d2 < close2) & (d2 < apart2)
+        spoilt = (lag > 0.0) & (lag < LONG * b) & (d2 - lag * lag < close2)
+        against += 1.0 if other & (is_taken | spoilt) else 0.0
     return against == 0.0
 
 
@@ -74,7 +74,7 @@ def nearest_slot(me, near, p):
     Ahead is where that bird is further on along its own heading; slots are to its left and right.
     """
     edge = edge_of(p.alpha)
-    aside, back = (1.0 + p.tip) * p.b, p.step * p.b
+    side_step, back_step = (1.0 + p.tip) * p.b, p.step * p.b
     best = math.inf
     ahead, seen = -1, False
     x = y = z = 0.0
@@ -95,9 +95,9 @@ def nearest_slot(me, near, p):
             seen = True
             level = math.sqrt(level2)
             for side in (-1.0, 1.0):
-                sx = dx - back * ux + side * aside * uy / level
-                sy = dy - back * uy - side * aside * ux / level
-                sz = dz - back * uz
+                sx = dx - back_step * ux + side * side_step * uy / level
+                sy = dy - back_step * uy - side * side_step * ux / level
+                sz = dz - back_step * uz
                 a2 = sx * sx + sy * sy + sz * sz
                 if a2 < best and is_free(me, near, j, me.x + sx, me.y + sy, me.z + sz, a2, p.b):
                     best, ahead, x, y, z = a2, j, sx, sy, sz
@@ -105,11 +105,11 @@ def nearest_slot(me, near, p):
 
 
 @compiled
-def closing_up(near, slot, p):
+def approach_slot(near, slot, p):
     """Velocity wished for: that of the bird ahead, and towards the slot, slower once it is near."""
     pace = near.speed[slot.ahead]
-    far = math.sqrt(slot.x * slot.x + slot.y * slot.y + slot.z * slot.z)
-    rate = min(1.0 / p.t_c, p.c / max(far, 1e-12))
+    distance = math.sqrt(slot.x * slot.x + slot.y * slot.y + slot.z * slot.z)
+    rate = min(1.0 / p.t_c, p.c / max(distance, 1e-12))
     return (
         pace * near.ux[slot.ahead] + rate * slot.x,
         pace * near.uy[slot.ahead] + rate * slot.y,
@@ -257,19 +257,21 @@ class Echelon(Zones):
 
 
 @compiled
-def in_length(me, x, y, z, length):
+def scale_to_length(me, x, y, z, length):
     """The vector brought to a length; without a direction along the heading."""
-    now = math.sqrt(x * x + y * y + z * z)
-    if now < 1e-12:
+    current_length = math.sqrt(x * x + y * y + z * z)
+    if current_length < 1e-12:
         return Decision(length * me.ux, length * me.uy, length * me.uz)
-    return Decision(length * x / now, length * y / now, length * z / now)
+    return Decision(
+        length * x / current_length, length * y / current_length, length * z / current_length
+    )
 
 
 @compiled
-def levelled(x, y, z, climb):
+def limit_climb(x, y, z, climb):
     """The third component of a direction that is to be no steeper than `climb` (deg)."""
-    most = math.tan(math.radians(climb)) * math.sqrt(x * x + y * y)
-    return min(max(z, -most), most)
+    steepest = math.tan(math.radians(climb)) * math.sqrt(x * x + y * y)
+    return min(max(z, -steepest), steepest)
 
 
 @compiled
@@ -280,25 +282,29 @@ def decide(me, near, surroundings, p):
     thesis's model 2.
     """
     s = zone_sums(me, near, p.d_r, p.d_o, p.d_a, ALL_ROUND, edge_of(p.alpha))
-    close = s.n_r > 0.0
-    to = Decision(s.rx, s.ry, s.rz) if close else Decision(s.ox + s.ax, s.oy + s.ay, s.oz + s.az)
-    to = in_length(me, to.x, to.y, to.z, p.v0)
-    if p.w > 0.0 and not close:
+    has_repulsion = s.n_r > 0.0
+    to = (
+        Decision(s.rx, s.ry, s.rz)
+        if has_repulsion
+        else Decision(s.ox + s.ax, s.oy + s.ay, s.oz + s.az)
+    )
+    to = scale_to_length(me, to.x, to.y, to.z, p.v0)
+    if p.w > 0.0 and not has_repulsion:
         slot = nearest_slot(me, near, p)
         if slot.seen:
             x, y, z = s.ox + me.ux, s.oy + me.uy, s.oz + me.uz
-            other = in_length(me, x, y, z, p.drop * p.v0)
+            other = scale_to_length(me, x, y, z, p.drop * p.v0)
             if slot.ahead >= 0:
-                x, y, z = closing_up(near, slot, p)
+                x, y, z = approach_slot(near, slot, p)
                 other = Decision(x, y, z)
             q = 1.0 - p.w
             to = Decision(
                 q * to.x + p.w * other.x, q * to.y + p.w * other.y, q * to.z + p.w * other.z
             )
     pace = math.sqrt(to.x * to.x + to.y * to.y + to.z * to.z)
-    to = missed(me, to.x, to.y, to.z, p.sigma)
-    z = levelled(to.x, to.y, to.z, p.climb)
-    fx, fy, fz = push(me, surroundings, p)
+    to = miss_direction(me, to.x, to.y, to.z, p.sigma)
+    z = limit_climb(to.x, to.y, to.z, p.climb)
+    fx, fy, fz = obstacle_force(me, surroundings, p)
     share = p.tau / p.m
     return Decision(pace * to.x + share * fx, pace * to.y + share * fy, pace * z + share * fz)
 

@@ -25,8 +25,8 @@ from agents.engine.block import Decision
 from agents.engine.noise import cos_sin
 from agents.models.declare import Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
-from agents.rules.couzin import missed
-from agents.rules.terms.potential_field import bent
+from agents.rules.couzin import miss_direction
+from agents.rules.terms.potential_field import bend_around_obstacles
 from agents.rules.terms.reserved_ball import (
     OUT_X,
     OUT_Y,
@@ -36,13 +36,13 @@ from agents.rules.terms.reserved_ball import (
     Direction,
     Escape,
     ReservedBall,
-    beside,
+    ball_after_escape,
     escape,
     nearer,
     note_planes,
     overlap,
     own_ball,
-    reserved_ball,
+    side_direction,
     spiral,
     turn_of,
 )
@@ -76,14 +76,14 @@ class StepOptions(NamedTuple):
     """The side to which it wants to turn."""
     angle: float
     """By how much it wants to turn, rad."""
-    most: float
+    turn_limit: float
     """By how much it can, rad."""
     fast: float
     """The speed that it wants, as near as it can get to it in a tick."""
     slow: float
     """The speed if it slows down."""
-    fast_way: Escape
-    slow_way: Escape
+    fast_escape: Escape
+    slow_escape: Escape
     out: Direction
     """The side to which it would escape now."""
     flat: bool
@@ -91,7 +91,7 @@ class StepOptions(NamedTuple):
 
 
 @compiled
-def leaves(flat, k):
+def leaves_plane(flat, k):
     """Whether the k-th of eight directions leads out of the plane of a flat world."""
     return flat and 0 < k < SIDES - 1
 
@@ -108,66 +108,73 @@ def about(u, n, k):
 
 
 @compiled
-def towards(u, n, angle):
+def turn_by(u, n, angle):
     """The heading u turned by an angle (rad) towards n, at right angles to it."""
     c, s = cos_sin(angle)
     return Direction(c * u.x + s * n.x, c * u.y + s * n.y, c * u.z + s * n.z)
 
 
 @compiled
-def choice(me, wish, pace, p):
+def step_options(me, wish, pace, p):
     """What the agent can do that wishes for a heading `wish` and a speed `pace`."""
     u = Direction(me.ux, me.uy, me.uz)
-    most = turn_of(p)
+    turn_limit = turn_of(p)
     along = min(1.0, max(-1.0, wish.x * u.x + wish.y * u.y + wish.z * u.z))
     fast = nearer(me.speed, min(max(pace, p.v_min), p.v_max), p)
     slow = nearer(me.speed, p.v_min, p)
     return StepOptions(
-        beside(u, wish),
-        min(math.acos(along), most),
-        most,
+        side_direction(u, wish),
+        min(math.acos(along), turn_limit),
+        turn_limit,
         fast,
         slow,
         escape(fast, p),
         escape(slow, p),
-        beside(u, Direction(me.signal[OUT_X], me.signal[OUT_Y], me.signal[OUT_Z])),
+        side_direction(u, Direction(me.signal[OUT_X], me.signal[OUT_Y], me.signal[OUT_Z])),
         (me.z == 0.0) & (me.uz == 0.0),
     )
 
 
 @compiled
-def heading_tried(me, of, k):
+def candidate_heading(me, options, k):
     """The k-th heading: the wanted one, straight on, then full turns to seven other sides."""
     u = Direction(me.ux, me.uy, me.uz)
     if k == 0:
-        return towards(u, of.toward, of.angle)
+        return turn_by(u, options.toward, options.angle)
     if k == 1:
         return u
-    return towards(u, about(u, of.toward, k - 1), of.most)
+    return turn_by(u, about(u, options.toward, k - 1), options.turn_limit)
 
 
 @compiled
-def onward(me, of, own):
+def escape_step(me, options, own):
     """The last resort, to go on with the escape: the ball stays."""
-    return GuardedStep(towards(Direction(me.ux, me.uy, me.uz), of.out, of.most), of.slow, own)
+    return GuardedStep(
+        turn_by(Direction(me.ux, me.uy, me.uz), options.out, options.turn_limit), options.slow, own
+    )
 
 
 @compiled
-def beyond(speed, way, p):
+def ball_distance(speed, escape_path, p):
     """How far from an agent the ball reaches that it reserves after a step, at most; length."""
-    return speed * p.tau + math.sqrt(way.along**2 + way.across**2) + way.radius
+    return (
+        speed * p.tau + math.sqrt(escape_path.along**2 + escape_path.across**2) + escape_path.radius
+    )
 
 
 @compiled
-def farthest(me, of, own, p):
+def farthest_ball(me, options, own, p):
     """How far beyond the ball `own` any ball can reach that is tried, at most; length."""
     to = math.sqrt((own.x - me.x) ** 2 + (own.y - me.y) ** 2 + (own.z - me.z) ** 2)
-    reach = max(beyond(of.fast, of.fast_way, p), beyond(of.slow, of.slow_way, p))
+    reach = max(
+        ball_distance(options.fast, options.fast_escape, p),
+        ball_distance(options.slow, options.slow_escape, p),
+    )
     return max(to + reach - own.radius, 0.0)
 
 
 @compiled
-def safe_step(me, near, surroundings, wish, pace, p):
+def choose_safe_step(me, near, surroundings, wish, pace, p):
     """The first safe step for an agent that wishes a heading (unit vector) and a speed.
 
     Those nearest to the wish, and to the present escape, come first: for each heading the wanted
@@ -176,30 +183,34 @@ def safe_step(me, near, surroundings, wish, pace, p):
     reserved balls overlap as a run starts, the least unsafe. Without the guard (p.guard) the step
     that is wished, safe or not.
     """
-    of = choice(me, wish, pace, p)
+    options = step_options(me, wish, pace, p)
     own = own_ball(me)
-    planes = note_planes(me, near, own, farthest(me, of, own, p), p)
-    best = last = onward(me, of, own)
-    least = math.inf
+    planes = note_planes(me, near, own, farthest_ball(me, options, own, p), p)
+    best = last = escape_step(me, options, own)
+    least_overlap = math.inf
     for heading in range(HEADINGS):
-        if leaves(of.flat, heading - 1):
+        if leaves_plane(options.flat, heading - 1):
             continue
-        u = heading_tried(me, of, heading)
-        side = beside(u, of.out)
+        u = candidate_heading(me, options, heading)
+        side = side_direction(u, options.out)
         for slows in range(PACES):
-            speed, way = (of.slow, of.slow_way) if slows else (of.fast, of.fast_way)
+            speed, escape_path = (
+                (options.slow, options.slow_escape)
+                if slows
+                else (options.fast, options.fast_escape)
+            )
             d = speed * p.tau
             at = Direction(me.x + d * u.x, me.y + d * u.y, me.z + d * u.z)
             for k in range(SIDES):
-                if leaves(of.flat, k):
+                if leaves_plane(options.flat, k):
                     continue
-                ball = reserved_ball(at, u, about(u, side, k), way)
+                ball = ball_after_escape(at, u, about(u, side, k), escape_path)
                 over = overlap(near, planes, surroundings, own, ball, p)
                 if over == 0.0 or p.guard == 0.0:
                     return GuardedStep(u, speed, ball)
-                if over < least:
-                    least, best = over, GuardedStep(u, speed, ball)
-    return last if overlap(near, planes, surroundings, own, own, p) < least else best
+                if over < least_overlap:
+                    least_overlap, best = over, GuardedStep(u, speed, ball)
+    return last if overlap(near, planes, surroundings, own, own, p) < least_overlap else best
 
 
 WISH, BALL = 0, 3
@@ -284,15 +295,21 @@ class GuardedZones(Zones):
         """
         body = getattr(self, "body", 0.0) + 2.0 * SKIN
         step = getattr(self, "v_max", 0.0) * getattr(self, "tau", 0.0)
-        return max(self.d_r, self.d_o, self.d_a, self.d_c, SHARES * widest(self) + 2 * step + body)
+        return max(
+            self.d_r,
+            self.d_o,
+            self.d_a,
+            self.d_c,
+            SHARES * largest_ball_radius(self) + 2 * step + body,
+        )
 
     @property
     def sight(self) -> float:
         """The largest distance at which obstacles are noticed, length."""
-        return max(self.Q, widest(self) + SKIN) + 0.5 * getattr(self, "body", 0.0)
+        return max(self.Q, largest_ball_radius(self) + SKIN) + 0.5 * getattr(self, "body", 0.0)
 
 
-def widest(p: Any) -> float:
+def largest_ball_radius(p: Any) -> float:
     """The radius of an agent's largest reserved ball, that at its largest speed; length."""
     if not hasattr(p, "v_max"):
         return 0.0
@@ -309,18 +326,18 @@ def mean_direction(me, near, p):
         dy = near.y[j] - me.y
         dz = near.z[j] - me.z
         d2 = dx * dx + dy * dy + dz * dz
-        heard = 1.0 if (d2 > 0.0) & (d2 <= p.d_c * p.d_c) else 0.0
-        share = heard / math.sqrt(d2 if d2 > 0.0 else 1.0)
+        is_heard = 1.0 if (d2 > 0.0) & (d2 <= p.d_c * p.d_c) else 0.0
+        share = is_heard / math.sqrt(d2 if d2 > 0.0 else 1.0)
         x += share * dx
         y += share * dy
         z += share * dz
-        n += heard
+        n += is_heard
     n = max(n, 1.0)
     return x / n, y / n, z / n
 
 
 @compiled
-def wished(me, near, surroundings, p):
+def wished_velocity(me, near, surroundings, p):
     """The velocity that flocking asks for, of length v0."""
     s = zone_sums(me, near, p.d_r, p.d_o, p.d_a, ALL_ROUND, edge_of(p.alpha))
     fx, fy, fz = s.ox + p.w_a * s.ax, s.oy + p.w_a * s.ay, s.oz + p.w_a * s.az
@@ -330,23 +347,23 @@ def wished(me, near, surroundings, p):
     x = s.rx + share * fx + p.w_c * cx
     y = s.ry + share * fy + p.w_c * cy
     z = s.rz + share * fz + p.w_c * cz
-    to = missed(me, x, y, z, p.sigma)
-    return bent(me, to.x, to.y, to.z, surroundings, p)
+    to = miss_direction(me, x, y, z, p.sigma)
+    return bend_around_obstacles(me, to.x, to.y, to.z, surroundings, p)
 
 
 @compiled
 def perceive(me, near, surroundings, p):
     """Choose a step by the wish and by the guard; remember it and the ball reserved after it."""
-    x, y, z = wished(me, near, surroundings, p)
+    x, y, z = wished_velocity(me, near, surroundings, p)
     speed = math.sqrt(x * x + y * y + z * z)
     wish = Direction(me.ux, me.uy, me.uz)
     if speed > 0.0:
         wish = Direction(x / speed, y / speed, z / speed)
-    step = safe_step(me, near, surroundings, wish, speed, p)
-    asked = max(step.speed, STOPPED)
-    me.memory[WISH] = asked * step.u.x
-    me.memory[WISH + 1] = asked * step.u.y
-    me.memory[WISH + 2] = asked * step.u.z
+    step = choose_safe_step(me, near, surroundings, wish, speed, p)
+    wanted_speed = max(step.speed, STOPPED)
+    me.memory[WISH] = wanted_speed * step.u.x
+    me.memory[WISH + 1] = wanted_speed * step.u.y
+    me.memory[WISH + 2] = wanted_speed * step.u.z
     d = step.speed * p.tau
     me.memory[BALL + OUT_X] = step.ball.x - (me.x + d * step.u.x)
     me.memory[BALL + OUT_Y] = step.ball.y - (me.y + d * step.u.y)
@@ -365,7 +382,9 @@ def show(me, p, out):
     """An agent that has reserved nothing yet would escape to its left."""
     if out[RADIUS] == math.inf:
         u = Direction(me.ux, me.uy, me.uz)
-        first = reserved_ball(Direction(0.0, 0.0, 0.0), u, beside(u, u), escape(me.speed, p))
+        first = ball_after_escape(
+            Direction(0.0, 0.0, 0.0), u, side_direction(u, u), escape(me.speed, p)
+        )
         out[OUT_X], out[OUT_Y], out[OUT_Z] = first.x, first.y, first.z
         out[RADIUS] = first.radius
 
@@ -384,18 +403,18 @@ def weigh(me, near, p, out):
     Those that are heard weigh w_c more, divided among them.
     """
     edge = edge_of(p.alpha)
-    heard = 0.0
+    heard_count = 0.0
     for j in range(near.n):
         dx, dy, dz = near.x[j] - me.x, near.y[j] - me.y, near.z[j] - me.z
-        heard += 1.0 if 0.0 < dx * dx + dy * dy + dz * dz <= p.d_c * p.d_c else 0.0
+        heard_count += 1.0 if 0.0 < dx * dx + dy * dy + dz * dz <= p.d_c * p.d_c else 0.0
     for j in range(near.n):
         dx, dy, dz = near.x[j] - me.x, near.y[j] - me.y, near.z[j] - me.z
         d = math.sqrt(dx * dx + dy * dy + dz * dz)
-        seen = dx * me.ux + dy * me.uy + dz * me.uz >= edge * d
-        out[j] = p.w_c / heard if 0.0 < d <= p.d_c else 0.0
-        if 0.0 < d < p.d_r or (seen and p.d_r <= d < p.d_o):
+        is_visible = dx * me.ux + dy * me.uy + dz * me.uz >= edge * d
+        out[j] = p.w_c / heard_count if 0.0 < d <= p.d_c else 0.0
+        if 0.0 < d < p.d_r or (is_visible and p.d_r <= d < p.d_o):
             out[j] += 1.0
-        elif seen and max(p.d_r, p.d_o) <= d <= p.d_a:
+        elif is_visible and max(p.d_r, p.d_o) <= d <= p.d_a:
             out[j] += p.w_a
 
 

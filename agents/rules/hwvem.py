@@ -73,24 +73,24 @@ def contribution(layer, nearest, neighbours, alike, p):
 
 
 @compiled
-def survey(me, near, r):
+def survey_neighbours(me, near, r):
     """Over the neighbours: the least layer, UNKNOWN without any, and how many they are."""
-    least = UNKNOWN
+    lowest_layer = UNKNOWN
     count = 0.0
     layer = near.signal[LAYER]
     for j in range(near.n):
         a = adjacent(me, near, j, r)
         count += a
-        if a > 0.0 and layer[j] < least:
-            least = layer[j]
-    return least, count
+        if a > 0.0 and layer[j] < lowest_layer:
+            lowest_layer = layer[j]
+    return lowest_layer, count
 
 
 @compiled
 def decide(me, near, surroundings, p):
     """Weighted mean heading of the neighbours (9), (18), summed layer by layer."""
     layer = near.signal[LAYER]
-    nearest, neighbours = survey(me, near, p.r)
+    nearest, neighbours = survey_neighbours(me, near, p.r)
     x = y = z = total = 0.0
     current = nearest
     while current < UNKNOWN:
@@ -136,7 +136,7 @@ def remember(me, near, p, out):
 def weigh(me, near, p, out):
     """Weights h_ij (10) of the agents of the block."""
     layer = near.signal[LAYER]
-    nearest, neighbours = survey(me, near, p.r)
+    nearest, neighbours = survey_neighbours(me, near, p.r)
     for j in range(near.n):
         alike = 0.0
         for n in range(near.n):

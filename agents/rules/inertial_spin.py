@@ -103,40 +103,40 @@ def cross(ax, ay, az, bx, by, bz):
 
 
 @compiled
-def left_of(a):
+def friction_decay(a):
     """What friction leaves of a spin after a tick, and of it over the tick in the mean: e^-a and
     (1 - e^-a) / a, where a = eta dt / chi."""
     if a < SMALL:
         mean = 1.0 - a * (1.0 / 2.0 - a * (1.0 / 6.0 - a * (1.0 / 24.0 - a / 120.0)))
         return 1.0 - a * mean, mean
-    left = math.exp(-a)
-    return left, (1.0 - left) / a
+    decay = math.exp(-a)
+    return decay, (1.0 - decay) / a
 
 
 @compiled
-def noise_of(a, left, mean):
+def noise_shares(a, decay, mean):
     """What noise adds to a spin over a tick, in units of sqrt(T chi): its standard deviation, the
     share of it that the mean over the tick has, and the standard deviation of that mean's rest."""
-    deviation = math.sqrt(a * mean * (1.0 + left))
+    deviation = math.sqrt(a * mean * (1.0 + decay))
     if a < SMALL:
         half = a * (1.0 / 3.0 - a * (1.0 / 4.0 - a * 7.0 / 60.0))
     else:
         half = (1.0 - mean) / a - 0.5 * mean * mean
-    rest = 2.0 * half - a * mean**3 / (1.0 + left)
-    return deviation, mean / (1.0 + left), math.sqrt(max(rest, 0.0))
+    rest_variance = 2.0 * half - a * mean**3 / (1.0 + decay)
+    return deviation, mean / (1.0 + decay), math.sqrt(max(rest_variance, 0.0))
 
 
 @compiled
-def shaken(me, size, draw):
+def random_torque(me, size, draw):
     """u x xi: normal, of standard deviation `size` along each axis across the heading.
 
     In the plane it is along z alone.
     """
-    one = size * normal(me.key, me.id, draw)
+    deviation = size * normal(me.key, me.id, draw)
     if me.uz == 0.0 and me.memory[0] == 0.0 and me.memory[1] == 0.0:
-        return 0.0, 0.0, one
+        return 0.0, 0.0, deviation
     two, three = size * normal(me.key, me.id, draw + 2), size * normal(me.key, me.id, draw + 4)
-    return cross(me.ux, me.uy, me.uz, one, two, three)
+    return cross(me.ux, me.uy, me.uz, deviation, two, three)
 
 
 @compiled
@@ -172,7 +172,7 @@ def perceive(me, near, surroundings, p):
     s = me.memory
     along = s[0] * me.ux + s[1] * me.uy + s[2] * me.uz  # 0 but where an edge has turned the heading
     a = p.eta * p.dt / p.chi
-    left, mean = left_of(a)
+    decay, mean = friction_decay(a)
     h = p.J * p.dt
     x = s[0] - along * me.ux + h * tx
     y = s[1] - along * me.uy + h * ty
@@ -180,10 +180,10 @@ def perceive(me, near, surroundings, p):
     nx = ny = nz = rx = ry = rz = share = 0.0
     size = math.sqrt(p.T * p.chi)
     if a * size > 0.0:
-        deviation, share, rest = noise_of(a, left, mean)
-        nx, ny, nz = shaken(me, size * deviation, DRAW)
-        rx, ry, rz = shaken(me, size * rest, DRAW + 6)
-    s[0], s[1], s[2] = left * x + nx, left * y + ny, left * z + nz
+        deviation, share, rest_deviation = noise_shares(a, decay, mean)
+        nx, ny, nz = random_torque(me, size * deviation, DRAW)
+        rx, ry, rz = random_torque(me, size * rest_deviation, DRAW + 6)
+    s[0], s[1], s[2] = decay * x + nx, decay * y + ny, decay * z + nz
     s[3] = mean * x + share * nx + rx
     s[4] = mean * y + share * ny + ry
     s[5] = mean * z + share * nz + rz

@@ -42,27 +42,27 @@ def show(me, p, out):
 
 
 @compiled
-def extremes(me, near, p):
+def extreme_angles(me, near, p):
     """Least and largest angle among the neighbours, (inf, -inf) without any."""
-    least, largest = math.inf, -math.inf
+    smallest, largest = math.inf, -math.inf
     for j in range(near.n):
         if adjacent(me, near, j, p.r) * near.heard[j] > 0.0:
-            least = min(least, near.signal[ANGLE, j])
+            smallest = min(smallest, near.signal[ANGLE, j])
             largest = max(largest, near.signal[ANGLE, j])
-    return least, largest
+    return smallest, largest
 
 
 @compiled
 def decide(me, near, surroundings, p):
     """theta_i + lambda (max - min) / 2: (30), (31)."""
     theta = me.signal[ANGLE]
-    least, largest = extremes(me, near, p)
-    if least > largest:
+    smallest, largest = extreme_angles(me, near, p)
+    if smallest > largest:
         return Decision(0.0, 0.0, 0.0)
-    if theta <= least:
-        theta += (largest - least) / 2.0
+    if theta <= smallest:
+        theta += (largest - smallest) / 2.0
     elif theta >= largest:
-        theta -= (largest - least) / 2.0
+        theta -= (largest - smallest) / 2.0
     return Decision(math.cos(theta), math.sin(theta), 0.0)
 
 
@@ -92,11 +92,11 @@ def prepare(flock, space, grid, slots, p, tick):
 @compiled
 def weigh(me, near, p, out):
     """Only the two extremes count: weight 1."""
-    least, largest = extremes(me, near, p)
+    smallest, largest = extreme_angles(me, near, p)
     for j in range(near.n):
         angle = near.signal[ANGLE, j]
-        heard = adjacent(me, near, j, p.r) * near.heard[j]
-        out[j] = heard if angle in (least, largest) else 0.0
+        is_heard = adjacent(me, near, j, p.r) * near.heard[j]
+        out[j] = is_heard if angle in (smallest, largest) else 0.0
 
 
 @compiled

@@ -79,20 +79,20 @@ def beta_terms(me, surroundings, p):
     """
     vx, vy, vz = me.speed * me.ux, me.speed * me.uy, me.speed * me.uz
     fx = fy = fz = cx = cy = cz = 0.0
-    around = solids_around(surroundings, me.x, me.y)
-    for k in range(around.number):
-        at = surface(surroundings, around, k, me.x, me.y, me.z)
+    nearby = solids_around(surroundings, me.x, me.y)
+    for k in range(nearby.number):
+        at = surface(surroundings, nearby, k, me.x, me.y, me.z)
         if math.fabs(at.distance) <= p.r:
             dx, dy, dz = at.x - me.x, at.y - me.y, at.z - me.z
             d2 = dx * dx + dy * dy + dz * dz
             f, rho = printed_push(d2, p) if p.beta == PRINTED else push(d2, p)
-            into = rho * (vx * at.nx + vy * at.ny + vz * at.nz)
+            inward = rho * (vx * at.nx + vy * at.ny + vz * at.nz)
             fx += f * dx
             fy += f * dy
             fz += f * dz
-            cx -= into * at.nx
-            cy -= into * at.ny
-            cz -= into * at.nz
+            cx -= inward * at.nx
+            cy -= inward * at.ny
+            cz -= inward * at.nz
     return fx, fy, fz, cx, cy, cz
 
 

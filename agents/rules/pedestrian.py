@@ -220,17 +220,17 @@ def drive(me, p):
 
 
 @compiled
-def repelled(me, near, j, p):
+def repulsion_from(me, near, j, p):
     """f_ab = -grad V(b) of agent j, V = V^0 exp(-b / sigma) (3).
 
     b is half the minor axis of the ellipse through a whose foci are the place of b and that where
     its step ends, s = v_b dt further on along e_b: 2 b = sqrt((|r| + |r - s e_b|)^2 - s^2) (4).
     """
     rx, ry = me.x - near.x[j], me.y - near.y[j]
-    way = p.step_time * near.speed[j]
-    qx, qy = rx - way * near.signal[WAY_X, j], ry - way * near.signal[WAY_Y, j]
+    step_length = p.step_time * near.speed[j]
+    qx, qy = rx - step_length * near.signal[WAY_X, j], ry - step_length * near.signal[WAY_Y, j]
     d, q = math.sqrt(rx * rx + ry * ry), math.sqrt(qx * qx + qy * qy)
-    b = 0.5 * math.sqrt(max((d + q) * (d + q) - way * way, 0.0))
+    b = 0.5 * math.sqrt(max((d + q) * (d + q) - step_length * step_length, 0.0))
     if b < THIN or q == 0.0:
         return 0.0, 0.0
     push = p.repulsion / p.sigma * math.exp(-b / p.sigma) * (d + q) / (4.0 * b)
@@ -240,9 +240,9 @@ def repelled(me, near, j, p):
 @compiled
 def weight(me, fx, fy, p):
     """w(e_a, -f): 1 if what pushes is in the field of view, else c (8)."""
-    ahead = -(me.signal[WAY_X] * fx + me.signal[WAY_Y] * fy)
+    forward = -(me.signal[WAY_X] * fx + me.signal[WAY_Y] * fy)
     edge = math.cos(0.5 * math.radians(p.fov))
-    return 1.0 if ahead >= edge * math.sqrt(fx * fx + fy * fy) else p.c
+    return 1.0 if forward >= edge * math.sqrt(fx * fx + fy * fy) else p.c
 
 
 @compiled
@@ -251,7 +251,7 @@ def pedestrians(me, near, p):
     x = y = 0.0
     for j in range(near.n):
         if adjacent(me, near, j, p.r) > 0.0:
-            fx, fy = repelled(me, near, j, p)
+            fx, fy = repulsion_from(me, near, j, p)
             w = weight(me, fx, fy, p)
             x += w * fx
             y += w * fy
@@ -259,12 +259,12 @@ def pedestrians(me, near, p):
 
 
 @compiled
-def walls(me, surroundings, p):
+def wall_forces(me, surroundings, p):
     """F_aB = -grad U(r) of every solid, r to its nearest place, U = U^0 exp(-r / R) (5)."""
     x = y = 0.0
-    around = solids_around(surroundings, me.x, me.y)
-    for k in range(around.number):
-        at = surface(surroundings, around, k, me.x, me.y, me.z)
+    nearby = solids_around(surroundings, me.x, me.y)
+    for k in range(nearby.number):
+        at = surface(surroundings, nearby, k, me.x, me.y, me.z)
         if at.distance <= p.r:
             push = p.border / p.r_border * math.exp(-max(at.distance, 0.0) / p.r_border)
             x += push * at.nx
@@ -273,14 +273,14 @@ def walls(me, surroundings, p):
 
 
 @compiled
-def limit(me, x, y, p):
+def limit_speed(me, x, y, p):
     """What takes off the acceleration so much that |v| <= v^max = 1.3 v^0 after the tick."""
     h = p.dt / p.m
     vx, vy = me.speed * me.ux + h * x, me.speed * me.uy + h * y
-    most, speed = p.haste * desired_speed(me, p), math.sqrt(vx * vx + vy * vy)
-    if speed <= most:
+    speed_limit, speed = p.haste * desired_speed(me, p), math.sqrt(vx * vx + vy * vy)
+    if speed <= speed_limit:
         return 0.0, 0.0
-    share = (most / speed - 1.0) / h
+    share = (speed_limit / speed - 1.0) / h
     return share * vx, share * vy
 
 
@@ -289,9 +289,9 @@ def decide(me, near, surroundings, p):
     """The sum (9) of the social forces, bounded by the largest speed (10)."""
     x, y = drive(me, p)
     px, py = pedestrians(me, near, p)
-    wx, wy = walls(me, surroundings, p)
+    wx, wy = wall_forces(me, surroundings, p)
     x, y = x + px + wx, y + py + wy
-    lx, ly = limit(me, x, y, p)
+    lx, ly = limit_speed(me, x, y, p)
     return Decision(x + lx, y + ly, 0.0)
 
 
@@ -301,9 +301,9 @@ def explain(me, near, surroundings, p, out):
     out[:, :] = 0.0
     out[0, 0], out[0, 1] = drive(me, p)
     out[1, 0], out[1, 1] = pedestrians(me, near, p)
-    out[2, 0], out[2, 1] = walls(me, surroundings, p)
+    out[2, 0], out[2, 1] = wall_forces(me, surroundings, p)
     x, y = out[0, 0] + out[1, 0] + out[2, 0], out[0, 1] + out[1, 1] + out[2, 1]
-    out[3, 0], out[3, 1] = limit(me, x, y, p)
+    out[3, 0], out[3, 1] = limit_speed(me, x, y, p)
 
 
 @compiled
@@ -312,7 +312,7 @@ def weigh(me, near, p, out):
     for j in range(near.n):
         out[j] = 0.0
         if adjacent(me, near, j, p.r) > 0.0:
-            fx, fy = repelled(me, near, j, p)
+            fx, fy = repulsion_from(me, near, j, p)
             out[j] = weight(me, fx, fy, p)
 
 

@@ -56,9 +56,9 @@ def avoidance(me, surroundings, p):
     way leads away from the surface.
     """
     for k in range(PROBES):
-        way = p.look_ahead * k / (PROBES - 1)
+        distance = p.look_ahead * k / (PROBES - 1)
         at = nearest_surface(
-            surroundings, me.x + way * me.ux, me.y + way * me.uy, me.z + way * me.uz
+            surroundings, me.x + distance * me.ux, me.y + distance * me.uy, me.z + distance * me.uz
         )
         towards = at.nx * me.ux + at.ny * me.uy + at.nz * me.uz
         if at.distance < p.clearance and towards <= SLIGHT:
@@ -244,20 +244,20 @@ def edge_of_view(p):
 
 
 @compiled
-def in_view(me, other, edge):
+def is_in_view(me, other, edge):
     """Whether it is another boid in the field of view."""
-    ahead = other.dx * me.ux + other.dy * me.uy + other.dz * me.uz
-    return (other.d2 > 0.0) & (ahead >= edge * math.sqrt(other.d2))
+    forward = other.dx * me.ux + other.dy * me.uy + other.dz * me.uz
+    return (other.d2 > 0.0) & (forward >= edge * math.sqrt(other.d2))
 
 
 @compiled
 def term(me, other, p):
     """What another boid adds to the sums of `flocking`: eleven numbers."""
-    there = in_view(me, other, edge_of_view(p))
-    apart = there & (other.d2 <= min(p.r, p.r_separation) ** 2)
-    s = apart * (1.0 / where(apart, other.d2, 1.0))
-    a = there & (other.d2 <= min(p.r, p.r_alignment) ** 2)
-    c = there & (other.d2 <= min(p.r, p.r_cohesion) ** 2)
+    is_seen = is_in_view(me, other, edge_of_view(p))
+    is_too_near = is_seen & (other.d2 <= min(p.r, p.r_separation) ** 2)
+    s = is_too_near * (1.0 / where(is_too_near, other.d2, 1.0))
+    a = is_seen & (other.d2 <= min(p.r, p.r_alignment) ** 2)
+    c = is_seen & (other.d2 <= min(p.r, p.r_cohesion) ** 2)
     return (
         -s * other.dx,
         -s * other.dy,
@@ -333,10 +333,10 @@ def explain(me, near, surroundings, p, out):
 def weigh(me, near, p, out):
     """1 for those in view within the largest of the radii, 0 for others."""
     edge = edge_of_view(p)
-    most = min(p.r, max(p.r_separation, max(p.r_alignment, p.r_cohesion))) ** 2
+    largest2 = min(p.r, max(p.r_separation, max(p.r_alignment, p.r_cohesion))) ** 2
     for j in range(near.n):
         other = neighbour_of(me, near, j)
-        out[j] = 1.0 if in_view(me, other, edge) & (other.d2 <= most) else 0.0
+        out[j] = 1.0 if is_in_view(me, other, edge) & (other.d2 <= largest2) else 0.0
 
 
 REYNOLDS = Rule(

@@ -13,9 +13,9 @@ import math
 from agents.engine.block import Decision
 from agents.models.declare import Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
-from agents.rules.couzin import missed
+from agents.rules.couzin import miss_direction
 from agents.rules.terms.neighbour_choice import Nearest
-from agents.rules.terms.potential_field import push
+from agents.rules.terms.potential_field import obstacle_force
 from agents.rules.terms.zone_sums import edge_of, zone_sums
 from agents.rules.zones import REPELLED_ALL_ROUND, Zones
 from worlds.compilation import compiled
@@ -102,11 +102,11 @@ def avoidance(me, near, p):
         t = -(dx * wx + dy * wy + dz * wz) / (w2 if w2 > 1e-12 else 1.0)
         cx, cy, cz = dx + t * wx, dy + t * wy, dz + t * wz
         missed2 = cx * cx + cy * cy + cz * cz
-        there = d2 > 0.0
-        close = MOST * (1.0 - d / p.d_r) if there & (d < p.d_r) else 0.0
-        soon = there & (d <= p.d_s) & (w2 > 1e-12) & (t > 0.0) & (t <= p.t_s)
-        soon = soon & (missed2 < p.miss * p.miss)
-        weight = close + (1.0 / max(t, 1.0 / MOST) if soon else 0.0)
+        is_other = d2 > 0.0
+        closeness = MOST * (1.0 - d / p.d_r) if is_other & (d < p.d_r) else 0.0
+        meets_soon = is_other & (d <= p.d_s) & (w2 > 1e-12) & (t > 0.0) & (t <= p.t_s)
+        meets_soon = meets_soon & (missed2 < p.miss * p.miss)
+        weight = closeness + (1.0 / max(t, 1.0 / MOST) if meets_soon else 0.0)
         x -= weight * dx / d
         y -= weight * dy / d
         z -= weight * dz / d
@@ -121,10 +121,10 @@ def decide(me, near, surroundings, p):
     length = math.sqrt(fx * fx + fy * fy + fz * fz)
     share = p.g / length if length > 1e-12 else 0.0
     x, y, z = avoidance(me, near, p)
-    bx, by, bz = push(me, surroundings, p)
+    bx, by, bz = obstacle_force(me, surroundings, p)
     field = p.tau / (p.m * max(p.v0, 1e-6))
     x, y, z = x + share * fx + field * bx, y + share * fy + field * by, z + share * fz + field * bz
-    to = missed(me, x, y, z, p.sigma)
+    to = miss_direction(me, x, y, z, p.sigma)
     return Decision(p.v0 * to.x, p.v0 * to.y, p.v0 * to.z)
 
 
@@ -135,8 +135,8 @@ def weigh(me, near, p, out):
     for j in range(near.n):
         dx, dy, dz = near.x[j] - me.x, near.y[j] - me.y, near.z[j] - me.z
         d = math.sqrt(dx * dx + dy * dy + dz * dz)
-        seen = dx * me.ux + dy * me.uy + dz * me.uz >= edge * d
-        out[j] = 1.0 if 0.0 < d < p.d_r or (seen and p.d_r <= d <= max(p.d_o, p.d_a)) else 0.0
+        is_visible = dx * me.ux + dy * me.uy + dz * me.uz >= edge * d
+        out[j] = 1.0 if 0.0 < d < p.d_r or (is_visible and p.d_r <= d <= max(p.d_o, p.d_a)) else 0.0
 
 
 SAFE = Rule(

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.bodies.tracking import Tracking, error_of, left_behind
+from agents.bodies.tracking import Tracking, error_of, stale_error
 from agents.engine.block import Decision, adjacent
 from agents.models.declare import Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
@@ -21,14 +21,14 @@ from agents.rules.terms.pulls import (
     HUNTS,
     OWN,
     chase,
-    hearing,
-    injected,
+    hearing_limit2,
     is_heard,
     is_hunter,
     is_plain,
     own_chase,
+    pull_to_injected,
     pulls,
-    sense,
+    sense_cars,
 )
 from worlds.compilation import compiled
 
@@ -259,7 +259,7 @@ class Squashing(Tracking):
 
 
 @compiled
-def chased(me, near, p):
+def wish_of_predator(me, near, p):
     """What a predator wants, by the tracking or by its own sensors."""
     return own_chase(me, near, p) if p.sensing == OWN else chase(me, near, p)
 
@@ -268,9 +268,9 @@ def chased(me, near, p):
 def desired(me, near, surroundings, p):
     """D of (2) without its derivative and its integral."""
     if is_hunter(me, p):
-        return chased(me, near, p)
+        return wish_of_predator(me, near, p)
     cx, cy, px, py, ax, ay = pulls(me, near, p)
-    ix, iy = injected(me, surroundings, p)
+    ix, iy = pull_to_injected(me, surroundings, p)
     return cx + ix + px + ax, cy + iy + py + ay
 
 
@@ -285,9 +285,9 @@ def perceive(me, near, surroundings, p):
         me.memory[SUM_X], me.memory[SUM_Y] = share * x, share * y
     if p.derivative > 0.0:
         x, y = desired(me, near, surroundings, p)
-        known = me.memory[KNOWN]
-        me.memory[RATE_X] = known * (x - me.memory[LAST_X]) / p.dt
-        me.memory[RATE_Y] = known * (y - me.memory[LAST_Y]) / p.dt
+        is_known = me.memory[KNOWN]
+        me.memory[RATE_X] = is_known * (x - me.memory[LAST_X]) / p.dt
+        me.memory[RATE_Y] = is_known * (y - me.memory[LAST_Y]) / p.dt
         me.memory[LAST_X], me.memory[LAST_Y], me.memory[KNOWN] = x, y, 1.0
     else:
         me.memory[KNOWN] = 0.0
@@ -311,10 +311,10 @@ def explain(me, near, surroundings, p, out):
     """The terms of D, in the order of FORCES; the chase of a predator is its pull by cars."""
     out[:, :] = 0.0
     if is_hunter(me, p):
-        out[0, 0], out[0, 1] = chased(me, near, p)
+        out[0, 0], out[0, 1] = wish_of_predator(me, near, p)
     else:
         out[0, 0], out[0, 1], out[2, 0], out[2, 1], out[3, 0], out[3, 1] = pulls(me, near, p)
-        out[1, 0], out[1, 1] = injected(me, surroundings, p)
+        out[1, 0], out[1, 1] = pull_to_injected(me, surroundings, p)
     if p.derivative > 0.0:
         out[4, 0] = p.derivative * me.memory[RATE_X]
         out[4, 1] = p.derivative * me.memory[RATE_Y]
@@ -334,19 +334,19 @@ def show(me, p, out):
 def remember(me, near, p, out):
     """How far a car that is not seen in the next frame will be from where it is taken to be."""
     x, y = me.signal[ERROR_X], me.signal[ERROR_Y]
-    out[ERROR_X], out[ERROR_Y] = left_behind(me, p, x, y)
+    out[ERROR_X], out[ERROR_Y] = stale_error(me, p, x, y)
 
 
 @compiled
 def weigh(me, near, p, out):
     """1 for the cars that are heard and for predators."""
     if not is_plain(p):
-        sense(me, near, p)
+        sense_cars(me, near, p)
         for j in range(near.n):
             out[j] = max(near.spare[2, j], near.spare[3, j])
         return
     hunts = near.signal[HUNTS]
-    limit = hearing(me, near, p)
+    limit = hearing_limit2(me, near, p)
     for j in range(near.n):
         flees = adjacent(me, near, j, p.r) * hunts[j]
         out[j] = max(is_heard(me, near, j, limit, p), flees)

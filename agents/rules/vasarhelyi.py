@@ -217,9 +217,9 @@ def neighbourly(me, near, p):
         dx = me.x - near.x[j]
         dy = me.y - near.y[j]
         dz = me.z - near.z[j]
-        seen = adjacent(me, near, j, p.r)
+        is_visible = adjacent(me, near, j, p.r)
         d = math.sqrt(dx * dx + dy * dy + dz * dz)
-        push = seen * p.p_rep * max(0.0, p.r0_rep - d) / (d if d > 0.0 else 1.0)
+        push = is_visible * p.p_rep * max(0.0, p.r0_rep - d) / (d if d > 0.0 else 1.0)
         rx += push * dx
         ry += push * dy
         rz += push * dz
@@ -227,8 +227,8 @@ def neighbourly(me, near, p):
         wy = speed[j] * near.uy[j] - vy
         wz = speed[j] * near.uz[j] - vz
         w = math.sqrt(wx * wx + wy * wy + wz * wz)
-        most = max(p.v_frict, braking(d - p.r0_frict, p.a_frict, p.p_frict))
-        pull = seen * p.c_frict * max(0.0, w - most) / (w if w > 0.0 else 1.0)
+        slack_speed = max(p.v_frict, braking(d - p.r0_frict, p.a_frict, p.p_frict))
+        pull = is_visible * p.c_frict * max(0.0, w - slack_speed) / (w if w > 0.0 else 1.0)
         fx += pull * wx
         fy += pull * wy
         fz += pull * wz
@@ -242,16 +242,16 @@ def shill(me, surroundings, p):
     It stands at the solid's nearest place and flies with v^shill along the normal away from it.
     """
     x = y = z = 0.0
-    around = solids_around(surroundings, me.x, me.y)
-    for k in range(around.number):
-        at = surface(surroundings, around, k, me.x, me.y, me.z)
+    nearby = solids_around(surroundings, me.x, me.y)
+    for k in range(nearby.number):
+        at = surface(surroundings, nearby, k, me.x, me.y, me.z)
         if at.distance <= p.r:
             wx = p.v_shill * at.nx - me.speed * me.ux
             wy = p.v_shill * at.ny - me.speed * me.uy
             wz = p.v_shill * at.nz - me.speed * me.uz
             w = math.sqrt(wx * wx + wy * wy + wz * wz)
-            most = braking(at.distance - p.r0_shill, p.a_shill, p.p_shill)
-            pull = max(0.0, w - most) / (w if w > 0.0 else 1.0)
+            slack_speed = braking(at.distance - p.r0_shill, p.a_shill, p.p_shill)
+            pull = max(0.0, w - slack_speed) / (w if w > 0.0 else 1.0)
             x += pull * wx
             y += pull * wy
             z += pull * wz

@@ -9,9 +9,9 @@ from __future__ import annotations
 from agents.engine.block import Decision
 from agents.models.declare import Parameters, Rule, Zone, parameter
 from agents.models.tries import LessonCheck, LessonStep
-from agents.rules.couzin import missed
+from agents.rules.couzin import miss_direction
 from agents.rules.terms.neighbour_choice import Nearest
-from agents.rules.terms.potential_field import bent
+from agents.rules.terms.potential_field import bend_around_obstacles
 from agents.rules.terms.zone_sums import edge_of, weigh_zones, zone_sums
 from worlds.compilation import compiled
 
@@ -134,10 +134,10 @@ def decide(me, near, surroundings, p):
     edge = edge_of(p.alpha)
     s = zone_sums(me, near, p.d_r, p.d_o, p.d_a, edge, edge)
     if s.n_r > 0.0:
-        to = missed(me, s.rx, s.ry, s.rz, p.sigma)
+        to = miss_direction(me, s.rx, s.ry, s.rz, p.sigma)
     else:
-        to = missed(me, s.ox + s.ax, s.oy + s.ay, s.oz + s.az, p.sigma)
-    x, y, z = bent(me, to.x, to.y, to.z, surroundings, p)
+        to = miss_direction(me, s.ox + s.ax, s.oy + s.ay, s.oz + s.az, p.sigma)
+    x, y, z = bend_around_obstacles(me, to.x, to.y, to.z, surroundings, p)
     return Decision(x, y, z)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from agents.engine.arrays import Arrays
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 from agents.engine.message_past import BEGINS
 from agents.models.model import Model
 from agents.state.start import Start
@@ -45,22 +45,22 @@ def start_arrays(start: Start, model: Model, first_id: int) -> Arrays:
         start.informed.astype(np.bool_),
         first_id + start.number,
         np.zeros(n, np.int32),
-        np.repeat(model.beginning[:, None], n, axis=1),
+        np.repeat(model.initial_columns[:, None], n, axis=1),
         no_crashes(n if model.body.touches else 0, start.position.shape[1]),
         np.empty((n, 0, 0)),
     )
 
 
-def with_past(arrays: Arrays, ages: int, signals: int, tick: int) -> Arrays:
+def resize_past(arrays: Arrays, ages: int, signals: int, tick: int) -> Arrays:
     """The same agents at a tick with so many ticks of their past; what is older than it, as it.
 
     `signals`: how many they tell each other. Those without a past have `BEGINS` there.
     """
     n, dim = arrays.position.shape
-    before = arrays.past.shape[1]
+    old_ages = arrays.past.shape[1]
     past = np.full((n, ages, 2 * dim + 1 + signals if ages else 0), BEGINS)
-    for age in range(1, ages + 1 if before else 0):
-        past[:, (tick - age) % ages] = arrays.past[:, (tick - min(age, before)) % before]
+    for age in range(1, ages + 1 if old_ages else 0):
+        past[:, (tick - age) % ages] = arrays.past[:, (tick - min(age, old_ages)) % old_ages]
     return arrays._replace(past=past)
 
 
@@ -69,24 +69,24 @@ def no_crashes(n: int, dim: int) -> np.ndarray:
     return np.full((n, 2 + dim), -1.0)
 
 
-def join_arrays(arrays: Arrays, more: Arrays) -> Arrays:
+def join_arrays(arrays: Arrays, new_arrays: Arrays) -> Arrays:
     """The rows of one behind the other's; agents are the memory's last axis, else the first."""
-    both = {
+    joined = {
         name: np.concatenate(pair, axis=int(name == "memory"))
-        for name, *pair in zip(Arrays._fields, arrays, more, strict=True)
+        for name, *pair in zip(Arrays._fields, arrays, new_arrays, strict=True)
     }
-    return Arrays(**both)
+    return Arrays(**joined)
 
 
-def chosen(arrays: Arrays, rows: np.ndarray) -> Arrays:
+def select_rows(arrays: Arrays, rows: np.ndarray) -> Arrays:
     """The arrays of some rows, copies."""
-    there = rows if len(arrays.crash_record) else np.empty(0, int)
-    taken = {
+    crashed_rows = rows if len(arrays.crash_record) else np.empty(0, int)
+    rows_of_fields = {
         name: np.take(column, rows, axis=int(name == "memory"))
         for name, column in arrays._asdict().items()
         if name != "crash_record"
     }
-    return Arrays(**taken, crash_record=np.take(arrays.crash_record, there, axis=0))
+    return Arrays(**rows_of_fields, crash_record=np.take(arrays.crash_record, crashed_rows, axis=0))
 
 
 # Who has crashed: when, where, and against what.
@@ -154,16 +154,16 @@ def demand_usable(arrays: Arrays, world: World, origin: str) -> None:
     demand((arrays.leg >= 0) & (arrays.leg <= legs), "a waypoint that is not there", origin)
     if len(arrays.crash_record):
         tick, cause = arrays.crash_record[:, :2].T
-        known = (tick < 0.0) | np.isin(cause, list(CAUSES))
-        sound = np.isfinite(arrays.crash_record).all(axis=1) & (np.abs(tick) < LARGEST)
-        demand(known & sound, "a crash that cannot be", origin)
+        is_known = (tick < 0.0) | np.isin(cause, list(CAUSES))
+        is_finite = np.isfinite(arrays.crash_record).all(axis=1) & (np.abs(tick) < LARGEST)
+        demand(is_known & is_finite, "a crash that cannot be", origin)
 
 
-def demand(sound: np.ndarray, fault: str, origin: str) -> None:
+def demand(is_sound: np.ndarray, fault: str, origin: str) -> None:
     """Raise InputError for the first row that is not sound, (N,) or (N, dim)."""
-    whole = sound.reshape(len(sound), -1).all(axis=1)
-    if not whole.all():
-        row = int(np.argmin(whole))
+    is_sound_row = is_sound.reshape(len(is_sound), -1).all(axis=1)
+    if not is_sound_row.all():
+        row = int(np.argmin(is_sound_row))
         raise InputError(f"{origin} holds {fault} (row {row} of its tick)")
 
 
@@ -185,15 +185,15 @@ class StrayAgents:
     """How many are, itself among them."""
 
     def __str__(self) -> str:
-        where = ", ".join(f"{x:.6g}" for x in self.place)
-        more = f", and {self.number - 1} more" if self.number > 1 else ""
+        place = ", ".join(f"{x:.6g}" for x in self.place)
+        others = f", and {self.number - 1} more" if self.number > 1 else ""
         return (
-            f"agent {self.id}{more} where it cannot be: {self.depth:.3g} inside what is solid at "
-            f"({where}), tick {self.tick}"
+            f"agent {self.id}{others} where it cannot be: {self.depth:.3g} inside what is solid at "
+            f"({place}), tick {self.tick}"
         )
 
 
-@kept
+@compile_to_disk
 def strays(surroundings, position, crash_record):
     """The first row that is inside something solid or -1, how far, and how many rows are.
 

@@ -91,9 +91,9 @@ def random_start(
 
 def numbers(n: int, informed: int, rng: np.random.Generator) -> np.ndarray:
     """0 to n - 1 in random order behind the first `informed`, (n,); draws nothing from `rng`."""
-    found = np.arange(n)
-    rng.spawn(1)[0].shuffle(found[informed:])
-    return found
+    number = np.arange(n)
+    rng.spawn(1)[0].shuffle(number[informed:])
+    return number
 
 
 def free_positions(
@@ -118,43 +118,43 @@ def spread(
     """
     if not world.is_solid and spacing == 0.0:
         return rng.uniform(0.0, 1.0, (n, world.dim)) * size + low
-    before = rng.bit_generator.state
-    position, fit = tried(world, low, size, n, spacing, rng, gap)
+    state = rng.bit_generator.state
+    position, fit = try_positions(world, low, size, n, spacing, rng, gap)
     if fit == n:
         return position
-    again = np.random.Generator(type(rng.bit_generator)())
-    found = -1
-    while fit and found != fit:
-        again.bit_generator.state = before
-        found, fit = fit, tried(world, low, size, fit, spacing, again, gap)[1]
-    apart = f", {spacing:g} from each other," if spacing > 0.0 else ""
+    generator = np.random.Generator(type(rng.bit_generator)())
+    count = -1
+    while fit and count != fit:
+        generator.bit_generator.state = state
+        count, fit = fit, try_positions(world, low, size, fit, spacing, generator, gap)[1]
+    distance_text = f", {spacing:g} from each other," if spacing > 0.0 else ""
     off = f", {gap:g} from them" if gap > 0.0 else ""
     fits = f"{fit} fit" if fit > 1 else ("1 fits" if fit else "not even one fits")
     raise InputError(
-        f"agents = {n} do not fit into [{low.tolist()}, {(low + size).tolist()}]{apart} outside "
-        f"the obstacles of {world.name}{off}: {fits}"
+        f"agents = {n} do not fit into [{low.tolist()}, {(low + size).tolist()}]{distance_text} "
+        f"outside the obstacles of {world.name}{off}: {fits}"
     )
 
 
-def tried(
+def try_positions(
     world: World, low, size, n: int, spacing: float, rng: np.random.Generator, gap: float
 ) -> tuple[np.ndarray, int]:
     """Positions as `spread` asks for them, (n, dim), and how many of the last ones are good."""
     position = rng.uniform(0.0, 1.0, (n, world.dim)) * size + low
-    bad = np.zeros(n, bool)
+    is_bad = np.zeros(n, bool)
     for _ in range(TRIES):
-        bad = np.zeros(n, bool)
+        is_bad = np.zeros(n, bool)
         if world.is_solid:
-            bad |= clearance(world, position) <= gap
+            is_bad |= clearance(world, position) <= gap
         if spacing > 0.0:
-            bad |= too_close(world, position, spacing)
-        if not bad.any():
+            is_bad |= is_too_close(world, position, spacing)
+        if not is_bad.any():
             break
-        position[bad] = rng.uniform(0.0, 1.0, (int(bad.sum()), world.dim)) * size + low
-    return position, n - int(bad.sum())
+        position[is_bad] = rng.uniform(0.0, 1.0, (int(is_bad.sum()), world.dim)) * size + low
+    return position, n - int(is_bad.sum())
 
 
-def too_close(world: World, position: np.ndarray, spacing: float) -> np.ndarray:
+def is_too_close(world: World, position: np.ndarray, spacing: float) -> np.ndarray:
     """Rows that are nearer than `spacing` to a row before them, (N,) bool."""
     if world.images.any():
         # A side of 0 is one without images.
@@ -163,9 +163,9 @@ def too_close(world: World, position: np.ndarray, spacing: float) -> np.ndarray:
     else:
         tree = cKDTree(position)
     pairs = tree.query_pairs(spacing, output_type="ndarray")
-    close = np.zeros(len(position), bool)
-    close[pairs.max(axis=1)] = True
-    return close
+    is_close = np.zeros(len(position), bool)
+    is_close[pairs.max(axis=1)] = True
+    return is_close
 
 
 def start_box(region: StartRegion, n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -204,8 +204,8 @@ def mission_start(
         moves = speed > 0.0
         heading[moves] = velocity[moves] / speed[moves, None]
     if mission.path is not None:
-        way = np.array(mission.path.waypoints[0]) - position[:informed]
-        heading[:informed] = way / np.linalg.norm(way, axis=1, keepdims=True)
+        direction = np.array(mission.path.waypoints[0]) - position[:informed]
+        heading[:informed] = direction / np.linalg.norm(direction, axis=1, keepdims=True)
     else:
         heading[:informed] = goal_heading(world.dim)
     number = numbers(n, informed, rng)

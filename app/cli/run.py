@@ -130,7 +130,7 @@ def run(
     with Progress(f"{flock.model.name}, {counted(len(flock.ids), 'agent')}", quiet) as progress:
         recorder = Recorder(record, flock, overwrite) if record else None
         whole = run_ticks(
-            flock, length, progress, recorder, every, follower.look, over or 0, lookout.look
+            flock, length, progress, recorder, every, follower.note_values, over or 0, lookout.look
         )
     took = time.perf_counter() - begun
     lookout.look()
@@ -192,10 +192,10 @@ def known_observables(text: str, over: int | None) -> list[str]:
 
 def default_observables(flock: Flock, over: int | None) -> list[str]:
     """What is observed where nothing is asked for."""
-    from agents.observables.catalogue import OBSERVABLES, telling
+    from agents.observables.catalogue import OBSERVABLES, telling_observables
 
     measured = [one.name for one in OBSERVABLES.values() if one.over] if over else []
-    return telling(flock) + measured
+    return telling_observables(flock) + measured
 
 
 def built(

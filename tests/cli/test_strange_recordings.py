@@ -354,7 +354,7 @@ def test_lists_are_bounded_whatever_their_column_is_called(tmp_path, monkeypatch
     lists = pa.array([[0.0] * 500] * 3)
     made = parquet_table({name: lists}, tmp_path / "lists.parquet")
     assert made.numbers(0, [name]) == 1500
-    assert made.unpacked(0, [name]) > 0
+    assert made.unpacked_size(0, [name]) > 0
     for read in (made.read, lambda: list(made.batches()), lambda: made.group(0)):
         with pytest.raises(
             InputError, match=r"1500 numbers.*: at most 1000 numbers are read at once"
@@ -376,7 +376,7 @@ def test_a_word_that_stands_in_every_row_is_bounded(tmp_path, monkeypatch):
     """Some kilobytes stand for a gigabyte: it is counted before it is written out."""
     word = {"word": pa.array(["w" * 9000] * 2000).dictionary_encode()}
     made = parquet_table(word, tmp_path / "words.parquet")
-    assert made.unpacked(0, ["word"]) < 20_000
+    assert made.unpacked_size(0, ["word"]) < 20_000
     assert made.read().num_rows == 2000
     monkeypatch.setattr(parquet, "MOST_TEXT", 10**6)
     with pytest.raises(InputError, match="its texts unpack to more than 1000000 bytes"):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from oracles import flight_section as paper
 from scipy.integrate import solve_ivp
 
-from agents.flight.air_forces import Flow, felt, loads, separated, slowing
+from agents.flight.air_forces import Flow, effective_inflow, loads, separated_flow_share, slowing
 from agents.flight.aircraft import Aircraft
 
 CRAFT = Aircraft()
@@ -36,11 +36,11 @@ def test_the_lag_is_the_papers_wake_for_a_harmonic_inflow(k):
         alpha, d_alpha = a * math.sin(omega * t), a * omega * math.cos(omega * t)
         prime = paper.alpha_prime(alpha, d_alpha, k, theta_bar, U, CHORD, RATIO)
         expected = U * (prime + theta_bar)
-        assert felt(inflow(t), slowed, RATIO) == pytest.approx(expected, abs=2e-8)
+        assert effective_inflow(inflow(t), slowed, RATIO) == pytest.approx(expected, abs=2e-8)
 
 
 def test_a_steady_inflow_is_cut_by_the_finite_span_alone():
-    assert felt(0.7, 0.7, RATIO) == pytest.approx(0.7 * RATIO / (RATIO + 2.0))
+    assert effective_inflow(0.7, 0.7, RATIO) == pytest.approx(0.7 * RATIO / (RATIO + 2.0))
     assert slowing(0.7, 0.7, 3.5, CHORD, RATIO) == 0.0
 
 
@@ -56,7 +56,7 @@ def test_forces_are_the_papers(flow):
     angle, middle, rate, Vx, U = flow
     made = loads(Flow(*map(np.float64, (Vx, U * angle, middle, rate, U))), CHORD, CRAFT)
     lead = paper.leading_edge_angle(angle, rate, U, CHORD)
-    left = float(separated(lead, CRAFT))
+    left = float(separated_flow_share(lead, CRAFT))
     N1, F1 = paper.attached(angle, middle, rate, Vx, U, CHORD, CRAFT.suction, CRAFT.friction)
     N2, F2 = paper.stalled(angle, middle, rate, Vx, U, CHORD, CRAFT.cross_flow)
     assert made.separated == pytest.approx(left, rel=1e-12)
@@ -66,10 +66,10 @@ def test_forces_are_the_papers(flow):
 
 def test_well_below_and_beyond_the_stall_it_is_one_or_the_other():
     low, high = 0.3 * CRAFT.stall, 2.0 * CRAFT.stall
-    assert separated(low, CRAFT) < 2e-3
-    assert separated(high, CRAFT) > 1.0 - 1e-4
-    assert separated(-high, CRAFT) == separated(high, CRAFT)
-    assert separated(CRAFT.stall, CRAFT) == pytest.approx(0.5, abs=1e-8)
+    assert separated_flow_share(low, CRAFT) < 2e-3
+    assert separated_flow_share(high, CRAFT) > 1.0 - 1e-4
+    assert separated_flow_share(-high, CRAFT) == separated_flow_share(high, CRAFT)
+    assert separated_flow_share(CRAFT.stall, CRAFT) == pytest.approx(0.5, abs=1e-8)
 
 
 def test_full_suction_without_friction_is_the_potential_flow():

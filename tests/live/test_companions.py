@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from agents.bodies.car_commands import separation
-from agents.catalogue import cars_by
+from agents.catalogue import cars_for_rule
 from agents.flock import Flock
 from app.live.control.arm import OperatorRequest
 from app.live.control.car_control import CarControl
@@ -121,7 +121,7 @@ def test_they_drive_as_in_a_simulation_to_the_bit_and_hear_the_real_ones():
     driver = begun(beside(text_of(2), cars=2, seed=3))
     poses = [*PLACES[:2], *at(driver)]
     flock = Flock(
-        cars_by(one.rule).name,
+        cars_for_rule(one.rule).name,
         world=world_of(one),
         start={
             "position": [(pose.x, pose.y) for pose in poses],

@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from agents.bodies.car_commands import SIGNALS
-from agents.catalogue import cars_by
+from agents.catalogue import cars_for_rule
 from agents.flock import Flock
 from app.live.control.injected_target import InjectedTarget
 from app.live.control.pose import Pose, seen, unseen
@@ -87,7 +87,7 @@ def simulated(text, tracks, targets):
     one = lab(text)
     n = len(one.cars)
     flock = Flock(
-        cars_by(one.rule).name,
+        cars_for_rule(one.rule).name,
         world=world_of(one),
         start={"position": np.zeros((n, 2)), "heading": np.tile((1.0, 0.0), (n, 1))},
         rng=0,

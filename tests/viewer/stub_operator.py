@@ -8,7 +8,7 @@ import threading
 import time
 from types import SimpleNamespace
 
-from agents.catalogue import cars_by
+from agents.catalogue import cars_for_rule
 from app.live.control.arm import OperatorRequest
 from app.live.control.loop_status import CarStatus, DurationSummary, Event, Status
 from app.live.control.pose import Companion, Pose
@@ -140,5 +140,5 @@ class Operators:
 
 def driver(lab, _tell):
     """What a room has to know of a driver, without compiling one."""
-    model = cars_by(lab.rule)
+    model = cars_for_rule(lab.rule)
     return SimpleNamespace(model=model, parameters=model.parameters(**lab.parameters))

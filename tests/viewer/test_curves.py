@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
-from agents.observables.catalogue import usual_charts
+from agents.observables.catalogue import default_charts
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_curves import chart_title, choices, points, steps, together
 from app.viewer.measuring.observable_format import offered
@@ -92,7 +92,7 @@ def test_curves_share_the_ticks_of_all_and_the_time_of_the_first():
 @pytest.mark.parametrize("name", MODELS)
 def test_every_model_brings_plots_that_can_be_chosen(name):
     flock = Flock(name, agents=4, rng=1)
-    usual_ones = usual_charts(flock.model, offered(flock))
+    usual_ones = default_charts(flock.model, offered(flock))
     assert len(usual_ones) == 3
     assert set(usual_ones) <= set(choices(offered(flock)).values())
     assert all(choices(offered(flock))[chart_title(names)] == names for names in usual_ones)
@@ -101,7 +101,7 @@ def test_every_model_brings_plots_that_can_be_chosen(name):
 def test_a_model_brings_what_matters_for_it():
     def brought(name: str) -> tuple:
         flock = Flock(name, agents=4, rng=1)
-        return usual_charts(flock.model, offered(flock))
+        return default_charts(flock.model, offered(flock))
 
     assert brought("couzin")[0] == ("polarisation", "angular-momentum")
     assert brought("safe") == (("groups",), ("polarisation",), ("crashes",))
@@ -115,7 +115,7 @@ def test_a_model_brings_what_matters_for_it():
 def test_agreement_with_a_leader_is_plotted_where_one_leads():
     def first(**given) -> tuple:
         flock = Flock("hwvem", agents=4, rng=1, **given)
-        return usual_charts(flock.model, offered(flock))[0]
+        return default_charts(flock.model, offered(flock))[0]
 
     assert first(informed=1) == ("polarisation", "consistency")
     assert first(informed=0) == ("polarisation",)

@@ -12,7 +12,7 @@ import pytest
 import viser
 
 from agents.catalogue import MODELS
-from agents.models.declare import Parameters, declared, is_wide, parameter, still_proposed
+from agents.models.declare import Parameters, declared, fits_default, is_wide, parameter
 from app.front.server import admit_browsers, close_server, open_server
 from app.viewer.panels.dials import Dials, decimals, step_of, stops, widened
 from app.viewer.panels.parameters import add_control
@@ -160,10 +160,10 @@ def test_what_is_proposed_is_allowed_and_holds_the_default():
 
 
 def test_a_model_of_another_scale_has_a_range_of_its_own():
-    assert still_proposed((0.0, 2.0), 0.5, 0.7)
-    assert still_proposed((0.0, 6.0), 0.0, 0.1)
-    assert not still_proposed((0.5, 20.0), 6.0, 0.6)
-    assert not still_proposed((0.5, 20.0), 6.0, 25.0)
+    assert fits_default((0.0, 2.0), 0.5, 0.7)
+    assert fits_default((0.0, 6.0), 0.0, 0.1)
+    assert not fits_default((0.5, 20.0), 6.0, 0.6)
+    assert not fits_default((0.5, 20.0), 6.0, 25.0)
     own, tenth = (
         {one.name: one.proposed for one in declared(MODELS[name].parameters)}
         for name in ("vasarhelyi", "vasarhelyi-tenth")

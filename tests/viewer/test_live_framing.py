@@ -8,7 +8,7 @@ from datetime import datetime
 import numpy as np
 import pytest
 
-from agents.catalogue import cars_by
+from agents.catalogue import cars_for_rule
 from app.live.control.pose import Pose
 from app.live.laboratory.example import example
 from app.viewer.live.room_frame import Setting, deserted, frame_of
@@ -16,7 +16,7 @@ from app.viewer.live.session import new_folder
 from tests.viewer.stub_operator import car_status, companion, status_at
 
 LAB = example()
-MODEL = cars_by("squashing")
+MODEL = cars_for_rule("squashing")
 VALUES = MODEL.parameters().model_dump()
 SETTING = Setting.of(3, LAB, MODEL)
 

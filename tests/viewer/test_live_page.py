@@ -13,7 +13,7 @@ import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from agents.catalogue import cars_by
+from agents.catalogue import cars_for_rule
 from app.live.control.safety import StopReason
 from app.live.laboratory.example import example
 from app.live.operating.flock_driver import NOT_SIMULATED
@@ -213,7 +213,7 @@ def test_the_cars_stop_when_the_last_browser_that_could_stop_them_is_gone(serve,
 def test_sliders_are_those_that_a_real_room_may_change(serve, operators):
     page = serve()
     offered = set(page.rule.controls)
-    assert offered == set(cars_by("squashing").parameters.model_fields) - set(NOT_SIMULATED)
+    assert offered == set(cars_for_rule("squashing").parameters.model_fields) - set(NOT_SIMULATED)
     browser = Browser(page)
     browser.turn(page.rule.controls["beta"], 3.5)
     until(lambda: page.session.state.values["beta"] == 3.5)

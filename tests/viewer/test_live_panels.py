@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agents.catalogue import cars_by
+from agents.catalogue import cars_for_rule
 from app.front.server import admit_browsers, close_server, open_server
 from app.live.control.loop_status import Event
 from app.live.control.pose import Pose
@@ -115,7 +115,7 @@ def whole_look(arm="armed"):
 
 def whole_frame(status=None):
     lab = example()
-    setting = Setting.of(1, lab, cars_by(lab.rule))
+    setting = Setting.of(1, lab, cars_for_rule(lab.rule))
     return frame_of(setting, status or whole_look(), {"length": 0.22})
 
 

@@ -7,7 +7,7 @@ import math
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agents.catalogue import cars_by
+from agents.catalogue import cars_for_rule
 from agents.models.declare import checked
 from app.live.laboratory.example import example
 from app.live.operating.flock_driver import NOT_SIMULATED
@@ -28,7 +28,7 @@ JUNK = st.one_of(
     st.just("x" * 10_000),
     st.lists(st.integers(), max_size=2),
 )
-NAMES = st.one_of(JUNK, st.sampled_from(sorted(cars_by("squashing").parameters.model_fields)))
+NAMES = st.one_of(JUNK, st.sampled_from(sorted(cars_for_rule("squashing").parameters.model_fields)))
 CALLS = st.one_of(
     st.tuples(st.just("ask"), st.one_of(JUNK, st.sampled_from(["arm", "disarm", "reset"]))),
     st.tuples(st.just("tune"), NAMES, st.one_of(JUNK, st.floats(0.0, 5.0))),
@@ -66,7 +66,7 @@ def test_nothing_raises_and_nothing_exceeds_a_limit(calls):
         assert operator.closed == 1
         assert operator.lab.source in CHOICES.sources.values()
         assert operator.lab.link in {*CHOICES.links.values(), "simulated"}
-        model = cars_by(operator.lab.rule)
+        model = cars_for_rule(operator.lab.rule)
         for values in operator.tuned():
             assert not set(values) & set(NOT_SIMULATED)
             assert checked(model.parameters, values)

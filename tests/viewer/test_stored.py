@@ -164,7 +164,7 @@ def test_pages_say_themselves_what_they_unpack_to(state, monkeypatch):
     columns = [meta.row_group(0).column(k) for k in range(meta.num_columns)]
     with_headers = sum(one.total_uncompressed_size for one in columns)
     table = ParquetTable("sent.parquet", content, "a table")
-    assert 0.4 * with_headers < table.unpacked(0, table.names) < with_headers
+    assert 0.4 * with_headers < table.unpacked_size(0, table.names) < with_headers
     monkeypatch.setattr(limits, "MOST_BYTES", 500)
     monkeypatch.setattr(pq.ParquetFile, "read", lambda *_, **__: pytest.fail("it was unpacked"))
     assert "more than the laboratory takes" in refused(content)

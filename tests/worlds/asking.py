@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 from worlds.queries.surroundings import (
     line_of_sight,
     nearest_surface,
@@ -15,7 +15,7 @@ from worlds.queries.surroundings import (
 )
 
 
-@kept
+@compile_to_disk
 def _surfaces(surroundings, place, out):
     for i in range(place.shape[0]):
         x, y, z = place[i, 0], place[i, 1], place[i, 2]
@@ -25,7 +25,7 @@ def _surfaces(surroundings, place, out):
         out[i, 8] = signed_distance(surroundings, x, y, z)
 
 
-@kept
+@compile_to_disk
 def _each(surroundings, place, out):
     for i in range(place.shape[0]):
         x, y, z = place[i, 0], place[i, 1], place[i, 2]
@@ -38,7 +38,7 @@ def _each(surroundings, place, out):
             out[i, solid, 4] += 1.0
 
 
-@kept
+@compile_to_disk
 def _sights(surroundings, start, end, out):
     for i in range(start.shape[0]):
         out[i] = line_of_sight(
@@ -46,12 +46,12 @@ def _sights(surroundings, start, end, out):
         )
 
 
-@kept
+@compile_to_disk
 def _points(surroundings, x, y, r, found):
     return points_within(surroundings, x, y, r, found)
 
 
-@kept
+@compile_to_disk
 def _goal(surroundings, time):
     set_goal(surroundings, time)
 

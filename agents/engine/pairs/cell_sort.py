@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.engine.cells import into_box, number_of
+from agents.engine.cells import number_of, wrap_into_box
 from worlds.compilation import compiled
 
 ONE = np.uintp(1)
@@ -34,26 +34,26 @@ def count_places(grid, space, position, slots, part, low, high):
     count = grid.tally[part]
     for cell in range(number_of(grid)):
         count[cell] = 0
-    bad = -1
+    bad_row = -1
     solid = position.shape[1] == 3
     for i in range(np.uintp(low), np.uintp(high)):
         x, y, z = position[i, 0], position[i, 1], position[i, 2] if solid else 0.0
         if not (abs(x) + abs(y) + abs(z) < math.inf):
-            bad = int(i) if bad < 0 else bad
+            bad_row = int(i) if bad_row < 0 else bad_row
             x = y = z = 0.0
         if space.wraps[0] and not 0.0 <= x < space.size[0]:
-            x = position[i, 0] = into_box(x, space.size[0])
+            x = position[i, 0] = wrap_into_box(x, space.size[0])
         if space.wraps[1] and not 0.0 <= y < space.size[1]:
-            y = position[i, 1] = into_box(y, space.size[1])
+            y = position[i, 1] = wrap_into_box(y, space.size[1])
         cell = cell_along(grid, 1, y)
         if solid:
             if space.wraps[2] and not 0.0 <= z < space.size[2]:
-                z = position[i, 2] = into_box(z, space.size[2])
+                z = position[i, 2] = wrap_into_box(z, space.size[2])
             cell += cell_along(grid, 2, z) * grid.shape[1]
         cell = cell * grid.shape[0] + cell_along(grid, 0, x)
         slots.cell[i] = cell
         count[np.uintp(cell)] += 1
-    return bad
+    return bad_row
 
 
 @compiled
@@ -106,7 +106,7 @@ def order_cells(grid, slots, low, high):
 
 
 @compiled
-def put_back(flock, slots):
+def restore_row_order(flock, slots):
     """Give positions and headings their rows again, in a tick that does not come to its end."""
     n = slots.row.shape[0]
     for axis in range(flock.position.shape[1]):

@@ -59,7 +59,7 @@ class PairEngine:
     def call(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED):
         """One call of the compiled loop."""
         part = work[1]
-        done, last_off, bad = self.called(
+        done, last_off, bad_row = self.called(
             self.module.advance,
             self.arrays,
             self.space,
@@ -76,8 +76,8 @@ class PairEngine:
             until,
             trace,
         )
-        if bad >= 0:
-            refuse(self.arrays, bad, tick + done)
+        if bad_row >= 0:
+            refuse(self.arrays, bad_row, tick + done)
         return done, last_off
 
     def run(
@@ -104,7 +104,7 @@ class PairEngine:
                 raise
 
         try:
-            self.team.together(share)
+            self.team.run_on_all(share)
         except BaseException:  # those that wait for one that will not come leave, nothing done
             self.meeting[STOP] = 1
             self.meeting = np.zeros_like(self.meeting)

@@ -9,7 +9,7 @@ from numba import types
 from numba.core import cgutils
 from numba.core.extending import overload
 
-from agents.engine.vector_lanes import FREE, LANES, TRUTHS, address, in_llvm, spread
+from agents.engine.vector_lanes import FREE, LANES, TRUTHS, address, compile_in_llvm, spread
 
 
 def no_sums(number: int, like: Any) -> Any:  # noqa: ARG001
@@ -17,7 +17,7 @@ def no_sums(number: int, like: Any) -> Any:  # noqa: ARG001
     return (0.0,) * number
 
 
-def added(sums: Any, terms: Any) -> Any:
+def add_terms(sums: Any, terms: Any) -> Any:
     """The sums with the terms of one pair added; a truth value counts as 0 or 1."""
     return tuple(total + term for total, term in zip(sums, terms, strict=True))
 
@@ -27,7 +27,7 @@ def sums_of(table: Any, number: int, lane: int) -> Any:
     return tuple(table[:number, lane])
 
 
-@partial(in_llvm, prefer_literal=True)
+@partial(compile_in_llvm, prefer_literal=True)
 def compiled_no_sums(typingctx, number, like):  # noqa: ARG001
     """`no_sums`, in compiled code."""
     of = LANES if like == LANES else types.float64
@@ -41,47 +41,49 @@ def compiled_no_sums(typingctx, number, like):  # noqa: ARG001
     return kind(number, like), codegen
 
 
-@in_llvm
-def compiled_added(typingctx, sums, terms):  # noqa: ARG001
-    """`added`, in compiled code."""
+@compile_in_llvm
+def compile_added(typingctx, sums, terms):  # noqa: ARG001
+    """`add_terms`, in compiled code."""
     kind = sums.dtype
     if len(terms) != sums.count:
         return None
 
     def codegen(context, builder, sig, args):
-        made = []
+        results = []
         totals = cgutils.unpack_tuple(builder, args[0], sums.count)
-        ones = cgutils.unpack_tuple(builder, args[1], sums.count)
-        for total, one, given in zip(totals, ones, sig.args[1].types, strict=True):
+        terms = cgutils.unpack_tuple(builder, args[1], sums.count)
+        for total, term, term_type in zip(totals, terms, sig.args[1].types, strict=True):
             flags = FREE if kind == LANES else ()
-            if given == TRUTHS:
-                some = spread(builder, context.get_constant(types.float64, 1.0), LANES.vector)
-                made.append(builder.select(one, builder.fadd(total, some, flags=flags), total))
+            if term_type == TRUTHS:
+                one_lanes = spread(builder, context.get_constant(types.float64, 1.0), LANES.vector)
+                results.append(
+                    builder.select(term, builder.fadd(total, one_lanes, flags=flags), total)
+                )
             else:
-                term = context.cast(builder, one, given, kind)
-                made.append(builder.fadd(total, term, flags=flags))
-        return context.make_tuple(builder, sums, made)
+                number = context.cast(builder, term, term_type, kind)
+                results.append(builder.fadd(total, number, flags=flags))
+        return context.make_tuple(builder, sums, results)
 
     return sums(sums, terms), codegen
 
 
-@partial(in_llvm, prefer_literal=True)
+@partial(compile_in_llvm, prefer_literal=True)
 def compiled_sums_of(typingctx, table, number, lane):  # noqa: ARG001
     """`sums_of`, in compiled code."""
     kind = types.UniTuple(types.float64, number.literal_value)
 
     def codegen(context, builder, sig, args):
         at = context.cast(builder, args[2], sig.args[2], types.intp)
-        made = []
+        results = []
         for row in range(kind.count):
             index = context.get_constant(types.intp, row)
-            made.append(builder.load(address(context, builder, sig.args[0], args[0], index, at)))
-        return context.make_tuple(builder, kind, made)
+            results.append(builder.load(address(context, builder, sig.args[0], args[0], index, at)))
+        return context.make_tuple(builder, kind, results)
 
     return kind(table, number, lane), codegen
 
 
-@in_llvm
+@compile_in_llvm
 def keep_sums(typingctx, table, sums):  # noqa: ARG001
     """Write the sums of eight agents into the first rows of a table (rows, 8)."""
 
@@ -100,9 +102,9 @@ def no_sums_compiled(number, like):  # noqa: ARG001
     return lambda number, like: compiled_no_sums(number, like)
 
 
-@overload(added)
+@overload(add_terms)
 def added_compiled(sums, terms):  # noqa: ARG001
-    return lambda sums, terms: compiled_added(sums, terms)
+    return lambda sums, terms: compile_added(sums, terms)
 
 
 @overload(sums_of, prefer_literal=True)

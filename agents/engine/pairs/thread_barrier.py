@@ -9,7 +9,7 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 
-from agents.engine.vector_lanes import address, in_llvm
+from agents.engine.vector_lanes import address, compile_in_llvm
 from worlds.compilation import compiled
 
 ARRIVED, ROUND, NEXT, STOP, BAD = range(5)
@@ -26,7 +26,7 @@ def element(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return address(context, builder, sig.args[0], args[0], at)
 
 
-@in_llvm
+@compile_in_llvm
 def add(typingctx, numbers, at, value):  # noqa: ARG001
     """Add to an element, no other thread coming between; what it was before."""
 
@@ -37,7 +37,7 @@ def add(typingctx, numbers, at, value):  # noqa: ARG001
     return types.int64(numbers, at, value), codegen
 
 
-@in_llvm
+@compile_in_llvm
 def read(typingctx, numbers, at):  # noqa: ARG001
     """An element as other threads have left it by now."""
 
@@ -47,44 +47,44 @@ def read(typingctx, numbers, at):  # noqa: ARG001
     return types.int64(numbers, at), codegen
 
 
-@in_llvm
+@compile_in_llvm
 def write(typingctx, numbers, at, value):  # noqa: ARG001
     """Write an element so that other threads see it."""
 
     def codegen(context, builder, sig, args):
-        made = context.cast(builder, args[2], sig.args[2], types.int64)
-        builder.store_atomic(made, element(context, builder, sig, args), "seq_cst", 8)
+        number = context.cast(builder, args[2], sig.args[2], types.int64)
+        builder.store_atomic(number, element(context, builder, sig, args), "seq_cst", 8)
         return context.get_dummy_value()
 
     return types.none(numbers, at, value), codegen
 
 
-@in_llvm
-def give_way(typingctx):  # noqa: ARG001
+@compile_in_llvm
+def yield_thread(typingctx):  # noqa: ARG001
     """Let another thread of the machine run."""
 
     def codegen(context, builder, sig, args):  # noqa: ARG001
         kind = ir.FunctionType(ir.IntType(32), ())
-        called = cgutils.get_or_insert_function(builder.module, kind, YIELD)
-        builder.call(called, ())
+        yield_function = cgutils.get_or_insert_function(builder.module, kind, YIELD)
+        builder.call(yield_function, ())
         return context.get_dummy_value()
 
     return types.none(), codegen
 
 
 @compiled
-def meet(meeting, parts):
+def meet_threads(meeting, parts):
     """Go on once all `parts` threads have come here, or one of them has said that it will not."""
     if parts == 1:
         return
-    now = read(meeting, ROUND)
+    round_now = read(meeting, ROUND)
     if add(meeting, ARRIVED, 1) == parts - 1:
         write(meeting, ARRIVED, 0)
         write(meeting, NEXT, 0)
         add(meeting, ROUND, 1)
         return
     spins = 0
-    while read(meeting, ROUND) == now and read(meeting, STOP) == 0:
+    while read(meeting, ROUND) == round_now and read(meeting, STOP) == 0:
         spins += 1
         if spins > SPINS:
-            give_way()
+            yield_thread()

@@ -23,15 +23,29 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from agents.engine.block import BodyMove, Me, NeighbourBlock, OtherAgent
-from agents.engine.cells import FAR, axis_cells, into_box, number_of, plan, share_slots, wrapped
+from agents.engine.cells import (
+    FAR,
+    axis_cells,
+    number_of,
+    plan,
+    share_slots,
+    wrap_cell,
+    wrap_into_box,
+)
 from agents.engine.flat import ones, zeros
-from agents.engine.noise import carried, headed, tick_key
-from agents.engine.pairs.cell_sort import cell_at, count_places, fill_slots, order_cells, put_back
-from agents.engine.pairs.term_sums import added, keep_sums, no_sums, sums_of
-from agents.engine.pairs.thread_barrier import BAD, NEXT, STOP, add, meet, read
-from agents.engine.solid_collision import PASSES, hold_back
+from agents.engine.noise import add_heading_noise, carry_with_wind, tick_key
+from agents.engine.pairs.cell_sort import (
+    cell_at,
+    count_places,
+    fill_slots,
+    order_cells,
+    restore_row_order,
+)
+from agents.engine.pairs.term_sums import add_terms, keep_sums, no_sums, sums_of
+from agents.engine.pairs.thread_barrier import BAD, NEXT, STOP, add, meet_threads, read
+from agents.engine.solid_collision import PASSES, keep_out_of_solids
 from agents.engine.vector_lanes import WIDTH, is_any, load, store
-from agents.engine.waypoint_heading import guided
+from agents.engine.waypoint_heading import waypoint_heading
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import set_goal
 
@@ -80,7 +94,7 @@ def empty_notes(number: int) -> PairWorkspace:
 
 
 @compiled
-def nobody():
+def empty_block():
     """The agents around, for bodies that do not look at them."""
     none: Any = zeros()
     return NeighbourBlock(
@@ -126,7 +140,7 @@ def met(slots, j, place, space, grid, lone):
 
 
 @compiled
-def sift(slots, first, last, place, space, grid, lone, reach, chosen):
+def select_within_reach(slots, first, last, place, space, grid, lone, reach, chosen):
     """Write down those of slots first to last that are within reach of any of eight; how many."""
     r2 = reach * reach * FAR
     n = np.uintp(0)
@@ -137,19 +151,21 @@ def sift(slots, first, last, place, space, grid, lone, reach, chosen):
 
 
 @compiled
-def with_run(sums, slots, first, last, place, me, context, space, grid, lone, chosen):
+def add_run_terms(sums, slots, first, last, place, me, context, space, grid, lone, chosen):
     """The sums with the terms of slots first to last; `place` is less the shift of their images."""
     p = context.parameters
     if SIFTS:
         for begin in range(first, last, CHOSEN):
             end = min(begin + CHOSEN, last)
-            n = sift(slots, begin, end, place, space, grid, lone, context.reach, chosen)
+            n = select_within_reach(
+                slots, begin, end, place, space, grid, lone, context.reach, chosen
+            )
             for k in range(n):
                 other = met(slots, np.uintp(chosen[k]), place, space, grid, lone)
-                sums = added(sums, term(me, other, p))
+                sums = add_terms(sums, term(me, other, p))
         return sums
     for j in range(np.uintp(first), np.uintp(last)):
-        sums = added(sums, term(me, met(slots, j, place, space, grid, lone), p))
+        sums = add_terms(sums, term(me, met(slots, j, place, space, grid, lone), p))
     return sums
 
 
@@ -163,9 +179,9 @@ def pair_sums(grid, space, slots, low, high, me, context, lone, chosen):
     left, right = low % nx - 1, high % nx + 1
     sums = no_sums(SUMS, me.x)
     for kz in range(fz, fz + mz):
-        az, sz = wrapped(grid, space, 2, cz + kz)
+        az, sz = wrap_cell(grid, space, 2, cz + kz)
         for ky in range(fy, fy + my):
-            ay, sy = wrapped(grid, space, 1, cy + ky)
+            ay, sy = wrap_cell(grid, space, 1, cy + ky)
             row = (az * ny + ay) * nx
             for side in range(-1, 2):  # the cells beyond the seam on the left, the row, the right
                 begin, end = max(left, 0), min(right + 1, nx)
@@ -177,16 +193,16 @@ def pair_sums(grid, space, slots, low, high, me, context, lone, chosen):
                     )
                 first, last = grid.start[row + begin], grid.start[row + end]
                 place = (me.x - side * space.size[0], me.y - sy, me.z - sz)
-                sums = with_run(
+                sums = add_run_terms(
                     sums, slots, first, last, place, me, context, space, grid, lone, chosen
                 )
     return sums
 
 
 @compiled
-def eight_of(flock, slots, slot, last, notes, numbered, tick, key):
+def agents_of_lanes(flock, slots, slot, last, notes, identities, tick, key):
     """`Me` of eight slots from one on; those from `last` on are of no account."""
-    if not numbered:
+    if not identities:
         for lane in range(last - slot):
             notes.ids[lane] = flock.ids[slots.row[slot + lane]]
     return Me(
@@ -201,7 +217,7 @@ def eight_of(flock, slots, slot, last, notes, numbered, tick, key):
         notes.table[0],
         False,
         1.0,
-        load(slots.row, slot) + flock.ids[0] if numbered else load(notes.ids, 0),
+        load(slots.row, slot) + flock.ids[0] if identities else load(notes.ids, 0),
         tick,
         key,
         flock.ids.shape[0],
@@ -209,7 +225,7 @@ def eight_of(flock, slots, slot, last, notes, numbered, tick, key):
 
 
 @compiled
-def one_of(flock, slots, slot, table, tick, key):
+def agent_of_slot(flock, slots, slot, table, tick, key):
     """`Me` of one slot."""
     i = slots.row[slot]
     return Me(
@@ -232,14 +248,14 @@ def one_of(flock, slots, slot, table, tick, key):
 
 
 @compiled
-def settle(flock, space, row, to, moved):
+def write_move(flock, space, row, to, moved):
     """Write a move to the place `to` of the agent of a row, within the world's edges."""
-    flock.position[to, 0] = into_box(moved.x, space.size[0]) if space.wraps[0] else moved.x
-    flock.position[to, 1] = into_box(moved.y, space.size[1]) if space.wraps[1] else moved.y
+    flock.position[to, 0] = wrap_into_box(moved.x, space.size[0]) if space.wraps[0] else moved.x
+    flock.position[to, 1] = wrap_into_box(moved.y, space.size[1]) if space.wraps[1] else moved.y
     flock.heading[to, 0] = moved.ux
     flock.heading[to, 1] = moved.uy
     if DIM == 3:
-        flock.position[to, 2] = into_box(moved.z, space.size[2]) if space.wraps[2] else moved.z
+        flock.position[to, 2] = wrap_into_box(moved.z, space.size[2]) if space.wraps[2] else moved.z
         flock.heading[to, 2] = moved.uz
     if ASKS_SPEED or to == row:
         flock.speed[row] = moved.speed
@@ -253,22 +269,22 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, table, context,
     """
     p, out = context.parameters, table[0]
     if BY_LANES:
-        want = headed(me, answer(me, sums, surroundings, p), context.noise, p.eta, DIM)
-        moved = move(me, nobody(), surroundings, want, p, out)
-        store(table, X, moved.x)
-        store(table, Y, moved.y)
-        store(table, Z, moved.z)
-        store(table, UX, moved.ux)
-        store(table, UY, moved.uy)
-        store(table, UZ, moved.uz)
-        store(table, SPEED, moved.speed)
+        want = add_heading_noise(me, answer(me, sums, surroundings, p), context.noise, p.eta, DIM)
+        body_move = move(me, empty_block(), surroundings, want, p, out)
+        store(table, X, body_move.x)
+        store(table, Y, body_move.y)
+        store(table, Z, body_move.z)
+        store(table, UX, body_move.ux)
+        store(table, UY, body_move.uy)
+        store(table, UZ, body_move.uz)
+        store(table, SPEED, body_move.speed)
     else:
         keep_sums(table, sums)
     for lane in range(last - slot):
         row = slots.row[slot + lane]
-        one = one_of(flock, slots, slot + lane, table, me.tick, me.key)
-        if BY_LANES and not one.informed:
-            went = BodyMove(
+        lone_agent = agent_of_slot(flock, slots, slot + lane, table, me.tick, me.key)
+        if BY_LANES and not lone_agent.informed:
+            carried_move = BodyMove(
                 table[X, lane],
                 table[Y, lane],
                 table[Z, lane],
@@ -278,30 +294,30 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, table, context,
                 table[SPEED, lane],
             )
         else:
-            if one.informed:
-                wish = guided(flock, surroundings, row, one)
+            if lone_agent.informed:
+                wish = waypoint_heading(flock, surroundings, row, lone_agent)
             else:
-                wish = answer(one, sums_of(table, SUMS, lane), surroundings, p)
+                wish = answer(lone_agent, sums_of(table, SUMS, lane), surroundings, p)
                 if HEADS:
-                    wish = headed(one, wish, context.noise, p.eta, DIM)
-            went = move(one, nobody(), surroundings, wish, p, out)
+                    wish = add_heading_noise(lone_agent, wish, context.noise, p.eta, DIM)
+            carried_move = move(lone_agent, empty_block(), surroundings, wish, p, out)
         if WINDY:
-            went = carried(went, context, me.tick)
+            carried_move = carry_with_wind(carried_move, context, me.tick)
         if MEETS != PASSES and not passes(p):
-            went = hold_back(surroundings, space, one, went, MEETS)
+            carried_move = keep_out_of_solids(surroundings, space, lone_agent, carried_move, MEETS)
         to = row if to_rows else slot + lane
-        settle(flock, space, row, to, went)
+        write_move(flock, space, row, to, carried_move)
         slots.queue[to] = row
 
 
 @compiled
-def sweep(flock, space, surroundings, grid, slots, notes, context, now, key, span, how):
+def sweep(flock, space, surroundings, grid, slots, notes, context, tick, key, span, how):
     """The agents of slots span[0] to span[1] act, up to eight of a row of cells at a time.
 
     `how` = (whether they are written to their rows, whether their numbers follow one another).
     """
     slot, last = span
-    to_rows, numbered = how
+    to_rows, identities = how
     lone = is_any_lone(space, grid)
     nx = grid.shape[0]
     low = cell_at(grid, slot)
@@ -312,52 +328,52 @@ def sweep(flock, space, surroundings, grid, slots, notes, context, now, key, spa
         high = low
         while grid.start[high + 1] < end:
             high += 1
-        me = eight_of(flock, slots, slot, end, notes, numbered, now, key)
+        me = agents_of_lanes(flock, slots, slot, end, notes, identities, tick, key)
         sums = pair_sums(grid, space, slots, low, high, me, context, lone, notes.chosen)
         act(flock, space, surroundings, slots, slot, end, me, sums, notes.table, context, to_rows)
         slot = end
 
 
 @compiled
-def sort(flock, space, surroundings, grid, slots, context, now, meeting, part, parts):
+def sort(flock, space, surroundings, grid, slots, context, tick, meeting, part, parts):
     """Sort the flock into its slots, each thread its part; a place that is no number, or -1."""
     n = slots.row.shape[0]
     low, high = n * part // parts, n * (part + 1) // parts
     if part == 0:
-        set_goal(surroundings, now * context.lasts)
+        set_goal(surroundings, tick * context.lasts)
         plan(grid, space, context.reach, flock.position)
-    meet(meeting, parts)
+    meet_threads(meeting, parts)
     meeting[BAD + part] = count_places(grid, space, flock.position, slots, part, low, high)
-    meet(meeting, parts)
+    meet_threads(meeting, parts)
     for k in range(parts):
         if meeting[BAD + k] >= 0:
             return meeting[BAD + k]
     if part == 0:
         share_slots(grid, parts)
-    meet(meeting, parts)
+    meet_threads(meeting, parts)
     fill_slots(grid, flock.position, flock.heading, flock.speed, slots, part, low, high)
-    meet(meeting, parts)
+    meet_threads(meeting, parts)
     cells = number_of(grid)
     order_cells(grid, slots, cells * part // parts, cells * (part + 1) // parts)
-    meet(meeting, parts)
+    meet_threads(meeting, parts)
     return -1
 
 
 @compiled
 def is_numbered(ids):
     """Whether the agents' numbers follow one another, as they do until one is taken away."""
-    apart = 0
+    mismatches = 0
     for row in range(np.uintp(ids.shape[0])):
-        apart |= ids[row] ^ (ids[0] + row)
-    return apart == 0
+        mismatches |= ids[row] ^ (ids[0] + row)
+    return mismatches == 0
 
 
 @compiled
-def note(position, into):
+def note(position, numbers):
     """Copy the positions (N, dim), without the temporary array of an assignment."""
     for i in range(position.shape[0]):
         for axis in range(DIM):
-            into[i, axis] = position[i, axis]
+            numbers[i, axis] = position[i, axis]
 
 
 @entry
@@ -384,44 +400,46 @@ def advance(
     (ticks, N, dim) or (0, N, dim) receives the positions after each tick. Returns (ticks done, last
     tick at which `holds` did not or -1, first row with a position that is no number or -1).
     """
-    asked, part, parts, slot = work
+    asked_ticks, part, parts, slot = work
     n = slots.row.shape[0]
-    numbered = is_numbered(flock.ids)
-    watched = until.numbers.shape[0] > 0
-    each_to_rows = asked == ONE or watched or trace.shape[0] > 0
+    identities = is_numbered(flock.ids)
+    is_watched = until.numbers.shape[0] > 0
+    each_to_rows = asked_ticks == ONE or is_watched or trace.shape[0] > 0
     last_off = until.last_off
-    if asked != ONE:
+    if asked_ticks != ONE:
         for i in range(n * part // parts, n * (part + 1) // parts):
             slots.queue[i] = i
     done = 0
     while done < ticks:
-        now = tick + done
-        if watched:
+        tick_now = tick + done
+        if is_watched:
             if not holds(flock, until.numbers):
-                last_off = now
-            elif now - last_off >= until.hold:
+                last_off = tick_now
+            elif tick_now - last_off >= until.hold:
                 break
-        if asked != ONE:
-            bad = sort(flock, space, surroundings, grid, slots, context, now, meeting, part, parts)
-            if bad >= 0:
-                bad = slots.queue[bad]
-                meet(meeting, parts)
+        if asked_ticks != ONE:
+            bad_row = sort(
+                flock, space, surroundings, grid, slots, context, tick_now, meeting, part, parts
+            )
+            if bad_row >= 0:
+                bad_row = slots.queue[bad_row]
+                meet_threads(meeting, parts)
                 if part == 0:
-                    put_back(flock, slots)
-                meet(meeting, parts)
-                return done, last_off, bad
-            if asked == OPEN or read(meeting, STOP) != 0:
+                    restore_row_order(flock, slots)
+                meet_threads(meeting, parts)
+                return done, last_off, bad_row
+            if asked_ticks == OPEN or read(meeting, STOP) != 0:
                 break
-        first, end, size = (slot, slot + 1, 1) if asked == ONE else (0, n, n)
+        first, end, size = (slot, slot + 1, 1) if asked_ticks == ONE else (0, n, n)
         if parts > 1:
             first, size = add(meeting, NEXT, SHARE), SHARE
-        key = tick_key(seed, now)
-        how = (each_to_rows or done == ticks - 1, numbered)
+        key = tick_key(seed, tick_now)
+        how = (each_to_rows or done == ticks - 1, identities)
         while first < end:
             span = (first, min(first + size, end))
-            sweep(flock, space, surroundings, grid, slots, notes, context, now, key, span, how)
+            sweep(flock, space, surroundings, grid, slots, notes, context, tick_now, key, span, how)
             first = add(meeting, NEXT, SHARE) if parts > 1 else end
-        meet(meeting, parts)
+        meet_threads(meeting, parts)
         if part == 0 and trace.shape[0] > 0:
             note(flock.position, trace[done])
         done += 1

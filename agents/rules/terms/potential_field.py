@@ -12,7 +12,7 @@ NEAREST = 0.05
 
 
 @compiled
-def push(me, surroundings, p):
+def obstacle_force(me, surroundings, p):
     """The sum of the forces of the obstacles ahead, (x, y, z), mass length/s^2.
 
     Each solid, walls among them, pushes from its nearest place with -grad U of (4.1): U =
@@ -20,13 +20,13 @@ def push(me, surroundings, p):
     if that place lies within 90 degrees of the heading. The print has +grad U, which would pull.
     """
     x = y = z = 0.0
-    around = solids_around(surroundings, me.x, me.y)
-    for k in range(around.number):
-        at = surface(surroundings, around, k, me.x, me.y, me.z)
+    nearby = solids_around(surroundings, me.x, me.y)
+    for k in range(nearby.number):
+        at = surface(surroundings, nearby, k, me.x, me.y, me.z)
         d = max(at.distance - 0.5 * p.body, NEAREST)
         # The nearest place lies against the normal, which points away from the solid.
-        ahead = at.nx * me.ux + at.ny * me.uy + at.nz * me.uz <= 0.0
-        if at.distance < math.inf and (ahead or at.distance < 0.0) and d <= p.Q:
+        is_ahead = at.nx * me.ux + at.ny * me.uy + at.nz * me.uz <= 0.0
+        if at.distance < math.inf and (is_ahead or at.distance < 0.0) and d <= p.Q:
             force = p.gain * (1.0 / d - 1.0 / p.Q) / (d * d)
             x += force * at.nx
             y += force * at.ny
@@ -35,12 +35,12 @@ def push(me, surroundings, p):
 
 
 @compiled
-def bent(me, x, y, z, surroundings, p):
+def bend_around_obstacles(me, x, y, z, surroundings, p):
     """The velocity (4.2) of a wished direction (x, y, z) of length v0, bent by the field.
 
     v = v0 d + (tau / m) sum of forces; it is brought back to length v0, the speed being the body's.
     """
-    fx, fy, fz = push(me, surroundings, p)
+    fx, fy, fz = obstacle_force(me, surroundings, p)
     share = p.tau / p.m
     x, y, z = p.v0 * x + share * fx, p.v0 * y + share * fy, p.v0 * z + share * fz
     length = math.sqrt(x * x + y * y + z * z)

@@ -107,16 +107,16 @@ def escape(speed, p):
 
 
 @compiled
-def reserved_ball(at, u, n, way):
-    """The ball reserved by an agent at a place with heading u and the escape `way` to the side n.
+def ball_after_escape(at, u, n, escape_path):
+    """The ball reserved by an agent at a place with heading u and an escape to the side n.
 
     n is a unit vector at right angles to u.
     """
     return ReservedBall(
-        at.x + way.along * u.x + way.across * n.x,
-        at.y + way.along * u.y + way.across * n.y,
-        at.z + way.along * u.z + way.across * n.z,
-        way.radius,
+        at.x + escape_path.along * u.x + escape_path.across * n.x,
+        at.y + escape_path.along * u.y + escape_path.across * n.y,
+        at.z + escape_path.along * u.z + escape_path.across * n.z,
+        escape_path.radius,
     )
 
 
@@ -132,7 +132,7 @@ def own_ball(me):
 
 
 @compiled
-def beside(u, v):
+def side_direction(u, v):
     """The unit vector at right angles to the heading u nearest to a vector v, or any if v is along.
 
     Where u and v are in the plane z = 0, so is it.
@@ -149,14 +149,14 @@ def beside(u, v):
 
 
 @compiled
-def note_planes(me, near, own, most, p):
+def note_planes(me, near, own, farthest, p):
     """Note the planes between the ball `own` and those of others in `near.spare`; how many.
 
     Rows: the unit vector from the centre to the other centre (x, y, z), and how far a ball may
-    reach beyond `own` on that side, length. Left out are those farther than `most`, beyond which no
-    ball reaches.
+    reach beyond `own` on that side, length. Those farther than `farthest`, which no
+    ball reaches, are left out.
     """
-    apart = own.radius + p.body + 2.0 * SKIN
+    least_distance = own.radius + p.body + 2.0 * SKIN
     out_x, out_y, out_z = near.signal[OUT_X], near.signal[OUT_Y], near.signal[OUT_Z]
     radius = near.signal[RADIUS]
     x, y, z, room = near.spare[0], near.spare[1], near.spare[2], near.spare[3]
@@ -169,9 +169,9 @@ def note_planes(me, near, own, most, p):
         ex = near.x[j] + out_x[j] - own.x
         ey = near.y[j] + out_y[j] - own.y
         ez = near.z[j] + out_z[j] - own.z
-        x[n], y[n], z[n], room[n] = ex, ey, ez, apart + radius[j]
-        far = room[n] + 2.0 * most
-        n += 1 if (d2 > 0.0) & (ex * ex + ey * ey + ez * ez < far * far) else 0
+        x[n], y[n], z[n], room[n] = ex, ey, ez, least_distance + radius[j]
+        reach = room[n] + 2.0 * farthest
+        n += 1 if (d2 > 0.0) & (ex * ex + ey * ey + ez * ez < reach * reach) else 0
     for k in range(n):
         e2 = x[k] * x[k] + y[k] * y[k] + z[k] * z[k]
         e = math.sqrt(e2 if e2 > 0.0 else 1.0)
@@ -180,22 +180,22 @@ def note_planes(me, near, own, most, p):
 
 
 @compiled
-def overlap(near, planes, surroundings, own, then, p):
-    """By how much the ball `then` is over the planes around the ball `own`, and in solids; length.
+def overlap(near, planes, surroundings, own, ball, p):
+    """By how much a ball is over the planes around the ball `own`, and in solids; length.
 
     The sum over the `planes` that `note_planes` has noted, and the nearest surface. 0: the step to
     it is safe. Nobody beyond reach is in the way, see
     `agents.rules.guarded_zones.GuardedZones.range`.
     """
-    vx, vy, vz = then.x - own.x, then.y - own.y, then.z - own.z
-    grown = then.radius - own.radius
+    vx, vy, vz = ball.x - own.x, ball.y - own.y, ball.z - own.z
+    growth = ball.radius - own.radius
     plane = near.spare
     total = 0.0
     for j in range(planes):
-        reach = vx * plane[0, j] + vy * plane[1, j] + vz * plane[2, j] + grown
+        reach = vx * plane[0, j] + vy * plane[1, j] + vz * plane[2, j] + growth
         over = reach - plane[3, j]
         total += over if over > ENOUGH else 0.0
-    clear = (
-        signed_distance(surroundings, then.x, then.y, then.z) - then.radius - 0.5 * p.body - SKIN
+    clearance = (
+        signed_distance(surroundings, ball.x, ball.y, ball.z) - ball.radius - 0.5 * p.body - SKIN
     )
-    return total - (clear if clear < -ENOUGH else 0.0)
+    return total - (clearance if clearance < -ENOUGH else 0.0)

@@ -243,8 +243,8 @@ def push(d2, p):
 @compiled
 def level(d2, alarm, d, tau_a, tau_e, tau_s):
     """eta(|z|) (12) for |z|^2 = d2: tau_s nearer than `alarm`, tau_e up to d, tau_a beyond."""
-    far = tau_e if d2 <= d * d else tau_a
-    return tau_s if d2 < alarm * alarm else far
+    radius = tau_e if d2 <= d * d else tau_a
+    return tau_s if d2 < alarm * alarm else radius
 
 
 @compiled
@@ -254,8 +254,8 @@ def flockmate(me, other, p):
     Gains are not in it.
     """
     force, rho = push(other.d2, p)
-    close = is_neighbour(other, p.r)
-    f, w = close * force, close * rho
+    is_near = is_neighbour(other, p.r)
+    f, w = is_near * force, is_near * rho
     return (
         f * other.dx,
         f * other.dy,

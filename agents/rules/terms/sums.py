@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from agents.engine.block import Decision, neighbour_of
-from agents.engine.pairs.term_sums import added, no_sums
+from agents.engine.pairs.term_sums import add_terms, no_sums
 from worlds.compilation import compiled
 
 
@@ -41,7 +41,7 @@ def sums_around(number: int, term: Callable) -> Callable:
     def around(me, near, p):
         sums = no_sums(number, 0.0)
         for j in range(near.n):
-            sums = added(sums, term(me, neighbour_of(me, near, j), p))
+            sums = add_terms(sums, term(me, neighbour_of(me, near, j), p))
         return sums
 
     return around
@@ -84,31 +84,31 @@ def sum_of(**terms: Callable) -> dict[str, Any]:
     """
     decide = explain = None
     for row, term in enumerate(terms.values()):
-        decide = with_term(decide, term)
-        explain = explained(explain, term, row)
+        decide = add_force_term(decide, term)
+        explain = explain_force_terms(explain, term, row)
     forces = tuple(name.replace("_", " ") for name in terms)
     return {"decide": decide, "explain": explain, "forces": forces, "wish": "acceleration"}
 
 
 @compiled
-def nothing(me, near, surroundings, p):
+def no_force(me, near, surroundings, p):
     """No force."""
     return Decision(0.0, 0.0, 0.0)
 
 
 @compiled
-def nothing_explained(me, near, surroundings, p, out):
+def explain_no_force(me, near, surroundings, p, out):
     """No force to explain."""
 
 
-def with_term(before: Callable | None, term: Callable) -> Callable:
-    """The force of the terms `before` and of one more."""
-    first = nothing if before is None else before
+def add_force_term(previous: Callable | None, term: Callable) -> Callable:
+    """The force of the `previous` terms and of one more."""
+    first = no_force if previous is None else previous
 
     @compiled
     def decide(me, near, surroundings, p):
-        so_far = first(me, near, surroundings, p)
-        x, y, z = so_far.x, so_far.y, so_far.z
+        previous_force = first(me, near, surroundings, p)
+        x, y, z = previous_force.x, previous_force.y, previous_force.z
         for j in range(near.n):
             force = term(me, near, j, p)
             x += force.x
@@ -119,9 +119,9 @@ def with_term(before: Callable | None, term: Callable) -> Callable:
     return decide
 
 
-def explained(before: Callable | None, term: Callable, row: int) -> Callable:
-    """The forces of the terms `before`, and of one more in a row of `out` (forces, 3)."""
-    first = nothing_explained if before is None else before
+def explain_force_terms(previous: Callable | None, term: Callable, row: int) -> Callable:
+    """The forces of the `previous` terms, and of one more in a row of `out` (forces, 3)."""
+    first = explain_no_force if previous is None else previous
 
     @compiled
     def explain(me, near, surroundings, p, out):

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from agents.engine.block import neighbour_of
-from agents.engine.pairs.term_sums import added, no_sums
+from agents.engine.pairs.term_sums import add_terms, no_sums
 from agents.engine.vector_lanes import where
 from worlds.compilation import compiled
 
@@ -50,13 +50,13 @@ def zone_terms(me, other, r_r, r_o, r_a, close_edge, far_edge):
     `far_edge` that in the two others. The radii need not rise: an agent is in the first that fits.
     """
     dx, dy, dz = other.dx, other.dy, other.dz
-    there = other.d2 > 0.0
-    d = math.sqrt(where(there, other.d2, 1.0))
+    is_other = other.d2 > 0.0
+    d = math.sqrt(where(is_other, other.d2, 1.0))
     along = dx * me.ux + dy * me.uy + dz * me.uz
-    in_r = there & (d < r_r) & (along >= close_edge * d)
-    far = there & (d >= r_r) & (along >= far_edge * d)
-    in_o = far & (d < r_o)
-    in_a = far & (d >= r_o) & (d <= r_a)
+    in_r = is_other & (d < r_r) & (along >= close_edge * d)
+    is_far = is_other & (d >= r_r) & (along >= far_edge * d)
+    in_o = is_far & (d < r_o)
+    in_a = is_far & (d >= r_o) & (d <= r_a)
     inverse = 1.0 / d
     away = in_r * inverse
     to = in_a * inverse
@@ -82,7 +82,7 @@ def zone_sums(me, near, r_r, r_o, r_a, close_edge, far_edge):
     sums = no_sums(ZONE_SUMS, 0.0)
     for j in range(near.n):
         terms = zone_terms(me, neighbour_of(me, near, j), r_r, r_o, r_a, close_edge, far_edge)
-        sums = added(sums, terms)
+        sums = add_terms(sums, terms)
     return Sums(*sums)
 
 
@@ -94,6 +94,6 @@ def weigh_zones(me, near, r_r, r_o, r_a, close_edge, far_edge, out):
         dx, dy, dz = near.x[j] - me.x, near.y[j] - me.y, near.z[j] - me.z
         d = math.sqrt(dx * dx + dy * dy + dz * dz)
         along = dx * me.ux + dy * me.uy + dz * me.uz
-        close = 0.0 < d < r_r and along >= close_edge * d
-        far = r_r <= d <= max(r_o, r_a) and along >= far_edge * d
-        out[j] = 1.0 if (close if n_r > 0.0 else far) else 0.0
+        is_close = 0.0 < d < r_r and along >= close_edge * d
+        is_far = r_r <= d <= max(r_o, r_a) and along >= far_edge * d
+        out[j] = 1.0 if (is_close if n_r > 0.0 else is_far) else 0.0

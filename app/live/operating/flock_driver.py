@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.catalogue import cars_by
+from agents.catalogue import cars_for_rule
 from agents.engine.arrays import Arrays
 from agents.models.declare import checked
 from agents.models.model import Model
@@ -151,7 +151,7 @@ class FlockDriver(Motion):
     def __init__(self, lab: Lab, tell: Callable[[str], object] | None = None):
         self.lab = lab
         self.names = sorted(lab.cars)
-        self.model = cars_by(lab.rule)
+        self.model = cars_for_rule(lab.rule)
         vehicle = self.model.body.vehicle
         if vehicle is None:
             raise InputError(f"rule {lab.rule} cannot drive cars: its body is no vehicle")
@@ -182,7 +182,7 @@ class FlockDriver(Motion):
         n = len(self.names)
         number = np.arange(n)
         still = Start(np.zeros((n, 2)), self.nose.copy(), np.zeros(n, bool), np.zeros(n), number)
-        self._use(start_arrays(still, self.model, 1))
+        self._set_arrays(start_arrays(still, self.model, 1))
 
     def warm(self, tell: Callable[[str], object] | None) -> None:
         """Compile, which takes up to a minute the first time, so that the loop need not."""
@@ -317,7 +317,7 @@ class FlockDriver(Motion):
         if self.target is not None:
             taken.append(self.target)
         more = begin_more(self.lab, kept - n, count, taken, self.size)
-        self._use(resized(self.arrays, kept, more, self.model))
+        self._set_arrays(resized(self.arrays, kept, more, self.model))
 
     @property
     def size(self) -> float:

@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from agents.catalogue import cars_by, obedient
+from agents.catalogue import cars_for_rule, obedient_car_models
 from app.live.device_kinds import BUILT_IN_NAMES, DRY, SIMULATED, kind_of, name_of
 from app.live.laboratory.example import example
 from app.live.laboratory.lab_file import Lab, read_lab
@@ -53,7 +53,7 @@ class Choices:
         """What may be chosen in a laboratory; what its file says is chosen."""
         sources = offered(lab.source, lab.sources, SIMULATED)
         links = offered(lab.link, lab.links, DRY)
-        rules = tuple(dict.fromkeys([lab.rule, *obedient()]))
+        rules = tuple(dict.fromkeys([lab.rule, *obedient_car_models()]))
         return Choices(
             lab, sources, links, rules, next(iter(sources)), next(iter(links)), lab.rule, lab
         )
@@ -123,5 +123,5 @@ def shared_parameters(lab: Lab, rule: str) -> dict:
     """Those of the file's parameters that a rule has too. Raises InputError."""
     if rule == lab.rule:
         return dict(lab.parameters)
-    fields = cars_by(rule).parameters.model_fields
+    fields = cars_for_rule(rule).parameters.model_fields
     return {name: value for name, value in lab.parameters.items() if name in fields}

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from agents.catalogue import from_file
 from agents.flock import Flock
-from agents.observables.catalogue import OBSERVABLES, telling
+from agents.observables.catalogue import OBSERVABLES, telling_observables
 from agents.spec import Options, Spec
 from app.strict_table import StrictTable
 from app.studies.key_lines import KeyLocations, about
@@ -293,7 +293,11 @@ def usual(file: SweepFile, first: Callable[[], Flock]) -> list[Observe]:
     """What is observed where nothing is asked for: only when it stops, or what tells of a flock."""
     if file.stop is not None:
         return []
-    return [Observe(name=name) for name in telling(first()) if not OBSERVABLES[name].is_table]
+    return [
+        Observe(name=name)
+        for name in telling_observables(first())
+        if not OBSERVABLES[name].is_table
+    ]
 
 
 def check_precision(sweep: Sweep) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.catalogue import cars_by, obedient
+from agents.catalogue import cars_for_rule, obedient_car_models
 from app.live.control.arm import State
 from app.live.control.loop_status import (
     DURATIONS_KEPT,
@@ -88,10 +88,10 @@ class RoomReplay:
         self.recorded: StoredRecording = read(folder)
         lab = self.recorded.lab
         try:
-            model = cars_by(lab.rule)
+            model = cars_for_rule(lab.rule)
             self.values = model.parameters(**lab.parameters).model_dump()
         except (InputError, ValueError):  # a rule that is not at hand is not needed to look on
-            model, self.values = cars_by(next(iter(obedient()))), {}
+            model, self.values = cars_for_rule(next(iter(obedient_car_models()))), {}
         self.setting = Setting.of(run, lab, model)
         self.tables = lru_cache(2)(self.load)
         self.spans = [span(part) for part in self.recorded.parts]

@@ -13,8 +13,8 @@ import numpy as np
 from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.following import (
-    bring_clearances,
-    bring_pairs,
+    fill_clearances,
+    fill_nearest_pairs,
     least_clearances,
     nearest_pairs,
     spread_bound,
@@ -60,7 +60,7 @@ class MinimumDistances:
     @property
     def kernels(self) -> tuple[Any, ...]:
         """What is compiled to watch it."""
-        return (bring_pairs, bring_clearances) if self.wanted else ()
+        return (fill_nearest_pairs, fill_clearances) if self.wanted else ()
 
     def run(self, ticks: int) -> None:
         """Run the flock, and watch it if it is to be watched."""

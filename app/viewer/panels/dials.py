@@ -19,7 +19,14 @@ from typing import Any
 
 import viser
 
-from agents.models.declare import DeclaredParameter, NumberParameter, Range, above, below, is_wide
+from agents.models.declare import (
+    DeclaredParameter,
+    NumberParameter,
+    Range,
+    is_wide,
+    round_down,
+    round_up,
+)
 from app.figure import DRAWING
 from app.front.viser_internals import identifier
 from app.viewer.scene.shown.control import Control
@@ -199,9 +206,11 @@ def widened(shown: Range, value: float, allowed: Range) -> Range:
     """
     low, high = shown
     if value > high:
-        high = min(allowed[1], above(value)) if value > 0.0 else allowed[1]
+        high = min(allowed[1], round_up(value)) if value > 0.0 else allowed[1]
     elif value < low and (value > 0.0 or not is_wide(low, high)):
-        low = max(allowed[0], below(value) if value > 0.0 else -above(-value) if value else 0.0)
+        low = max(
+            allowed[0], round_down(value) if value > 0.0 else -round_up(-value) if value else 0.0
+        )
     return low, high
 
 
@@ -232,8 +241,8 @@ def grain(low: float, high: float, step: float) -> float:
     """The step of a linear slider; whole steps, which count something, are not divided."""
     steps = (high - low) / step
     if steps > MOST:
-        return above((high - low) / MOST)
-    return step if steps >= FEWEST or step >= 1.0 else below((high - low) / FEWEST)
+        return round_up((high - low) / MOST)
+    return step if steps >= FEWEST or step >= 1.0 else round_down((high - low) / FEWEST)
 
 
 def decimals(one: NumberParameter) -> int:

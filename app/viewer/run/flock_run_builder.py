@@ -78,7 +78,7 @@ class Playback(FlockRun):
 
     def show(self, tick: int) -> None:
         """Put the flock where it was at a tick, or last before it. Raises InputError."""
-        then = self.frames.before(tick)
+        then = self.frames.last_tick_until(tick)
         if then != self.flock.tick:
             put(self.flock, self.frames.at(then))
         self.clock = tick

@@ -188,7 +188,7 @@ def demand_modest(recording: Recording, name: str, whole: bool) -> None:
     most = sum(numbers) if whole else max(numbers, default=0)
     much = most > MOST_NUMBERS or recording.rows > MOST_ROWS
     if not much and file.content is not None:
-        much = sum(file.unpacked(k, file.names) for k in groups) > MOST_BYTES
+        much = sum(file.unpacked_size(k, file.names) for k in groups) > MOST_BYTES
     if much:
         raise InputError(
             f"{name} holds {recording.rows} rows of {len(recording.names)} columns: more than "

@@ -14,7 +14,7 @@ from viser import ClientHandle, ViserServer
 
 from agents.inspection import Inspection
 from agents.models.model import Model
-from agents.observables.catalogue import OBSERVABLES, usual_charts
+from agents.observables.catalogue import OBSERVABLES, default_charts
 from app.front.controls import set_value
 from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.lab.panels.laboratory_plots import WINDOWS, Overlay
@@ -236,7 +236,7 @@ class OwnPlots:
                 choice.options = tuple(self.choices)
         if curves.model is not self.model:
             self.model = curves.model
-            usual = usual_charts(curves.model, curves.offered)
+            usual = default_charts(curves.model, curves.offered)
             for (choice, _), names in zip(self.charts, usual, strict=False):
                 set_value(choice, chart_title(names))
 

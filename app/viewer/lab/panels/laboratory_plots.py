@@ -13,7 +13,7 @@ import viser
 from viser import uplot
 
 from agents.models.model import Model
-from agents.observables.catalogue import OBSERVABLES, usual_charts
+from agents.observables.catalogue import OBSERVABLES, default_charts
 from app.front.controls import set_value
 from app.viewer.measuring.flock_numbers import EarlierRuns
 from app.viewer.measuring.flock_readings import FlockReadings
@@ -390,7 +390,7 @@ class LaboratoryPlots:
     @property
     def chosen(self) -> tuple[str, ...]:
         """What is plotted, as the charts call it; empty where it is as usual."""
-        usual = () if self.model is None else usual_charts(self.model, self.offered)
+        usual = () if self.model is None else default_charts(self.model, self.offered)
         now = tuple(chart.choice.value for chart in self.charts)
         return () if now == tuple(map(chart_title, usual)) else now
 
@@ -426,7 +426,7 @@ class LaboratoryPlots:
         model = readings.flock.model
         if model is not self.model:
             self.model = model
-            for chart, names in zip(self.charts, usual_charts(model, offered), strict=True):
+            for chart, names in zip(self.charts, default_charts(model, offered), strict=True):
                 set_value(chart.choice, chart_title(names))
         if self.asked is not None and self.asked[0] is model:
             for chart, name in zip(self.charts, self.asked[1], strict=False):

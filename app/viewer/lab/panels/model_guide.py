@@ -14,7 +14,7 @@ from agents.catalogue import MODELS
 from agents.flock_world import complete_spec
 from agents.models.declare import declared
 from agents.models.model import Model
-from agents.models.tries import LessonStep, in_short
+from agents.models.tries import LessonStep, format_short
 from agents.spec import OPTIONS
 from app.viewer.lab.panels.setup import SetupPanel, by_default
 from app.viewer.panels.dials import equation_svg
@@ -61,7 +61,7 @@ class TryRunner:
         """What is set, as sliders and Setup call it."""
         words = {p.name: parameter_label(p)[0] for p in declared(MODELS[model_name].parameters)}
         words |= {name: option.title for name, option in OPTIONS.items()}
-        return ", ".join(f"{words[name]}: {in_short(value)}" for name, value in one.set.items())
+        return ", ".join(f"{words[name]}: {format_short(value)}" for name, value in one.set.items())
 
     async def pressed(self, model_name: str, one: LessonStep, event: viser.GuiEvent) -> None:
         """Do it, or take it back; of a model that runs no longer, say so."""

@@ -13,7 +13,7 @@ import viser
 
 from agents.catalogue import MODELS
 from agents.models.declare import NumberParameter, is_wide
-from agents.observables.catalogue import OBSERVABLES, usual_charts
+from agents.observables.catalogue import OBSERVABLES, default_charts
 from app.front.controls import set_value
 from app.front.viser_internals import identifier
 from app.viewer.lab.sweeps import sweep_request
@@ -297,7 +297,7 @@ class SweepPanel:
         }
         if observed == self.observed or not observed:
             return
-        usual = next((one[0] for one in usual_charts(MODELS[model], offered) if one), "")
+        usual = next((one[0] for one in default_charts(MODELS[model], offered) if one), "")
         before = self.observable.value if self.observed else observable_words(usual)
         self.observed = observed
         self.observable.options = tuple(observed)
