@@ -11,7 +11,7 @@ from mesa.agent import AgentSet
 from mesa.experimental.continuous_space import ContinuousSpace
 
 from agents.observables.neighbours import separation
-from worlds.input_error import InputError, shortened
+from worlds.input_error import InputError, shorten
 from worlds.world import World
 
 
@@ -121,7 +121,7 @@ class Member(mesa.Agent):
             )
         if not (isinstance(value, (int, float, np.number)) and 0.0 <= value < np.inf):
             raise InputError(
-                f"speed = {shortened(value)} is not allowed: a finite number >= 0 is needed"
+                f"speed = {shorten(value)} is not allowed: a finite number >= 0 is needed"
             )
         flock.speed[row] = value
 
@@ -174,7 +174,7 @@ def vector(name: str, value: Any, dim: int) -> np.ndarray:
         array = np.empty(0)
     if array.shape != (dim,) or not np.isfinite(array).all():
         raise InputError(
-            f"{name} = {shortened(value)} is not allowed: {dim} finite numbers are needed"
+            f"{name} = {shorten(value)} is not allowed: {dim} finite numbers are needed"
         )
     return array
 

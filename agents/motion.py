@@ -32,7 +32,7 @@ from agents.state.agent_rows import StrayAgents, resize_past, select_rows, stray
 from worlds.compilation import DISABLED
 from worlds.input_error import InputError
 from worlds.memory import demand_memory
-from worlds.queries.survey import survey
+from worlds.queries.survey import survey_world
 from worlds.world import World
 
 NOISE = "eta"
@@ -110,7 +110,7 @@ class Motion(FlockState):
             pad_to_space(self.world.images, int),
             self.world.low[2] if self.world.dim == 3 else 0.0,
         )
-        place = WorldContext(space, survey(self.world, self.sight))
+        place = WorldContext(space, survey_world(self.world, self.sight))
         if self.options.is_late:
             late = messages(self.options, self.dt)
             module = delayed_module(self.loop)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo
 
-from worlds.input_error import InputError, shortened
+from worlds.input_error import InputError, shorten
 
 MOST = 10**15
 """The largest count, unless there is a reason for a smaller one."""
@@ -44,10 +44,10 @@ def whole_number(name: str, value: Any, least: int, most: int = MOST) -> int:
     right = isinstance(value, int | np.integer) and not isinstance(value, bool)
     if not right or value < least:
         raise InputError(
-            f"{name} = {shortened(value)} is not allowed: a whole number >= {least} is needed"
+            f"{name} = {shorten(value)} is not allowed: a whole number >= {least} is needed"
         )
     if value > most:
-        raise InputError(f"{name} = {shortened(value)} is not allowed: the largest is {most}")
+        raise InputError(f"{name} = {shorten(value)} is not allowed: the largest is {most}")
     return int(value)
 
 
@@ -61,7 +61,7 @@ def distance(value: Any, info: ValidationInfo) -> float:
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if not number or not 0.0 <= value < float("inf"):
         raise InputError(
-            f"{info.field_name} = {shortened(value)} is not allowed: a finite number >= 0 is needed"
+            f"{info.field_name} = {shorten(value)} is not allowed: a finite number >= 0 is needed"
         )
     return float(value)
 
@@ -73,7 +73,7 @@ def between(least: float, most: float, unit: str = "") -> BeforeValidator:
         right = isinstance(value, int | float | np.number) and not isinstance(value, bool)
         if not right or not least <= value <= most:
             raise InputError(
-                f"{info.field_name} = {shortened(value)} is not allowed: a number in "
+                f"{info.field_name} = {shorten(value)} is not allowed: a number in "
                 f"[{least:g}, {most:g}]{unit and ' ' + unit} is needed"
             )
         return float(value)

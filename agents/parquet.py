@@ -19,7 +19,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from agents.parquet_footer import I32, ParquetError, StructSchema, read_struct, sound_footer
-from worlds.input_error import InputError, shortened
+from worlds.input_error import InputError, shorten
 from worlds.plug_ins import demand_parquet
 
 # What the pages of a Parquet file unpack to, by their own headers, before any is unpacked.
@@ -115,7 +115,7 @@ class ParquetTable:
         self.offsets = np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)])
         for name in self.names:
             if self.names.count(name) > 1:
-                raise InputError(f"{self.origin} has the column {shortened(name)} twice")
+                raise InputError(f"{self.origin} has the column {shorten(name)} twice")
 
     def open(self) -> BinaryIO:
         """Its bytes, to be read. Raises OSError."""
@@ -312,5 +312,5 @@ def demand_format(meta: dict[str, Any], newest: int, origin: str) -> int:
     if not isinstance(number, int) or isinstance(number, bool) or not 1 <= number <= newest:
         newer = isinstance(number, int) and number > newest
         reason = "it is newer than this version of flockscope reads" if newer else "it is none"
-        raise InputError(f"{origin} has format {shortened(number)}: {reason} (1 to {newest})")
+        raise InputError(f"{origin} has format {shorten(number)}: {reason} (1 to {newest})")
     return number

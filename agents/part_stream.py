@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 
 from agents.parquet import LONGEST, MOST_BYTES, MOST_METADATA, MOST_NUMBERS, is_text
 from agents.parquet_footer import EXTENSION, MOST_COLUMNS
-from worlds.input_error import InputError, shortened
+from worlds.input_error import InputError, shorten
 
 BEGIN = b"\xff\xff\xff\xff"
 """Begins every message."""
@@ -74,11 +74,11 @@ class PartStream:
             numbers = (pa.types.is_integer, pa.types.is_floating, pa.types.is_boolean, is_text)
             if not any(is_number(kind) for is_number in numbers):
                 raise InputError(
-                    f"{self.origin}: its column {shortened(field.name)} holds neither numbers "
+                    f"{self.origin}: its column {shorten(field.name)} holds neither numbers "
                     "nor text"
                 )
             if self.schema.names.count(field.name) > 1:
-                raise InputError(f"{self.origin} has the column {shortened(field.name)} twice")
+                raise InputError(f"{self.origin} has the column {shorten(field.name)} twice")
 
     def message(self) -> Message | None:
         """The next message; None where no whole one follows. Raises InputError, OSError."""

@@ -23,7 +23,7 @@ from agents.spec import Spec
 from agents.state.agent_rows import LARGEST
 from worlds.checks import demand_sound
 from worlds.file_writer import writing
-from worlds.input_error import InputError, demand_line, shortened, unknown
+from worlds.input_error import InputError, demand_line, shorten, unknown
 from worlds.layout import world_from_layout
 from worlds.world import World
 
@@ -68,7 +68,7 @@ class Recording:
                 meta = self.metadata_of_format_1(meta)
             self.next_id = meta["next_id"]
             if type(self.next_id) is not int or not 0 <= self.next_id <= LARGEST:
-                raise ValueError(f"next_id = {shortened(self.next_id)} is outside [0, 2^53]")
+                raise ValueError(f"next_id = {shorten(self.next_id)} is outside [0, 2^53]")
             self.model, self.title = (
                 demand_text_line(meta["model"]),
                 demand_text_line(meta["title"]),
@@ -271,7 +271,7 @@ class Recording:
 def demand_text(value: Any) -> str:
     """A text of metadata. Raises TypeError for anything else."""
     if not isinstance(value, str):
-        raise TypeError(f"{shortened(value)} stands where a text is needed")
+        raise TypeError(f"{shorten(value)} stands where a text is needed")
     return value
 
 

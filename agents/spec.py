@@ -20,7 +20,7 @@ from pydantic import (
 
 from agents.conditions import Conditions
 from agents.option import Option, distance, from_, option, whole_number
-from worlds.input_error import InputError, needed, shortened, unknown
+from worlds.input_error import InputError, needed, shorten, unknown
 from worlds.text_file import read_text, toml
 from worlds.world import World, box
 
@@ -42,14 +42,14 @@ def sides(size: Any) -> float | tuple[float, ...]:
 def dimensions(value: Any) -> int:
     """2 or 3. Raises InputError."""
     if isinstance(value, bool) or value not in (2, 3):
-        raise InputError(f"dim = {shortened(value)} is not allowed: a world has 2 or 3 dimensions")
+        raise InputError(f"dim = {shorten(value)} is not allowed: a world has 2 or 3 dimensions")
     return int(value)
 
 
 def name(value: Any, info: ValidationInfo) -> str:
     """A name. Raises InputError."""
     if not isinstance(value, str):
-        raise InputError(f"{info.field_name} = {shortened(value)} is not a name")
+        raise InputError(f"{info.field_name} = {shorten(value)} is not a name")
     return value
 
 
@@ -279,9 +279,9 @@ def input_error_of(fault: Any) -> InputError:
         return unknown("option", key, OPTIONS)
     if fault["type"] == "literal_error":
         if not isinstance(fault["input"], str):
-            return InputError(f"{key} = {shortened(fault['input'])} is not a name")
+            return InputError(f"{key} = {shorten(fault['input'])} is not a name")
         return unknown(key, fault["input"], get_args(Spec.model_fields[key].annotation))
-    return InputError(f"{key} = {shortened(fault['input'])} is not allowed: {needed(fault)}")
+    return InputError(f"{key} = {shorten(fault['input'])} is not allowed: {needed(fault)}")
 
 
 def versions() -> dict[str, str]:

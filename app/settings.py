@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from worlds.input_error import InputError, shortened
+from worlds.input_error import InputError, shorten
 
 SWITCHES = {"true": True, "false": False, "on": True, "off": False}
 
@@ -70,7 +70,7 @@ def at_least(option: str, value: int | None, least: int, most: int = MOST) -> No
     if value is None:
         return
     if value < least:
-        shown = shortened(value)
+        shown = shorten(value)
         raise InputError(f"{option} {shown} is not allowed: a whole number >= {least} is needed")
     if value > most:
-        raise InputError(f"{option} {shortened(value)} is not allowed: the largest is {most}")
+        raise InputError(f"{option} {shorten(value)} is not allowed: the largest is {most}")

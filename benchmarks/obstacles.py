@@ -14,7 +14,7 @@ import numpy as np
 from worlds.compilation import entry
 from worlds.obstacles import SEGMENTS, Disc, Wall
 from worlds.queries.surroundings import Surroundings, line_of_sight, nearest_surface, points_within
-from worlds.queries.survey import survey
+from worlds.queries.survey import survey_world
 from worlds.world import World
 
 SIDE = 100.0
@@ -86,7 +86,7 @@ def main() -> None:
     seconds = []
     for _ in range(REPEATS):
         start = time.perf_counter()
-        surroundings = survey(world, given.reach)
+        surroundings = survey_world(world, given.reach)
         seconds.append(time.perf_counter() - start)
     print(
         f"{len(surroundings.edge):,} edges of {len(surroundings.span):,} outlines, "

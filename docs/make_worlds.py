@@ -15,7 +15,7 @@ from pathlib import Path
 from app.worlds.contents import points
 from app.worlds.world_picture import draw_world
 from worlds.generators import GENERATORS, draw_obstacles, generate
-from worlds.generators.generate import allowed
+from worlds.generators.generate import describe_range
 from worlds.layout import layout_names, read_layout, world, world_from_layout
 from worlds.readers import read_geometry, world_around
 
@@ -40,7 +40,7 @@ def parameters() -> str:
     for kind in GENERATORS.values():
         for name, field in kind.parameters.model_fields.items():
             rows.append(
-                f"| `{kind.name}` | `{name}` | {field.default:g} | {allowed(field)} "
+                f"| `{kind.name}` | `{name}` | {field.default:g} | {describe_range(field)} "
                 f"| {field.description} |"
             )
     return "\n".join(rows)

@@ -101,9 +101,9 @@ def __getattr__(name: str) -> Any:
         return import_module(f"{__name__}.worlds").Refusal
     if name in __all__:
         for home in ("worlds", "_models", "_flocks", "_sweeps"):
-            found = import_module(f"{__name__}.{home}")
-            if name in found.__all__:
-                return getattr(found, name)
+            module = import_module(f"{__name__}.{home}")
+            if name in module.__all__:
+                return getattr(module, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -45,7 +45,7 @@ def main() -> None:
 def lacks_memory(error: BaseException | None) -> bool:
     """Whether an error, or one that led to it, says that memory is missing."""
     while error is not None:
-        if isinstance(error, MemoryError) or any(words in str(error) for words in NO_MEMORY):
+        if isinstance(error, MemoryError) or any(sign in str(error) for sign in NO_MEMORY):
             return True
         error = error.__cause__ or error.__context__
     return False
@@ -61,11 +61,13 @@ def memory_limit() -> str:
     return f": `ulimit -v` allows {limit // 1024} kB; allow more, or lift it"
 
 
-def stop(words: str) -> None:
+def stop(message: str) -> None:
     """Tell why nothing can be done, in a line that commands no terminal, and end."""
-    shown = "".join(one if one.isprintable() else ascii(one)[1:-1] for one in words)
+    printable = "".join(
+        letter if letter.isprintable() else ascii(letter)[1:-1] for letter in message
+    )
     with suppress(OSError):
-        print(f"flockscope: {shown}", file=sys.stderr)
+        print(f"flockscope: {printable}", file=sys.stderr)
     raise SystemExit(2) from None
 
 

@@ -17,11 +17,11 @@ PARTS = ("app", "agents", "worlds")
 
 def origin_of(name: str) -> str | None:
     """The file that `import name` takes or has taken, None if there is none."""
-    taken = sys.modules.get(name)
-    if taken is not None:
-        return getattr(taken, "__file__", None)
-    found = find_spec(name)
-    return found.origin if found else None
+    loaded = sys.modules.get(name)
+    if loaded is not None:
+        return getattr(loaded, "__file__", None)
+    spec = find_spec(name)
+    return spec.origin if spec else None
 
 
 def demand_own_parts(checkout: Path) -> None:
@@ -29,9 +29,9 @@ def demand_own_parts(checkout: Path) -> None:
     for name in PARTS:
         own, origin = checkout / name / "__init__.py", origin_of(name)
         if origin is None or Path(origin).resolve() != own.resolve():
-            what = f"the module {origin}" if origin else f"a folder {name!r} without {own}"
+            cause = f"the module {origin}" if origin else f"a folder {name!r} without {own}"
             raise ImportError(
-                f"{what} is in the way of flockscope's own {name!r} in the checkout {checkout}: "
+                f"{cause} is in the way of flockscope's own {name!r} in the checkout {checkout}: "
                 "rename it, start Python elsewhere, or install flockscope (docs/installing.md), "
                 "where nothing is in its way",
                 name=name,

@@ -11,7 +11,7 @@ from pathlib import Path
 import numba
 import pytest
 
-from worlds.code_libraries import TRIED, LoopLibrary, PartLibrary, module_of, reached
+from worlds.code_libraries import TRIED, LoopLibrary, PartLibrary, module_of, reached_libraries
 from worlds.compilation import compiled, entry, shared
 
 ROOT = Path(__file__).parents[1]
@@ -86,7 +86,7 @@ def test_each_part_is_taken_in_once_and_its_callers_come_first():
     loop(3.0)
     (made,) = (one.library for one in loop.overloads.values())
     assert isinstance(made, LoopLibrary)
-    names = [module_of(one).name for one in reached(made)]
+    names = [module_of(one).name for one in reached_libraries(made)]
     order = [names.index(part) for part in ("both", "thrice", "twice")]
     assert order == sorted(order)
     assert len(names) == len(set(names))

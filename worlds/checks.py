@@ -45,52 +45,54 @@ def problems(world: World) -> list[Problem]:
 
     The mission is looked at where the shapes are sound.
     """
-    found = [p for number, _ in enumerate(world.obstacles) for p in shape_problems(world, number)]
-    if not found and world.mission is not None:
-        found = dimension_problems(world, world.mission)
-        if not found:
-            found = start_problems(world, world.mission)
-            found += place_problems(world, world.mission)
-            found += leg_problems(world, world.mission)
-    return found
+    problem_list = [
+        p for number, _ in enumerate(world.obstacles) for p in shape_problems(world, number)
+    ]
+    if not problem_list and world.mission is not None:
+        problem_list = dimension_problems(world, world.mission)
+        if not problem_list:
+            problem_list = start_problems(world, world.mission)
+            problem_list += place_problems(world, world.mission)
+            problem_list += leg_problems(world, world.mission)
+    return problem_list
 
 
 def shape_problems(world: World, number: int) -> list[Problem]:
     """What is wrong with the shape of an obstacle, itself or in its world."""
     obstacle = world.obstacles[number]
     feature = obstacle.label if obstacle.name else f"{obstacle.label} {number + 1}"
-    found = []
+    problem_list = []
     for outline, bottom, top in obstacle.spans():
         place = tuple(shapely.get_coordinates(outline)[0].tolist())
         if shapely.convex_hull(outline).area == 0.0:
-            found.append(Problem(feature, place, f"obstacle {feature} has no area"))
+            problem_list.append(Problem(feature, place, f"obstacle {feature} has no area"))
         elif not outline.is_valid:
-            found.append(unsound(feature, outline))
+            problem_list.append(describe_defect(feature, outline))
         floor = 0.0 if bottom is None else bottom
         ceiling = world.height if top is None else top
         if world.dim == 3 and floor >= ceiling:
             text = f"obstacle {feature} has bottom {floor:g} not below its top {ceiling:g}"
-            found.append(Problem(feature, place, text))
+            problem_list.append(Problem(feature, place, text))
     if world.dim == 2 and needs_space(obstacle):
         text = f"obstacle {feature} has three dimensions, its world has 2"
-        found.append(Problem(feature, (), text))
-    return found
+        problem_list.append(Problem(feature, (), text))
+    return problem_list
 
 
-def unsound(feature: str, outline: shapely.Polygon) -> Problem:
+def describe_defect(feature: str, outline: shapely.Polygon) -> Problem:
     """What makes a polygon unsound, in words, and where."""
-    reason, _, rest = shapely.is_valid_reason(outline).partition("[")
-    place = tuple(float(number) for number in rest.rstrip("]").split())
-    words = {
+    reason, _, place_text = shapely.is_valid_reason(outline).partition("[")
+    place = tuple(float(number) for number in place_text.rstrip("]").split())
+    descriptions = {
         "Self-intersection": "crosses itself",
         "Ring Self-intersection": "touches itself",
         "Hole lies outside shell": "has a hole outside of it",
         "Holes are nested": "has a hole within a hole",
         "Interior is disconnected": "is cut in two by its holes",
     }
-    where = f" at ({', '.join(f'{number:g}' for number in place)})" if place else ""
-    wrong = words.get(reason.strip(), f"is unsound ({reason.strip()})")
-    return Problem(feature, place, f"obstacle {feature} {wrong}{where}")
+    location = f" at ({', '.join(f'{number:g}' for number in place)})" if place else ""
+    defect = descriptions.get(reason.strip(), f"is unsound ({reason.strip()})")
+    return Problem(feature, place, f"obstacle {feature} {defect}{location}")
 
 
 def needs_space(obstacle) -> bool:
@@ -134,16 +136,16 @@ def start_problems(world: World, mission: Mission) -> list[Problem]:
 
 def place_problems(world: World, mission: Mission) -> list[Problem]:
     """Waypoints and goals inside what is solid."""
-    found = []
-    for part, points in way(mission).items():
+    problem_list = []
+    for part, points in waypoints_by_key(mission).items():
         depth = clearance(world, np.array(points))
         for number in np.flatnonzero(depth < 0.0):
-            where = (
+            location = (
                 "beyond a solid edge" if is_beyond(world, points[number]) else "inside an obstacle"
             )
-            text = f"{part}[{number}] = {spot(points[number])} is {where}"
-            found.append(Problem(part, tuple(points[number]), text))
-    return found
+            text = f"{part}[{number}] = {spot(points[number])} is {location}"
+            problem_list.append(Problem(part, tuple(points[number]), text))
+    return problem_list
 
 
 def is_beyond(world: World, place: tuple[float, ...]) -> bool:
@@ -161,7 +163,7 @@ def leg_problems(world: World, mission: Mission) -> list[Problem]:
         return []
     points = path.waypoints
     legs = list(zip(points, points[1:] + points[:1] * path.closed, strict=False))
-    found = []
+    problem_list = []
     for number, (start, end) in enumerate(legs):
         share = np.linspace(0.0, 1.0, LEG_STEPS)[:, None]
         depth = clearance(world, np.array(start) + share * (np.array(end) - start))
@@ -169,18 +171,18 @@ def leg_problems(world: World, mission: Mission) -> list[Problem]:
             at = np.array(start) + share[depth.argmin()] * (np.array(end) - start)
             text = f"mission.path from {spot(start)} to {spot(end)} goes through an obstacle"
             place = tuple(at.tolist())
-            found.append(Problem(f"mission.path {number}", place, text, "warning"))
-    return found
+            problem_list.append(Problem(f"mission.path {number}", place, text, "warning"))
+    return problem_list
 
 
-def way(mission: Mission) -> dict[str, tuple[tuple[float, ...], ...]]:
+def waypoints_by_key(mission: Mission) -> dict[str, tuple[tuple[float, ...], ...]]:
     """The waypoints of a mission's path and of its goal, by the key in the layout."""
-    found: dict[str, tuple[tuple[float, ...], ...]] = {}
+    waypoints: dict[str, tuple[tuple[float, ...], ...]] = {}
     if mission.path is not None:
-        found["mission.path.waypoints"] = mission.path.waypoints
+        waypoints["mission.path.waypoints"] = mission.path.waypoints
     if mission.goal is not None:
-        found["mission.goal.route"] = mission.goal.route
-    return found
+        waypoints["mission.goal.route"] = mission.goal.route
+    return waypoints
 
 
 def spot(place: tuple[float, ...]) -> str:
@@ -198,11 +200,11 @@ def demand_in_box(world: World, position: np.ndarray, passing: bool = False) -> 
         if edge == "open" or (edge == "solid" and passing):
             continue
         low, high = world.low[axis], world.low[axis] + world.size[axis]
-        beyond = (position[:, axis] < low) | (position[:, axis] > high)
+        is_outside = (position[:, axis] < low) | (position[:, axis] > high)
         if edge == "wrap":
-            beyond |= position[:, axis] == high
-        if beyond.any():
-            row = int(np.argmax(beyond))
+            is_outside |= position[:, axis] == high
+        if is_outside.any():
+            row = int(np.argmax(is_outside))
             end = ")" if edge == "wrap" else "]"
             raise InputError(
                 f"position of row {row} is {position[row].tolist()}: {'xyz'[axis]} = "
@@ -228,5 +230,5 @@ def demand_free(world: World, position: np.ndarray) -> None:
 def obstacle_at(world: World, place: np.ndarray) -> str:
     """The name of an obstacle that has a place (dim,) on its footprint, or `an obstacle`."""
     point = shapely.Point(place[:2])
-    found = [one for one in world.obstacles if one.footprint().intersects(point)]
-    return f"the obstacle {found[0].label}" if found else "an obstacle"
+    hits = [obstacle for obstacle in world.obstacles if obstacle.footprint().intersects(point)]
+    return f"the obstacle {hits[0].label}" if hits else "an obstacle"

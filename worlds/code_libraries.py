@@ -41,17 +41,17 @@ class PartLibrary(JITCodeLibrary):
         self._finalized = True
 
     @property
-    def alone(self) -> Any:
+    def own_module(self) -> Any:
         """Its module, without what it calls."""
         self._ensure_finalized()
         return self._final_module
 
     def _get_module_for_linking(self) -> Any:
         """Its module with all that it calls, for functions that numba compiles in its own way."""
-        whole = self.alone.clone()
-        for called in reached(self):
-            whole.link_in(module_of(called), preserve=True)
-        return whole
+        linked_module = self.own_module.clone()
+        for library in reached_libraries(self):
+            linked_module.link_in(module_of(library), preserve=True)
+        return linked_module
 
     def get_pointer_to_function(self, _name: str) -> int:
         """None: there is no machine code."""
@@ -75,46 +75,50 @@ class LoopLibrary(JITCodeLibrary):
     def finalize(self) -> None:
         """Take in all that it calls, optimise once and make machine code."""
         self._raise_if_finalized()
-        called = reached(self)
-        for one in called:
-            self._final_module.link_in(module_of(one), preserve=True)
+        callees = reached_libraries(self)
+        for callee in callees:
+            self._final_module.link_in(module_of(callee), preserve=True)
         passes, builder = self._codegen._module_pass_manager()
         passes.run(self._final_module, builder)
         self._final_module.verify()
         self._finalize_final_module()
-        kept = {variable.name for variable in self._final_module.global_variables}
-        for one in called:
-            if isinstance(one, PartLibrary) and one.env[0] in kept:
-                self._codegen.set_env(*one.env)  # type: ignore[attr-defined]
+        variable_names = {variable.name for variable in self._final_module.global_variables}
+        for callee in callees:
+            if isinstance(callee, PartLibrary) and callee.env[0] in variable_names:
+                self._codegen.set_env(*callee.env)  # type: ignore[attr-defined]
 
 
-def reached(library: CPUCodeLibrary) -> list[CPUCodeLibrary]:
+def reached_libraries(library: CPUCodeLibrary) -> list[CPUCodeLibrary]:
     """All that a library calls, callers first: what nobody calls is not taken in."""
-    found: dict[CPUCodeLibrary, None] = {}
+    libraries: dict[CPUCodeLibrary, None] = {}
 
-    def look(at: CPUCodeLibrary) -> None:
-        for called in at._linking_libraries:
-            if called not in found:
-                if isinstance(called, PartLibrary):
-                    look(called)
-                found[called] = None
+    def visit(at: CPUCodeLibrary) -> None:
+        for callee in at._linking_libraries:
+            if callee not in libraries:
+                if isinstance(callee, PartLibrary):
+                    visit(callee)
+                libraries[callee] = None
 
-    look(library)
-    return list(reversed(found))
+    visit(library)
+    return list(reversed(libraries))
 
 
 def module_of(library: CPUCodeLibrary) -> Any:
     """What is taken in of a library; of one that numba made in its own way, all that it calls."""
-    return library.alone if isinstance(library, PartLibrary) else library._get_module_for_linking()
+    return (
+        library.own_module
+        if isinstance(library, PartLibrary)
+        else library._get_module_for_linking()
+    )
 
 
-def compiling_into(made: type[CPUCodeLibrary]) -> type[Compiler]:
+def compiler_into(library_class: type[CPUCodeLibrary]) -> type[Compiler]:
     """A compiler of numba whose functions become such libraries."""
 
     class LibraryCompiler(Compiler):
         def compile_extra(self, func: Callable) -> Any:
             state = self.state
-            state.library = made(state.targetctx.codegen(), func.__qualname__)
+            state.library = library_class(state.targetctx.codegen(), func.__qualname__)
             state.library.enable_object_caching()
             return super().compile_extra(func)
 
@@ -122,6 +126,6 @@ def compiling_into(made: type[CPUCodeLibrary]) -> type[Compiler]:
 
 
 if numba.__version__.startswith(TRIED):
-    PARTS, LOOPS = compiling_into(PartLibrary), compiling_into(LoopLibrary)
+    PARTS, LOOPS = compiler_into(PartLibrary), compiler_into(LoopLibrary)
 else:
     PARTS = LOOPS = Compiler

@@ -41,24 +41,24 @@ PLAIN: ContextVar[bool] = ContextVar("plain", default=DISABLED)
 
 
 @contextmanager
-def plain_python(asked: bool = True) -> Iterator[None]:
+def plain_python(enabled: bool = True) -> Iterator[None]:
     """Within it, if asked for, compiled functions that this thread calls run as plain Python.
 
     As compiled, they divide by zero and wrap whole numbers around without a warning.
     """
-    if not (asked or PLAIN.get()):
+    if not (enabled or PLAIN.get()):
         yield
         return
-    before = PLAIN.set(True)
+    token = PLAIN.set(True)
     try:
         with np.errstate(all="ignore"):
             yield
     finally:
-        PLAIN.reset(before)
+        PLAIN.reset(token)
 
 
 @contextmanager
-def without_collection() -> Iterator[None]:
+def pause_collection() -> Iterator[None]:
     """Within it no garbage is collected: numba makes little, and looking for it takes a tenth."""
     if not gc.isenabled():
         yield
@@ -82,7 +82,7 @@ class LoopDispatcher(CPUDispatcher):
 
     def compile(self, sig: Any) -> Any:
         """Compile it, or take what another process has compiled and kept meanwhile."""
-        with without_collection(), nullcontext() if self.lock is None else FileLock(self.lock):
+        with pause_collection(), nullcontext() if self.lock is None else FileLock(self.lock):
             return super().compile(sig)
 
 
@@ -100,7 +100,7 @@ class PartDispatcher(LoopDispatcher):
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Compile it for a call; an exception says in `uncompiled` what it is of."""
-        plain = [types.unliteral(one) for one in args]  # one version for all numbers
+        plain = [types.unliteral(argument) for argument in args]  # one version for all numbers
         try:
             return super().get_call_template(plain, kws)
         except Exception as error:

@@ -43,36 +43,38 @@ def demand_writable(
     not all are. Raises InputError for what is there and no file, for a file unless `overwrite`, for
     a folder that is not there or not to be written to, and for another ending.
     """
-    named = f"{thing} {str(path)!r}"
-    place = place_of(named, Path(path))
+    title = f"{thing} {str(path)!r}"
+    place = place_of(title, Path(path))
     try:
-        found = place.lstat()
+        status = place.lstat()
     except (FileNotFoundError, NotADirectoryError):
-        found = None
+        status = None
     except OSError as error:
-        raise cannot(named, error) from None
-    if found is not None and not stat.S_ISREG(found.st_mode):
-        what = next((word for test, word in KINDS.items() if test(found.st_mode)), "no file")
-        raise InputError(f"{named} is {what}, not a file to write")
+        raise write_error(title, error) from None
+    if status is not None and not stat.S_ISREG(status.st_mode):
+        kind = next(
+            (kind_name for test, kind_name in KINDS.items() if test(status.st_mode)), "no file"
+        )
+        raise InputError(f"{title} is {kind}, not a file to write")
     if endings and Path(path).suffix.lower() not in endings:
         allowed = " or ".join(endings)
-        raise InputError(f"{named} is not allowed: a name that ends in {allowed} is needed")
-    if found is not None and not overwrite:
-        raise InputError(f"{named} exists already: name another, or --overwrite")
-    if found is not None and not os.access(place, os.W_OK):
-        raise InputError(f"{named} cannot be written: it may only be read")
+        raise InputError(f"{title} is not allowed: a name that ends in {allowed} is needed")
+    if status is not None and not overwrite:
+        raise InputError(f"{title} exists already: name another, or --overwrite")
+    if status is not None and not os.access(place, os.W_OK):
+        raise InputError(f"{title} cannot be written: it may only be read")
     if not place.parent.is_dir():
-        raise InputError(f"{named} cannot be written: there is no folder {str(place.parent)!r}")
+        raise InputError(f"{title} cannot be written: there is no folder {str(place.parent)!r}")
     try:
-        beside = beginning(place)
-        os.close(os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, NEW))
-        beside.unlink()
+        temporary = temporary_name(place)
+        os.close(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, NEW))
+        temporary.unlink()
     except OSError as error:
-        raise cannot(named, error) from None
+        raise write_error(title, error) from None
     return place
 
 
-def place_of(named: str, path: Path) -> Path:
+def place_of(title: str, path: Path) -> Path:
     """Where a path leads, links followed. Raises InputError."""
     try:
         if b"\0" in os.fsencode(path):
@@ -80,23 +82,25 @@ def place_of(named: str, path: Path) -> Path:
         return path.resolve() if path.is_symlink() else path
     except (OSError, RuntimeError) as error:
         raise InputError(
-            f"{named} leads nowhere: {getattr(error, 'strerror', '') or error}"
+            f"{title} leads nowhere: {getattr(error, 'strerror', '') or error}"
         ) from None
     except ValueError:
-        raise InputError(f"{named} is no name that a file can have") from None
+        raise InputError(f"{title} is no name that a file can have") from None
 
 
-def demand_apart(paths: Mapping[str, str | Path | None]) -> None:
+def demand_distinct_files(paths: Mapping[str, str | Path | None]) -> None:
     """Refuse two outputs under one path; `paths` by option, None where none is asked for."""
-    seen: dict[Path, str] = {}
+    names_by_place: dict[Path, str] = {}
     for option, path in paths.items():
         if path is None:
             continue
         place = place_of(f"{option} {str(path)!r}", Path(path)).absolute()
         place = place.parent.resolve() / place.name
-        if place in seen:
-            raise InputError(f"{seen[place]} and {option} name the same file {str(path)!r}")
-        seen[place] = option
+        if place in names_by_place:
+            raise InputError(
+                f"{names_by_place[place]} and {option} name the same file {str(path)!r}"
+            )
+        names_by_place[place] = option
 
 
 @contextmanager
@@ -109,15 +113,15 @@ def writing(
     disk is full; then nothing has changed.
     """
     place = demand_writable(thing, path, overwrite, endings)
-    beside = beginning(place)
+    temporary = temporary_name(place)
     try:
-        with open(os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL, NEW), "w+b") as file:
+        with open(os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL, NEW), "w+b") as file:
             yield file
-        take_place(beside, place)
+        replace_file(temporary, place)
     except OSError as error:
-        raise cannot(f"{thing} {str(path)!r}", error) from None
+        raise write_error(f"{thing} {str(path)!r}", error) from None
     finally:
-        beside.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
 
 
 def write_text(
@@ -135,21 +139,21 @@ def write_text(
         file.write(data)
 
 
-def beginning(place: Path) -> Path:
+def temporary_name(place: Path) -> Path:
     """A name beside a place that nothing has."""
     return place.with_name(f".flockscope-{secrets.token_hex(6)}.tmp")
 
 
-def take_place(beside: Path, place: Path) -> None:
+def replace_file(temporary: Path, place: Path) -> None:
     """Move a finished file to its place, with the rights of the one that it replaces."""
     with suppress(FileNotFoundError):
-        os.chmod(beside, stat.S_IMODE(place.stat().st_mode))
-    os.replace(beside, place)
+        os.chmod(temporary, stat.S_IMODE(place.stat().st_mode))
+    os.replace(temporary, place)
 
 
-def cannot(named: str, error: OSError) -> InputError:
+def write_error(title: str, error: OSError) -> InputError:
     """The refusal for what cannot be written."""
-    return InputError(f"{named} cannot be written: {error.strerror or error}")
+    return InputError(f"{title} cannot be written: {error.strerror or error}")
 
 
 FORMULA = "=+-@\t\r"
@@ -164,12 +168,12 @@ def csv_text(header: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(map(guarded_cell, header))
-    writer.writerows(map(guarded_cell, row) for row in rows)
+    writer.writerow(map(guard_cell, header))
+    writer.writerows(map(guard_cell, row) for row in rows)
     return text.getvalue()
 
 
-def guarded_cell(cell: Any) -> Any:
+def guard_cell(cell: Any) -> Any:
     """A cell with a mark before a text that a spreadsheet would calculate; numbers as they are."""
     if not isinstance(cell, str) or not cell.startswith((*FORMULA, "'")):
         return cell
@@ -180,6 +184,6 @@ def guarded_cell(cell: Any) -> Any:
     return cell
 
 
-def unguarded_cell(cell: str) -> str:
-    """What `guarded_cell` made a cell of."""
+def unguard_cell(cell: str) -> str:
+    """What `guard_cell` made a cell of."""
     return cell[1:] if cell.startswith("'") else cell

@@ -31,7 +31,7 @@ class InputErrors(InputError):
         self.lines = tuple(lines)
 
 
-def refusal_of(lines: Sequence[str]) -> InputError:
+def error_of_lines(lines: Sequence[str]) -> InputError:
     """A refusal of one or more lines, repeated ones once."""
     distinct = list(dict.fromkeys(lines))
     return InputError(distinct[0]) if len(distinct) == 1 else InputErrors(distinct)
@@ -44,7 +44,7 @@ def demand_line(text: str) -> str:
     'a title'
     """
     if BREAKS.search(text):
-        raise ValueError(f"{shortened(text)} is not allowed: one line of plain text is needed")
+        raise ValueError(f"{shorten(text)} is not allowed: one line of plain text is needed")
     return text
 
 
@@ -61,9 +61,9 @@ def unknown(
     "unknown source 'vicon' (known: emulated cars)"
     """
     known = list(known)
-    where = f" ({origin})" if origin else ""
+    location = f" ({origin})" if origin else ""
     hint = suggestion(name, [*known, *others])
-    return InputError(f"unknown {kind} {shortened(name)}{hint} (known: {', '.join(known)}){where}")
+    return InputError(f"unknown {kind} {shorten(name)}{hint} (known: {', '.join(known)}){location}")
 
 
 def suggestion(name: object, known: Iterable[str]) -> str:
@@ -74,7 +74,7 @@ def suggestion(name: object, known: Iterable[str]) -> str:
     >>> suggestion("agent", ["eta", "v0"]), suggestion("--ticks", ["--noise"])
     ('', '')
     """
-    text = name if isinstance(name, str) else shortened(name)
+    text = name if isinstance(name, str) else shorten(name)
     near = nearest(text, known)
     return f": did you mean {near!r}?" if near else ""
 
@@ -89,10 +89,10 @@ def nearest(text: str, known: Iterable[str]) -> str:
     >>> nearest("rnu", ["lab", "run"]), nearest("emulatd", ["vicon", "emulated cars"])
     ('run', 'emulated cars')
     """
-    wanted = plain_letters(text[:LONGEST_NAME])
-    found = [(slips(wanted, plain_letters(one)), one) for one in known]
-    close = [(count, one) for count, one in found if count is not None]
-    return min(close, key=lambda pair: pair[0])[1] if close else ""
+    letters = plain_letters(text[:LONGEST_NAME])
+    candidates = [(count_slips(letters, plain_letters(name)), name) for name in known]
+    near_names = [(count, one) for count, one in candidates if count is not None]
+    return min(near_names, key=lambda pair: pair[0])[1] if near_names else ""
 
 
 LONGEST_NAME = 60
@@ -101,43 +101,47 @@ LONGEST_NAME = 60
 
 def plain_letters(text: str) -> str:
     """A name without what people mix up: capitals, and dashes, underlines and blanks."""
-    return "".join(one for one in text.casefold() if one not in "-_ ")
+    return "".join(letter for letter in text.casefold() if letter not in "-_ ")
 
 
-def slips(text: str, known: str) -> float | None:
+def count_slips(text: str, known: str) -> float | None:
     """How many slips make a text of a known name; None if it is not close to it."""
     if not text or not known:
         return None
-    most = 1 + (min(len(text), len(known)) - 1) // 4
-    least = min(len(text), len(known))
-    count = distance(text, known, most)
-    if count is not None and count < least + (text == known):
+    limit = 1 + (min(len(text), len(known)) - 1) // 4
+    shorter = min(len(text), len(known))
+    count = distance(text, known, limit)
+    if count is not None and count < shorter + (text == known):
         return count
     if len(known) >= 3 and text.startswith(known) and len(text) <= len(known) + 2:
-        return most + 0.5
-    beginning = distance(text, known[: len(text)], most // 2)
+        return limit + 0.5
+    beginning = distance(text, known[: len(text)], limit // 2)
     longer = beginning is not None and len(text) >= 3 and len(known) > len(text)
-    return most + (beginning or 0) + 0.01 * len(known) if longer else None
+    return limit + (beginning or 0) + 0.01 * len(known) if longer else None
 
 
-def distance(one: str, other: str, most: int) -> int | None:
-    """Letters put in, left out, changed, or swapped with the next; None if more than `most`.
+def distance(text: str, other: str, limit: int) -> int | None:
+    """Letters put in, left out, changed, or swapped with the next; None if more than `limit`.
 
     >>> distance("rnu", "run", 2), distance("agent", "eta", 2)
     (1, None)
     """
-    if abs(len(one) - len(other)) > most:
+    if abs(len(text) - len(other)) > limit:
         return None
-    before: list[int] = []
+    row_before_last: list[int] = []
     row = list(range(len(other) + 1))
-    for i, letter in enumerate(one, 1):
-        last, before, row = before, row, [i] + [0] * len(other)
-        for j, beside in enumerate(other, 1):
-            row[j] = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (letter != beside))
-            swapped = i > 1 and j > 1 and letter == other[j - 2] and one[i - 2] == beside
-            if swapped:
+    for i, letter in enumerate(text, 1):
+        last, row_before_last, row = row_before_last, row, [i] + [0] * len(other)
+        for j, other_letter in enumerate(other, 1):
+            row[j] = min(
+                row_before_last[j] + 1,
+                row[j - 1] + 1,
+                row_before_last[j - 1] + (letter != other_letter),
+            )
+            is_swap = i > 1 and j > 1 and letter == other[j - 2] and text[i - 2] == other_letter
+            if is_swap:
                 row[j] = min(row[j], last[j - 2] + 1)
-    return row[-1] if row[-1] <= most else None
+    return row[-1] if row[-1] <= limit else None
 
 
 NEEDED = {
@@ -194,15 +198,15 @@ def needed(fault: Mapping[str, Any]) -> str:
         return NEEDED[fault["type"]].format_map(context)
     except KeyError:
         message = fault["msg"].removeprefix("Value error, ").removeprefix("Input ")
-        return f"it {message}" if message.startswith("should") else lowered(message)
+        return f"it {message}" if message.startswith("should") else lower_first(message)
 
 
-def lowered(message: str) -> str:
+def lower_first(message: str) -> str:
     """A message as the second half of a sentence."""
     return message[:1].lower() + message[1:]
 
 
-def shortened(value: Any, most: int = 60) -> str:
+def shorten(value: Any, most: int = 60) -> str:
     """A value as it is written, the middle left out of what is long.
 
     >>> shortened(3.5), shortened("x" * 100)
@@ -216,7 +220,7 @@ def shortened(value: Any, most: int = 60) -> str:
     return text if len(text) <= most else f"{text[:half]}...{text[-half:]}"
 
 
-def first_refusal(
+def first_input_error(
     error: ValidationError, thing: str, origin: str = "", tags: Collection[str] = ()
 ) -> InputError:
     """The first thing that pydantic found wrong, as a refusal: the thing, the key, the value.
@@ -225,14 +229,14 @@ def first_refusal(
     """
     first = error.errors()[0]
     keys = [str(key) for key in first["loc"] if key not in tags and "[" not in str(key)]
-    where = f" ({origin})" if origin else ""
+    location = f" ({origin})" if origin else ""
     key = ".".join(keys)
     if first["type"] == "missing":
-        return InputError(f"{thing} has no {key}{where}")
+        return InputError(f"{thing} has no {key}{location}")
     if first["type"] == "extra_forbidden":
-        return InputError(f"{thing} has an unknown key {key!r}{where}")
+        return InputError(f"{thing} has an unknown key {key!r}{location}")
     if first["type"] == "value_error" and not keys:
-        return InputError(f"{thing}: {needed(first)}{where}")
+        return InputError(f"{thing}: {needed(first)}{location}")
     return InputError(
-        f"{thing}: {key} = {shortened(first['input'])} is not allowed: {needed(first)}{where}"
+        f"{thing}: {key} = {shorten(first['input'])} is not allowed: {needed(first)}{location}"
     )

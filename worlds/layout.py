@@ -13,7 +13,7 @@ from typing import Any
 
 from worlds.checks import demand_sound
 from worlds.generators.generate import random_obstacles
-from worlds.input_error import BREAKS, InputError, shortened, unknown
+from worlds.input_error import BREAKS, InputError, shorten, unknown
 from worlds.mission import mission
 from worlds.number_text import counted
 from worlds.obstacles import obstacle
@@ -43,11 +43,11 @@ KEYS = (
 BUILT_IN = {f.name.removesuffix(".toml"): f for f in LAYOUTS.iterdir() if f.name.endswith(".toml")}
 
 
-def layout_of_entry(name: str, thing: object) -> tuple[str, dict[str, Any]]:
+def layout_of_entry(name: str, entry: object) -> tuple[str, dict[str, Any]]:
     """The layout that an entry point brings, as TOML has it. Raises TypeError if it is none."""
-    if not isinstance(thing, Mapping):
-        raise TypeError(f"a layout as a dictionary is needed, not {type(thing).__name__}")
-    return name, dict(thing)
+    if not isinstance(entry, Mapping):
+        raise TypeError(f"a layout as a dictionary is needed, not {type(entry).__name__}")
+    return name, dict(entry)
 
 
 BROUGHT = plug_ins("flockscope.layouts", layout_of_entry, BUILT_IN)
@@ -72,16 +72,16 @@ def shared_layout(name: str) -> dict[str, Any]:
     if name in BROUGHT:
         return BROUGHT[name]
     if Path(name).suffix.lower() in DRAWINGS:
-        again = f"{shlex.quote(name)} --out {shlex.quote(Path(name).stem + '.toml')}"
+        command = f"{shlex.quote(name)} --out {shlex.quote(Path(name).stem + '.toml')}"
         raise InputError(
-            f"world {name!r} is a drawing: `flockscope world import {again}` makes a layout of it"
+            f"world {name!r} is a drawing: `flockscope world import {command}` makes a layout of it"
         )
     if name not in BUILT_IN and not name.endswith(".toml"):
         raise unknown("world", name, layout_names())
     if name in BUILT_IN:
         return built_in(name)
-    named = f"world file {name!r}"
-    return toml(read_text(named, name), named)
+    title = f"world file {name!r}"
+    return toml(read_text(title, name), title)
 
 
 @functools.cache
@@ -105,9 +105,9 @@ def world(
 
     See `world_from_layout`. Raises InputError, also for the first error that `worlds.checks` finds.
     """
-    found = world_from_layout(shared_layout(name), name, dim, size, unsized)
-    demand_sound(found)
-    return found
+    built_world = world_from_layout(shared_layout(name), name, dim, size, unsized)
+    demand_sound(built_world)
+    return built_world
 
 
 def world_from_layout(
@@ -215,10 +215,10 @@ class Layout:
         Of a flat layout that stands up, floor and ceiling are as the sides are, or solid if these
         differ.
         """
-        given = self.keys.get("edges", "wrap")
-        if stands and not isinstance(given, str) and len(given) == 2:
-            given = (*given, given[0] if given[0] == given[1] else "solid")
-        return edges_of(given, dim, self.name)
+        edge_kinds = self.keys.get("edges", "wrap")
+        if stands and not isinstance(edge_kinds, str) and len(edge_kinds) == 2:
+            edge_kinds = (*edge_kinds, edge_kinds[0] if edge_kinds[0] == edge_kinds[1] else "solid")
+        return edges_of(edge_kinds, dim, self.name)
 
     def size(self, dim: int, size, unsized, height: float, fixed: bool):
         """The sides of the box, (dim,) of lengths. Raises InputError."""
@@ -233,13 +233,13 @@ class Layout:
             if own is None and unsized is None:
                 raise InputError(f"the world {self.name} has no size of its own: give one")
             return own if own is not None or unsized is None else box(dim, unsized(dim))
-        given = box(dim, size)
-        if fixed and given != own:
+        sides = box(dim, size)
+        if fixed and sides != own:
             raise InputError(
                 f"size = {size} is not allowed: the world {self.name} has obstacles, "
                 f"its size is {list(own)}"
             )
-        return given
+        return sides
 
     def tables(self, key: str) -> list[Any]:
         """A list of tables in it, [[key]] in TOML. Raises InputError."""
@@ -253,7 +253,7 @@ class Layout:
         value = self.keys.get(key, "")
         if not isinstance(value, str) or BREAKS.search(value):
             raise InputError(
-                f"{key} = {shortened(value)} is not allowed: one line of text ({self.name})"
+                f"{key} = {shorten(value)} is not allowed: one line of text ({self.name})"
             )
         return value
 
@@ -270,11 +270,11 @@ class Layout:
 
     def corner(self, values: Any, dim: int) -> tuple[float, ...]:
         """The lower corner of a box. Raises InputError."""
-        good = isinstance(values, list | tuple) and len(values) == dim
-        for value in values if good else ():
+        is_place = isinstance(values, list | tuple) and len(values) == dim
+        for value in values if is_place else ():
             number = isinstance(value, int | float) and not isinstance(value, bool)
-            good = good and number and -1e9 < value < 1e9
-        if not good:
+            is_place = is_place and number and -1e9 < value < 1e9
+        if not is_place:
             raise InputError(
                 f"low = {values!r} is not allowed: {dim} numbers in (-1e9, 1e9) ({self.name})"
             )

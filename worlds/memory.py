@@ -17,24 +17,24 @@ LIMITS = (
 
 
 @functools.cache
-def memory() -> float:
+def memory_available() -> float:
     """Bytes of memory that this machine, or the container, has; infinity where it does not say."""
-    found = [float("inf")]
+    limits = [float("inf")]
     with suppress(AttributeError, OSError, ValueError):
-        found.append(float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE"))
+        limits.append(float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE"))
     for path in LIMITS:
         with suppress(OSError, ValueError):
-            found.append(float(path.read_text()))
-    return min(one for one in found if one > 0.0)
+            limits.append(float(path.read_text()))
+    return min(limit for limit in limits if limit > 0.0)
 
 
-def demand_memory(what: str, needed: float) -> None:
-    """Refuse what needs more bytes than there are; `what` names it. Raises InputError."""
-    there = memory()
-    if needed > there:
+def demand_memory(purpose: str, needed: float) -> None:
+    """Refuse what needs more bytes than there are; `purpose` names it. Raises InputError."""
+    available = memory_available()
+    if needed > available:
         raise InputError(
-            f"{what} is not allowed: about {format_bytes(needed)} of memory would be needed, this "
-            f"machine has {format_bytes(there)}"
+            f"{purpose} is not allowed: about {format_bytes(needed)} of memory would be needed, "
+            f"this machine has {format_bytes(available)}"
         )
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from worlds.input_error import InputError, first_refusal, unknown
+from worlds.input_error import InputError, first_input_error, unknown
 
 Length = Annotated[float, Field(strict=True, gt=0.0, lt=1e9)]
 Distance = Annotated[float, Field(strict=True, ge=0.0, lt=1e9)]
@@ -44,10 +44,10 @@ class StartRegion(MissionPart):
         if (self.speed_low is None) != (self.speed_high is None):
             raise ValueError("speed_low and speed_high go together")
         for name in ("high", "speed_low", "speed_high"):
-            given = getattr(self, name)
-            if given is not None and len(given) != len(self.low):
+            corner = getattr(self, name)
+            if corner is not None and len(corner) != len(self.low):
                 raise ValueError(
-                    f"low = {list(self.low)} and {name} = {list(given)} differ in size"
+                    f"low = {list(self.low)} and {name} = {list(corner)} differ in size"
                 )
         if self.high is not None and any(a >= b for a, b in zip(self.low, self.high, strict=True)):
             raise ValueError(
@@ -122,14 +122,14 @@ class Mission(MissionPart):
 
     def dims(self) -> dict[str, int]:
         """The number of coordinates that each part has."""
-        found = {}
+        dims_of_parts = {}
         if self.start is not None:
-            found["mission.start"] = len(self.start.low)
+            dims_of_parts["mission.start"] = len(self.start.low)
         if self.path is not None:
-            found["mission.path"] = len(self.path.waypoints[0])
+            dims_of_parts["mission.path"] = len(self.path.waypoints[0])
         if self.goal is not None:
-            found["mission.goal"] = len(self.goal.route[0])
-        return found
+            dims_of_parts["mission.goal"] = len(self.goal.route[0])
+        return dims_of_parts
 
 
 def demand_one_dimension(name: str, points: tuple[tuple[float, ...], ...]) -> None:
@@ -157,7 +157,7 @@ def mission(values: Mapping[str, Any], origin: str = "") -> Mission:
     try:
         return Mission.model_validate(values)
     except ValidationError as error:
-        raise first_refusal(error, "mission", origin) from None
+        raise first_input_error(error, "mission", origin) from None
 
 
 def along_route(goal: Goal, time) -> np.ndarray:
@@ -169,7 +169,7 @@ def along_route(goal: Goal, time) -> np.ndarray:
     if goal.closed:
         route = np.vstack([route, route[:1]])
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1))])
-    gone = goal.speed * np.asarray(time, float)
+    travelled = goal.speed * np.asarray(time, float)
     if goal.closed and length[-1] > 0.0:
-        gone = gone % length[-1]
-    return np.column_stack([np.interp(gone, length, axis) for axis in route.T])
+        travelled = travelled % length[-1]
+    return np.column_stack([np.interp(travelled, length, axis) for axis in route.T])

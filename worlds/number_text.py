@@ -20,12 +20,12 @@ def duration(seconds: float) -> str:
     >>> duration(4.2), duration(95), duration(7300)
     ('4 s', '1 min 35 s', '2 h 1 min')
     """
-    whole = max(0, round(seconds))
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60} s"
-    return f"{whole // 3600} h {whole % 3600 // 60} min"
+    total = max(0, round(seconds))
+    if total < 60:
+        return f"{total} s"
+    if total < 3600:
+        return f"{total // 60} min {total % 60} s"
+    return f"{total // 3600} h {total % 3600 // 60} min"
 
 
 def signal_name(number: int) -> str:
@@ -34,5 +34,5 @@ def signal_name(number: int) -> str:
     >>> signal_name(9), signal_name(40)
     ('SIGKILL', '40')
     """
-    known = {one.value: one.name for one in signal.Signals}
-    return known.get(number, str(number))
+    names = {member.value: member.name for member in signal.Signals}
+    return names.get(number, str(number))

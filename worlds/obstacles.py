@@ -24,7 +24,7 @@ from pydantic import (
     model_validator,
 )
 
-from worlds.input_error import InputError, first_refusal, unknown
+from worlds.input_error import InputError, first_input_error, unknown
 
 SEGMENTS = 128
 """Straight edges that a full turn of a curve is drawn with."""
@@ -37,14 +37,14 @@ Span = tuple[shapely.Polygon, float | None, float | None]
 """An outline with its bottom and top, None where it reaches the world's floor or height."""
 
 
-def distinct(points: tuple[Point, ...]) -> tuple[Point, ...]:
+def distinct_corners(points: tuple[Point, ...]) -> tuple[Point, ...]:
     """Corners without those that repeat the one before: they bound nothing."""
-    kept = [p for k, p in enumerate(points) if k == 0 or p != points[k - 1]]
-    kept = kept[:-1] if kept[0] == kept[-1] else kept
-    return tuple(kept) if len(kept) > 2 else points
+    corners = [p for k, p in enumerate(points) if k == 0 or p != points[k - 1]]
+    corners = corners[:-1] if corners[0] == corners[-1] else corners
+    return tuple(corners) if len(corners) > 2 else points
 
 
-Corners = Annotated[tuple[Point, ...], Field(min_length=3), AfterValidator(distinct)]
+Corners = Annotated[tuple[Point, ...], Field(min_length=3), AfterValidator(distinct_corners)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,12 +155,12 @@ class Shape(BaseModel):
 
         Raises InputError for a measure that it does not have.
         """
-        now = self.measures()
+        measures = self.measures()
         for name in wanted:
-            if name not in now:
+            if name not in measures:
                 kind = getattr(self, "shape", "obstacle")
-                raise InputError(f"a {kind} has no {name} (known: {', '.join(now)})")
-        return self._resized(now | wanted)
+                raise InputError(f"a {kind} has no {name} (known: {', '.join(measures)})")
+        return self._resized(measures | wanted)
 
     def _resized(self, measures: dict[str, float]) -> Any:
         """The obstacle with these measures, all of them."""
@@ -262,8 +262,10 @@ class Wall(Flat):
         """The rectangle."""
         start, end = np.array(self.start), np.array(self.end)
         along = (end - start) / math.dist(start, end)
-        aside = 0.5 * self.thickness * np.array([-along[1], along[0]])
-        return shapely.Polygon([start - aside, end - aside, end + aside, start + aside])
+        half_width = 0.5 * self.thickness * np.array([-along[1], along[0]])
+        return shapely.Polygon(
+            [start - half_width, end - half_width, end + half_width, start + half_width]
+        )
 
     @property
     def anchor(self) -> tuple[float, float]:
@@ -349,8 +351,8 @@ class CShape(Flat):
         lower = [(-x, -y), (x, -y), (x, t - y), (t - x, t - y)]
         upper = [(t - x, y - t), (x, y - t), (x, y), (-x, y)]
         c, s = turn(self.opening)
-        turned = np.array([*lower, *upper]) @ np.array([[c, s], [-s, c]])
-        return shapely.Polygon(turned + np.array(self.centre))
+        corners = np.array([*lower, *upper]) @ np.array([[c, s], [-s, c]])
+        return shapely.Polygon(corners + np.array(self.centre))
 
     def _placed(self, change: Similarity) -> dict[str, Any]:
         return {
@@ -431,11 +433,11 @@ class Box(Flat):
 
     def changed(self, change: Similarity) -> Any:
         """The box as a change makes it; turned out of the axes it is a wall of the same sides."""
-        placed = super().changed(replace(change, degrees=0.0))
+        moved_box = super().changed(replace(change, degrees=0.0))
         if change.degrees % 360.0 == 0.0:
-            return placed
-        measures = placed.measures() | {"turn": change.degrees}
-        return rectangle(change.point(self.anchor), *measures.values(), **placed._standing())
+            return moved_box
+        measures = moved_box.measures() | {"turn": change.degrees}
+        return rectangle(change.point(self.anchor), *measures.values(), **moved_box._standing())
 
     def _resized(self, measures: dict[str, float]) -> Any:
         return rectangle(self.anchor, *measures.values(), **self._standing())
@@ -530,7 +532,7 @@ def obstacle(values: Mapping[str, Any], origin: str = "") -> Any:
     try:
         return ADAPTER.validate_python(values)
     except ValidationError as error:
-        raise first_refusal(error, f"obstacle {label}", origin, SHAPES) from None
+        raise first_input_error(error, f"obstacle {label}", origin, SHAPES) from None
 
 
 def rectangle(
@@ -566,8 +568,8 @@ def circle(centre: tuple[float, float], radius: float) -> np.ndarray:
 
 def turn(degrees: float) -> tuple[float, float]:
     """Cosine and sine of an angle in degrees, exact at right angles."""
-    quarter, rest = divmod(degrees % 360.0, 90.0)
-    c, s = math.cos(math.radians(rest)), math.sin(math.radians(rest))
+    quarter, remainder = divmod(degrees % 360.0, 90.0)
+    c, s = math.cos(math.radians(remainder)), math.sin(math.radians(remainder))
     for _ in range(int(quarter)):
         c, s = -s, c
     return c, s

@@ -26,8 +26,8 @@ FOLDER = os.O_RDONLY | getattr(os, "O_DIRECTORY", 0)
 class NotOwned(PermissionError):
     """Somebody else owns a file or a folder, or may write to it; `strerror` says which and why."""
 
-    def __init__(self, why: str):
-        super().__init__(errno.EPERM, why)
+    def __init__(self, reason: str):
+        super().__init__(errno.EPERM, reason)
 
 
 def demand_owned(status: os.stat_result, path: Path) -> None:
@@ -60,9 +60,9 @@ def owned_folder(base: Path, *parts: str, make: bool = False) -> Iterator[int | 
             if make:
                 with suppress(FileExistsError):
                     os.mkdir(part, PRIVATE_FOLDER, dir_fd=folder)
-            below = open_in(folder, path, FOLDER)
+            subfolder = open_in(folder, path, FOLDER)
             os.close(folder)
-            folder = below
+            folder = subfolder
             demand_owned(os.fstat(folder), path)
         yield folder
     finally:
@@ -101,12 +101,12 @@ def read_owned(base: Path, *parts: str) -> bytes:
 def write_owned(content: bytes, base: Path, *parts: str) -> None:
     """Write a file below `base`, whole or not at all, for this user alone. Raises OSError."""
     path = base.joinpath(*parts)
-    beside = path.with_name(f"{path.name}.{secrets.token_hex(6)}.tmp")
+    temporary = path.with_name(f"{path.name}.{secrets.token_hex(6)}.tmp")
     with owned_folder(base, *parts[:-1], make=True) as folder:
-        names = (beside, path) if folder is None else (beside.name, path.name)
+        names = (temporary, path) if folder is None else (temporary.name, path.name)
         try:
-            made = open_in(folder, beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
-            with open(made, "wb") as file:
+            descriptor = open_in(folder, temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
+            with open(descriptor, "wb") as file:
                 file.write(content)
             os.replace(*names, src_dir_fd=folder, dst_dir_fd=folder)
         except BaseException:

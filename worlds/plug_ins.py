@@ -15,35 +15,35 @@ class PlugInWarning(UserWarning):
 
 
 def plug_ins[Made](
-    group: str, made: Callable[[str, object], tuple[str, Made]], taken: Collection[str]
+    group: str, convert: Callable[[str, object], tuple[str, Made]], names_in_use: Collection[str]
 ) -> dict[str, Made]:
     """What the entry points of a group come to, by name.
 
-    `made` turns the name of an entry and what it loads into a name and a thing. Left out, each with
-    a warning in one line, is what cannot be loaded or made, and what has a name of `taken`.
+    `convert` turns the name of an entry and what it loads into a name and a thing. What cannot be
+    loaded or made, and what has a name of `names_in_use`, is left out, each with a warning.
     """
-    found: dict[str, Made] = {}
+    entries: dict[str, Made] = {}
     for entry in entry_points(group=group):
         try:
-            name, thing = made(entry.name, entry.load())
+            name, value = convert(entry.name, entry.load())
         except (Exception, SystemExit) as error:
             reason = " ".join(f"{type(error).__name__}: {error}".split())
-            leave_out(group, entry, f"cannot be loaded ({reason[:200]})")
+            warn_of_plug_in(group, entry, f"cannot be loaded ({reason[:200]})")
             continue
-        if name in taken:
-            leave_out(group, entry, f"has the name {name!r}, which is built in")
-        elif name in found:
-            leave_out(group, entry, f"has the name {name!r}, which another plug-in has")
+        if name in names_in_use:
+            warn_of_plug_in(group, entry, f"has the name {name!r}, which is built in")
+        elif name in entries:
+            warn_of_plug_in(group, entry, f"has the name {name!r}, which another plug-in has")
         else:
-            found[name] = thing
-    return found
+            entries[name] = value
+    return entries
 
 
-def leave_out(group: str, entry: object, why: str) -> None:
+def warn_of_plug_in(group: str, entry: object, reason: str) -> None:
     """Warn of a plug-in that is left out."""
     name, value = getattr(entry, "name", "?"), getattr(entry, "value", "?")
     warnings.warn(
-        f"the plug-in {name!r} ({value}, {group}) {why}; it is left out",
+        f"the plug-in {name!r} ({value}, {group}) {reason}; it is left out",
         PlugInWarning,
         stacklevel=3,
     )

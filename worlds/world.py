@@ -10,7 +10,7 @@ import numpy as np
 import tomlkit
 from pydantic import BaseModel
 
-from worlds.input_error import InputError, shortened, unknown
+from worlds.input_error import InputError, shorten, unknown
 from worlds.mission import Mission
 from worlds.number_text import counted
 from worlds.obstacles import Obstacle, Union
@@ -34,8 +34,10 @@ class RandomObstacles:
 
     def described(self) -> str:
         """Kind and parameters, for the source of a drawn world."""
-        given = ", ".join(f"{k} = {value:g}" for k, value in self.parameters.model_dump().items())
-        return f"{self.kind}: {given}"
+        settings = ", ".join(
+            f"{k} = {value:g}" for k, value in self.parameters.model_dump().items()
+        )
+        return f"{self.kind}: {settings}"
 
     def to_table(self) -> dict[str, Any]:
         """The table [random] of a layout."""
@@ -134,11 +136,11 @@ class World:
 def shape_table(shape: Obstacle) -> dict[str, Any]:
     """The keys of an obstacle that say anything, its shape and name first."""
     table = shape.model_dump(exclude_none=True)
-    empty = [key for key, value in table.items() if value in ("", ())]
+    empty_keys = [key for key, value in table.items() if value in ("", ())]
     first = {key: table[key] for key in ("shape", "name")}
     if isinstance(shape, Union):
         first["parts"] = [shape_table(part) for part in shape.parts]
-    return {k: v for k, v in {**first, **table, **first}.items() if k not in empty}
+    return {k: v for k, v in {**first, **table, **first}.items() if k not in empty_keys}
 
 
 def as_table(value: Any) -> Any:
@@ -148,9 +150,9 @@ def as_table(value: Any) -> Any:
     return [as_table(item) for item in value] if isinstance(value, list | tuple) else value
 
 
-def edges_of(given: str | Sequence[str], dim: int, origin: str) -> tuple[str, ...]:
+def edges_of(value: str | Sequence[str], dim: int, origin: str) -> tuple[str, ...]:
     """What the edge of each axis does, of one word for all or one per axis. Raises InputError."""
-    edges = (given,) * dim if isinstance(given, str) else tuple(given)
+    edges = (value,) * dim if isinstance(value, str) else tuple(value)
     if len(edges) != dim:
         axes = counted(len(edges), "axis", "axes")
         raise InputError(f"edges = {list(edges)} names {axes}, the world has {dim} ({origin})")
@@ -174,6 +176,6 @@ def box(dim: int, size: float | Sequence[float]) -> tuple[float, ...]:
             or not 0.0 < side < 1e9
         ):
             raise InputError(
-                f"size = {shortened(side)} is not allowed: a side is a length in (0, 1e9)"
+                f"size = {shorten(side)} is not allowed: a side is a length in (0, 1e9)"
             )
     return tuple(float(side) for side in sides)

@@ -17,7 +17,7 @@ Move = Callable[[np.ndarray], np.ndarray]
 """Places (n, 2) to where they are after a turn."""
 
 
-def turned_places(places: np.ndarray, degrees: float, about: np.ndarray) -> np.ndarray:
+def rotate_places(places: np.ndarray, degrees: float, about: np.ndarray) -> np.ndarray:
     """Places (n, 2) turned anticlockwise about a place (2,)."""
     c, s = turn(degrees)
     return (places - about) @ np.array([[c, s], [-s, c]]) + about
@@ -37,16 +37,18 @@ def rotate_world(world: World, degrees: float, rng: np.random.Generator | None =
         )
     middle = np.array(world.low) + 0.5 * np.array(world.size)
 
-    def move(places: np.ndarray) -> np.ndarray:
-        return turned_places(np.asarray(places, float), degrees, middle)
+    def rotate(places: np.ndarray) -> np.ndarray:
+        return rotate_places(np.asarray(places, float), degrees, middle)
 
-    obstacles = [turned_obstacle(one, move, rng) for one in shuffled(world.obstacles, rng)]
-    mission = world.mission and turned_mission(world.mission, move)
+    obstacles = [
+        rotate_obstacle(obstacle, rotate, rng) for obstacle in shuffle(world.obstacles, rng)
+    ]
+    mission = world.mission and rotate_mission(world.mission, rotate)
     name = f"{world.name}, turned by {degrees:g}°"
     return replace(world, name=name, obstacles=tuple(obstacles), mission=mission)
 
 
-def turned_mission(mission: Mission, move: Move) -> Mission:
+def rotate_mission(mission: Mission, move: Move) -> Mission:
     """The mission with its path and its goal turned, without its start region."""
     path, goal = mission.path, mission.goal
     if path is not None:
@@ -56,34 +58,34 @@ def turned_mission(mission: Mission, move: Move) -> Mission:
     return mission.model_copy(update={"start": None, "path": path, "goal": goal})
 
 
-def turned_obstacle(one: Obstacle, move: Move, rng: np.random.Generator | None) -> Obstacle:
+def rotate_obstacle(obstacle: Obstacle, move: Move, rng: np.random.Generator | None) -> Obstacle:
     """An obstacle turned; one with straight edges is a polygon then."""
-    if isinstance(one, Union):
-        parts = [turned_obstacle(part, move, rng) for part in shuffled(one.parts, rng)]
-        return one.model_copy(update={"parts": tuple(parts)})
-    if isinstance(one, Disc | Ring):
-        (centre,) = points_of(move(np.array([one.centre])))
-        return one.model_copy(update={"centre": centre})
-    if isinstance(one, Polygon):
-        rings = [np.array(ring) for ring in (one.points, *one.holes)]
+    if isinstance(obstacle, Union):
+        parts = [rotate_obstacle(part, move, rng) for part in shuffle(obstacle.parts, rng)]
+        return obstacle.model_copy(update={"parts": tuple(parts)})
+    if isinstance(obstacle, Disc | Ring):
+        (centre,) = points_of(move(np.array([obstacle.centre])))
+        return obstacle.model_copy(update={"centre": centre})
+    if isinstance(obstacle, Polygon):
+        rings = [np.array(ring) for ring in (obstacle.points, *obstacle.holes)]
     else:
-        rings = [shapely.get_coordinates(one.footprint())[:-1]]
-    points, *holes = [points_of(relisted(move(ring), rng)) for ring in rings]
-    return Polygon(name=one.name, points=points, holes=tuple(holes))
+        rings = [shapely.get_coordinates(obstacle.footprint())[:-1]]
+    points, *holes = [points_of(reorder_ring(move(ring), rng)) for ring in rings]
+    return Polygon(name=obstacle.name, points=points, holes=tuple(holes))
 
 
-def relisted(ring: np.ndarray, rng: np.random.Generator | None) -> np.ndarray:
+def reorder_ring(ring: np.ndarray, rng: np.random.Generator | None) -> np.ndarray:
     """A ring (n, 2) that begins at a random one of its places and goes round either way."""
     if rng is None:
         return ring
-    way = int(rng.choice([1, -1]))
-    return np.roll(ring, int(rng.integers(len(ring))), axis=0)[::way]
+    direction = int(rng.choice([1, -1]))
+    return np.roll(ring, int(rng.integers(len(ring))), axis=0)[::direction]
 
 
-def shuffled(things: tuple[Obstacle, ...], rng: np.random.Generator | None) -> list[Obstacle]:
+def shuffle(obstacles: tuple[Obstacle, ...], rng: np.random.Generator | None) -> list[Obstacle]:
     """Things in any order."""
-    order = range(len(things)) if rng is None else rng.permutation(len(things)).tolist()
-    return [things[k] for k in order]
+    order = range(len(obstacles)) if rng is None else rng.permutation(len(obstacles)).tolist()
+    return [obstacles[k] for k in order]
 
 
 def points_of(places: np.ndarray) -> tuple[tuple[float, float], ...]:

@@ -26,7 +26,7 @@ from app.classroom.student import Role, same, student_name
 from app.viewer.editing.layout_file import plain_name
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
 from worlds.file_writer import demand_writable, writing
-from worlds.input_error import InputError, shortened, unknown
+from worlds.input_error import InputError, shorten, unknown
 from worlds.text_file import toml
 
 # A class as a value: its scene, who is in it, what it was asked and what came of that.
@@ -108,7 +108,7 @@ class ClassArchive:
     def text(self, entry: str) -> str:
         """A text in UTF-8. Raises InputError."""
         if entry not in self.names:
-            raise InputError(f"{self.name} has no {shortened(entry)}")
+            raise InputError(f"{self.name} has no {shorten(entry)}")
         try:
             data = self.pack.read(entry)
         except BROKEN:
@@ -123,9 +123,9 @@ def demand_sound(name: str, entries: list[zipfile.ZipInfo]) -> None:
     """Refuse entries that no class's file has, before any is read. Raises InputError."""
     twice = [one for one, count in Counter(one.filename for one in entries).items() if count > 1]
     if twice:
-        raise InputError(f"{name} has {shortened(twice[0])} twice")
+        raise InputError(f"{name} has {shorten(twice[0])} twice")
     for one in entries:
-        where = shortened(one.filename)
+        where = shorten(one.filename)
         if one.is_dir() and one.filename.count("/") <= 2 and ".." not in one.filename:
             continue
         largest = allowed(one.filename)
@@ -272,7 +272,7 @@ def open_class(name: str, data: bytes) -> ClassState:
     demand_keys(said, KEYS, "class.toml")
     if said.get("format") != FORMAT:
         raise InputError(
-            f"{name} has the format {shortened(said.get('format'))}: this flockscope opens {FORMAT}"
+            f"{name} has the format {shorten(said.get('format'))}: this flockscope opens {FORMAT}"
         )
     scene = read_scene(f"scene.toml of {name}", pack.text("scene.toml").encode())
     return ClassState(
@@ -288,9 +288,7 @@ def title_of(said: Mapping[str, Any]) -> str:
     """The class's title. Raises InputError."""
     title = said.get("title")
     if not isinstance(title, str) or len(title) > TEXTS["title"]:
-        raise InputError(
-            f"title = {shortened(title)} is no text of at most {TEXTS['title']} letters"
-        )
+        raise InputError(f"title = {shorten(title)} is no text of at most {TEXTS['title']} letters")
     return clean_title(title)
 
 
@@ -299,7 +297,7 @@ def seats_of(said: Mapping[str, Any]) -> int:
     seats = said.get("seats")
     if isinstance(seats, bool) or not isinstance(seats, int) or not 1 <= seats <= MOST_STUDENTS:
         raise InputError(
-            f"seats = {shortened(seats)} is not allowed: 1 to {MOST_STUDENTS} (class.toml)"
+            f"seats = {shorten(seats)} is not allowed: 1 to {MOST_STUDENTS} (class.toml)"
         )
     return seats
 
@@ -347,13 +345,11 @@ def given_of(row: Mapping[str, Any], question: Question) -> StudentAssignment:
     """What a student was given. Raises InputError."""
     value, seed = row.get("value"), row.get("seed")
     if value is not None and (isinstance(value, bool) or value not in question.values):
-        raise InputError(
-            f"given: value = {shortened(value)} is none of the question's (class.toml)"
-        )
+        raise InputError(f"given: value = {shorten(value)} is none of the question's (class.toml)")
     if value is None and question.values:
         raise InputError("given: value is missing (class.toml)")
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
-        raise InputError(f"given: seed = {shortened(seed)} is no seed (class.toml)")
+        raise InputError(f"given: seed = {shorten(seed)} is no seed (class.toml)")
     return StudentAssignment(None if value is None else float(value), seed)
 
 
@@ -387,7 +383,7 @@ def tables(
     """A list of tables with no other keys than these. Raises InputError."""
     found = values.get(key, [])
     if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
-        raise InputError(f"{key} = {shortened(found)} is no list of tables (class.toml)")
+        raise InputError(f"{key} = {shorten(found)} is no list of tables (class.toml)")
     if len(found) > most:
         raise InputError(f"{key}: {len(found):,} are there, at most {most:,} (class.toml)")
     for one in found:
@@ -406,12 +402,12 @@ def checked_name(text: Any) -> str:
     """A student's name, written as it is shown. Raises InputError."""
     name = student_name(text)
     if name != text:
-        raise InputError(f"name = {shortened(text)} is not written as it is shown, {name!r}")
+        raise InputError(f"name = {shorten(text)} is not written as it is shown, {name!r}")
     return name
 
 
 def text_of(value: Any, pattern: str) -> str:
     """The name of an entry. Raises InputError."""
     if not isinstance(value, str) or not re.fullmatch(pattern, value):
-        raise InputError(f"file = {shortened(value)} is no name of an entry (class.toml)")
+        raise InputError(f"file = {shorten(value)} is no name of an entry (class.toml)")
     return value

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from app.classroom.workers.worker_process import WorkerProcess
-from worlds.input_error import InputError, shortened
+from worlds.input_error import InputError, shorten
 
 # What students may be called: text that a page, a table and a file can show as it is.
 
@@ -40,7 +40,7 @@ def student_name(text: object) -> str:
     ('Ada Lovelace', 'Zoë')
     """
     if not isinstance(text, str) or len(text) > MOST_GIVEN:
-        raise InputError(f"name = {shortened(text)} is not allowed: {describe_name_rules()}")
+        raise InputError(f"name = {shorten(text)} is not allowed: {describe_name_rules()}")
     try:
         text.encode("utf-8")
     except UnicodeEncodeError:

@@ -19,7 +19,7 @@ from app.cli.choices import (
     observables,
 )
 from app.cli.world import worlds
-from worlds.input_error import InputError, shortened, suggestion
+from worlds.input_error import InputError, shorten, suggestion
 from worlds.number_text import counted
 
 Thing = dict[str, Any]
@@ -42,7 +42,7 @@ def things_called(name: str, rows: dict[str, Rows]) -> dict[str, Any]:
     if not found:
         every = [one for kind in known.values() for one in kind]
         hint = suggestion(name, [*KINDS, *every])
-        raise InputError(f"unknown name {shortened(name)}{hint} (`flockscope list` shows all)")
+        raise InputError(f"unknown name {shorten(name)}{hint} (`flockscope list` shows all)")
     return found
 
 

@@ -18,7 +18,7 @@ from app.cli.terminal import INTERRUPTED
 from app.cli.usage import Rules, by_name, first_of
 from app.settings import at_least, names
 from app.studies.workers.kernels import compile_loop
-from worlds.file_writer import demand_apart, demand_writable, write_text
+from worlds.file_writer import demand_distinct_files, demand_writable, write_text
 from worlds.input_error import InputError
 from worlds.number_text import counted
 from worlds.plug_ins import demand_parquet
@@ -252,7 +252,7 @@ def demand_outputs(
     """Refuse what cannot be written before anything is run. Raises InputError."""
     from agents.record import RECORDINGS, STATES
 
-    demand_apart({"--record": record, "--save": save, "--save-spec": save_spec})
+    demand_distinct_files({"--record": record, "--save": save, "--save-spec": save_spec})
     for option, path in (("--record", record), ("--save", save)):
         if path is not None:
             demand_parquet(option)

@@ -18,7 +18,7 @@ from agents.spec import KEYS, OPTIONS, Option, Spec, several
 from app.cli.file_argument import RUN, scene_run
 from app.settings import assignment, numbers
 from app.studies.key_lines import place
-from worlds.input_error import InputError, nearest, shortened, unknown
+from worlds.input_error import InputError, nearest, shorten, unknown
 from worlds.text_file import read_text, toml
 from worlds.world import World
 
@@ -169,7 +169,7 @@ def carried(layout: Any, values: dict[str, Any], origin: str) -> World:
     from worlds.layout import world_from_layout
 
     if not isinstance(layout, dict):
-        raise InputError(f"layout = {shortened(layout)} is not a table ({origin})")
+        raise InputError(f"layout = {shorten(layout)} is not a table ({origin})")
     size, dim = values.pop("size", None), values.pop("dim", None)
     if dim is None and several(size):
         dim = len(size)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from worlds.input_error import InputError, shortened
+from worlds.input_error import InputError, shorten
 
 LONGEST = 253
 """Characters of a name of a machine."""
@@ -17,7 +17,7 @@ Port = Annotated[int, typer.Option(min=0, max=65535, help="Port to serve on.")]
 def address(host: str) -> str:
     """The address, if a machine can have it. Raises InputError."""
     if not host.isascii() or not host.isprintable() or len(host) > LONGEST:
-        raise InputError(f"--host {shortened(host)} is no name or address of a machine")
+        raise InputError(f"--host {shorten(host)} is no name or address of a machine")
     return host
 
 

@@ -11,7 +11,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from app.cli.terminal import REFUSED, one_line, with_one_line_errors
-from worlds.input_error import InputError, nearest, needed, shortened, suggestion
+from worlds.input_error import InputError, nearest, needed, shorten, suggestion
 
 USAGE_ERROR: type[Exception] = typer.BadParameter.__bases__[0]
 """What Typer raises for a wrong command line; Typer itself has no name for it."""
@@ -69,7 +69,7 @@ class CommandGroup(TyperGroup):
         if args[0] not in known and not args[0].startswith("-"):
             hint = suggestion(args[0], known)
             raise USAGE_ERROR(
-                f"unknown command {shortened(args[0])}{hint} (known: {', '.join(known)})", ctx
+                f"unknown command {shorten(args[0])}{hint} (known: {', '.join(known)})", ctx
             )
         return super().resolve_command(ctx, args)
 
@@ -96,7 +96,7 @@ def describe_usage_error(error: Any) -> str:
     """What was typed wrong: the option, its value, what is allowed."""
     if hasattr(error, "possibilities"):
         hint = meant_by(error.option_name, options_of(error.ctx))
-        return f"unknown option {shortened(error.option_name)}{hint}"
+        return f"unknown option {shorten(error.option_name)}{hint}"
     if hasattr(error, "param_type"):
         return f"{parameter_name(error.param)} is missing"
     if getattr(error, "param", None) is not None:
@@ -108,7 +108,7 @@ def describe_usage_error(error: Any) -> str:
     if extra is None:
         return error.message
     hint = "" if error.ctx is None else assigned(extra[1], options_of(error.ctx))
-    return f"unexpected argument {shortened(extra[1])}{hint}"
+    return f"unexpected argument {shorten(extra[1])}{hint}"
 
 
 def options_of(ctx: Any) -> list[str]:
@@ -154,7 +154,7 @@ def wrong_value(error: Any) -> str:
         return f"{parameter_name(error.param)}: {error.message}"
     fault = cause.errors()[0]
     return (
-        f"{parameter_name(error.param)} {shortened(fault['input'])} is not allowed: {needed(fault)}"
+        f"{parameter_name(error.param)} {shorten(fault['input'])} is not allowed: {needed(fault)}"
     )
 
 

@@ -326,7 +326,7 @@ def import_drawing(
     itself or is not closed is refused by name and place.
     """
     demand_new("--out", out, overwrite)
-    from worlds.readers import cast, geometry_of, open_drawing, world_and_notes
+    from worlds.readers import assign_roles, geometry_of, open_drawing, world_and_notes
 
     asked = {
         "walkable": walkable,
@@ -338,7 +338,7 @@ def import_drawing(
         "ignore": ignore,
     }
     drawing = open_drawing(file)
-    rows = cast(drawing, {role: layers for role, layers in asked.items() if layers})
+    rows = assign_roles(drawing, {role: layers for role, layers in asked.items() if layers})
     try:
         geometry = geometry_of(drawing, rows, scale, unit, thickness, join, drop_lines, degrees)
     except InputError:

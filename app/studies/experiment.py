@@ -26,7 +26,7 @@ from app.studies.measure import Measure, Settings
 from worlds.input_error import unknown
 from worlds.layout import world as build_world
 from worlds.world import World
-from worlds.world_rotation import rotate_world, turned_places
+from worlds.world_rotation import rotate_places, rotate_world
 
 Way = Literal["", "there", "back"]
 
@@ -162,8 +162,8 @@ def turned_flock(spec: Spec) -> Flock:
     angle = float(rng.uniform(0.0, 360.0))
     middle = np.array(flock.world.low) + 0.5 * np.array(flock.world.size)
     start = {
-        "position": turned_places(flock.position, angle, middle),
-        "heading": turned_places(flock.heading, angle, np.zeros(2)),
+        "position": rotate_places(flock.position, angle, middle),
+        "heading": rotate_places(flock.heading, angle, np.zeros(2)),
         "speed": flock.speed,
         "informed": flock.informed,
     }

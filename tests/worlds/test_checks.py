@@ -7,7 +7,7 @@ from worlds.input_error import InputError
 from worlds.layout import world
 from worlds.mission import Goal, Mission, Path, StartRegion
 from worlds.obstacles import Box, Disc, Polygon, Prism, Sphere, Union
-from worlds.queries.survey import survey
+from worlds.queries.survey import survey_world
 from worlds.world import World
 
 BOW = Polygon(points=((0, 0), (4, 4), (4, 0), (0, 4)), name="bow")
@@ -130,4 +130,4 @@ def test_a_file_with_an_unsound_obstacle_is_refused(tmp_path):
 
 def test_an_unsound_world_is_never_surveyed():
     with pytest.raises(InputError, match="'bow' of yard is unsound"):
-        survey(flat(BOW), 1.0)
+        survey_world(flat(BOW), 1.0)

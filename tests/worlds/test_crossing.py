@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from worlds.obstacles import Box, Disc, Polygon, Prism, Ring, Sphere, Wall
 from worlds.queries.clearance import clearance
 from worlds.queries.crossing import first_crossing, is_crossed, is_far, skin
-from worlds.queries.survey import survey
+from worlds.queries.survey import survey_world
 from worlds.world import World
 
 SIDE = 10.0
@@ -53,7 +53,7 @@ def shares(world, surroundings, start, end):
 def test_on_the_plan_it_is_where_shapely_sees_the_step_go_in(seed, reach):
     rng = np.random.default_rng(seed)
     world = yard(seed)
-    surroundings = survey(world, reach)
+    surroundings = survey_world(world, reach)
     free = shapely.box(0, 0, SIDE, SIDE).difference(united(world.obstacles, 2**15)[0])
     demand_round(world, reach)
     start = free_places(world, rng, 20)
@@ -86,7 +86,7 @@ def test_in_space_it_is_where_a_walk_in_small_steps_ends(seed):
             Wall(start=(1, 1), end=(9, 9), thickness=0.3, bottom=4.0, top=6.0),
         ),
     )
-    surroundings = survey(world, 0.5)
+    surroundings = survey_world(world, 0.5)
     start = free_places(world, rng, 12)
     end = start + rng.normal(size=start.shape) * 4.0
     at = np.linspace(0.0, 1.0, 4001)[:, None]
@@ -105,7 +105,7 @@ def test_a_disc_is_entered_where_its_circle_is_and_a_ring_from_either_side():
     disc, ring = Disc(centre=(5.0, 5.0), radius=2.0), Ring(centre=(5, 5), radius=4.0, width=1.0)
     for shape, r, inside in ((disc, 2.0, False), (ring, 4.0, False), (ring, 3.0, True)):
         world = World("yard", (SIDE, SIDE), ("open", "open"), obstacles=(shape,))
-        surroundings = survey(world, 1.0)
+        surroundings = survey_world(world, 1.0)
         for angle in rng.uniform(0.0, 2.0 * math.pi, 60):
             out = np.array([math.cos(angle), math.sin(angle)])
             start = out * (rng.uniform(0.0, 2.9) if inside else rng.uniform(4.1, 5.0))
@@ -126,7 +126,7 @@ def test_a_step_from_within_may_leave_and_a_step_along_a_wall_goes_on():
     world = World(
         "yard", (SIDE, SIDE), ("solid", "open"), obstacles=(Box(low=(4, 4), high=(6, 6)),)
     )
-    surroundings = survey(world, 1.0)
+    surroundings = survey_world(world, 1.0)
     assert first_crossing(surroundings, 5.0, 5.0, 0.0, 3.0, 0.0, 0.0).share == math.inf
     assert first_crossing(surroundings, 3.9, 5.0, 0.0, 0.0, 30.0, 0.0).share == math.inf
     assert first_crossing(surroundings, 0.0, 1.0, 0.0, 0.0, 30.0, 0.0).share == math.inf
@@ -139,12 +139,14 @@ def test_a_corner_and_a_joint_of_two_obstacles_let_nothing_through():
         "yard", (SIDE, SIDE), ("open", "open"), obstacles=(Box(low=(4, 4), high=(6, 6)),)
     )
     steps = [(3.0, 3.0, 3.0, 3.0), (7.0, 3.0, -2.0, 2.0), (3.0, 7.0, 2.0, -2.0)]
-    surroundings = survey(corner, 1.0)
+    surroundings = survey_world(corner, 1.0)
     for x, y, dx, dy in steps:
         assert first_crossing(surroundings, x, y, 0.0, dx, dy, 0.0).share <= 0.5
     # 0.1 + 0.2 is a little more than 0.3: a gap that nobody sees on a plan.
     parts = Box(low=(0.0, 4.0), high=(0.3, 5.0)), Box(low=(0.1 + 0.2, 4.0), high=(9.0, 5.0))
-    surroundings = survey(World("joint", (SIDE, SIDE), ("open", "open"), obstacles=parts), 1.0)
+    surroundings = survey_world(
+        World("joint", (SIDE, SIDE), ("open", "open"), obstacles=parts), 1.0
+    )
     for x in (0.3, 0.1 + 0.2, 0.30000000000000002):
         assert first_crossing(surroundings, x, 3.0, 0.0, 0.0, 4.0, 0.0).share == pytest.approx(0.25)
 
@@ -154,7 +156,7 @@ def test_a_corner_and_a_joint_of_two_obstacles_let_nothing_through():
 def test_where_all_is_far_nothing_is_within_the_step(seed, reach):
     rng = np.random.default_rng(seed)
     world = yard(seed)
-    surroundings = survey(world, reach)
+    surroundings = survey_world(world, reach)
     place = free_places(world, rng, 50)
     room = clearance(world, place)
     for at, clear in zip(place, room, strict=True):
@@ -169,7 +171,7 @@ def test_where_all_is_far_nothing_is_within_the_step(seed, reach):
 
 
 def test_no_number_crosses_nothing():
-    surroundings = survey(yard(1), 1.0)
+    surroundings = survey_world(yard(1), 1.0)
     for bad in (math.nan, math.inf):
         assert first_crossing(surroundings, 5.0, 5.0, 0.0, bad, 0.0, 0.0).share == math.inf
     assert not is_crossed(surroundings, 5.0, 5.0, 0.0, math.nan, 5.0, 0.0)

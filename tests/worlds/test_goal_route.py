@@ -7,12 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from worlds.mission import Goal, Mission, Path, along_route
-from worlds.queries.survey import survey
+from worlds.queries.survey import survey_world
 from worlds.world import World
 
 
 def surroundings_of(**parts):
-    return survey(World("test", (9.0, 9.0), ("open", "open"), mission=Mission(**parts)), 1.0)
+    return survey_world(World("test", (9.0, 9.0), ("open", "open"), mission=Mission(**parts)), 1.0)
 
 
 def test_a_goal_at_rest():

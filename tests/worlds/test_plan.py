@@ -12,7 +12,7 @@ from worlds.input_error import InputError
 from worlds.layout import world_from_layout
 from worlds.queries.clearance import clearance
 from worlds.readers import open_drawing, read_geometry, world_around
-from worlds.readers.roles import cast, guess
+from worlds.readers.roles import assign_roles, role_from_name
 
 OFFICE = (
     "GEOMETRYCOLLECTION (POLYGON ((0 4, 2.75 4, 3.75 3, 4.75 4, 10 4, 10 0, 7 0, 6 1, 5 0, 0 0, "
@@ -131,13 +131,13 @@ def test_a_named_layer_without_a_clear_role_is_never_built_in(plan):
     ],
 )  # fmt: skip
 def test_a_role_is_guessed_from_words(name, role):
-    assert guess(name)[0] == role
+    assert role_from_name(name)[0] == role
 
 
 def test_the_rest_is_what_has_no_role_otherwise(plan):
     path = plan("walkable: POLYGON ((0 0, 9 0, 9 9, 0 0))\na: POLYGON ((4 1, 5 1, 5 2, 4 1))\n"
                 "exit: POLYGON ((8 1, 9 1, 9 2, 8 1))")  # fmt: skip
-    rows = cast(open_drawing(path), {"ignore": ["*"]})
+    rows = assign_roles(open_drawing(path), {"ignore": ["*"]})
     assert [(row.layer, row.role) for row in rows] == [
         ("walkable", "walkable"), ("a", "ignore"), ("exit", "goal")
     ]  # fmt: skip

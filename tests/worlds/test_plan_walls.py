@@ -11,7 +11,7 @@ from worlds.input_error import InputError
 from worlds.obstacles import Ring
 from worlds.readers import read_geometry, world_around
 from worlds.readers.drawing_contents import PlanQuestion
-from worlds.readers.roles import guess
+from worlds.readers.roles import role_from_name
 
 HALL = [(0, 0), (24, 0), (24, 7), (0, 7)]
 ALONG = 24.2 * 7.2 - 23.8 * 6.8
@@ -48,7 +48,7 @@ def drawing(tmp_path):
 
 @pytest.mark.parametrize("name", ["wall", "A-WALL", "Walls 2", "fence", "barriers"])
 def test_names_of_walls_say_so(name):
-    assert guess(name)[0] == "wall"
+    assert role_from_name(name)[0] == "wall"
 
 
 def test_a_closed_polyline_is_a_wall_of_its_thickness(drawing):

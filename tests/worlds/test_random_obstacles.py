@@ -13,7 +13,7 @@ from worlds.input_error import InputError
 from worlds.layout import world, world_from_layout
 from worlds.obstacles import Box, Polygon
 from worlds.queries.clearance import clearance
-from worlds.queries.survey import survey
+from worlds.queries.survey import survey_world
 
 BLOCKS = {"kind": "blocks", "count": 5, "side_low": 1.0, "side_high": 2.0, "gap": 0.5}
 ROOM = {"edges": "solid", "size": [20.0, 20.0, 20.0], "random": BLOCKS}
@@ -144,5 +144,5 @@ def test_a_seed_is_a_whole_number(seed):
 def test_a_world_that_is_not_drawn_is_not_surveyed():
     bare = world("thesis-blocks")
     with pytest.raises(InputError, match="random obstacles of thesis-blocks are not drawn"):
-        survey(bare, 5.0)
-    assert survey(draw_obstacles(bare, 0), 5.0).solids == 20 * 4 + 6
+        survey_world(bare, 5.0)
+    assert survey_world(draw_obstacles(bare, 0), 5.0).solids == 20 * 4 + 6

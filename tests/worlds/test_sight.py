@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scenes import crowds
 
 from worlds.obstacles import Disc, Wall
-from worlds.queries.survey import survey
+from worlds.queries.survey import survey_world
 from worlds.world import World
 
 
@@ -26,7 +26,7 @@ def test_a_line_is_blocked_where_it_meets_an_outline(obstacles, seed, reach):
     demand_round(flat(*obstacles), reach)
     outline, slack = united(obstacles, 2**11)
     lines = shapely.linestrings(ends)
-    found = sights(survey(flat(*obstacles), reach), ends[:, 0], ends[:, 1])
+    found = sights(survey_world(flat(*obstacles), reach), ends[:, 0], ends[:, 1])
     assert not found[shapely.intersects(outline, lines)].any()
     clear = shapely.distance(outline, lines) > slack
     assert found[clear].all()
@@ -34,7 +34,7 @@ def test_a_line_is_blocked_where_it_meets_an_outline(obstacles, seed, reach):
 
 
 def test_a_line_that_just_passes_a_disc_sees_and_one_that_cuts_it_does_not():
-    surroundings = survey(flat(Disc(centre=(10, 10), radius=4)), 1.0)
+    surroundings = survey_world(flat(Disc(centre=(10, 10), radius=4)), 1.0)
     angle = np.linspace(0.0, 6.28, 40)
     out = np.column_stack([np.cos(angle), np.sin(angle)])
     along = 6.0 * np.column_stack([-out[:, 1], out[:, 0]])
@@ -44,17 +44,17 @@ def test_a_line_that_just_passes_a_disc_sees_and_one_that_cuts_it_does_not():
 
 
 def test_a_place_sees_itself_unless_it_is_inside():
-    surroundings = survey(flat(Disc(centre=(5, 5), radius=2)), 1.0)
+    surroundings = survey_world(flat(Disc(centre=(5, 5), radius=2)), 1.0)
     here = [(5.0, 5.0), (8.0, 5.0)]
     assert sights(surroundings, here, here).tolist() == [False, True]
 
 
 def test_solid_edges_of_the_box_hide_nothing():
-    surroundings = survey(flat(edges=("solid", "solid")), 1.0)
+    surroundings = survey_world(flat(edges=("solid", "solid")), 1.0)
     assert sights(surroundings, [(1.0, 1.0)], [(19.0, 3.0)]).all()
 
 
 def test_the_far_side_of_a_wall_is_hidden():
-    surroundings = survey(flat(Wall(start=(10, 2), end=(10, 18), thickness=0.2)), 0.5)
+    surroundings = survey_world(flat(Wall(start=(10, 2), end=(10, 18), thickness=0.2)), 0.5)
     start, end = [(2, 10), (2, 10), (2, 19)], [(18, 10), (9, 3), (18, 19)]
     assert sights(surroundings, start, end).tolist() == [False, True, True]

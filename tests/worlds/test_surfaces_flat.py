@@ -13,7 +13,7 @@ from scenes import crowds
 
 from worlds.obstacles import Box, CShape, Disc, Polygon, Ring, Wall
 from worlds.queries.clearance import clearance
-from worlds.queries.survey import survey
+from worlds.queries.survey import survey_world
 from worlds.world import World
 
 FAR = 100.0
@@ -48,7 +48,7 @@ def test_distance_point_and_normal_are_shapelys(obstacles, seed, reach):
     outline, slack = united(obstacles)
     close = 1e-9 + slack
     expected = signed(outline, place)
-    answer = Answer(survey(world, reach), place)
+    answer = Answer(survey_world(world, reach), place)
     near = expected <= reach
     assert answer.distance[near] == pytest.approx(expected[near], abs=close)
     assert np.isinf(answer.distance[expected > reach + close]).all()
@@ -68,7 +68,7 @@ def test_every_connected_outline_has_a_surface_of_its_own(obstacles, seed, reach
     demand_round(world, reach)
     solid, slack = united(obstacles)
     parts = shapely.get_parts(solid)
-    surroundings = survey(world, reach)
+    surroundings = survey_world(world, reach)
     assert len(surroundings.span) == len(parts)
     found = each_solid(surroundings, place, len(parts) + 2)
     assert (found[:, :, 4] <= 1.0).all()
@@ -83,7 +83,7 @@ def test_every_connected_outline_has_a_surface_of_its_own(obstacles, seed, reach
 
 def test_a_square_has_four_sides_and_four_corners():
     answer = Answer(
-        survey(flat(Box(low=(0.0, 0.0), high=(2.0, 2.0))), 5.0),
+        survey_world(flat(Box(low=(0.0, 0.0), high=(2.0, 2.0))), 5.0),
         [(1.0, 3.0), (3.0, 3.0), (5.0, 6.0), (1.0, 0.5), (2.0, 1.0), (2.0, 2.0)],
     )
     root = math.sqrt(0.5)
@@ -98,14 +98,14 @@ def test_a_square_has_four_sides_and_four_corners():
 def test_curves_are_smooth_everywhere():
     place = places(3, 500)
     world = flat(Disc(centre=(10.0, 10.0), radius=4.0), Ring(centre=(2, 2), radius=2.0, width=0.5))
-    assert (Answer(survey(world, FAR), place).smooth == 1.0).all()
+    assert (Answer(survey_world(world, FAR), place).smooth == 1.0).all()
 
 
 def test_a_disc_and_a_ring_are_truly_round():
     """Closed forms: |p - c| - R outside of a disc, R - |p - c| within a ring's hole."""
     place = places(4, 4000)
     world = flat(Disc(centre=(15.0, 12.0), radius=3.5), Ring(centre=(3, 4), radius=4.0, width=1.0))
-    answer = Answer(survey(world, FAR), place)
+    answer = Answer(survey_world(world, FAR), place)
     to_disc = np.hypot(*(place - (15.0, 12.0)).T) - 3.5
     off = np.hypot(*(place - (3.0, 4.0)).T)
     expected = np.minimum(to_disc, np.where(off < 3.5, 3.0 - off, off - 4.0))
@@ -122,7 +122,7 @@ def test_a_disc_and_a_ring_are_truly_round():
 def test_where_a_disc_and_a_wall_meet_the_corner_is_where_the_circle_is():
     """A disc of 5 at (10, 8) and a wall up to y = 11: they meet at x = 10 +- 4."""
     world = flat(Disc(centre=(10.0, 8.0), radius=5.0), Box(low=(1, 8), high=(19, 11)))
-    surroundings = survey(world, FAR)
+    surroundings = survey_world(world, FAR)
     assert len(surroundings.span) == 1
     answer = Answer(surroundings, [(6.0, 11.0), (14.0, 11.0), (10.0, 14.0), (13.0, 14.0)])
     assert answer.distance == pytest.approx([0.0, 0.0, 1.0, math.sqrt(45.0) - 5.0], abs=1e-13)
@@ -130,7 +130,7 @@ def test_where_a_disc_and_a_wall_meet_the_corner_is_where_the_circle_is():
 
 
 def test_the_middle_of_a_disc_is_as_deep_as_it_is_wide():
-    answer = Answer(survey(flat(Disc(centre=(5.0, 5.0), radius=2.0)), 1.0), [(5.0, 5.0)])
+    answer = Answer(survey_world(flat(Disc(centre=(5.0, 5.0), radius=2.0)), 1.0), [(5.0, 5.0)])
     assert answer.distance[0] == pytest.approx(-2.0, abs=1e-15)
     assert np.linalg.norm(answer.normal[0]) == pytest.approx(1.0)
 
@@ -140,14 +140,14 @@ def test_an_outline_is_a_curve_where_it_turns_by_less_than_twenty_degrees():
         angle = math.radians(0.5 * turn)
         rise = 5.0 * math.tan(angle)
         roof = Polygon(points=((0, 0), (10, 0), (10, 5), (5, 5 + rise), (0, 5)))
-        answer = Answer(survey(flat(roof), 5.0), [(5.0, 7.0 + rise)])
+        answer = Answer(survey_world(flat(roof), 5.0), [(5.0, 7.0 + rise)])
         assert answer.distance[0] == pytest.approx(2.0)
         assert answer.smooth[0] == smooth
 
 
 def test_obstacles_that_meet_become_one_outline():
     left, right = Box(low=(0, 0), high=(2, 2)), Box(low=(2, 0), high=(4, 2))
-    surroundings = survey(flat(left, right), 3.0)
+    surroundings = survey_world(flat(left, right), 3.0)
     assert len(surroundings.span) == 1
     answer = Answer(surroundings, [(2.0, 1.5), (2.0, 2.5)])
     assert answer.distance == pytest.approx([-0.5, 0.5])
@@ -163,7 +163,7 @@ def test_a_place_between_shapes_that_touch_in_one_point_is_free():
     place = places(8, 2000, 9.0, 11.0)
     world = flat(*apart)
     expected = signed(united(apart)[0], place)
-    assert Answer(survey(world, 9.0), place).distance == pytest.approx(expected, abs=1e-9)
+    assert Answer(survey_world(world, 9.0), place).distance == pytest.approx(expected, abs=1e-9)
 
 
 def test_a_hole_that_touches_its_outline_in_one_point_is_free():
@@ -174,12 +174,14 @@ def test_a_hole_that_touches_its_outline_in_one_point_is_free():
     assert shape.outline().is_valid
     place = places(5, 4000, 0.0, 11.0)
     expected = signed(shape.outline(), place)
-    assert Answer(survey(flat(shape), FAR), place).distance == pytest.approx(expected, abs=1e-9)
+    assert Answer(survey_world(flat(shape), FAR), place).distance == pytest.approx(
+        expected, abs=1e-9
+    )
 
 
 def test_a_pocket_is_free_inside():
     pocket = CShape(centre=(10, 10), size=(6, 8), thickness=1.0, opening=180.0)
-    answer = Answer(survey(flat(pocket), 9.0), [(10.0, 10.0), (12.5, 10.0), (7.0, 10.0)])
+    answer = Answer(survey_world(flat(pocket), 9.0), [(10.0, 10.0), (12.5, 10.0), (7.0, 10.0)])
     assert answer.distance == pytest.approx([2.0, -0.5, 3.0])
 
 
@@ -188,7 +190,7 @@ def test_solid_edges_are_planes(reach):
     world = flat(size=10.0, edges=("solid", "solid"), low=(-5.0, -5.0))
     place = places(1, 400, -7.0, 7.0)
     expected = np.minimum(5.0 - np.abs(place[:, 0]), 5.0 - np.abs(place[:, 1]))
-    answer = Answer(survey(world, reach), place)
+    answer = Answer(survey_world(world, reach), place)
     near = expected <= reach
     assert answer.distance[near] == pytest.approx(expected[near])
     assert np.isinf(answer.distance[~near]).all()
@@ -208,7 +210,7 @@ def test_obstacles_are_seen_across_wrapping_edges(obstacles, seed):
     everywhere = shapely.union_all(
         [shapely.transform(outline, lambda at, by=by: at + by) for by in images]
     )
-    answer = Answer(survey(flat(*obstacles, edges=("wrap", "wrap")), 3.0), place)
+    answer = Answer(survey_world(flat(*obstacles, edges=("wrap", "wrap")), 3.0), place)
     expected = signed(everywhere, place)
     # A grid of images may differ from the union by rounding only.
     near = expected <= 2.999
@@ -216,7 +218,7 @@ def test_obstacles_are_seen_across_wrapping_edges(obstacles, seed):
 
 
 def test_nothing_is_near_in_an_empty_world():
-    surroundings = survey(flat(), 5.0)
+    surroundings = survey_world(flat(), 5.0)
     assert surroundings.solids == 0
     assert np.isinf(Answer(surroundings, places(2)).distance).all()
 
@@ -228,6 +230,7 @@ def test_a_flat_and_a_tall_ground_have_one_type():
         "tall", (5.0, 5.0, 5.0), ("solid",) * 3, obstacles=(Disc(centre=(1, 1), radius=1),)
     )
     all_surroundings = [
-        survey(w, 2.0) for w in (flat(), tall, flat(Wall(start=(0, 0), end=(3, 3), thickness=1)))
+        survey_world(w, 2.0)
+        for w in (flat(), tall, flat(Wall(start=(0, 0), end=(3, 3), thickness=1)))
     ]
     assert len({numba.typeof(surroundings) for surroundings in all_surroundings}) == 1

@@ -44,21 +44,21 @@ def make_blocks(
     sides = rng.uniform(p.side_low, p.side_high, (p.count, size.size))
     sides = sides[np.argsort(-sides.prod(axis=1), kind="stable")]
     place = place_box if size.size == 3 else place_rectangle
-    made: list[Any] = []
+    shapes: list[Any] = []
     for k, side in enumerate(sides):
-        block = place(rng, low, size, side, p.gap, made)
+        block = place(rng, low, size, side, p.gap, shapes)
         if block is None:
             raise InputError(
                 f"count = {p.count} blocks with sides of {p.side_low:g} to {p.side_high:g} m and "
                 f"gap = {p.gap:g} m do not fit in {box_text(size)}: {k} found a place, "
                 f"the next one did not in {TRIES} tries"
             )
-        made.append(block)
+        shapes.append(block)
     if size.size == 3:
         return GeneratedContents(
-            [Box(low=tuple(lo.tolist()), high=tuple(hi.tolist())) for lo, hi in made]
+            [Box(low=tuple(lo.tolist()), high=tuple(hi.tolist())) for lo, hi in shapes]
         )
-    return GeneratedContents([Polygon(points=block.exterior.coords[:-1]) for block in made])
+    return GeneratedContents([Polygon(points=block.exterior.coords[:-1]) for block in shapes])
 
 
 def place_rectangle(
@@ -67,7 +67,7 @@ def place_rectangle(
     size: np.ndarray,
     side: np.ndarray,
     gap: float,
-    placed: list[shapely.Polygon],
+    rectangles: list[shapely.Polygon],
 ) -> shapely.Polygon | None:
     """A rectangle at a random angle and place, `gap` from all others and from the box."""
     corners = 0.5 * side * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
@@ -77,9 +77,9 @@ def place_rectangle(
         points = low + size * rng.random(2) + corners @ turn
         if (points < low + gap).any() or (points > low + size - gap).any():
             continue
-        made = shapely.Polygon(points)
-        if not placed or shapely.distance(made, placed).min() >= max(gap, 1e-9):
-            return made
+        rectangle = shapely.Polygon(points)
+        if not rectangles or shapely.distance(rectangle, rectangles).min() >= max(gap, 1e-9):
+            return rectangle
     return None
 
 
@@ -89,20 +89,20 @@ def place_box(
     size: np.ndarray,
     side: np.ndarray,
     gap: float,
-    placed: list[tuple[np.ndarray, np.ndarray]],
+    boxes: list[tuple[np.ndarray, np.ndarray]],
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """The corners of a box at a random place, `gap` from all others and from the box around."""
     space = size - side - 2.0 * gap
     if (space < 0.0).any():
         return None
     lows = low + gap + space * rng.random((TRIES, size.size))
-    if not placed:
+    if not boxes:
         return lows[0], lows[0] + side
-    others_low, others_high = (np.array(corners) for corners in zip(*placed, strict=True))
-    between = np.maximum(others_low - (lows[:, None] + side), lows[:, None] - others_high)
-    apart = np.linalg.norm(np.maximum(between, 0.0), axis=2)
-    good = np.flatnonzero((apart >= max(gap, 1e-9)).all(axis=1))
-    return (lows[good[0]], lows[good[0]] + side) if good.size else None
+    others_low, others_high = (np.array(corners) for corners in zip(*boxes, strict=True))
+    gaps = np.maximum(others_low - (lows[:, None] + side), lows[:, None] - others_high)
+    distance = np.linalg.norm(np.maximum(gaps, 0.0), axis=2)
+    free_rows = np.flatnonzero((distance >= max(gap, 1e-9)).all(axis=1))
+    return (lows[free_rows[0]], lows[free_rows[0]] + side) if free_rows.size else None
 
 
 BLOCKS = WorldGenerator("blocks", "Random blocks", BlockParameters, make_blocks, (2, 3))

@@ -32,29 +32,29 @@ def make_corridors(
     Between two gaps, and between a gap and the box, there is a piece of wall at least as long as
     the wall is thick. Raises InputError if walls or gaps do not fit.
     """
-    between = size[0] / (p.walls + 1)
-    if between <= p.thickness:
+    wall_distance = size[0] / (p.walls + 1)
+    if wall_distance <= p.thickness:
         raise InputError(
             f"walls = {p.walls} with thickness = {p.thickness:g} m do not fit in {size[0]:g} m: "
-            f"one stands every {between:g} m"
+            f"one stands every {wall_distance:g} m"
         )
-    spare = size[1] - p.gaps * p.width - (p.gaps + 1) * p.thickness
-    if spare < 0.0:
+    spare_length = size[1] - p.gaps * p.width - (p.gaps + 1) * p.thickness
+    if spare_length < 0.0:
         raise InputError(
             f"gaps = {p.gaps} of width = {p.width:g} m do not fit in a wall {size[1]:g} m long"
         )
-    made: list[Obstacle] = []
+    walls: list[Obstacle] = []
     for k in range(1, p.walls + 1):
-        x = float(low[0] + k * between)
-        begins = np.sort(rng.uniform(0.0, spare, p.gaps))
+        x = float(low[0] + k * wall_distance)
+        begins = np.sort(rng.uniform(0.0, spare_length, p.gaps))
         begins += p.thickness + np.arange(p.gaps) * (p.width + p.thickness)
         starts = low[1] + np.concatenate([[0.0], begins + p.width])
         ends = low[1] + np.concatenate([begins, [size[1]]])
-        made += [
+        walls += [
             Wall(start=(x, start), end=(x, end), thickness=p.thickness)
             for start, end in zip(starts.tolist(), ends.tolist(), strict=True)
         ]
-    return GeneratedContents(made)
+    return GeneratedContents(walls)
 
 
 CORRIDORS = WorldGenerator(

@@ -43,8 +43,12 @@ def make_discs(
     centres = np.empty((p.count, size.size))
     for k, radius in enumerate(radii):
         space = size - 2.0 * (radius + p.gap)
-        drawn = low + radius + p.gap + np.maximum(space, 0.0) * rng.random((TRIES, size.size))
-        place = None if (space < 0.0).any() else free(drawn, radius + p.gap, centres[:k], radii[:k])
+        candidates = low + radius + p.gap + np.maximum(space, 0.0) * rng.random((TRIES, size.size))
+        place = (
+            None
+            if (space < 0.0).any()
+            else free_candidates(candidates, radius + p.gap, centres[:k], radii[:k])
+        )
         if place is None:
             raise InputError(
                 f"count = {p.count} discs of radius {p.radius_low:g} to {p.radius_high:g} m with "
@@ -61,20 +65,20 @@ def make_discs(
     )
 
 
-def free(
-    drawn: np.ndarray, clearance: float, centres: np.ndarray, radii: np.ndarray
+def free_candidates(
+    candidates: np.ndarray, clearance: float, centres: np.ndarray, radii: np.ndarray
 ) -> np.ndarray | None:
     """The first of the drawn places (T, dim) that is `clearance` away from all discs, if any.
 
     Places are looked at in growing parts, as one of the first is nearly always free.
     """
     begin, part = 0, 16
-    while begin < len(drawn):
-        places = drawn[begin : begin + part]
-        apart = np.linalg.norm(places[:, None] - centres[None], axis=2) - radii
-        good = np.flatnonzero((apart >= clearance).all(axis=1))
-        if good.size:
-            return places[good[0]]
+    while begin < len(candidates):
+        places = candidates[begin : begin + part]
+        gaps = np.linalg.norm(places[:, None] - centres[None], axis=2) - radii
+        free_rows = np.flatnonzero((gaps >= clearance).all(axis=1))
+        if free_rows.size:
+            return places[free_rows[0]]
         begin, part = begin + part, 2 * part
     return None
 

@@ -44,29 +44,29 @@ def make_forest(
         raise InputError(
             f"radius_low = {p.radius_low:g} m is above radius_high = {p.radius_high:g} m"
         )
-    wanted = max(1, round(p.density * size.prod()))
+    tree_count = max(1, round(p.density * size.prod()))
     edge = p.gap + p.radius_high
     space = size - 2.0 * edge
-    least = p.gap + 2.0 * p.radius_high
-    distance = max(least, EVEN * np.sqrt(FILLED * space.clip(0.0).prod() / wanted))
+    least_distance = p.gap + 2.0 * p.radius_high
+    distance = max(least_distance, EVEN * np.sqrt(FILLED * space.clip(0.0).prod() / tree_count))
     places = np.empty((0, 2))
     if (space > 0.0).all():
-        drawn = qmc.PoissonDisk(
+        sampler = qmc.PoissonDisk(
             2, radius=distance, rng=rng, l_bounds=low + edge, u_bounds=low + edge + space
         )
-        places = drawn.fill_space()
-    if len(places) < wanted:
+        places = sampler.fill_space()
+    if len(places) < tree_count:
         raise InputError(
             f"density = {p.density:g} per m² with gap = {p.gap:g} m and radii up to "
-            f"{p.radius_high:g} m does not fit in {box_text(size)}: {len(places)} of {wanted} "
+            f"{p.radius_high:g} m does not fit in {box_text(size)}: {len(places)} of {tree_count} "
             "trunks found a place"
         )
-    chosen = places[rng.permutation(len(places))[:wanted]]
-    radii = rng.uniform(p.radius_low, p.radius_high, wanted)
+    centres = places[rng.permutation(len(places))[:tree_count]]
+    radii = rng.uniform(p.radius_low, p.radius_high, tree_count)
     return GeneratedContents(
         [
             Disc(centre=tuple(centre), radius=radius)
-            for centre, radius in zip(chosen.tolist(), radii.tolist(), strict=True)
+            for centre, radius in zip(centres.tolist(), radii.tolist(), strict=True)
         ]
     )
 

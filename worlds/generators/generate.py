@@ -17,7 +17,7 @@ from worlds.generators.discs import DISCS
 from worlds.generators.forest import FOREST
 from worlds.generators.maze import MAZE
 from worlds.generators.world_generator import GeneratedContents, GeneratorParameters, WorldGenerator
-from worlds.input_error import InputError, shortened, unknown
+from worlds.input_error import InputError, shorten, unknown
 from worlds.world import RandomObstacles, World, box, edges_of
 
 GENERATORS = {kind.name: kind for kind in (DISCS, BLOCKS, FOREST, CORRIDORS, MAZE)}
@@ -43,27 +43,29 @@ def generate(
         raise unknown("kind of world", kind, GENERATORS)
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise InputError(f"seed = {seed!r} is not allowed: a whole number >= 0")
-    one = GENERATORS[kind]
+    generator = GENERATORS[kind]
     dim = dim or (2 if np.isscalar(size) else len(np.asarray(size).ravel()))
-    if dim not in one.dimensions:
-        where = " and ".join(f"{d}-D" for d in one.dimensions)
-        raise InputError(f"dim = {dim} is not allowed: {kind} is made in {where}")
+    if dim not in generator.dimensions:
+        dimensions = " and ".join(f"{d}-D" for d in generator.dimensions)
+        raise InputError(f"dim = {dim} is not allowed: {kind} is made in {dimensions}")
     sides = box(dim, size)
-    given = checked(one, parameters, origin)
-    made = one.make(np.random.default_rng(seed), np.zeros(dim), np.array(sides), given)
-    values = ", ".join(f"{name} = {value:g}" for name, value in given.model_dump().items())
+    settings = check_parameters(generator, parameters, origin)
+    contents = generator.make(np.random.default_rng(seed), np.zeros(dim), np.array(sides), settings)
+    values = ", ".join(f"{name} = {value:g}" for name, value in settings.model_dump().items())
     return World(
         name=f"{kind}-{seed}",
         size=sides,
         edges=edges_of(edges, dim, origin or kind),
-        title=f"{one.title}, seed {seed}",
-        obstacles=tuple(made.obstacles),
-        mission=made.mission,
+        title=f"{generator.title}, seed {seed}",
+        obstacles=tuple(contents.obstacles),
+        mission=contents.mission,
         source=f"generator {kind}: seed {seed}, {values}",
     )
 
 
-def checked(kind: WorldGenerator, values: dict[str, Any], origin: str) -> GeneratorParameters:
+def check_parameters(
+    kind: WorldGenerator, values: dict[str, Any], origin: str
+) -> GeneratorParameters:
     """The parameters of a kind, checked. Raises InputError naming the first that is not allowed."""
     fields = kind.parameters.model_fields
     for name in values:
@@ -73,19 +75,20 @@ def checked(kind: WorldGenerator, values: dict[str, Any], origin: str) -> Genera
         return kind.parameters(**values)
     except ValidationError as error:
         name = str(error.errors()[0]["loc"][0])
-        where = f" ({origin})" if origin else ""
+        location = f" ({origin})" if origin else ""
         raise InputError(
-            f"{name} = {shortened(values[name])} is not allowed: {allowed(fields[name])}{where}"
+            f"{name} = {shorten(values[name])} is not allowed: "
+            f"{describe_range(fields[name])}{location}"
         ) from None
 
 
-def allowed(field: FieldInfo) -> str:
+def describe_range(field: FieldInfo) -> str:
     """What a parameter may be."""
     kind = "a whole number" if field.annotation is int else "a number"
     limits = {
-        word: getattr(bound, name)
+        sign: getattr(bound, name)
         for bound in field.metadata
-        for name, word in (("gt", ">"), ("ge", ">="), ("le", "<="))
+        for name, sign in (("gt", ">"), ("ge", ">="), ("le", "<="))
         if getattr(bound, name, None) is not None
     }
     limited = " and".join(f" {word} {value:g}" for word, value in limits.items())
@@ -112,20 +115,20 @@ def draw_obstacles(world: World, seed: int) -> World:
     """
     if world.random is None:
         return world
-    made = draw(world.random, seed, world.low, world.size)
-    task = made.mission
+    contents = draw(world.random, seed, world.low, world.size)
+    task = contents.mission
     if task is not None and world.dim == 3:
         task = task.standing(world.height)
     described = f"drawn from seed {seed}: {world.random.described()}"
-    found = replace(
+    drawn_world = replace(
         world,
-        obstacles=(*world.obstacles, *made.obstacles),
+        obstacles=(*world.obstacles, *contents.obstacles),
         random=None,
         mission=world.mission or task,
         source=f"{world.source}; {described}" if world.source else described,
     )
-    demand_sound(found)
-    return found
+    demand_sound(drawn_world)
+    return drawn_world
 
 
 def draw(
@@ -150,19 +153,19 @@ def random_obstacles(table: Any, dim: int, stands: bool, origin: str) -> RandomO
     """
     if not isinstance(table, Mapping):
         raise InputError(f"random = {table!r} is not a table: write [random] ({origin})")
-    given = dict(table)
-    if "kind" not in given:
+    values = dict(table)
+    if "kind" not in values:
         raise InputError(f"[random] has no kind (known: {', '.join(GENERATORS)}) ({origin})")
-    name = given.pop("kind")
+    name = values.pop("kind")
     if name not in GENERATORS:
         raise unknown("kind of random obstacles", name, GENERATORS, origin)
     kind = GENERATORS[name]
     flat = stands or dim not in kind.dimensions
-    chosen = given.pop("dim", 2 if flat else dim)
-    if isinstance(chosen, bool) or chosen not in kind.dimensions or chosen > dim:
+    chosen_dim = values.pop("dim", 2 if flat else dim)
+    if isinstance(chosen_dim, bool) or chosen_dim not in kind.dimensions or chosen_dim > dim:
         allowed = " or ".join(str(d) for d in kind.dimensions if d <= dim)
         raise InputError(
-            f"random.dim = {chosen!r} is not allowed: {name} in a world of {dim} dimensions are "
-            f"drawn in {allowed} ({origin})"
+            f"random.dim = {chosen_dim!r} is not allowed: {name} in a world of {dim} dimensions "
+            f"are drawn in {allowed} ({origin})"
         )
-    return RandomObstacles(name, checked(kind, given, origin), chosen)
+    return RandomObstacles(name, check_parameters(kind, values, origin), chosen_dim)

@@ -53,52 +53,52 @@ def make_maze(
         raise InputError(
             f"thickness = {p.thickness:g} m is not less than half a cell ({pitch.min() / 2:g} m)"
         )
-    doors = carved(rng, nx, ny)
-    way = way_through(doors, (0, 0), (nx - 1, ny - 1))
+    doors = carve_doors(rng, nx, ny)
+    route = route_through(doors, (0, 0), (nx - 1, ny - 1))
     doors |= {door for door in inner_walls(nx, ny, doors) if rng.random() < p.loops}
     walls = [
         maze_wall(start, end, low, pitch, counts, p.thickness)
         for start, end in runs(inner_walls(nx, ny, doors))
     ]
-    return GeneratedContents(walls, mission_along(way, low, pitch, p.thickness))
+    return GeneratedContents(walls, mission_along(route, low, pitch, p.thickness))
 
 
-def carved(rng: np.random.Generator, nx: int, ny: int) -> set[tuple[Cell, Cell]]:
+def carve_doors(rng: np.random.Generator, nx: int, ny: int) -> set[tuple[Cell, Cell]]:
     """The doors of a perfect maze of nx x ny cells, each as the lower cell and the upper one."""
     doors: set[tuple[Cell, Cell]] = set()
-    seen, trail = {(0, 0)}, [(0, 0)]
+    visited, trail = {(0, 0)}, [(0, 0)]
     while trail:
         x, y = trail[-1]
-        fresh = [
+        unvisited = [
             (x + dx, y + dy)
             for dx, dy in AROUND
-            if 0 <= x + dx < nx and 0 <= y + dy < ny and (x + dx, y + dy) not in seen
+            if 0 <= x + dx < nx and 0 <= y + dy < ny and (x + dx, y + dy) not in visited
         ]
-        if not fresh:
+        if not unvisited:
             trail.pop()
             continue
-        cell = fresh[int(rng.integers(len(fresh)))]
+        cell = unvisited[int(rng.integers(len(unvisited)))]
         doors.add((min(trail[-1], cell), max(trail[-1], cell)))
-        seen.add(cell)
+        visited.add(cell)
         trail.append(cell)
     return doors
 
 
-def way_through(doors: set[tuple[Cell, Cell]], start: Cell, end: Cell) -> list[Cell]:
+def route_through(doors: set[tuple[Cell, Cell]], start: Cell, end: Cell) -> list[Cell]:
     """The cells from start to end."""
-    came: dict[Cell, Cell] = {start: start}
-    ahead = [start]
-    while end not in came:
-        x, y = ahead.pop()
+    previous: dict[Cell, Cell] = {start: start}
+    frontier = [start]
+    while end not in previous:
+        x, y = frontier.pop()
         for dx, dy in AROUND:
             cell = (x + dx, y + dy)
-            if cell not in came and (min((x, y), cell), max((x, y), cell)) in doors:
-                came[cell] = (x, y)
-                ahead.append(cell)
-    way = [end]
-    while way[-1] != start:
-        way.append(came[way[-1]])
-    return way[::-1]
+            if cell not in previous and (min((x, y), cell), max((x, y), cell)) in doors:
+                previous[cell] = (x, y)
+                frontier.append(cell)
+    route = [end]
+    while route[-1] != start:
+        route.append(previous[route[-1]])
+    return route[::-1]
 
 
 def inner_walls(nx: int, ny: int, doors: set[tuple[Cell, Cell]]) -> list[tuple[Cell, Cell]]:
@@ -110,17 +110,20 @@ def inner_walls(nx: int, ny: int, doors: set[tuple[Cell, Cell]]) -> list[tuple[C
 
 def runs(walls: list[tuple[Cell, Cell]]) -> list[tuple[Cell, Cell]]:
     """The walls as straight lines from a corner of cells to another, each as long as it goes."""
-    found: list[tuple[Cell, Cell]] = []
+    wall_runs: list[tuple[Cell, Cell]] = []
     for (x, y), (x1, _) in walls:
         upright = x1 > x
         start = (x + 1, y) if upright else (x, y + 1)
         end = (x + 1, y + 1)
-        if found and found[-1][1] == start and (found[-1][0][0] == end[0] if upright else
-                                                found[-1][0][1] == end[1]):  # fmt: skip
-            found[-1] = (found[-1][0], end)
+        if (
+            wall_runs
+            and wall_runs[-1][1] == start
+            and (wall_runs[-1][0][0] == end[0] if upright else wall_runs[-1][0][1] == end[1])
+        ):
+            wall_runs[-1] = (wall_runs[-1][0], end)
         else:
-            found.append((start, end))
-    return found
+            wall_runs.append((start, end))
+    return wall_runs
 
 
 def maze_wall(
@@ -136,14 +139,16 @@ def maze_wall(
     return Wall(start=tuple(begin), end=tuple(finish), thickness=thick)
 
 
-def mission_along(way: list[Cell], low: np.ndarray, pitch: np.ndarray, thickness: float) -> Mission:
+def mission_along(
+    route: list[Cell], low: np.ndarray, pitch: np.ndarray, thickness: float
+) -> Mission:
     """The mission: start in the first cell, path along the way, goal in the last cell."""
     turns = [
         cell
-        for before, cell, after in zip(way, way[1:], way[2:], strict=False)
-        if after[0] - cell[0] != cell[0] - before[0]
+        for previous, cell, following in zip(route, route[1:], route[2:], strict=False)
+        if following[0] - cell[0] != cell[0] - previous[0]
     ]
-    middles = [((np.array(cell) + 0.5) * pitch + low).tolist() for cell in [*turns, way[-1]]]
+    middles = [((np.array(cell) + 0.5) * pitch + low).tolist() for cell in [*turns, route[-1]]]
     begin, end = low + 0.5 * thickness, low + pitch - 0.5 * thickness
     return mission(
         {

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from worlds.queries.outlines import MOST_SWEEP, OutlineRing, Solid, apart, edge_rows
+from worlds.queries.outlines import MOST_SWEEP, OutlineRing, Solid, distance_to_edge, edge_rows
 from worlds.world import World
 
 HIDDEN = 1e-9
@@ -30,19 +30,19 @@ def boundary_points(world: World, solids: list[Solid], margin: float) -> np.ndar
     Points beyond a solid edge are left out, and points of solid edges within an outline. Solid
     edges go on by `margin` (length) across a wrapping edge.
     """
-    towards = seen_from(world, solids)
-    found = [ring_points(ring, world.boundary_spacing, towards)
-             for one in solids for ring in one.rings]  # fmt: skip
-    own = np.concatenate(found) if found else np.empty((0, 2))
+    towards = reference_place(world, solids)
+    rows = [ring_points(ring, world.boundary_spacing, towards)
+             for part in solids for ring in part.rings]  # fmt: skip
+    own = np.concatenate(rows) if rows else np.empty((0, 2))
     edges = np.concatenate([*box_lines(world, margin), np.empty((0, 2))])
-    hidden = np.zeros(len(edges), bool)
+    is_hidden = np.zeros(len(edges), bool)
     for one in solids:
         shapely.prepare(one.polygon)
         inner = np.flatnonzero(shapely.contains_xy(one.polygon, *edges.T))
         rim = one.polygon.boundary
         shapely.prepare(rim)
-        hidden[inner] |= ~shapely.dwithin(rim, shapely.points(edges[inner]), HIDDEN)
-    points = np.concatenate([own, edges[~hidden]])
+        is_hidden[inner] |= ~shapely.dwithin(rim, shapely.points(edges[inner]), HIDDEN)
+    points = np.concatenate([own, edges[~is_hidden]])
     low = np.array(world.low)
     high = low + world.size
     inside = np.ones(len(points), bool)
@@ -53,7 +53,7 @@ def boundary_points(world: World, solids: list[Solid], margin: float) -> np.ndar
     return np.unique(points[inside], axis=0)
 
 
-def seen_from(world: World, solids: list[Solid]) -> np.ndarray | None:
+def reference_place(world: World, solids: list[Solid]) -> np.ndarray | None:
     """The place (2,) that rings without corners are divided from; None where there is none.
 
     Across wrapping edges the world has no such place: there an obstacle and its images are alike.
@@ -62,19 +62,19 @@ def seen_from(world: World, solids: list[Solid]) -> np.ndarray | None:
         return None
     if world.mission is not None and world.mission.goal is not None:
         return np.array(world.mission.goal.route[0])
-    centre = shapely.centroid(shapely.MultiPolygon([one.polygon for one in solids]))
+    centre = shapely.centroid(shapely.MultiPolygon([part.polygon for part in solids]))
     return np.array([centre.x, centre.y])
 
 
 def ring_points(ring: OutlineRing, spacing: float, towards: np.ndarray | None) -> np.ndarray:
     """The points along a ring, (m, 2)."""
     corners = ring.corners
-    before = np.concatenate([[0.0], np.cumsum(ring.length)])
+    starts = np.concatenate([[0.0], np.cumsum(ring.length)])
     if not len(corners):
-        number = steps(before[-1], spacing)
-        return ring.at(nearest_along(ring, towards) + before[-1] * np.arange(number) / number)
-    begins = before[corners]
-    long = np.diff(np.append(begins, begins[0] + before[-1]))
+        number = steps(starts[-1], spacing)
+        return ring.at(nearest_along(ring, towards) + starts[-1] * np.arange(number) / number)
+    begins = starts[corners]
+    long = np.diff(np.append(begins, begins[0] + starts[-1]))
     numbers = steps(long, spacing)
     part = np.repeat(np.arange(len(corners)), numbers)
     step = np.arange(len(part)) - np.repeat(np.cumsum(numbers) - numbers, numbers)
@@ -86,14 +86,16 @@ def nearest_along(ring: OutlineRing, place: np.ndarray | None) -> float:
 
     Where there is no such place, or all of a circle is as near, it is the furthest along x.
     """
-    one = ring.divided(MOST_SWEEP)
-    before = np.concatenate([[0.0], np.cumsum(one.length)])
-    away = math.inf if place is None else float(np.hypot(*(place - one.centre).T).max())
-    if place is None or away < CENTRAL * abs(one.radius[0]):
-        place = one.start.mean(axis=0) + np.array([1e3 * before[-1], 0.0])
-    distance, share, _ = apart(edge_rows(one), np.broadcast_to(place, one.start.shape))
+    ring_part = ring.divided(MOST_SWEEP)
+    starts = np.concatenate([[0.0], np.cumsum(ring_part.length)])
+    away = math.inf if place is None else float(np.hypot(*(place - ring_part.centre).T).max())
+    if place is None or away < CENTRAL * abs(ring_part.radius[0]):
+        place = ring_part.start.mean(axis=0) + np.array([1e3 * starts[-1], 0.0])
+    distance, share, _ = distance_to_edge(
+        edge_rows(ring_part), np.broadcast_to(place, ring_part.start.shape)
+    )
     k = int(np.argmin(distance))
-    return float(before[k] + share[k] * one.length[k])
+    return float(starts[k] + share[k] * ring_part.length[k])
 
 
 def steps(length: Any, spacing: float) -> Any:
@@ -104,7 +106,7 @@ def steps(length: Any, spacing: float) -> Any:
 def box_lines(world: World, margin: float) -> list[np.ndarray]:
     """Points along the solid edges of the box, their ends among them."""
     (x, y), (u, v) = world.low, np.array(world.low) + world.size
-    found = []
+    lines = []
     for axis, edge in enumerate(world.edges):
         start, end = np.array([x, y]), np.array([u, v])
         if world.wraps[1 - axis]:
@@ -112,8 +114,8 @@ def box_lines(world: World, margin: float) -> list[np.ndarray]:
             end[1 - axis] += margin
         for at in (start[axis], end[axis]) if edge == "solid" else ():
             start[axis] = end[axis] = at
-            found.append(along_line(start, end, world.boundary_spacing))
-    return found
+            lines.append(along_line(start, end, world.boundary_spacing))
+    return lines
 
 
 def along_line(start: np.ndarray, end: np.ndarray, spacing: float) -> np.ndarray:
@@ -145,9 +147,9 @@ def sorted_points(
     count = np.bincount(cell, minlength=columns * rows)
     start = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
     x, y = np.ascontiguousarray(points[order].T)
-    least = float(low[0]), float(low[1])
-    most = fullest(count.reshape(rows, columns)) + 1
-    return x, y, *least, inverse, columns, rows, start, most
+    corner = float(low[0]), float(low[1])
+    most_points = fullest(count.reshape(rows, columns)) + 1
+    return x, y, *corner, inverse, columns, rows, start, most_points
 
 
 def fullest(count: np.ndarray) -> int:

@@ -11,8 +11,8 @@ import shapely
 
 from worlds.queries.outlines import (
     MOST_SWEEP,
-    apart,
-    chorded,
+    chord_lines,
+    distance_to_edge,
     edge_rows,
     solids,
     spheres,
@@ -46,53 +46,55 @@ def clearance(world: World, position: np.ndarray) -> np.ndarray:
     Obstacles are seen across wrapping edges.
     """
     position = np.asarray(position, float)
-    least = np.full(len(position), np.inf)
+    distance = np.full(len(position), np.inf)
     for axis, edge in enumerate(world.edges):
         if edge == "solid":
             up = position[:, axis] - world.low[axis]
-            least = np.minimum(least, np.minimum(up, world.size[axis] - up))
-    for one in kept_outlines(world):
-        flat = plan_distance(one, position[:, :2])
+            distance = np.minimum(distance, np.minimum(up, world.size[axis] - up))
+    for outlines in prepared_outlines(world):
+        flat = plan_distance(outlines, position[:, :2])
         if world.dim == 3:
-            above = np.maximum(one.bottom - position[:, 2], position[:, 2] - one.top)
-            outside = np.hypot(np.maximum(flat, 0.0), np.maximum(above, 0.0))
-            flat = np.where(outside > 0.0, outside, np.maximum(flat, above))
-        least = np.minimum(least, flat)
+            height = np.maximum(outlines.bottom - position[:, 2], position[:, 2] - outlines.top)
+            outside = np.hypot(np.maximum(flat, 0.0), np.maximum(height, 0.0))
+            flat = np.where(outside > 0.0, outside, np.maximum(flat, height))
+        distance = np.minimum(distance, flat)
     for centre, radius in spheres(world, math.inf):
         away = np.linalg.norm(position - np.array(centre), axis=1) - radius
-        least = np.minimum(least, away)
-    return least
+        distance = np.minimum(distance, away)
+    return distance
 
 
 @lru_cache(KEPT)
-def kept_outlines(world: World) -> list[Outlines]:
+def prepared_outlines(world: World) -> list[Outlines]:
     """The outlines of a world, with all images across wrapping edges, ready to be asked."""
-    found = []
+    outline_sets = []
     for (bottom, top), parts in solids(world, math.inf):
-        rings = [ring.divided(MOST_SWEEP) for one in parts for ring in one.rings]
+        rings = [ring.divided(MOST_SWEEP) for part in parts for ring in part.rings]
         edge = np.concatenate([edge_rows(ring) for ring in rings])
         each = np.arange(len(edge))
         polygon = shapely.MultiPolygon([one.polygon for one in parts])
         shapely.prepare(polygon)
-        lines = shapely.STRtree(chorded(edge, each, each + 1))
+        lines = shapely.STRtree(chord_lines(edge, each, each + 1))
         slack = max(one.slack for one in parts)
-        found.append(Outlines(bottom, top, polygon, slack, edge, lines))
-    return found
+        outline_sets.append(Outlines(bottom, top, polygon, slack, edge, lines))
+    return outline_sets
 
 
-def plan_distance(one: Outlines, position: np.ndarray) -> np.ndarray:
+def plan_distance(outlines: Outlines, position: np.ndarray) -> np.ndarray:
     """Signed distance of places in the plane (N, 2) to outlines, negative inside, (N,).
 
     What can be nearest is looked for among chords; then the arcs themselves are asked.
     """
     place = shapely.points(position)
-    away = shapely.distance(one.polygon.boundary, place)
-    sign = np.where(shapely.contains_xy(one.polygon, *position.T), -1.0, 1.0)
-    if one.slack == 0.0:
+    away = shapely.distance(outlines.polygon.boundary, place)
+    sign = np.where(shapely.contains_xy(outlines.polygon, *position.T), -1.0, 1.0)
+    if outlines.slack == 0.0:
         return sign * away
-    of, edge = one.lines.query(place, predicate="dwithin", distance=away + 2.0 * one.slack)
-    exact, _, side = apart(one.edge[edge], position[of])
-    order = np.lexsort((exact, of))
-    first = order[np.unique(of[order], return_index=True)[1]]
-    away[of[first]] = exact[first]
-    return np.where(side[first] != 0.0, side[first], sign[of[first]]) * away[of[first]]
+    row, edge = outlines.lines.query(
+        place, predicate="dwithin", distance=away + 2.0 * outlines.slack
+    )
+    exact, _, side = distance_to_edge(outlines.edge[edge], position[row])
+    order = np.lexsort((exact, row))
+    first = order[np.unique(row[order], return_index=True)[1]]
+    away[row[first]] = exact[first]
+    return np.where(side[first] != 0.0, side[first], sign[row[first]]) * away[row[first]]

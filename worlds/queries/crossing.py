@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from worlds.compilation import compiled, shared
-from worlds.queries.sight_lines import SLACK, cells_between, on_arc, shares_within
+from worlds.queries.sight_lines import SLACK, cells_between, is_on_arc, shares_within
 from worlds.queries.surface import entry_distance, solids_around
 
 RELATIVE = 1e-9
@@ -47,30 +47,30 @@ def is_far(surroundings, x, y, z, r):
         at = surroundings.plane[k]
         if x * at[0] + y * at[1] + z * at[2] - at[3] <= r:
             return False
-    around = solids_around(surroundings, x, y)
-    listed = around.number - surroundings.plane.shape[0]
-    return listed == 0 or surroundings.entry_least[around.first] > r
+    nearby = solids_around(surroundings, x, y)
+    listed = nearby.number - surroundings.plane.shape[0]
+    return listed == 0 or surroundings.entry_least[nearby.first] > r
 
 
 @compiled
-def entered_plane(at, close, ax, ay, az, dx, dy, dz):
+def entry_through_plane(at, close, ax, ay, az, dx, dy, dz):
     """The share at which the way from a along d goes beyond a solid edge of the box, or inf."""
-    before = ax * at[0] + ay * at[1] + az * at[2] - at[3]
+    offset = ax * at[0] + ay * at[1] + az * at[2] - at[3]
     gain = dx * at[0] + dy * at[1] + dz * at[2]
-    if before < -close or gain >= 0.0 or before + gain >= 0.0:
+    if offset < -close or gain >= 0.0 or offset + gain >= 0.0:
         return math.inf
-    return min(max(before / -gain, 0.0), 1.0)
+    return min(max(offset / -gain, 0.0), 1.0)
 
 
 @compiled
-def entered_edge(at, bottom, top, close, ax, ay, az, dx, dy, dz):
+def entry_through_edge(at, bottom, top, close, ax, ay, az, dx, dy, dz):
     """The share at which the way from a along d goes in through an edge of an outline, or inf."""
     wx, wy = ax - at[0], ay - at[1]
-    before = wx * at[6] + wy * at[7]
+    offset = wx * at[6] + wy * at[7]
     gain = dx * at[6] + dy * at[7]
-    if before < -close or gain >= 0.0 or before + gain >= 0.0:
+    if offset < -close or gain >= 0.0 or offset + gain >= 0.0:
         return math.inf
-    t = min(max(before / -gain, 0.0), 1.0)
+    t = min(max(offset / -gain, 0.0), 1.0)
     ex, ey = at[2] - at[0], at[3] - at[1]
     length = math.sqrt(ex * ex + ey * ey)
     along = ((wx + t * dx) * ex + (wy + t * dy) * ey) / length
@@ -80,7 +80,7 @@ def entered_edge(at, bottom, top, close, ax, ay, az, dx, dy, dz):
 
 
 @compiled
-def entered_arc(at, bottom, top, close, ax, ay, az, dx, dy, dz):
+def entry_through_arc(at, bottom, top, close, ax, ay, az, dx, dy, dz):
     """The share at which the way from a along d goes in through an arc of an outline, or inf.
 
     It goes into a round solid where it comes into the circle, and into what is round a hole where
@@ -107,12 +107,12 @@ def entered_arc(at, bottom, top, close, ax, ay, az, dx, dy, dz):
         return math.inf
     t = max(t, 0.0)
     z = az + t * dz
-    hits = on_arc(at, wx + t * dx, wy + t * dy, close)
+    hits = is_on_arc(at, wx + t * dx, wy + t * dy, close)
     return t if hits and bottom - close <= z <= top + close else math.inf
 
 
 @compiled
-def entered_ball(ball, close, ax, ay, az, dx, dy, dz):
+def entry_into_ball(ball, close, ax, ay, az, dx, dy, dz):
     """The share at which the way from a along d goes into a sphere, or inf."""
     wx, wy, wz = ax - ball[0], ay - ball[1], az - ball[2]
     b = wx * dx + wy * dy + wz * dz
@@ -127,15 +127,15 @@ def entered_ball(ball, close, ax, ay, az, dx, dy, dz):
 
 
 @compiled
-def entered_cap(surroundings, entry, height, up, close, low, high, ax, ay, az, dx, dy, dz):
+def entry_through_cap(surroundings, entry, height, up, close, low, high, ax, ay, az, dx, dy, dz):
     """The share at which the way goes in through the top (up = 1) or bottom (-1) of a prism.
 
     Only within the shares [low, high], at which it is in the cell of the entry; else inf.
     """
-    before = up * (az - height)
-    if not (before >= -close and before + up * dz < 0.0):
+    offset = up * (az - height)
+    if not (offset >= -close and offset + up * dz < 0.0):
         return math.inf
-    t = min(max(before / (-up * dz), 0.0), 1.0)
+    t = min(max(offset / (-up * dz), 0.0), 1.0)
     if not (low <= t <= high):
         return math.inf
     d, _, _ = entry_distance(surroundings, entry, ax + t * dx, ay + t * dy, height)
@@ -143,14 +143,14 @@ def entered_cap(surroundings, entry, height, up, close, low, high, ax, ay, az, d
 
 
 @compiled
-def entered(surroundings, entry, first, close, low, high, ax, ay, az, dx, dy, dz):
+def entry_share(surroundings, entry, first, close, low, high, ax, ay, az, dx, dy, dz):
     """The earlier of a crossing and that of a solid listed in a cell, crossed at [low, high]."""
     solid = surroundings.entry_solid[entry]
     outlines = surroundings.span.shape[0]
     best = first
     if solid >= outlines:
         ball = surroundings.ball[solid - outlines]
-        t = entered_ball(ball, close, ax, ay, az, dx, dy, dz)
+        t = entry_into_ball(ball, close, ax, ay, az, dx, dy, dz)
         if t < best.share:
             x, y, z = ax + t * dx - ball[0], ay + t * dy - ball[1], az + t * dz - ball[2]
             size = math.sqrt(x * x + y * y + z * z)
@@ -161,19 +161,21 @@ def entered(surroundings, entry, first, close, low, high, ax, ay, az, dx, dy, dz
         for i in range(surroundings.run[run, 0], surroundings.run[run, 1]):
             at = surroundings.edge[i]
             if at[10] != 0.0:
-                t = entered_arc(at, bottom, top, close, ax, ay, az, dx, dy, dz)
+                t = entry_through_arc(at, bottom, top, close, ax, ay, az, dx, dy, dz)
                 if t < best.share:
                     x, y = ax + t * dx - at[8], ay + t * dy - at[9]
                     size = math.copysign(math.sqrt(x * x + y * y), at[10])
                     best = Crossing(t, x / size, y / size, 0.0)
                 continue
-            t = entered_edge(at, bottom, top, close, ax, ay, az, dx, dy, dz)
+            t = entry_through_edge(at, bottom, top, close, ax, ay, az, dx, dy, dz)
             if t < best.share:
                 best = Crossing(t, at[6], at[7], 0.0)
     if dz != 0.0:
         up = -1.0 if dz > 0.0 else 1.0
         height = bottom if dz > 0.0 else top
-        t = entered_cap(surroundings, entry, height, up, close, low, high, ax, ay, az, dx, dy, dz)
+        t = entry_through_cap(
+            surroundings, entry, height, up, close, low, high, ax, ay, az, dx, dy, dz
+        )
         if t < best.share:
             best = Crossing(t, 0.0, 0.0, up)
     return best
@@ -193,7 +195,7 @@ def first_crossing(surroundings, ax, ay, az, dx, dy, dz):
     close = CLOSE * (skin(ax, ay, az) + RELATIVE * reach)
     for k in range(surroundings.plane.shape[0]):
         at = surroundings.plane[k]
-        t = entered_plane(at, close, ax, ay, az, dx, dy, dz)
+        t = entry_through_plane(at, close, ax, ay, az, dx, dy, dz)
         if t < best.share:
             best = Crossing(t, at[0], at[1], at[2])
     if surroundings.columns == 0:
@@ -210,8 +212,8 @@ def first_crossing(surroundings, ax, ay, az, dx, dy, dz):
         low, high = shares_within(ay, dy, y - slack, y + side + slack)
         if low > high:
             continue
-        one, two = ax + low * dx, ax + high * dx
-        left, right = min(one, two) - close, max(one, two) + close
+        x_low, x_high = ax + low * dx, ax + high * dx
+        left, right = min(x_low, x_high) - close, max(x_low, x_high) + close
         left, right = cells_between(
             left, right, surroundings.left, surroundings.inverse, surroundings.columns
         )
@@ -223,7 +225,9 @@ def first_crossing(surroundings, ax, ay, az, dx, dy, dz):
             for e in range(surroundings.cell_start[cell], surroundings.cell_start[cell + 1]):
                 if surroundings.entry_least[e] > close:
                     break
-                best = entered(surroundings, e, best, close, enter, leave, ax, ay, az, dx, dy, dz)
+                best = entry_share(
+                    surroundings, e, best, close, enter, leave, ax, ay, az, dx, dy, dz
+                )
     return best
 
 

@@ -26,28 +26,28 @@ def arc_shares(at, ax, ay, dx, dy):
     if root < 0.0 or d2 == 0.0:
         return math.inf, math.inf
     q = -(b + math.copysign(math.sqrt(root), b))
-    one, two = q / d2, c / q if q != 0.0 else 0.0
-    return min(one, two), max(one, two)
+    first_share, second_share = q / d2, c / q if q != 0.0 else 0.0
+    return min(first_share, second_share), max(first_share, second_share)
 
 
 @compiled
-def on_arc(at, wx, wy, close):
+def is_on_arc(at, wx, wy, close):
     """Whether a place w from its circle's centre, on the circle, is on an arc or `close` to it."""
-    after = (at[0] - at[8]) * wy - (at[1] - at[9]) * wx
-    before = wx * (at[3] - at[9]) - wy * (at[2] - at[8])
+    past_begin = (at[0] - at[8]) * wy - (at[1] - at[9]) * wx
+    before_end = wx * (at[3] - at[9]) - wy * (at[2] - at[8])
     sign = math.copysign(1.0, at[10])
-    least = -close * math.fabs(at[10])
-    return (sign * after >= least) & (sign * before >= least)
+    tolerance = -close * math.fabs(at[10])
+    return (sign * past_begin >= tolerance) & (sign * before_end >= tolerance)
 
 
 @compiled
 def meets_arc(at, bottom, top, ax, ay, az, dx, dy, dz):
     """Whether the way from a along d goes through the upright face of an arc, its ends included."""
-    one, two = arc_shares(at, ax, ay, dx, dy)
-    for t in (one, two):
+    share_a, share_b = arc_shares(at, ax, ay, dx, dy)
+    for t in (share_a, share_b):
         if 0.0 <= t <= 1.0 and bottom <= az + t * dz <= top:
             x, y = ax + t * dx, ay + t * dy
-            if on_arc(at, x - at[8], y - at[9], ENDS * math.fabs(at[10])):
+            if is_on_arc(at, x - at[8], y - at[9], ENDS * math.fabs(at[10])):
                 return True
     return False
 
@@ -117,8 +117,8 @@ def shares_within(a, d, low, high):
     """The shares of the way from a along d (one axis) that lie in [low, high], within [0, 1]."""
     if d == 0.0:
         return (0.0, 1.0) if low <= a <= high else (1.0, 0.0)
-    one, two = (low - a) / d, (high - a) / d
-    return max(0.0, min(one, two)), min(1.0, max(one, two))
+    share_a, share_b = (low - a) / d, (high - a) / d
+    return max(0.0, min(share_a, share_b)), min(1.0, max(share_a, share_b))
 
 
 @compiled
@@ -151,10 +151,10 @@ def line_of_sight(surroundings, ax, ay, az, bx, by, bz):
         low, high = shares_within(ay, dy, front - slack, front + side + slack)
         if low > high:
             continue
-        one, two = ax + low * dx, ax + high * dx
+        x_low, x_high = ax + low * dx, ax + high * dx
         left, right = cells_between(
-            min(one, two),
-            max(one, two),
+            min(x_low, x_high),
+            max(x_low, x_high),
             surroundings.left,
             surroundings.inverse,
             surroundings.columns,

@@ -58,24 +58,24 @@ def solids_around(surroundings, x, y):
 
 
 @compiled
-def solid_of(surroundings, around, k):
+def solid_of(surroundings, nearby, k):
     """The id of the k-th solid around: outlines 0, 1, ..., then spheres, then solid edges."""
     planes = surroundings.plane.shape[0]
     if k < planes:
         return surroundings.span.shape[0] + surroundings.ball.shape[0] + k
-    return surroundings.entry_solid[around.first + k - planes]
+    return surroundings.entry_solid[nearby.first + k - planes]
 
 
 @compiled
 def within_arc(at, wx, wy):
     """Whether the direction (wx, wy) from its circle's centre goes through an arc, ends not."""
-    after = (at[0] - at[8]) * wy - (at[1] - at[9]) * wx
-    before = wx * (at[3] - at[9]) - wy * (at[2] - at[8])
-    return (after * at[10] > 0.0) & (before * at[10] > 0.0)
+    past_begin = (at[0] - at[8]) * wy - (at[1] - at[9]) * wx
+    before_end = wx * (at[3] - at[9]) - wy * (at[2] - at[8])
+    return (past_begin * at[10] > 0.0) & (before_end * at[10] > 0.0)
 
 
 @compiled
-def off_arc(at, x, y):
+def distance_to_arc(at, x, y):
     """Signed distance of a place to the circle of an arc, positive on the free side."""
     wx, wy = x - at[8], y - at[9]
     away = math.sqrt(wx * wx + wy * wy) - math.fabs(at[10])
@@ -96,7 +96,7 @@ def side_of(surroundings, edge, t, x, y):
         corner = surroundings.corner[surroundings.after[edge]]
         return (x - at[2]) * corner[0] + (y - at[3]) * corner[1]
     if at[10] != 0.0:
-        return off_arc(at, x, y)
+        return distance_to_arc(at, x, y)
     return (x - at[0]) * at[6] + (y - at[1]) * at[7]
 
 
@@ -104,7 +104,7 @@ def side_of(surroundings, edge, t, x, y):
 def from_arc(at, x, y):
     """0, 1 or between as the start of an arc, its end or neither is nearest; squared distance."""
     if within_arc(at, x - at[8], y - at[9]):
-        d = off_arc(at, x, y)
+        d = distance_to_arc(at, x, y)
         return 0.5, d * d
     wx, wy = x - at[0], y - at[1]
     vx, vy = x - at[2], y - at[3]
@@ -119,7 +119,7 @@ def nearest_edge(surroundings, entry, x, y):
     Of an arc t only says whether an end of it is nearest: 0 or 1, else it is between. Outlines may
     touch themselves in a corner; then the side that is free counts.
     """
-    best, share, least = -1, 0.0, math.inf
+    best, share, least2 = -1, 0.0, math.inf
     for run in range(surroundings.entry_run[entry], surroundings.entry_run[entry + 1]):
         for i in range(surroundings.run[run, 0], surroundings.run[run, 1]):
             at = surroundings.edge[i]
@@ -135,17 +135,17 @@ def nearest_edge(surroundings, entry, x, y):
                     d2 = d * d
                 else:
                     d2 = dx * dx + dy * dy
-            if d2 < least or (d2 == least and side_of(surroundings, i, t, x, y) > 0.0):
-                best, share, least = i, t, d2
-    return best, share, least
+            if d2 < least2 or (d2 == least2 and side_of(surroundings, i, t, x, y) > 0.0):
+                best, share, least2 = i, t, d2
+    return best, share, least2
 
 
 @compiled
-def combined(flat, above):
+def prism_distance(flat, height):
     """Signed distance to a prism, from that to its outline and that to its slab of heights."""
     if flat > 0.0:
-        return math.hypot(flat, above) if above > 0.0 else flat
-    return max(flat, above)
+        return math.hypot(flat, height) if height > 0.0 else flat
+    return max(flat, height)
 
 
 @compiled
@@ -166,8 +166,8 @@ def entry_distance(surroundings, entry, x, y, z):
         return math.sqrt(dx * dx + dy * dy + dz * dz) - ball[3], -1, 0.0
     edge, t, d2 = nearest_edge(surroundings, entry, x, y)
     flat = math.copysign(math.sqrt(d2), side_of(surroundings, edge, t, x, y))
-    above = max(surroundings.span[solid, 0] - z, z - surroundings.span[solid, 1])
-    return combined(flat, above), edge, t
+    height = max(surroundings.span[solid, 0] - z, z - surroundings.span[solid, 1])
+    return prism_distance(flat, height), edge, t
 
 
 @compiled
@@ -197,19 +197,19 @@ def outline_surface(surroundings, edge, t, x, y):
     at = surroundings.edge[edge]
     if (t > 0.0) & (t < 1.0) & (at[10] != 0.0):
         sign = math.copysign(1.0, at[10])
-        d = off_arc(at, x, y)
+        d = distance_to_arc(at, x, y)
         away = sign * d + math.fabs(at[10])
         nx, ny = sign * (x - at[8]) / away, sign * (y - at[9]) / away
         return Surface(d, x - d * nx, y - d * ny, 0.0, nx, ny, 0.0, 1.0)
     if (t > 0.0) & (t < 1.0):
         d = (x - at[0]) * at[6] + (y - at[1]) * at[7]
         return Surface(d, x - d * at[6], y - d * at[7], 0.0, at[6], at[7], 0.0, 1.0)
-    here = edge if t <= 0.0 else surroundings.after[edge]
-    qx, qy = surroundings.edge[here, 0], surroundings.edge[here, 1]
+    corner = edge if t <= 0.0 else surroundings.after[edge]
+    qx, qy = surroundings.edge[corner, 0], surroundings.edge[corner, 1]
     mx, my, smooth = (
-        surroundings.corner[here, 0],
-        surroundings.corner[here, 1],
-        surroundings.corner[here, 2],
+        surroundings.corner[corner, 0],
+        surroundings.corner[corner, 1],
+        surroundings.corner[corner, 2],
     )
     dx, dy = x - qx, y - qy
     d = math.sqrt(dx * dx + dy * dy)
@@ -224,16 +224,16 @@ def prism_surface(surroundings, solid, flat, x, y, z):
     """The nearest place of a prism, from that of its outline on the plan."""
     bottom, top = surroundings.span[solid, 0], surroundings.span[solid, 1]
     over = z - top >= bottom - z
-    above = z - top if over else bottom - z
+    height = z - top if over else bottom - z
     cap = top if over else bottom
     up = 1.0 if over else -1.0
-    if flat.distance > 0.0 and above > 0.0:
-        d = math.hypot(flat.distance, above)
+    if flat.distance > 0.0 and height > 0.0:
+        d = math.hypot(flat.distance, height)
         nx, ny, nz = (x - flat.x) / d, (y - flat.y) / d, (z - cap) / d
         return Surface(d, flat.x, flat.y, cap, nx, ny, nz, 0.0)
-    if flat.distance >= above:
+    if flat.distance >= height:
         return Surface(flat.distance, flat.x, flat.y, z, flat.nx, flat.ny, 0.0, flat.smooth)
-    return Surface(above, x, y, cap, 0.0, 0.0, up, 1.0)
+    return Surface(height, x, y, cap, 0.0, 0.0, up, 1.0)
 
 
 @compiled
@@ -247,13 +247,13 @@ def entry_surface(surroundings, entry, edge, t, distance, x, y, z):
 
 
 @compiled
-def surface(surroundings, around, k, x, y, z):
+def surface(surroundings, nearby, k, x, y, z):
     """The nearest surface of the k-th solid around a place; distance inf if it is out of reach."""
     planes = surroundings.plane.shape[0]
     if k < planes:
         d = plane_distance(surroundings, k, x, y, z)
         return plane_surface(surroundings, k, d, x, y, z) if d <= surroundings.reach else nowhere()
-    entry = around.first + k - planes
+    entry = nearby.first + k - planes
     d, edge, t = entry_distance(surroundings, entry, x, y, z)
     return (
         entry_surface(surroundings, entry, edge, t, d, x, y, z)
@@ -270,20 +270,20 @@ def nearest_solid(surroundings, x, y, z, first):
     number `first` on: 0 for all of them, surroundings.plane.shape[0] for obstacles only.
     """
     planes = surroundings.plane.shape[0]
-    least, plane, entry, edge, share = surroundings.reach, -1, -1, -1, 0.0
+    distance, plane, entry, edge, share = surroundings.reach, -1, -1, -1, 0.0
     for k in range(first, planes):
         d = plane_distance(surroundings, k, x, y, z)
-        if d <= least:
-            least, plane = d, k
-    around = solids_around(surroundings, x, y)
-    last = around.first + around.number - planes
-    for e in range(around.first, last):
-        if surroundings.entry_least[e] > least:
+        if d <= distance:
+            distance, plane = d, k
+    nearby = solids_around(surroundings, x, y)
+    last = nearby.first + nearby.number - planes
+    for e in range(nearby.first, last):
+        if surroundings.entry_least[e] > distance:
             break
         d, i, t = entry_distance(surroundings, e, x, y, z)
-        if d < least or (d == least and plane < 0 and entry < 0):
-            least, plane, entry, edge, share = d, -1, e, i, t
-    return least, plane, entry, edge, share
+        if d < distance or (d == distance and plane < 0 and entry < 0):
+            distance, plane, entry, edge, share = d, -1, e, i, t
+    return distance, plane, entry, edge, share
 
 
 @compiled

@@ -1,6 +1,6 @@
 """A world as compiled code sees it: its solids, boundary points, path and goal.
 
-`worlds.queries.survey.survey` makes it. Everything has three coordinates; flat worlds have
+`worlds.queries.survey.survey_world` makes it. Everything has three coordinates; flat worlds have
 z = 0. A *solid* is one connected outline (the union of flat obstacles that overlap), one sphere or
 one solid edge of the box. Queries, all compiled:
 
@@ -138,10 +138,10 @@ def band(low, high, origin, inverse, number):
 
 
 @compiled
-def points_within(surroundings, x, y, r, found):
-    """Fill `found` (int32) with the boundary points within r of (x, y); returns how many.
+def points_within(surroundings, x, y, r, rows):
+    """Fill `rows` (int32) with the boundary points within r of (x, y); returns how many.
 
-    r is at most surroundings.reach; `found` needs room for surroundings.most_points. The points
+    r is at most surroundings.reach; `rows` needs room for surroundings.most_points. The points
     are (surroundings.point_x, surroundings.point_y).
     """
     if surroundings.point_x.shape[0] == 0:
@@ -157,7 +157,7 @@ def points_within(surroundings, x, y, r, found):
         last = surroundings.point_start[row * columns + right]
         for k in range(first, last):
             dx, dy = surroundings.point_x[k] - x, surroundings.point_y[k] - y
-            found[n] = k
+            rows[n] = k
             n += 1 if dx * dx + dy * dy <= r * r else 0
     return n
 
@@ -166,10 +166,10 @@ def points_within(surroundings, x, y, r, found):
 def leg_of(surroundings, k):
     """The k-th leg of the gamma agent's route: vector and length. The last leg closes it."""
     points = surroundings.route.shape[0]
-    then = (k + 1) % points
-    dx = surroundings.route[then, 0] - surroundings.route[k, 0]
-    dy = surroundings.route[then, 1] - surroundings.route[k, 1]
-    dz = surroundings.route[then, 2] - surroundings.route[k, 2]
+    next_point = (k + 1) % points
+    dx = surroundings.route[next_point, 0] - surroundings.route[k, 0]
+    dy = surroundings.route[next_point, 1] - surroundings.route[k, 1]
+    dz = surroundings.route[next_point, 2] - surroundings.route[k, 2]
     return dx, dy, dz, math.sqrt(dx * dx + dy * dy + dz * dz)
 
 
@@ -182,20 +182,20 @@ def set_goal(surroundings, time):
     points = surroundings.route.shape[0]
     if points == 0:
         return
-    gone = surroundings.route_speed * time
+    travelled = surroundings.route_speed * time
     last = points - 1
     if surroundings.route_closed:
         _, _, _, back = leg_of(surroundings, last)
         total = surroundings.route_length[last] + back
-        gone = gone - total * math.floor(gone / total) if total > 0.0 else 0.0
+        travelled = travelled - total * math.floor(travelled / total) if total > 0.0 else 0.0
     k = 0
-    while k < last and gone >= surroundings.route_length[k + 1]:
+    while k < last and travelled >= surroundings.route_length[k + 1]:
         k += 1
     dx, dy, dz, length = leg_of(surroundings, k)
     moves = (
         length > 0.0 and surroundings.route_speed > 0.0 and (k < last or surroundings.route_closed)
     )
-    share = (gone - surroundings.route_length[k]) / length if moves else 0.0
+    share = (travelled - surroundings.route_length[k]) / length if moves else 0.0
     speed = surroundings.route_speed / length if moves else 0.0
     surroundings.goal[0, 0] = surroundings.route[k, 0] + share * dx
     surroundings.goal[0, 1] = surroundings.route[k, 1] + share * dy

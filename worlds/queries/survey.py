@@ -15,7 +15,7 @@ from worlds.queries.boundary import boundary_points, sorted_points
 from worlds.queries.outlines import (
     MOST_SWEEP,
     Solid,
-    chorded,
+    chord_lines,
     corner_rows,
     edge_rows,
     solids,
@@ -114,8 +114,10 @@ def list_solids(
     tree = shapely.STRtree(centres)
     flat, hits = near_outlines(tree, outlines, chunks, cells, reach, slack)
     round_ = near_balls(tree, ball, len(solids), cells, reach)
-    cell, solid, least = (np.concatenate(both) for both in zip(flat, round_, strict=True))
-    order = np.lexsort((solid, least, cell))
+    cell, solid, least_distance = (
+        np.concatenate(parts) for parts in zip(flat, round_, strict=True)
+    )
+    order = np.lexsort((solid, least_distance, cell))
     rank = np.empty(len(order), np.int64)
     rank[order] = np.arange(len(order))
     owner, run = runs(rank[hits[0]], hits[1], chunks)
@@ -128,7 +130,7 @@ def list_solids(
         cells.rows,
         starts(cell, number),
         solid[order].astype(np.int32),
-        np.ascontiguousarray(least[order]),
+        np.ascontiguousarray(least_distance[order]),
         starts(owner, len(order)),
         run,
     )
@@ -169,20 +171,22 @@ def near_outlines(
     single = np.flatnonzero(number[solid] == 1)
     away = np.empty(len(solid))
     away[single] = shapely.distance(chunks.line[first[solid[single]]], centre[single])
-    found = [(single, first[solid[single]])]
+    listed = [(single, first[solid[single]])]
     of_solid = np.searchsorted(solid, np.arange(len(outlines) + 1))
     for body in np.flatnonzero(number > 1):
-        of = slice(of_solid[body], of_solid[body + 1])
+        rows = slice(of_solid[body], of_solid[body + 1])
         own = shapely.STRtree(chunks.line[first[body] : first[body + 1]])
-        (asked, _), apart = own.query_nearest(centre[of], return_distance=True, all_matches=False)
-        away[of][asked] = apart
-        further = away[of] + 2.0 * (half + slack)
-        which, hit = own.query(centre[of], predicate="dwithin", distance=further)
-        found.append((which + of.start, hit + first[body]))
+        (cell_row, _), distance = own.query_nearest(
+            centre[rows], return_distance=True, all_matches=False
+        )
+        away[rows][cell_row] = distance
+        reach_of_cell = away[rows] + 2.0 * (half + slack)
+        cell_hit, hit = own.query(centre[rows], predicate="dwithin", distance=reach_of_cell)
+        listed.append((cell_hit + rows.start, hit + first[body]))
     inside = shapely.intersects(outlines[solid], centre)
-    least = np.where(inside, -away, away) - half - slack
-    which, hit = (np.concatenate(column) for column in zip(*found, strict=True))
-    return Pairs(cell, solid, least), (which, hit)
+    least_distance = np.where(inside, -away, away) - half - slack
+    cell_hit, hit = (np.concatenate(column) for column in zip(*listed, strict=True))
+    return Pairs(cell, solid, least_distance), (cell_hit, hit)
 
 
 def near_balls(
@@ -190,10 +194,10 @@ def near_balls(
 ) -> Pairs:
     """The spheres within reach of each cell of the plan; they are numbered from `first` on."""
     middle = shapely.points(ball[:, :2])
-    far = ball[:, 3] + reach + cells.half
-    which, cell = tree.query(middle, predicate="dwithin", distance=far)
-    away = shapely.distance(middle[which], tree.geometries[cell]) - ball[which, 3]
-    return Pairs(cell, which + first, away - cells.half)
+    reach_of_ball = ball[:, 3] + reach + cells.half
+    ball_hit, cell = tree.query(middle, predicate="dwithin", distance=reach_of_ball)
+    away = shapely.distance(middle[ball_hit], tree.geometries[cell]) - ball[ball_hit, 3]
+    return Pairs(cell, ball_hit + first, away - cells.half)
 
 
 def runs(owner: np.ndarray, chunk: np.ndarray, chunks: Chunks) -> tuple[np.ndarray, np.ndarray]:
@@ -234,26 +238,26 @@ KEPT = 16
 """Surroundings that are kept for flocks that are made in the same world."""
 
 
-def survey(world: World, reach: float) -> Surroundings:
+def survey_world(world: World, reach: float) -> Surroundings:
     """The surroundings of a world, for queries up to a distance `reach` (length) from a surface.
 
     Equal worlds share all arrays but that of the goal, which moves. Raises InputError for an
     obstacle whose outline crosses itself, and for a world that has not drawn its random obstacles.
     """
-    kept = surveyed(world, float(reach))
-    return kept._replace(goal=kept.goal.copy())
+    surveys = build_surroundings(world, float(reach))
+    return surveys._replace(goal=surveys.goal.copy())
 
 
 @lru_cache(KEPT)
-def surveyed(world: World, reach: float) -> Surroundings:
-    """What `survey` finds."""
+def build_surroundings(world: World, reach: float) -> Surroundings:
+    """Build the surroundings of a world; `survey_world` keeps them for the next who asks."""
     if world.random is not None:
         raise InputError(
             f"the random obstacles of {world.name} are not drawn: worlds.generators.draw_obstacles"
         )
-    found = solids(world, reach)
-    outlines = [one for _, parts in found for one in parts]
-    spans = [span for span, parts in found for _ in parts]
+    solid_parts = solids(world, reach)
+    outlines = [part for _, parts in solid_parts for part in parts]
+    spans = [span for span, parts in solid_parts for _ in parts]
     ball = np.array([(*centre, r) for centre, r in spheres(world, reach)]).reshape(-1, 4)
     edges = outline_edges(outlines)
     plane = solid_planes(world)
@@ -278,7 +282,7 @@ def surveyed(world: World, reach: float) -> Surroundings:
             max((one.slack for one in outlines), default=0.0),
         ),
         *sorted_points(points, reach),
-        in_space(mission.path.waypoints if mission.path else ()),
+        pad_to_space(mission.path.waypoints if mission.path else ()),
         mission.path.switch if mission.path else 0.0,
         mission.path.closed if mission.path else False,
         *goal_route(mission.goal),
@@ -287,16 +291,16 @@ def surveyed(world: World, reach: float) -> Surroundings:
 
 def outline_edges(solids: list[Solid]) -> Edges:
     """Edges with the solid on their left, corners and chunks of all rings, one after another."""
-    edges, corners, afters = [], [], []
+    edges, corners, following_edges = [], [], []
     firsts, lasts, owners = [], [], []
     first = 0
     for solid, outline in enumerate(solids):
-        for whole in outline.rings:
-            ring = whole.divided(MOST_SWEEP)
+        for outline_ring in outline.rings:
+            ring = outline_ring.divided(MOST_SWEEP)
             n = len(ring.start)
             edges.append(edge_rows(ring))
             corners.append(corner_rows(ring))
-            afters.append(first + np.roll(np.arange(n), -1))
+            following_edges.append(first + np.roll(np.arange(n), -1))
             starts = np.arange(first, first + n, CHUNK)
             firsts.append(starts)
             lasts.append(np.minimum(starts + CHUNK, first + n))
@@ -304,12 +308,12 @@ def outline_edges(solids: list[Solid]) -> Edges:
             first += n
     if not first:
         none = np.empty(0, np.int32)
-        empty = Chunks(none, none, none, np.empty(0, object))
-        return Edges(np.empty((0, 11)), np.empty((0, 3)), none, empty)
+        no_chunks = Chunks(none, none, none, np.empty(0, object))
+        return Edges(np.empty((0, 11)), np.empty((0, 3)), none, no_chunks)
     edge = np.concatenate(edges)
     low, high = np.concatenate(firsts), np.concatenate(lasts)
-    chunks = Chunks(low, high, np.concatenate(owners), chorded(edge, low, high))
-    after = np.concatenate(afters).astype(np.int32)
+    chunks = Chunks(low, high, np.concatenate(owners), chord_lines(edge, low, high))
+    after = np.concatenate(following_edges).astype(np.int32)
     return Edges(edge, np.concatenate(corners), after, chunks)
 
 
@@ -325,19 +329,19 @@ def solid_planes(world: World) -> np.ndarray:
     return np.array(planes).reshape(-1, 4)
 
 
-def in_space(points: tuple[tuple[float, ...], ...]) -> np.ndarray:
+def pad_to_space(points: tuple[tuple[float, ...], ...]) -> np.ndarray:
     """Points with three coordinates, (n, 3)."""
-    found = np.zeros((len(points), 3))
+    padded = np.zeros((len(points), 3))
     for row, point in enumerate(points):
-        found[row, : len(point)] = point
-    return found
+        padded[row, : len(point)] = point
+    return padded
 
 
 def goal_route(goal: Goal | None) -> tuple[np.ndarray, np.ndarray, float, bool, np.ndarray]:
     """The last five fields of the surroundings: the gamma agent's route, and where it begins."""
-    route = in_space(goal.route if goal else ())
+    route = pad_to_space(goal.route if goal else ())
     legs = np.linalg.norm(np.diff(route, axis=0), axis=1)
     length = np.concatenate([[0.0], np.cumsum(legs)])[: len(route)]
-    now = np.zeros((2, 3))
-    now[: len(route[:1])] = route[:1]
-    return route, length, goal.speed if goal else 0.0, goal.closed if goal else False, now
+    start = np.zeros((2, 3))
+    start[: len(route[:1])] = route[:1]
+    return route, length, goal.speed if goal else 0.0, goal.closed if goal else False, start

@@ -18,7 +18,15 @@ from worlds.readers.drawing_contents import (
     PlanChoice,
     PlanQuestion,
 )
-from worlds.readers.drawn_shapes import Bounds, DrawnCurve, Point, Shape, StrayPoint, at, bounds_of
+from worlds.readers.drawn_shapes import (
+    Bounds,
+    DrawnCurve,
+    Point,
+    Shape,
+    StrayPoint,
+    bounds_of,
+    format_place,
+)
 from worlds.readers.roles import IGNORE, LayerRole
 
 WIDEST = 1.0
@@ -42,8 +50,9 @@ def question_of_degrees(contents: DrawingContents, places: Sequence[Point]) -> P
     if lengths:
         choices.append(PlanChoice("Metres", {"unit": "m"}))
     return PlanQuestion(
-        f"{contents.path}: its coordinates, {at(bounds[:2])} to {at(bounds[2:])}, look like "
-        f"longitude and latitude ({says}): give --degrees to project them to metres{lengths}",
+        f"{contents.path}: its coordinates, {format_place(bounds[:2])} to "
+        f"{format_place(bounds[2:])}, look like longitude and latitude ({says}): give --degrees to "
+        f"project them to metres{lengths}",
         tuple(choices),
     )
 
@@ -86,8 +95,9 @@ def projected(contents: DrawingContents, rows: Sequence[LayerRole]) -> tuple[Dra
     low_x, low_y, high_x, high_y = bounds_of(places)
     if not (low_x >= -180.0 and high_x <= 180.0 and low_y >= -90.0 and high_y <= 90.0):
         raise InputError(
-            f"{contents.path}: its coordinates, {at((low_x, low_y))} to {at((high_x, high_y))}, "
-            "are no degrees: longitudes are from -180 to 180, latitudes from -90 to 90"
+            f"{contents.path}: its coordinates, {format_place((low_x, low_y))} to "
+            f"{format_place((high_x, high_y))}, are no degrees: longitudes are from "
+            "-180 to 180, latitudes from -90 to 90"
         )
     if max(high_x - low_x, high_y - low_y) > WIDEST:
         raise InputError(
@@ -123,7 +133,7 @@ def reader(item: Item, to: Callable[[Point], Point]) -> Callable[[], list[Shape]
 
     def read() -> list[Shape]:
         return [
-            shape if isinstance(shape, DrawnCurve | StrayPoint) else shape.mapped(to)
+            shape if isinstance(shape, DrawnCurve | StrayPoint) else shape.map_points(to)
             for shape in item.read()
         ]
 

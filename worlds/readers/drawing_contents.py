@@ -80,14 +80,14 @@ def bytes_of(path: Path) -> bytes:
 def demand_file(path: Path) -> None:
     """Refuse what is no file, or too large to read. Raises InputError."""
     try:
-        found = path.stat()
+        status = path.stat()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"{str(path)!r} cannot be read: {reason}") from None
-    if not stat.S_ISREG(found.st_mode):
+    if not stat.S_ISREG(status.st_mode):
         raise InputError(f"{str(path)!r} cannot be read: it is not a file")
-    if found.st_size > LARGEST:
-        raise InputError(f"{path} has {found.st_size} bytes: a drawing has {LARGEST} at most")
+    if status.st_size > LARGEST:
+        raise InputError(f"{path} has {status.st_size} bytes: a drawing has {LARGEST} at most")
 
 
 def layers_of(items: list[Item]) -> tuple[str, ...]:

@@ -52,7 +52,7 @@ class DrawnShape:
     origin: str
     span: Span
 
-    def made(self, values: dict[str, Any]) -> Obstacle:
+    def build_obstacle(self, values: dict[str, Any]) -> Obstacle:
         """The obstacle with these values, in metres. Raises InputError."""
         heights = {
             key: z for key, z in zip(("bottom", "top"), self.span, strict=True) if z is not None
@@ -103,7 +103,7 @@ class DrawnArea(DrawnShape):
         closed = [[*ring, ring[0]] for ring in rings]
         return area(self.name, closed, self.origin, by.span(self.span), self.is_line)
 
-    def mapped(self, to: Callable[[Point], Point]) -> DrawnArea:
+    def map_points(self, to: Callable[[Point], Point]) -> DrawnArea:
         """The same with every point somewhere else."""
         return replace(self, rings=tuple(tuple(map(to, ring)) for ring in self.rings))
 
@@ -116,7 +116,7 @@ class DrawnArea(DrawnShape):
     def obstacle(self, thickness: float | None, digits: int) -> Obstacle:  # noqa: ARG002
         """The solid. Raises InputError."""
         points, *holes = self.rings
-        return self.made({"shape": "polygon", "points": points, "holes": tuple(holes)})
+        return self.build_obstacle({"shape": "polygon", "points": points, "holes": tuple(holes)})
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class DrawnCircle(DrawnShape):
         made = circle(self.name, centre, radius, self.origin, by.span(self.span), self.is_line)
         return replace(made, is_wall=self.is_wall)
 
-    def mapped(self, to: Callable[[Point], Point]) -> DrawnCircle:
+    def map_points(self, to: Callable[[Point], Point]) -> DrawnCircle:
         """The same somewhere else."""
         return replace(self, centre=to(self.centre))
 
@@ -156,12 +156,14 @@ class DrawnCircle(DrawnShape):
     def obstacle(self, thickness: float | None, digits: int) -> Obstacle:
         """The solid. Raises InputError."""
         if not self.is_wall or thickness is None:
-            return self.made({"shape": "disc", "centre": self.centre, "radius": self.radius})
+            return self.build_obstacle(
+                {"shape": "disc", "centre": self.centre, "radius": self.radius}
+            )
         outer = round(self.radius + thickness / 2.0, digits)
         if thickness >= outer:  # it reaches its own middle
-            return self.made({"shape": "disc", "centre": self.centre, "radius": outer})
+            return self.build_obstacle({"shape": "disc", "centre": self.centre, "radius": outer})
         ring = {"shape": "ring", "centre": self.centre, "radius": outer, "width": thickness}
-        return self.made(ring)
+        return self.build_obstacle(ring)
 
 
 @dataclass(frozen=True)
@@ -186,7 +188,7 @@ class DrawnLine(DrawnShape):
         points = [by.point(point) for point in self.points]
         return line(self.name, points, self.origin, thick, by.span(self.span))
 
-    def mapped(self, to: Callable[[Point], Point]) -> DrawnLine:
+    def map_points(self, to: Callable[[Point], Point]) -> DrawnLine:
         """The same with every point somewhere else."""
         return replace(self, points=tuple(map(to, self.points)))
 
@@ -198,11 +200,13 @@ class DrawnLine(DrawnShape):
         """The wall along it, mitred at its corners, flat at its ends. Raises InputError."""
         thick = thickness if self.thickness is None else self.thickness
         if thick is None:
-            raise InputError(f"{self.origin}: {self.open_words()}: close it, give a thickness, "
+            raise InputError(f"{self.origin}: {self.describe_gap()}: close it, give a thickness, "
                           "join lines whose ends meet (--join), or --drop-lines")  # fmt: skip
         if len(self.points) == 2:
             start, end = self.points
-            return self.made({"shape": "wall", "start": start, "end": end, "thickness": thick})
+            return self.build_obstacle(
+                {"shape": "wall", "start": start, "end": end, "thickness": thick}
+            )
         drawn = shapely.LineString(self.points).buffer(
             thick / 2.0, cap_style="flat", join_style="mitre", mitre_limit=5.0
         )
@@ -221,11 +225,12 @@ class DrawnLine(DrawnShape):
                 f"{refusal}, as a wall {thick:g} m thick: give another --thickness, or "
                 "--ignore its layer"
             ) from None
-        return self.made({"shape": "polygon", "points": outer, "holes": tuple(holes)})
+        return self.build_obstacle({"shape": "polygon", "points": outer, "holes": tuple(holes)})
 
-    def open_words(self) -> str:
+    def describe_gap(self) -> str:
         """That it is open, and from where to where."""
-        return f"an open line from {at(self.points[0])} to {at(self.points[-1])} bounds no area"
+        begin, end = format_place(self.points[0]), format_place(self.points[-1])
+        return f"an open line from {begin} to {end} bounds no area"
 
 
 @dataclass(frozen=True)
@@ -249,7 +254,7 @@ class DrawnPoint(DrawnShape):
             self.name, self.origin, by.span(self.span), by.point(self.place), self.need
         )
 
-    def mapped(self, to: Callable[[Point], Point]) -> DrawnPoint:
+    def map_points(self, to: Callable[[Point], Point]) -> DrawnPoint:
         """The same somewhere else."""
         return replace(self, place=to(self.place))
 
@@ -292,18 +297,18 @@ def area(
     Ends that differ by rounding are one place, and a corner that is repeated counts once. A hole
     may touch the outline, or another hole, as long as one area is left.
     """
-    closed = [closed_ring(ring, origin) for ring in rings]
+    closed = [close_ring(ring, origin) for ring in rings]
     made = shapely.Polygon(closed[0], closed[1:])
     if not made.is_valid:
-        made = without_holes(closed, origin)
+        made = subtract_holes(closed, origin)
         closed = [list(ring.coords) for ring in (made.exterior, *made.interiors)]
     if made.area == 0.0:  # so thin that rounding leaves nothing
-        raise InputError(f"{origin}: the outline at {at(closed[0][0])} has no area")
+        raise InputError(f"{origin}: the outline at {format_place(closed[0][0])} has no area")
     corners = tuple(tuple((x, y) for x, y in ring[:-1]) for ring in closed)
     return DrawnArea(name, origin, span, corners, is_line)
 
 
-def closed_ring(ring: Sequence[Point], origin: str) -> list[Point]:
+def close_ring(ring: Sequence[Point], origin: str) -> list[Point]:
     """A ring whose last point is its first, without repeated corners. Raises InputError."""
     demand_finite(ring, origin)
     if not ring:
@@ -311,7 +316,7 @@ def closed_ring(ring: Sequence[Point], origin: str) -> list[Point]:
     first, last = ring[0], ring[-1]
     low_x, low_y, high_x, high_y = bounds_of(ring)
     if math.dist(first, last) > ROUNDING * math.hypot(high_x - low_x, high_y - low_y):
-        begin, end = apart_at(first, last)
+        begin, end = format_apart(first, last)
         raise InputError(
             f"{origin}: the outline is not closed: it begins at {begin} and ends at {end}, "
             f"{math.dist(first, last):.3g} apart: close it there, or --ignore its layer"
@@ -321,14 +326,14 @@ def closed_ring(ring: Sequence[Point], origin: str) -> list[Point]:
     if len(set(points)) < 3:
         count = counted(len(set(points)), "point")
         raise InputError(
-            f"{origin}: the outline at {at(first)} has {count}: at least 3 bound an area"
+            f"{origin}: the outline at {format_place(first)} has {count}: at least 3 bound an area"
         )
     if shapely.MultiPoint(points).convex_hull.area == 0.0:
-        raise InputError(f"{origin}: the outline at {at(first)} has no area")
+        raise InputError(f"{origin}: the outline at {format_place(first)} has no area")
     return points
 
 
-def without_holes(rings: Sequence[Sequence[Point]], origin: str) -> shapely.Polygon:
+def subtract_holes(rings: Sequence[Sequence[Point]], origin: str) -> shapely.Polygon:
     """What holes leave of an outline that they touch along a line. Raises InputError."""
     outline, *holes = (shapely.Polygon(ring) for ring in rings)
     for one in (outline, *holes):
@@ -339,14 +344,16 @@ def without_holes(rings: Sequence[Sequence[Point]], origin: str) -> shapely.Poly
         beyond = hole.difference(outline).representative_point()
         if hole.disjoint(outline):
             demand_valid(shapely.Polygon(rings[0], rings[1:]), origin)
-        raise InputError(f"{origin}: the outline has a hole that crosses it: at "
-                      f"{at((beyond.x, beyond.y))} the hole is outside of the outline")  # fmt: skip
+        raise InputError(
+            f"{origin}: the outline has a hole that crosses it: at "
+            f"{format_place((beyond.x, beyond.y))} the hole is outside of the outline"
+        )
     for one, other in itertools.combinations(holes[:MOST_TOUCHING], 2):
         both = one.intersection(other)
         if both.area > 0.0:
             place = both.representative_point()
             raise InputError(f"{origin}: the outline has two holes that overlap at "
-                          f"{at((place.x, place.y))}: draw them as one")  # fmt: skip
+                          f"{format_place((place.x, place.y))}: draw them as one")  # fmt: skip
     left = outline.difference(shapely.union_all(holes))
     parts = len(shapely.get_parts(left))
     if parts != 1:
@@ -367,7 +374,9 @@ def circle(
     """A disc, checked. Raises InputError."""
     demand_finite([centre], origin)
     if not (radius > 0.0 and math.isfinite(radius)):
-        raise InputError(f"{origin}: radius = {radius:g} at {at(centre)} is not a length > 0")
+        raise InputError(
+            f"{origin}: radius = {radius:g} at {format_place(centre)} is not a length > 0"
+        )
     return DrawnCircle(name, origin, span, centre, radius, is_line)
 
 
@@ -392,7 +401,7 @@ def demand_finite(points: Sequence[Point], origin: str) -> None:
     """Refuse a coordinate that is NaN, infinite or beyond FARTHEST. Raises InputError."""
     for k, point in enumerate(points, start=1):
         if not all(abs(one) <= FARTHEST for one in point):
-            raise InputError(f"{origin}: point {k} is {at(point)}, which is no place")
+            raise InputError(f"{origin}: point {k} is {format_place(point)}, which is no place")
 
 
 def demand_valid(made: shapely.Geometry, origin: str) -> None:
@@ -401,21 +410,23 @@ def demand_valid(made: shapely.Geometry, origin: str) -> None:
     if reason == "Valid Geometry":
         return
     found = re.fullmatch(r"(.*?)\[(\S+) (\S+)\]", reason)
-    what, place = (found[1], at((float(found[2]), float(found[3])))) if found else (reason, "")
+    what, place = (
+        (found[1], format_place((float(found[2]), float(found[3])))) if found else (reason, "")
+    )
     words = DEFECTS.get(what, f"is not sound ({what})")
     raise InputError(f"{origin}: the outline {words}" + (f" at {place}" if place else ""))
 
 
-def at(point: Sequence[float]) -> str:
+def format_place(point: Sequence[float]) -> str:
     """A place as a message shows it.
 
     >>> at((1.5, -2.0))
     '(1.5, -2)'
     """
-    return "(" + ", ".join(f"{one:.9g}" for one in point) + ")"
+    return "(" + ", ".join(f"{number:.9g}" for number in point) + ")"
 
 
-def apart_at(one: Point, other: Point) -> tuple[str, str]:
+def format_apart(one: Point, other: Point) -> tuple[str, str]:
     """Two places, with as many digits as it takes to tell them apart."""
     for digits in range(9, 17):
         ends = [[f"{x:.{digits}g}" for x in point] for point in (one, other)]

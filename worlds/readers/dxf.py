@@ -27,9 +27,9 @@ from worlds.readers.drawn_shapes import (
     Shape,
     StrayPoint,
     area,
-    at,
     bounds_of,
     circle,
+    format_place,
     line,
 )
 
@@ -44,22 +44,22 @@ STRAIGHT = 1e-9
 """Bulges up to this are none: the arc leaves its chord by less than a billionth of its length."""
 
 
-def along(vertices: Sequence[tuple[float, float, float]], closed: bool) -> list[Point]:
+def points_along(vertices: Sequence[tuple[float, float, float]], closed: bool) -> list[Point]:
     """The points of a polyline of (x, y, bulge), its arcs drawn by chords of at most STEP.
 
     A bulge is the tangent of a quarter of the angle of the arc to the next vertex, positive when it
     turns left. The first point is repeated at the end if the polyline is closed.
     """
-    made: list[Point] = []
+    points: list[Point] = []
     count = len(vertices)
     for k, (x, y, bulge) in enumerate(vertices):
-        made.append((x, y))
+        points.append((x, y))
         if abs(bulge) > STRAIGHT and (closed or k < count - 1):
             x1, y1, _ = vertices[(k + 1) % count]
-            made += arc((x, y), (x1, y1), bulge)
-    if closed and made and made[0] != made[-1]:
-        made.append(made[0])
-    return made
+            points += arc((x, y), (x1, y1), bulge)
+    if closed and points and points[0] != points[-1]:
+        points.append(points[0])
+    return points
 
 
 def arc(start: Point, end: Point, bulge: float) -> list[Point]:
@@ -68,9 +68,9 @@ def arc(start: Point, end: Point, bulge: float) -> list[Point]:
     chord_x, chord_y = end[0] - start[0], end[1] - start[1]
     if not math.isfinite(angle) or (chord_x == 0.0 and chord_y == 0.0):
         return []
-    ahead = (1.0 - bulge * bulge) / (4.0 * bulge)
-    centre_x = 0.5 * (start[0] + end[0]) - ahead * chord_y
-    centre_y = 0.5 * (start[1] + end[1]) + ahead * chord_x
+    offset = (1.0 - bulge * bulge) / (4.0 * bulge)
+    centre_x = 0.5 * (start[0] + end[0]) - offset * chord_y
+    centre_y = 0.5 * (start[1] + end[1]) + offset * chord_x
     dx, dy = start[0] - centre_x, start[1] - centre_y
     pieces = math.ceil(abs(angle) / STEP)
     turns = [angle * k / pieces for k in range(1, pieces)]
@@ -83,18 +83,20 @@ def arc(start: Point, end: Point, bulge: float) -> list[Point]:
     ]
 
 
-def nested(rings: Sequence[list[Point]]) -> list[list[list[Point]]]:
+def nest_rings(rings: Sequence[list[Point]]) -> list[list[list[Point]]]:
     """Rings by the even-odd rule: each outline with the holes that lie directly in it."""
     areas = [shapely.Polygon(ring) for ring in rings]
-    around: list[set[int]] = [set() for _ in areas]
+    containers: list[set[int]] = [set() for _ in areas]
     for inner, outer in within(areas):
-        around[inner].add(outer)
-    found = []
-    for k, beyond in enumerate(around):
-        if len(beyond) % 2 == 0:
-            holes = [j for j, o in enumerate(around) if k in o and len(o) == len(beyond) + 1]
-            found.append([rings[k], *(rings[j] for j in holes)])
-    return found
+        containers[inner].add(outer)
+    rings_with_holes = []
+    for k, outer_areas in enumerate(containers):
+        if len(outer_areas) % 2 == 0:
+            holes = [
+                j for j, o in enumerate(containers) if k in o and len(o) == len(outer_areas) + 1
+            ]
+            rings_with_holes.append([rings[k], *(rings[j] for j in holes)])
+    return rings_with_holes
 
 
 def within(areas: Sequence[shapely.Geometry]) -> list[tuple[int, int]]:
@@ -132,23 +134,23 @@ def read_dxf(path: Path) -> DrawingContents:
     demand_file(path)
     items: list[Item] = []
     left_out = Counter[tuple[str, str]]()
-    with naming_damage(f"{path} is not DXF, or damaged"):
+    with report_damage(f"{path} is not DXF, or damaged"):
         try:
             document = ezdxf.readfile(path)
         except OSError as error:
             reason = error.strerror or "it is not DXF"
             raise InputError(f"{str(path)!r} cannot be read: {reason}") from None
-        for entity, layer, where in entities(document.modelspace(), Budget(path)):
+        for entity, layer, place in entities(document.modelspace(), Budget(path)):
             kind = entity.dxftype()
             if kind in LEFT_OUT:
                 left_out[kind, layer] += 1
             else:
-                origin = f"{path}, layer {layer!r}, {kind} {where}"
+                origin = f"{path}, layer {layer!r}, {kind} {place}"
                 items.append(Item(layer, kind, partial(shapes, entity, origin)))
         hidden = {
-            one.dxf.name: "frozen" if one.is_frozen() else "off"
-            for one in document.layers
-            if one.is_frozen() or one.is_off()
+            layer_entry.dxf.name: "frozen" if layer_entry.is_frozen() else "off"
+            for layer_entry in document.layers
+            if layer_entry.is_frozen() or layer_entry.is_off()
         }
         layers = [
             *(one.dxf.name for one in document.layers),
@@ -163,12 +165,12 @@ class Budget:
     """How many entities may still be looked at: blocks within blocks multiply."""
 
     def __init__(self, path: Path) -> None:
-        self.path, self.left = path, MOST_ITEMS
+        self.path, self.remaining = path, MOST_ITEMS
 
     def spend(self, depth: int) -> None:
         """Count an entity. Raises InputError when there are too many, or it lies too deep."""
-        self.left -= 1
-        if self.left < 0:
+        self.remaining -= 1
+        if self.remaining < 0:
             raise InputError(f"{self.path} draws more than {MOST_ITEMS} entities, those of blocks "
                           "counted as often as they are inserted: too many to read")  # fmt: skip
         if depth > DEEPEST:
@@ -181,7 +183,7 @@ STUMBLES = (ArithmeticError, AttributeError, LookupError, RecursionError, StopIt
 
 
 @contextmanager
-def naming_damage(what: str) -> Iterator[None]:
+def report_damage(thing: str) -> Iterator[None]:
     """Refuse what ezdxf stumbles over, by name: it reads files before it checks them."""
     from ezdxf import DXFError
 
@@ -190,7 +192,7 @@ def naming_damage(what: str) -> Iterator[None]:
     except InputError:
         raise
     except (DXFError, *STUMBLES) as error:
-        raise InputError(f"{what}: {' '.join(str(error).split())}") from None
+        raise InputError(f"{thing}: {' '.join(str(error).split())}") from None
 
 
 def entities(
@@ -205,30 +207,30 @@ def entities(
         budget.spend(len(blocks))
         own = entity.dxf.layer if entity.dxf.is_supported("layer") else BLOCKS_LAYER
         own = layer if layer and own == BLOCKS_LAYER else own
-        where = within or f"handle {entity.dxf.handle}"
+        place = within or f"handle {entity.dxf.handle}"
         if entity.dxftype() == "INSERT" and opens(entity, blocks):
             name = entity.dxf.name
-            block = within or f"in block {name!r}, inserted by {where}"
+            block = within or f"in block {name!r}, inserted by {place}"
             for single in entity.multi_insert() if entity.mcount > 1 else (entity,):
                 budget.spend(len(blocks))
                 inner = single.virtual_entities()
                 yield from entities(inner, budget, block, own, (*blocks, name))
         else:
-            yield entity, own, where
+            yield entity, own, place
 
 
 def opens(insert: Any, blocks: tuple[str, ...]) -> bool:
     """Whether the block of an INSERT is in this file and not one of those around it."""
     block = insert.block()
-    here = block is not None and not block.block.is_xref
-    return here and insert.dxf.name not in blocks and insert.mcount <= MOST_ITEMS
+    is_here = block is not None and not block.block.is_xref
+    return is_here and insert.dxf.name not in blocks and insert.mcount <= MOST_ITEMS
 
 
 def shapes(entity: Any, origin: str) -> list[Shape]:
     """The shapes of an entity. Raises InputError."""
     if entity.dxftype() not in DRAWN:
         raise InputError(f"{origin}: this kind is not read (read are: {', '.join(DRAWN)})")
-    with naming_damage(f"{origin}: it is damaged"):
+    with report_damage(f"{origin}: it is damaged"):
         demand_flat(entity, origin)
         return shapes_of_entity(entity, origin)
 
@@ -261,7 +263,7 @@ def chord_ends(spline: Any, tolerance: float) -> Iterator[Point]:
 
     Raises InputError.
     """
-    with naming_damage(f"SPLINE handle {spline.dxf.handle}: it is damaged"):
+    with report_damage(f"SPLINE handle {spline.dxf.handle}: it is damaged"):
         for point in spline.flattening(tolerance):
             yield (point.x, point.y)
 
@@ -280,12 +282,12 @@ def curve(entity: Any, kind: str, origin: str) -> tuple[list[Point], bool]:
             raise InputError(f"{origin}: a mesh is not an outline in the plane")
         closed = entity.is_closed
         vertices = [(v.dxf.location.x, v.dxf.location.y, v.dxf.bulge) for v in entity.vertices]
-    points = along(vertices, closed)
+    points = points_along(vertices, closed)
     if kind == "POLYLINE" and entity.is_3d_polyline:
         return points, closed
     ocs = entity.ocs()
-    made = [ocs.to_wcs((x, y, 0.0)) for x, y in points]
-    return [(p.x, p.y) for p in made], closed
+    places = [ocs.to_wcs((x, y, 0.0)) for x, y in points]
+    return [(p.x, p.y) for p in places], closed
 
 
 def arc_points(entity: Any, kind: str) -> tuple[list[Point], bool]:
@@ -302,10 +304,10 @@ def arc_points(entity: Any, kind: str) -> tuple[list[Point], bool]:
     pieces = max(1, math.ceil(turn / STEP - 1e-9))
     at_angles = [start + turn * k / pieces for k in range(pieces + 1)]
     if kind == "ARC":
-        made = entity.vertices([math.degrees(one) for one in at_angles])
+        vertices = entity.vertices([math.degrees(angle) for angle in at_angles])
     else:
-        made = entity.vertices(at_angles)
-    points = [(p.x, p.y) for p in made]
+        vertices = entity.vertices(at_angles)
+    points = [(p.x, p.y) for p in vertices]
     return ([*points[:-1], points[0]] if closed else points), closed
 
 
@@ -321,23 +323,23 @@ def hatch_rings(hatch: Any, origin: str) -> list[list[list[Point]]]:
             ocs = hatch.ocs()
             ring = [
                 (p.x, p.y)
-                for x, y in along(boundary.vertices, True)
+                for x, y in points_along(boundary.vertices, True)
                 for p in [ocs.to_wcs((x, y, 0))]
             ]
         else:
-            (outline, *more) = paths.from_hatch_boundary_path(boundary, hatch.ocs()).sub_paths()
-            if more:
+            (outline, *holes) = paths.from_hatch_boundary_path(boundary, hatch.ocs()).sub_paths()
+            if holes:
                 raise InputError(f"{origin}: a boundary of several pieces is not closed")
             ring = [(p.x, p.y) for p in outline.approximate(CHORDS)]
-        ring = without_spike(ring)
+        ring = remove_spike(ring)
         area("", [ring], origin)
         rings.append(ring)
     if not rings:
         raise InputError(f"{origin}: it has no boundary")
-    return nested(rings)
+    return nest_rings(rings)
 
 
-def without_spike(ring: list[Point]) -> list[Point]:
+def remove_spike(ring: list[Point]) -> list[Point]:
     """A boundary without the way back that ezdxf adds where its ends differ by rounding."""
     if len(ring) < 5 or ring[0] != ring[-1]:
         return ring
@@ -352,5 +354,5 @@ def demand_flat(entity: Any, origin: str) -> None:
     extrusion = entity.dxf.get("extrusion") if tilts else None
     if extrusion is not None and (abs(extrusion.x) > 1e-9 or abs(extrusion.y) > 1e-9):
         raise InputError(
-            f"{origin}: it lies in a tilted plane, extruded along {at(tuple(extrusion))}"
+            f"{origin}: it lies in a tilted plane, extruded along {format_place(tuple(extrusion))}"
         )

@@ -30,9 +30,9 @@ from worlds.readers.drawn_shapes import (
     Shape,
     Span,
     area,
-    at,
     circle,
     demand_finite,
+    format_place,
     line,
 )
 
@@ -46,32 +46,32 @@ def read_geojson(path: Path) -> DrawingContents:
     """The features of a GeoJSON file. Raises InputError."""
     text = text_of(path)
     try:
-        given = json.loads(text, parse_int=parse_whole)
+        document = json.loads(text, parse_int=parse_integer)
     except RecursionError:
         raise InputError(f"{path} is not GeoJSON: it is nested too deep") from None
     except json.JSONDecodeError as error:
         raise InputError(f"{path} is not JSON: {error}") from None
-    if not isinstance(given, dict):
+    if not isinstance(document, dict):
         raise InputError(f"{path} is not GeoJSON: it holds no object with a type")
-    found = features(given, path)
-    if len(found) > MOST_ITEMS:
+    feature_list = features(document, path)
+    if len(feature_list) > MOST_ITEMS:
         raise InputError(f"{path} holds more than {MOST_ITEMS} features, too many to read")
-    items = [item(feature, k, path) for k, feature in enumerate(found, start=1)]
-    return DrawingContents(path, tuple(items), layers_of(items), None, degrees=degrees_of(given))
+    items = [item(feature, k, path) for k, feature in enumerate(feature_list, start=1)]
+    return DrawingContents(path, tuple(items), layers_of(items), None, degrees=degrees_of(document))
 
 
-def features(given: dict[str, Any], path: Path) -> list[dict[str, Any]]:
+def features(document: dict[str, Any], path: Path) -> list[dict[str, Any]]:
     """The features of a collection, of one feature, or of a bare geometry. Raises InputError."""
-    kind = given.get("type")
+    kind = document.get("type")
     if kind == "FeatureCollection":
-        found = given.get("features")
-        if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
+        items = document.get("features")
+        if not isinstance(items, list) or not all(isinstance(item, dict) for item in items):
             raise InputError(f"{path}: 'features' is not a list of features")
-        return found
+        return items
     if kind == "Feature":
-        return [given]
+        return [document]
     if kind in GEOMETRIES:
-        return [{"type": "Feature", "properties": {}, "geometry": given}]
+        return [{"type": "Feature", "properties": {}, "geometry": document}]
     raise unknown("GeoJSON type", kind, ("FeatureCollection", "Feature", *GEOMETRIES), str(path))
 
 
@@ -101,7 +101,7 @@ def shapes(
         raise InputError(f"{origin}: it is nested too deep")
     if not isinstance(geometry, dict):
         raise InputError(f"{origin}: it has no geometry")
-    kind, given = geometry.get("type"), geometry.get("coordinates")
+    kind, coordinates = geometry.get("type"), geometry.get("coordinates")
     span = (number(properties, "bottom", origin), number(properties, "top", origin))
     if kind not in GEOMETRIES:
         raise unknown("geometry", kind, GEOMETRIES, origin)
@@ -112,45 +112,47 @@ def shapes(
         return [
             shape for part in parts for shape in shapes(part, properties, name, origin, depth + 1)
         ]
-    several = given if kind.startswith("Multi") else [given]
+    several = coordinates if kind.startswith("Multi") else [coordinates]
     if not isinstance(several, list) or not several:
         raise InputError(f"{origin}: its {kind} has no coordinates")
     return [
-        one(kind.removeprefix("Multi"), part, properties, name, origin, span) for part in several
+        simple_shapes(kind.removeprefix("Multi"), part, properties, name, origin, span)
+        for part in several
     ]
 
 
-def one(
-    kind: str, given: Any, properties: dict[str, Any], name: str, origin: str, span: Span
+def simple_shapes(
+    kind: str, coordinates: Any, properties: dict[str, Any], name: str, origin: str, span: Span
 ) -> Shape:
     """One simple geometry. Raises InputError."""
     if kind == "Polygon":
-        if not isinstance(given, list) or not given:
+        if not isinstance(coordinates, list) or not coordinates:
             raise InputError(f"{origin}: its Polygon has no outline")
-        return area(name, [points(ring, origin) for ring in given], origin, span)
+        return area(name, [points(ring, origin) for ring in coordinates], origin, span)
     if kind == "LineString":
-        return line(name, points(given, origin), origin, number(properties, "thickness", origin),
-                    span)  # fmt: skip
-    (centre,) = points([given], origin)
+        return line(
+            name, points(coordinates, origin), origin, number(properties, "thickness", origin), span
+        )
+    (centre,) = points([coordinates], origin)
     radius = number(properties, "radius", origin)
     if radius is None:
         demand_finite([centre], origin)
-        need = f"a Point at {at(centre)} bounds no area: give it a radius"
+        need = f"a Point at {format_place(centre)} bounds no area: give it a radius"
         return DrawnPoint(name, origin, span, centre, need)
     return circle(name, centre, radius, origin, span)
 
 
-def parse_whole(digits: str) -> float:
+def parse_integer(digits: str) -> float:
     """A number written without a point; one too long for a float is infinite, and refused later."""
     return int(digits) if len(digits) < 300 else float(digits)
 
 
-def points(given: Any, origin: str) -> list[Point]:
+def points(coordinates: Any, origin: str) -> list[Point]:
     """Positions as pairs of numbers. Raises InputError."""
-    if not isinstance(given, list):
-        raise InputError(f"{origin}: {given!r} is not a list of positions")
-    made = []
-    for k, position in enumerate(given, start=1):
+    if not isinstance(coordinates, list):
+        raise InputError(f"{origin}: {coordinates!r} is not a list of positions")
+    places = []
+    for k, position in enumerate(coordinates, start=1):
         if not (
             isinstance(position, list)
             and len(position) in (2, 3)
@@ -159,11 +161,11 @@ def points(given: Any, origin: str) -> list[Point]:
             raise InputError(f"{origin}: point {k} is {position!r}, not a pair of numbers")
         if len(position) == 3 and position[2] != 0:
             raise InputError(
-                f"{origin}: point {k} is {at(position)}: a height is given by the properties "
-                "'bottom' and 'top'"
+                f"{origin}: point {k} is {format_place(position)}: a height is given by the "
+                "properties 'bottom' and 'top'"
             )
-        made.append((float(position[0]), float(position[1])))
-    return made
+        places.append((float(position[0]), float(position[1])))
+    return places
 
 
 def number(properties: dict[str, Any], key: str, origin: str) -> float | None:
@@ -174,14 +176,14 @@ def number(properties: dict[str, Any], key: str, origin: str) -> float | None:
     return None if value is None else float(value)
 
 
-def degrees_of(given: dict[str, Any]) -> Literal["yes", "maybe", "no"]:
+def degrees_of(document: dict[str, Any]) -> Literal["yes", "maybe", "no"]:
     """Whether coordinates are degrees: as the file says, and without a word maybe (RFC 7946)."""
-    crs = given.get("crs")
+    crs = document.get("crs")
     if crs is None:
         return "maybe"
     properties = crs.get("properties") if isinstance(crs, dict) else None
-    named = str(properties.get("name", "")) if isinstance(properties, dict) else ""
-    return "yes" if named.upper().replace(" ", "").endswith(DEGREES) else "no"
+    crs_name = str(properties.get("name", "")) if isinstance(properties, dict) else ""
+    return "yes" if crs_name.upper().replace(" ", "").endswith(DEGREES) else "no"
 
 
 def first(*values: Any) -> Any:

@@ -20,8 +20,8 @@ from worlds.readers.drawn_shapes import (
     Point,
     Solid,
     area,
-    at,
     bounds_of,
+    format_place,
     line,
 )
 from worlds.readers.roles import OBSTACLE, WALL, LayerRole, shell_layer_name
@@ -64,7 +64,7 @@ def chords(curve: DrawnCurve, tolerance: float, metres: float) -> tuple[DrawnAre
             " a wider tolerance is needed"
         )
     change = f"{curve.origin}: drawn by {len(points) - 1} chords, within {metres:g} m"
-    ends_meet = len(points) > 3 and apart(points[0], points[-1]) <= 1e-9 * tolerance
+    ends_meet = len(points) > 3 and point_distance(points[0], points[-1]) <= 1e-9 * tolerance
     if ends_meet:
         ring = [*points[:-1], points[0]]
         return area(curve.name, [ring], curve.origin, curve.span, is_line=True), change
@@ -83,18 +83,18 @@ def join_lines(
     """
     joints, crowded = joints_of(lines, tolerance)
     partner = {end: joint for joint in joints for end in joint.ends}
-    seen: set[int] = set()
+    visited: set[int] = set()
     shapes: list[Solid] = []
     changes: list[str] = list(crowded)
     # Open chains first: from each line with a free end; what is left runs in rings.
     free = [k for k in range(len(lines)) if 2 * k not in partner or 2 * k + 1 not in partner]
     for first in [*free, *range(len(lines))]:
-        if first in seen:
+        if first in visited:
             continue
         from_its_end = 2 * first in partner and 2 * first + 1 not in partner
         begin = 2 * first + from_its_end
-        made, notes = chain(lines, begin, partner, seen, scale, walls)
-        shapes.append(made)
+        shape, notes = chain(lines, begin, partner, visited, scale, walls)
+        shapes.append(shape)
         changes += notes
     return JoinedLines(tuple(shapes), tuple(changes))
 
@@ -103,7 +103,7 @@ def chain(
     lines: Sequence[DrawnLine],
     begin: int,
     partner: dict[int, Joint],
-    seen: set[int],
+    visited: set[int],
     scale: float,
     walls: bool,
 ) -> tuple[Solid, list[str]]:
@@ -114,7 +114,7 @@ def chain(
     end, closed = begin, False
     while True:
         number = end // 2
-        seen.add(number)
+        visited.add(number)
         run = lines[number].points if end % 2 == 0 else lines[number].points[::-1]
         points += run if not points else run[1:]
         joint = partner.get(end ^ 1)
@@ -122,36 +122,40 @@ def chain(
             break
         end = joint.ends[0] if joint.ends[1] == end ^ 1 else joint.ends[1]
         other = lines[end // 2]
-        what = "its ends" if other is lines[number] else f"with {other.origin.rpartition(', ')[2]}"
+        partner_text = (
+            "its ends" if other is lines[number] else f"with {other.origin.rpartition(', ')[2]}"
+        )
         changes.append(
-            f"{lines[number].origin}: joined {what} at {at(points[-1])}, over a gap of "
-            f"{joint.gap * scale:.3g} m"
+            f"{lines[number].origin}: joined {partner_text} at {format_place(points[-1])}, over a "
+            f"gap of {joint.gap * scale:.3g} m"
         )
         if end == begin:
             closed = True
             break
     if not changes:
         return first, []
-    more = f" and {len(changes) - closed} more" if len(changes) > closed else ""
+    rest_text = f" and {len(changes) - closed} more" if len(changes) > closed else ""
     if closed and not walls:
         ring = [*points[:-1], points[0]]
         try:
-            made = area(first.name, [ring], first.origin + more, first.span, is_line=True)
+            joined_area = area(
+                first.name, [ring], first.origin + rest_text, first.span, is_line=True
+            )
         except InputError as refusal:
             raise InputError(f"{refusal}, where --join closes it with {pieces(changes)}: give a "
                           "smaller --join, or make walls of its lines (--wall, --thickness)"
                           ) from None  # fmt: skip
-        return made, changes
+        return joined_area, changes
     if closed:
         points[-1] = points[0]
-    return replace(first, points=tuple(points), origin=first.origin + more), changes
+    return replace(first, points=tuple(points), origin=first.origin + rest_text), changes
 
 
 def pieces(changes: Sequence[str]) -> str:
     """What has been joined to a line, from the words about it, the first FEW of them."""
-    others = [one.partition(": joined with ")[2].partition(" at (")[0] for one in changes]
-    others = [one for one in others if one][:FEW]
-    return ", ".join(others) or "itself"
+    origins = [change.partition(": joined with ")[2].partition(" at (")[0] for change in changes]
+    origins = [one for one in origins if one][:FEW]
+    return ", ".join(origins) or "itself"
 
 
 def joints_of(lines: Sequence[DrawnLine], tolerance: float) -> tuple[list[Joint], list[str]]:
@@ -162,7 +166,7 @@ def joints_of(lines: Sequence[DrawnLine], tolerance: float) -> tuple[list[Joint]
 
     if not lines:
         return [], []
-    ends = np.array([point for one in lines for point in (one.points[0], one.points[-1])])
+    ends = np.array([point for line in lines for point in (line.points[0], line.points[-1])])
     tree = cKDTree(ends)
     pairs = (tree.count_neighbors(tree, tolerance) - len(ends)) // 2
     if pairs > MOST_NEAR * len(ends):
@@ -171,8 +175,8 @@ def joints_of(lines: Sequence[DrawnLine], tolerance: float) -> tuple[list[Joint]
             f"ends of {len(lines)} lines lie within it"
         )
     near = tree.query_pairs(tolerance, output_type="ndarray")
-    ones = np.ones(len(near))
-    graph = coo_array((ones, (near[:, 0], near[:, 1])), shape=(len(ends), len(ends)))
+    ones_of_pairs = np.ones(len(near))
+    graph = coo_array((ones_of_pairs, (near[:, 0], near[:, 1])), shape=(len(ends), len(ends)))
     _, label = connected_components(graph, directed=False)
     groups: dict[int, list[int]] = defaultdict(list)
     for end, group in enumerate(label):
@@ -181,27 +185,29 @@ def joints_of(lines: Sequence[DrawnLine], tolerance: float) -> tuple[list[Joint]
     for members in groups.values():
         if len(members) == 2 and joinable(lines, members, tolerance):
             one, other = members
-            joints.append(Joint((one, other), apart(ends[one], ends[other])))
+            joints.append(Joint((one, other), point_distance(ends[one], ends[other])))
         elif len(members) > 2:
             origin = lines[members[0] // 2].origin
-            crowded.append(f"{origin}: {len(members)} ends meet at {at(ends[members[0]])}: "
-                           "not joined, for which belong together is not clear")  # fmt: skip
+            crowded.append(
+                f"{origin}: {len(members)} ends meet at {format_place(ends[members[0]])}: "
+                "not joined, for which belong together is not clear"
+            )
     return joints, crowded
 
 
 def joinable(lines: Sequence[DrawnLine], members: Sequence[int], tolerance: float) -> bool:
     """Whether two ends are not those of one line that is shorter than the tolerance itself."""
-    one, other = members
-    if one // 2 != other // 2:
+    first_end, other_end = members
+    if first_end // 2 != other_end // 2:
         return True
-    points = lines[one // 2].points
-    reach = max(apart(points[0], point) for point in points)
+    points = lines[first_end // 2].points
+    reach = max(point_distance(points[0], point) for point in points)
     return len(points) > 2 and reach > tolerance
 
 
-def apart(one: Sequence[float], other: Sequence[float]) -> float:
+def point_distance(point: Sequence[float], other: Sequence[float]) -> float:
     """The distance of two points."""
-    return float(np.hypot(one[0] - other[0], one[1] - other[1]))
+    return float(np.hypot(point[0] - other[0], point[1] - other[1]))
 
 
 # Closed lines that may be walls: made walls of a thickness, or asked about.
@@ -226,33 +232,33 @@ def walls_of(shape: Solid, row: LayerRole, thickness: float | None) -> list[Soli
 
 
 def question_of_walls(
-    held: Mapping[str, Sequence[Solid]],
+    shapes_by_layer: Mapping[str, Sequence[Solid]],
     rows: Sequence[LayerRole],
     metres: float,
     has_walkable: bool,
 ) -> PlanQuestion | None:
     """What to ask where one outline holds all others of its layer, or is the only thing drawn.
 
-    `held` are the solid shapes by layer. It is not asked of a layer that was named as solid.
+    `shapes_by_layer` are the solid shapes. It is not asked of a layer that was named as solid.
     """
-    everything = sum(len(shapes) for shapes in held.values())
+    total = sum(len(shapes) for shapes in shapes_by_layer.values())
     for row in rows:
-        shapes = held.get(row.layer, ())
+        shapes = shapes_by_layer.get(row.layer, ())
         if not shapes or (row.named and row.role == OBSTACLE):
             continue
-        outer = holder(shapes)
-        lone = everything == 1 and not has_walkable and row.role == WALL
-        what = "it is all that is drawn" if lone else f"it holds all else on layer {row.layer!r}"
+        outer = enclosing_area(shapes)
+        lone = total == 1 and not has_walkable and row.role == WALL
+        reason = "it is all that is drawn" if lone else f"it holds all else on layer {row.layer!r}"
         if outer is None or (len(shapes) == 1 and not (lone and outer.is_line)):
             outer = thick_line(shapes, metres) if row.role == WALL else None
-            what = "it is a closed line, too wide for the outline of a wall"
+            reason = "it is a closed line, too wide for the outline of a wall"
         if outer is None:
             continue
         low_x, low_y, high_x, high_y = outer.bounds()
         size = f"{(high_x - low_x) * metres:.4g} x {(high_y - low_y) * metres:.4g} m"
         layer = shell_layer_name(row.layer)
         return PlanQuestion(
-            f"{outer.origin}: {what}, and would be a solid block of {size}: give --solid {layer} "
+            f"{outer.origin}: {reason}, and would be a solid block of {size}: give --solid {layer} "
             f"if that is so, or --wall {layer} --thickness {THICK:g} for walls along the lines",
             (
                 PlanChoice("Solid block", {"roles": {OBSTACLE: [row.layer]}}),
@@ -272,7 +278,7 @@ def thick_line(shapes: Sequence[Solid], metres: float) -> DrawnArea | DrawnCircl
     return None
 
 
-def holder(shapes: Sequence[Solid]) -> DrawnArea | DrawnCircle | None:
+def enclosing_area(shapes: Sequence[Solid]) -> DrawnArea | DrawnCircle | None:
     """The area without holes that covers all other shapes, or None."""
     areas = [
         s
@@ -282,14 +288,14 @@ def holder(shapes: Sequence[Solid]) -> DrawnArea | DrawnCircle | None:
     ]  # fmt: skip
     if not areas:
         return None
-    around = bounds_of([corner for shape in shapes for corner in corners(shape)])
-    outer = next((one for one in areas if one.bounds() == around), None)
+    box = bounds_of([corner for shape in shapes for corner in corners(shape)])
+    outer = next((candidate for candidate in areas if candidate.bounds() == box), None)
     if outer is None:
         return None
     cover = footprint(outer)
     shapely.prepare(cover)
-    others = [footprint(one) for one in shapes if one is not outer]
-    return outer if all(cover.covers(one) for one in others) else None
+    footprints = [footprint(one) for one in shapes if one is not outer]
+    return outer if all(cover.covers(one) for one in footprints) else None
 
 
 def corners(shape: Solid) -> list[tuple[float, float]]:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from worlds.input_error import InputError, shortened
+from worlds.input_error import InputError, shorten
 from worlds.readers.drawing_contents import DrawingContents, Item, text_of
 from worlds.readers.drawn_shapes import Shape, area
 from worlds.readers.grid import RasterGrid, cells, demand_few_cells, rings
@@ -49,9 +49,9 @@ def read_movingai(path: Path) -> DrawingContents:
     except UnicodeEncodeError:
         raise InputError(f"{path}: the map holds letters that are none of {letters()}") from None
     codes = codes[::-1]
-    odd = ~np.isin(codes, [ord(letter) for letter in LAYERS])
-    if odd.any():
-        row, column = np.argwhere(odd[::-1])[0]
+    is_unknown = ~np.isin(codes, [ord(letter) for letter in LAYERS])
+    if is_unknown.any():
+        row, column = np.argwhere(is_unknown[::-1])[0]
         raise InputError(
             f"{path}, line {first + 1 + row}: cell {column + 1} is {rows[row][column]!r}, none of "
             f"{letters()}"
@@ -60,9 +60,9 @@ def read_movingai(path: Path) -> DrawingContents:
     items = [Item(MAP, "box", partial(box, width, height, grid, str(path)))]
     for layer in ROLES:
         signs = [ord(letter) for letter, name in LAYERS.items() if name == layer]
-        held = np.isin(codes, signs)
-        if held.any():
-            items.append(cells(layer, held, grid, str(path)))
+        is_held = np.isin(codes, signs)
+        if is_held.any():
+            items.append(cells(layer, is_held, grid, str(path)))
     return DrawingContents(
         path, tuple(items), tuple(item.layer for item in items), None, roles=ROLES
     )
@@ -70,21 +70,23 @@ def read_movingai(path: Path) -> DrawingContents:
 
 def header(lines: list[str], path: Path) -> tuple[int, int, int]:
     """Width, height, and the number of lines before the map. Raises InputError."""
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for number, line in enumerate(lines[:10]):
-        words = line.split()
-        if words == ["map"]:
-            missing = [key for key in HEADER if key not in found]
-            if missing:
-                raise InputError(f"{path} is not a map of MovingAI: no {', no '.join(missing)}")
-            sizes = [found[key] for key in ("width", "height")]
+        fields = line.split()
+        if fields == ["map"]:
+            missing_keys = [key for key in HEADER if key not in values]
+            if missing_keys:
+                raise InputError(
+                    f"{path} is not a map of MovingAI: no {', no '.join(missing_keys)}"
+                )
+            sizes = [values[key] for key in ("width", "height")]
             for key, size in zip(("width", "height"), sizes, strict=True):
                 if not size.isascii() or not size.isdigit() or len(size) > 9:
-                    raise InputError(f"{path}: {key} = {shortened(size)} is not a number of cells")
+                    raise InputError(f"{path}: {key} = {shorten(size)} is not a number of cells")
             return int(sizes[0]), int(sizes[1]), number + 1
-        if len(words) == 2 and words[0] in HEADER:
-            found[words[0]] = words[1]
-        elif words:
+        if len(fields) == 2 and fields[0] in HEADER:
+            values[fields[0]] = fields[1]
+        elif fields:
             break
     raise InputError(
         f"{path} is not a map of MovingAI: it begins with type, height, width and map, a line each"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import shapely
 
-from worlds.input_error import InputError, refusal_of, unknown
+from worlds.input_error import InputError, error_of_lines, unknown
 from worlds.obstacles import Obstacle
 from worlds.readers.degrees import places_of, projected, question_of_degrees
 from worlds.readers.drawing_contents import (
@@ -29,8 +29,8 @@ from worlds.readers.drawn_shapes import (
     Solid,
     StrayPoint,
     UnitConversion,
-    at,
     bounds_of,
+    format_place,
 )
 from worlds.readers.dxf import MOST_OUTLINES, read_dxf, within
 from worlds.readers.geojson import read_geojson
@@ -45,8 +45,8 @@ from worlds.readers.roles import (
     WALKABLE,
     WALL,
     LayerRole,
-    cast,
-    unclear,
+    assign_roles,
+    describe_unclear,
 )
 from worlds.readers.ros_map import read_ros_map, read_zipped_map
 from worlds.readers.svg import read_svg
@@ -83,17 +83,19 @@ def metres_per_unit(contents: DrawingContents, scale: float | None, unit: str | 
         if unit not in UNITS:
             raise unknown("unit", unit, UNITS)
         return UNITS[unit]
-    lacking = SILENT.get(contents.path.suffix.lower())
-    if contents.unit is None and lacking is not None:
+    reason = SILENT.get(contents.path.suffix.lower())
+    if contents.unit is None and reason is not None:
         raise PlanQuestion(
-            f"{contents.path} does not say its unit ({lacking}): give --unit, one of "
+            f"{contents.path} does not say its unit ({reason}): give --unit, one of "
             f"{', '.join(UNITS)}, or a scale, metres per unit (--scale)",
             tuple(PlanChoice(f"1 unit is 1 {name}", {"unit": name}) for name in SUGGESTED),
         )
     return contents.unit or 1.0
 
 
-def doubt(contents: DrawingContents, bounds: Bounds, scale: float) -> PlanQuestion | None:
+def question_of_size(
+    contents: DrawingContents, bounds: Bounds, scale: float
+) -> PlanQuestion | None:
     """What to ask about a plan whose size is none of a room or a building, or None.
 
     `bounds` are in units of the file. It is asked only where nobody has said the unit.
@@ -103,20 +105,20 @@ def doubt(contents: DrawingContents, bounds: Bounds, scale: float) -> PlanQuesti
     if in_metres or SMALLEST <= side * scale <= LARGEST:
         return None
     says = "$INSUNITS says" if contents.unit is not None else "a unit is 1 m unless said"
-    here = next((name for name, metres in UNITS.items() if math.isclose(metres, scale)), None)
+    unit = next((name for name, metres in UNITS.items() if math.isclose(metres, scale)), None)
     if contents.unit is not None:
-        says = f"{says} {here}" if here else f"{says} {scale:g} m per unit"
+        says = f"{says} {unit}" if unit else f"{says} {scale:g} m per unit"
     choices = [
         f"--unit {name} ({side * UNITS[name]:.4g} m)"
         for name in SUGGESTED
         if SMALLEST <= side * UNITS[name] <= LARGEST and UNITS[name] != scale
     ]
-    keep = f"--unit {here}" if here else f"--scale {scale:g}"
+    keep = f"--unit {unit}" if unit else f"--scale {scale:g}"
     other = f", else {' or '.join(choices)}" if choices else ""
     answers = [
         PlanChoice(f"1 unit is 1 {name} ({side * UNITS[name]:.4g} m wide)", {"unit": name})
-        for name in dict.fromkeys([*([here] if here else []), *SUGGESTED])
-        if name == here or SMALLEST <= side * UNITS[name] <= LARGEST
+        for name in dict.fromkeys([*([unit] if unit else []), *SUGGESTED])
+        if name == unit or SMALLEST <= side * UNITS[name] <= LARGEST
     ]
     return PlanQuestion(
         f"{contents.path}: the plan would be {side * scale:.4g} m wide ({says}): give {keep} if "
@@ -178,7 +180,7 @@ def read_geometry(
     rest see `geometry_of`. Raises InputError with file and place for all that cannot be used.
     """
     contents = open_drawing(path)
-    rows = cast(contents, roles or {})
+    rows = assign_roles(contents, roles or {})
     return geometry_of(contents, rows, scale, unit, thickness, join, drop_lines, degrees)
 
 
@@ -215,7 +217,7 @@ def geometry_of(
     for name, value in (("thickness", thickness), ("join", join)):
         if value is not None and not (value > 0.0 and math.isfinite(value)):
             raise InputError(f"{name} = {value:g} m is not a length > 0")
-    problems = unclear(contents, rows)
+    problems = describe_unclear(contents, rows)
     question: PlanQuestion | None = None
     projection = None
     if degrees:
@@ -228,37 +230,41 @@ def geometry_of(
         metres = metres_per_unit(contents, scale, unit)
     except PlanQuestion as open_unit:
         question, metres = open_unit, 1.0
-    taken = LayerShapes(contents, rows, metres, join, thickness)
+    layer_shapes = LayerShapes(contents, rows, metres, join, thickness)
     if projection is not None:
-        taken.changes.insert(0, projection)
+        layer_shapes.changes.insert(0, projection)
     if drop_lines:
-        taken.drop_lines(thickness)
-    problems += taken.problems
-    plan = [shape for role in (WALKABLE, OBSTACLE) for _, shape in taken.made[role]]
+        layer_shapes.drop_lines(thickness)
+    problems += layer_shapes.problems
+    plan = [shape for role in (WALKABLE, OBSTACLE) for _, shape in layer_shapes.by_role[role]]
     if problems:
-        asked_too = [str(question)] if question else []
-        raise refusal_of([*problems, *asked_too, *taken.unusable(thickness)])
+        questions = [str(question)] if question else []
+        raise error_of_lines([*problems, *questions, *layer_shapes.describe_unusable(thickness)])
     if not plan:
         layers = ", ".join(row.layer for row in rows if row.role != IGNORE)
         raise InputError(f"{contents.path}: there is nothing on its layers ({layers or 'none'})")
-    asked = next((row.layer for row in rows if row.role == WALKABLE), None)
-    if asked is not None and not taken.made[WALKABLE]:
-        raise InputError(f"{contents.path}: there is nothing on the walkable layer {asked!r}")
+    walkable_layer = next((row.layer for row in rows if row.role == WALKABLE), None)
+    if walkable_layer is not None and not layer_shapes.by_role[WALKABLE]:
+        raise InputError(
+            f"{contents.path}: there is nothing on the walkable layer {walkable_layer!r}"
+        )
     if scale is None and unit is None and not degrees and question is None:
-        shapes = [shape for held in taken.made.values() for _, shape in held]
+        shapes = [shape for shape_list in layer_shapes.by_role.values() for _, shape in shape_list]
         bounds = bounds_of([p for shape in plan for p in corners_of(shape.bounds())])
         question = question_of_degrees(contents, places_of(shapes))
-        question = question or doubt(contents, bounds, metres)
-    problems = taken.unusable(thickness)
+        question = question or question_of_size(contents, bounds, metres)
+    problems = layer_shapes.describe_unusable(thickness)
     if problems:
-        raise refusal_of(problems + ([str(question)] if question else []))
+        raise error_of_lines(problems + ([str(question)] if question else []))
     solids: dict[str, list[Solid]] = {}
-    for layer, shape in taken.made[OBSTACLE]:
+    for layer, shape in layer_shapes.by_role[OBSTACLE]:
         solids.setdefault(layer, []).append(shape)
-    question = question or question_of_walls(solids, rows, metres, bool(taken.made[WALKABLE]))
+    question = question or question_of_walls(
+        solids, rows, metres, bool(layer_shapes.by_role[WALKABLE])
+    )
     if question is not None:
         raise question
-    return in_metres(contents, rows, taken, metres, thickness)
+    return convert_to_metres(contents, rows, layer_shapes, metres, thickness)
 
 
 class LayerShapes:
@@ -278,13 +284,13 @@ class LayerShapes:
         self.path, self.metres, self.join = contents.path, metres, join
         self.thickness = thickness
         self.problems: list[str] = []
-        self.closed = Counter[str]()
+        self.closed_counts = Counter[str]()
         """How many closed lines of a layer have become walls."""
         self.changes: list[str] = [
             f"{count} {kind} on layer {layer!r} left out"
             for (kind, layer), count in contents.left_out.items()
         ]
-        self.made: Made = {role: [] for role in (WALKABLE, OBSTACLE, START, GOAL, PATH)}
+        self.by_role: Made = {role: [] for role in (WALKABLE, OBSTACLE, START, GOAL, PATH)}
         row_of = {row.layer: row for row in rows if row.role not in (None, IGNORE)}
         lines: dict[str, list[DrawnLine]] = {}
         corners = 0
@@ -293,7 +299,7 @@ class LayerShapes:
             if row is None:
                 continue
             try:
-                read = [self.plain(shape) for shape in item.read()]
+                read = [self.straighten(shape) for shape in item.read()]
             except InputError as refusal:
                 self.problems.append(str(refusal))
                 continue
@@ -307,32 +313,32 @@ class LayerShapes:
                 if join is not None and isinstance(shape, DrawnLine) and shape.thickness is None:
                     lines.setdefault(item.layer, []).append(shape)
                 else:
-                    self.take(row, shape)
+                    self.add_shape(row, shape)
         if join is not None:
-            for layer, held in lines.items():
-                self.joined(row_of[layer], held, join)
+            for layer, layer_lines in lines.items():
+                self.add_joined_lines(row_of[layer], layer_lines, join)
         self.note_walls()
 
-    def take(self, row: LayerRole, shape: Solid) -> None:
+    def add_shape(self, row: LayerRole, shape: Solid) -> None:
         """Put a shape to those of its role; a closed line of a layer of walls as walls."""
         walls = walls_of(shape, row, self.thickness)
         if walls != [shape]:
-            self.closed[row.layer] += 1
+            self.closed_counts[row.layer] += 1
         role = OBSTACLE if row.role == WALL else row.role or IGNORE
-        self.made[role] += [(row.layer, wall) for wall in walls]
+        self.by_role[role] += [(row.layer, wall) for wall in walls]
 
     def note_walls(self) -> None:
         """Tell which closed lines have become walls."""
-        for layer, count in self.closed.items():
-            what = "1 closed line is a wall" if count == 1 else f"{count} closed lines are walls"
+        for layer, count in self.closed_counts.items():
+            text = "1 closed line is a wall" if count == 1 else f"{count} closed lines are walls"
             self.changes.append(
-                f"layer {layer!r}: {what} {self.thickness:g} m thick, and not solid"
+                f"layer {layer!r}: {text} {self.thickness:g} m thick, and not solid"
             )
 
-    def plain(self, shape: Shape) -> Solid | None:
+    def straighten(self, shape: Shape) -> Solid | None:
         """A shape of straight lines and circles, or None for a stray point. Raises InputError."""
         if isinstance(shape, StrayPoint):
-            self.changed(f"{shape.origin}: left out, a single point at {at(shape.place)}")
+            self.changed(f"{shape.origin}: left out, a single point at {format_place(shape.place)}")
             return None
         if not isinstance(shape, DrawnCurve):
             return shape
@@ -341,24 +347,24 @@ class LayerShapes:
                 f"{shape.origin}: no straight lines draw a curve of this kind: give the distance "
                 "within which chords may draw it (--join 0.01, in m)"
             )
-        made, change = chords(shape, self.join / self.metres, self.join)
+        straight, change = chords(shape, self.join / self.metres, self.join)
         self.changed(change)
-        return made
+        return straight
 
-    def joined(self, row: LayerRole, lines: list[DrawnLine], join: float) -> None:
+    def add_joined_lines(self, row: LayerRole, lines: list[DrawnLine], join: float) -> None:
         """Take the lines of a layer, joined where their ends are nearer than `join`, m."""
         walls = row.role == WALL and self.thickness is not None
         try:
-            made = join_lines(lines, join / self.metres, self.metres, walls)
+            joined_lines = join_lines(lines, join / self.metres, self.metres, walls)
         except InputError as refusal:
             self.problems.append(str(refusal))
             return
-        for change in made.changes:
+        for change in joined_lines.changes:
             self.changed(change)
-        for shape in made.shapes:
-            closed = isinstance(shape, DrawnLine) and shape.points[0] == shape.points[-1]
-            self.closed.update([row.layer] if walls and closed else [])
-            self.take(row, shape)
+        for shape in joined_lines.shapes:
+            is_closed = isinstance(shape, DrawnLine) and shape.points[0] == shape.points[-1]
+            self.closed_counts.update([row.layer] if walls and is_closed else [])
+            self.add_shape(row, shape)
 
     def changed(self, change: str) -> None:
         """Note what has been done, without the name of the file."""
@@ -367,81 +373,83 @@ class LayerShapes:
     def drop_lines(self, thickness: float | None) -> None:
         """Leave out the open lines of the plan that no thickness makes walls."""
         for role, thick in ((WALKABLE, None), (OBSTACLE, thickness)):
-            kept = []
-            for layer, shape in self.made[role]:
+            remaining = []
+            for layer, shape in self.by_role[role]:
                 if isinstance(shape, DrawnLine) and shape.thickness is None and thick is None:
-                    self.changed(f"{shape.origin}: left out, {shape.open_words()}")
+                    self.changed(f"{shape.origin}: left out, {shape.describe_gap()}")
                 else:
-                    kept.append((layer, shape))
-            self.made[role] = kept
+                    remaining.append((layer, shape))
+            self.by_role[role] = remaining
 
-    def unusable(self, thickness: float | None) -> list[str]:
+    def describe_unusable(self, thickness: float | None) -> list[str]:
         """What of the plan bounds no area, one line each; many lines of a layer in one."""
-        found = []
+        messages = []
         lines: dict[tuple[str, str], list[DrawnLine]] = {}
         for role, thick in ((WALKABLE, None), (OBSTACLE, thickness)):
-            for layer, shape in self.made[role]:
+            for layer, shape in self.by_role[role]:
                 if isinstance(shape, DrawnPoint):
-                    found.append(f"{shape.origin}: {shape.need}")
+                    messages.append(f"{shape.origin}: {shape.need}")
                 elif isinstance(shape, DrawnLine) and (
                     role == WALKABLE or (thick is None and shape.thickness is None)
                 ):
                     lines.setdefault((role, layer), []).append(shape)
-        for (role, layer), held in lines.items():
+        for (role, layer), layer_lines in lines.items():
             ask = "join lines whose ends meet (--join), or --drop-lines"
             ask = f"close it, {ask}" if role == WALKABLE else f"close it, give a thickness, {ask}"
-            what = [f"{one.origin}: {one.open_words()}" for one in held]
+            descriptions = [f"{line.origin}: {line.describe_gap()}" for line in layer_lines]
             if role == WALKABLE:
-                what = [f"{one}, and a walkable area is a polygon" for one in what]
-            if len(held) > FEW:
-                found.append(f"{self.path}, layer {layer!r}: {len(held)} open lines bound no area, "
-                             f"the first {what[0].rpartition(', layer ')[2]}: {ask}")  # fmt: skip
+                descriptions = [f"{one}, and a walkable area is a polygon" for one in descriptions]
+            if len(layer_lines) > FEW:
+                messages.append(
+                    f"{self.path}, layer {layer!r}: {len(layer_lines)} open lines bound no "
+                    f"area, the first {descriptions[0].rpartition(', layer ')[2]}: {ask}"
+                )
             else:
-                found += [f"{one}: {ask}" for one in what]
-        return found + nested_areas([shape for _, shape in self.made[WALKABLE]])
+                messages += [f"{one}: {ask}" for one in descriptions]
+        return messages + nested_areas([shape for _, shape in self.by_role[WALKABLE]])
 
 
-def in_metres(
+def convert_to_metres(
     contents: DrawingContents,
     rows: Sequence[LayerRole],
-    taken: LayerShapes,
+    layer_shapes: LayerShapes,
     metres: float,
     thickness: float | None,
 ) -> Geometry:
     """What was taken, in metres and rounded. Raises InputError."""
     largest = max(
         abs(x) * metres
-        for held in taken.made.values()
-        for _, shape in held
+        for shape_list in layer_shapes.by_role.values()
+        for _, shape in shape_list
         for point in corners_of(shape.bounds())
         for x in point
     )
     digits = DIGITS - math.ceil(math.log10(largest)) if largest > 0.0 else DIGITS
-    by = UnitConversion(metres, digits)
-    found: Made = {}
+    conversion = UnitConversion(metres, digits)
+    by_role: Made = {}
     problems = []
-    for role, held in taken.made.items():
-        found[role] = []
+    for role, held in layer_shapes.by_role.items():
+        by_role[role] = []
         for layer, shape in held:
             try:
-                found[role].append((layer, shape.measured(by)))
+                by_role[role].append((layer, shape.measured(conversion)))
             except InputError as refusal:
                 problems.append(f"{refusal} (in m, rounded to {digits} decimals)")
     if problems:
-        raise refusal_of(problems)
-    walkable = [shape.obstacle(None, digits).footprint() for _, shape in found[WALKABLE]]
+        raise error_of_lines(problems)
+    walkable = [shape.obstacle(None, digits).footprint() for _, shape in by_role[WALKABLE]]
     return Geometry(
         file=contents.path.name,
         obstacles=tuple(
-            with_layer_name(shape, layer).obstacle(thickness, digits)
-            for layer, shape in found[OBSTACLE]
+            name_after_layer(shape, layer).obstacle(thickness, digits)
+            for layer, shape in by_role[OBSTACLE]
         ),
         walkable=shapely.union_all(walkable) if walkable else None,
         layers=tuple(rows),
-        changes=tuple(taken.changes),
-        starts=tuple(found[START]),
-        goals=tuple(found[GOAL]),
-        paths=tuple(found[PATH]),
+        changes=tuple(layer_shapes.changes),
+        starts=tuple(by_role[START]),
+        goals=tuple(by_role[GOAL]),
+        paths=tuple(by_role[PATH]),
         digits=digits,
     )
 
@@ -456,10 +464,10 @@ def nested_areas(shapes: Sequence[Solid]) -> list[str]:
                 f"at most {MOST_OUTLINES}"]  # fmt: skip
     outlines = [shape.obstacle(None, 0).footprint() for shape in areas]
     return [
-        f"{areas[one].origin}: its outline at {at(outlines[one].exterior.coords[0])} lies inside "
-        f"another walkable one ({areas[other].origin.rpartition(', ')[2]}): a hole or an obstacle "
-        "there is drawn as such, or on a layer of obstacles"
-        for one, other in dict(within(outlines)).items()
+        f"{areas[inner].origin}: its outline at {format_place(outlines[inner].exterior.coords[0])} "
+        f"lies inside another walkable one ({areas[other].origin.rpartition(', ')[2]}): a hole or "
+        "an obstacle there is drawn as such, or on a layer of obstacles"
+        for inner, other in dict(within(outlines)).items()
     ]
 
 
@@ -468,7 +476,7 @@ def corners_of(bounds: tuple[float, float, float, float]) -> list[tuple[float, f
     return [bounds[:2], bounds[2:]]
 
 
-def with_layer_name(shape: Solid, layer: str) -> Solid:
+def name_after_layer(shape: Solid, layer: str) -> Solid:
     """The shape with its layer for a name if it has none."""
     own = OBSTACLE if layer == UNNAMED else layer
     return shape if shape.name else replace(shape, name=own)

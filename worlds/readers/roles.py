@@ -61,74 +61,80 @@ class LayerRole:
     """Whether the role was asked for, by the layer's name."""
 
 
-def cast(contents: DrawingContents, asked: Mapping[str, Sequence[str]]) -> tuple[LayerRole, ...]:
+def assign_roles(
+    contents: DrawingContents, wanted_roles: Mapping[str, Sequence[str]]
+) -> tuple[LayerRole, ...]:
     """The role of each layer that holds anything; of an empty one only if it is asked for.
 
-    `asked` are layers by role, upper or lower case; `*` in a name stands for any letters, and alone
-    for every layer that has no role otherwise. What is asked goes before what the drawing hides,
-    and that before what a name says. Raises InputError for an unknown role or layer, and for a
-    layer with two roles.
+    `wanted_roles` are layers by role, upper or lower case; `*` in a name stands for any letters,
+    and alone for every layer that has no role otherwise. What is asked goes before what the drawing
+    hides, and that before what a name says. Raises InputError for an unknown role or layer, and for
+    a layer with two roles.
     """
-    demand_known(contents, asked)
-    given = {layer: asked_role(layer, asked, contents.path) for layer in contents.layers}
+    demand_known(contents, wanted_roles)
+    roles_by_layer = {
+        layer: wanted_role_of(layer, wanted_roles, contents.path) for layer in contents.layers
+    }
     items: dict[str, list[Item]] = {}
     for item in contents.items:
         items.setdefault(item.layer, []).append(item)
-    left: dict[str, list[tuple[str, int]]] = {}
+    open_layers: dict[str, list[tuple[str, int]]] = {}
     for (kind, layer), count in contents.left_out.items():
-        left.setdefault(layer, []).append((kind, count))
-    rest = next((role for role, layers in asked.items() if REST in layers), None)
+        open_layers.setdefault(layer, []).append((kind, count))
+    rest_role = next((role for role, layers in wanted_roles.items() if REST in layers), None)
     rows = []
     for layer in contents.layers:
-        held = items.get(layer, [])
-        if not held and layer not in left and given[layer] is None:
+        layer_items = items.get(layer, [])
+        if not layer_items and layer not in open_layers and roles_by_layer[layer] is None:
             continue
-        asked_for = given[layer]
-        role, why = asked_for or own_role(layer, held, contents)
-        if role is None and rest is not None and held:
-            role, why = rest, f"--{rest} '{REST}'"
-        counts = Counter(item.kind for item in held)
-        counts.update(dict(left.get(layer, [])))
+        wanted_role = roles_by_layer[layer]
+        role, reason = wanted_role or own_role(layer, layer_items, contents)
+        if role is None and rest_role is not None and layer_items:
+            role, reason = rest_role, f"--{rest_role} '{REST}'"
+        counts = Counter(item.kind for item in layer_items)
+        counts.update(dict(open_layers.get(layer, [])))
         entities = ", ".join(f"{count} {kind}" for kind, count in counts.items()) or "nothing"
-        rows.append(LayerRole(layer, entities, role, why, asked_for is not None))
+        rows.append(LayerRole(layer, entities, role, reason, wanted_role is not None))
     return tuple(
-        unnamed(row, items[UNNAMED], rows, items) if is_open(row, items) else row for row in rows
+        role_from_contents(row, items[UNNAMED], rows, items) if is_open(row, items) else row
+        for row in rows
     )
 
 
-def asked_role(
-    layer: str, asked: Mapping[str, Sequence[str]], path: Path
+def wanted_role_of(
+    layer: str, wanted_roles: Mapping[str, Sequence[str]], path: Path
 ) -> tuple[str, str] | None:
     """The role that is asked for a layer, its own name before a pattern. Raises InputError."""
-    folded = layer.casefold()
-    found: dict[bool, dict[str, str]] = {True: {}, False: {}}
-    for role, names in asked.items():
+    layer_key = layer.casefold()
+    matches: dict[bool, dict[str, str]] = {True: {}, False: {}}
+    for role, names in wanted_roles.items():
         for name in names:
-            exact = name.casefold() == folded
-            if exact or (name != REST and fnmatchcase(folded, name.casefold())):
-                found[exact][role] = f"--{role} {shell_layer_name(name)}"
-    for roles in found.values():
+            exact = name.casefold() == layer_key
+            if exact or (name != REST and fnmatchcase(layer_key, name.casefold())):
+                matches[exact][role] = f"--{role} {shell_layer_name(name)}"
+    for roles in matches.values():
         if len(roles) > 1:
-            both = " and ".join(roles)
-            raise InputError(f"layer {layer!r} cannot be {both}: one role each ({path})")
-        for role, why in roles.items():
-            return role, why
+            role_text = " and ".join(roles)
+            raise InputError(f"layer {layer!r} cannot be {role_text}: one role each ({path})")
+        for role, reason in roles.items():
+            return role, reason
     return None
 
 
-def demand_known(contents: DrawingContents, asked: Mapping[str, Sequence[str]]) -> None:
+def demand_known(contents: DrawingContents, wanted_roles: Mapping[str, Sequence[str]]) -> None:
     """Refuse a name that is asked for and matches no layer. Raises InputError."""
-    for role in asked:
+    for role in wanted_roles:
         if role not in ROLES:
             raise unknown("role", role, ROLES)
-    folded = [layer.casefold() for layer in contents.layers]
-    rests = [role for role, names in asked.items() if REST in names]
-    if len(rests) > 1:
-        raise InputError(f"'{REST}' cannot be {' and '.join(rests)}: the rest has one role")
-    for names in asked.values():
+    layer_keys = [layer.casefold() for layer in contents.layers]
+    rest_roles = [role for role, names in wanted_roles.items() if REST in names]
+    if len(rest_roles) > 1:
+        raise InputError(f"'{REST}' cannot be {' and '.join(rest_roles)}: the rest has one role")
+    for names in wanted_roles.values():
         for name in names:
             if name != REST and not any(
-                one == name.casefold() or fnmatchcase(one, name.casefold()) for one in folded
+                layer_key == name.casefold() or fnmatchcase(layer_key, name.casefold())
+                for layer_key in layer_keys
             ):
                 raise unknown_layer(name, contents)
 
@@ -142,18 +148,20 @@ def unknown_layer(name: str, contents: DrawingContents) -> InputError:
     return unknown("layer", name, known, str(contents.path))
 
 
-def own_role(layer: str, held: Sequence[Item], contents: DrawingContents) -> tuple[str | None, str]:
+def own_role(
+    layer: str, layer_items: Sequence[Item], contents: DrawingContents
+) -> tuple[str | None, str]:
     """What the drawing says about a layer: that it is hidden, or its name."""
     if layer in contents.hidden:
         return IGNORE, f"it is {contents.hidden[layer]}"
-    if not held:
+    if not layer_items:
         return IGNORE, "it bounds no area and is no line"
     if layer in contents.roles:
         return contents.roles[layer]
-    return guess(layer)
+    return role_from_name(layer)
 
 
-def guess(layer: str) -> tuple[str | None, str]:
+def role_from_name(layer: str) -> tuple[str | None, str]:
     """The role that a layer's name says, and the word that says it; None if no or two roles.
 
     >>> guess("jps-walkablearea-2")[0], guess("A-WALL-TEXT")[0], guess("not walkable")[0]
@@ -161,19 +169,19 @@ def guess(layer: str) -> tuple[str | None, str]:
     """
     if layer.casefold() == PARAMETERS:
         return IGNORE, "JuPedSim's settings"
-    found: dict[str, str] = {}
-    words = [word for word in re.split(r"[\W_]+", layer.casefold()) if word]
-    for word in words:
+    roles: dict[str, str] = {}
+    parts = [part for part in re.split(r"[\W_]+", layer.casefold()) if part]
+    for word in parts:
         plain = word.rstrip("0123456789")
         role = WORDS.get(plain) or WORDS.get(plain.removesuffix("s"))
         role = role or next((r for key, r in BEGINNINGS.items() if word.startswith(key)), None)
         if role is not None:
-            found.setdefault(role, word)
-    if any(word in NOT for word in words) or not found:
+            roles.setdefault(role, word)
+    if any(word in NOT for word in parts) or not roles:
         return None, "its name does not say"
-    if len(found) > 1:
-        return None, f"its name says {' and '.join(repr(word) for word in found.values())}"
-    ((role, word),) = found.items()
+    if len(roles) > 1:
+        return None, f"its name says {' and '.join(repr(word) for word in roles.values())}"
+    ((role, word),) = roles.items()
     return role, f"its name says {word!r}"
 
 
@@ -182,8 +190,11 @@ def is_open(row: LayerRole, items: Mapping[str, list[Item]]) -> bool:
     return row.layer == UNNAMED and row.role is None and UNNAMED in items
 
 
-def unnamed(
-    row: LayerRole, held: Sequence[Item], rows: Sequence[LayerRole], items: Mapping[str, list[Item]]
+def role_from_contents(
+    row: LayerRole,
+    layer_items: Sequence[Item],
+    rows: Sequence[LayerRole],
+    items: Mapping[str, list[Item]],
 ) -> LayerRole:
     """What names no layer: solid beside a walkable area; alone, a lone polygon is walkable.
 
@@ -195,7 +206,7 @@ def unnamed(
             row.layer, row.entities, OBSTACLE, "it has no name, beside a walkable area"
         )
     try:
-        shapes = [shape for item in held for shape in item.read()]
+        shapes = [shape for item in layer_items for shape in item.read()]
         solid = [
             shape
             for other in rows
@@ -227,8 +238,8 @@ def surrounds(area: DrawnArea, solid: Sequence[Shape]) -> bool:
     """Whether solids lie inside the bounds of an area."""
     low_x, low_y, high_x, high_y = area.bounds()
     return all(
-        low_x <= one[0] and low_y <= one[1] and high_x >= one[2] and high_y >= one[3]
-        for one in (shape.bounds() for shape in solid if isinstance(shape, Solid))
+        low_x <= bounds[0] and low_y <= bounds[1] and high_x >= bounds[2] and high_y >= bounds[3]
+        for bounds in (shape.bounds() for shape in solid if isinstance(shape, Solid))
     )
 
 
@@ -237,16 +248,16 @@ def shell_layer_name(name: str) -> str:
     return name if re.fullmatch(r"[\w.-]+", name) else repr(name[:LONGEST])
 
 
-def unclear(contents: DrawingContents, rows: Sequence[LayerRole]) -> list[str]:
+def describe_unclear(contents: DrawingContents, rows: Sequence[LayerRole]) -> list[str]:
     """A line for each layer whose role is not clear, but those that names leave open in a line."""
-    found, names = [], []
+    messages, names = [], []
     for row in rows:
         if row.role is not None:
             continue
         if row.why.startswith(str(contents.path)):  # it cannot be read, and says so itself
-            found.append(row.why)
+            messages.append(row.why)
         elif row.layer == UNNAMED:
-            found.append(
+            messages.append(
                 f"{contents.path}: no clear role ({row.why}): give --walkable {UNNAMED} or --solid "
                 f"{UNNAMED}, or each a name"
             )
@@ -254,16 +265,16 @@ def unclear(contents: DrawingContents, rows: Sequence[LayerRole]) -> list[str]:
             names.append(row)
     if len(names) == 1:
         (row,) = names
-        found.append(
+        messages.append(
             f"{contents.path}, layer {row.layer!r}: no clear role ({row.why}): give --walkable, "
             f"--obstacle, --wall, --start, --goal, --path or --ignore {shell_layer_name(row.layer)}"
         )
     elif names:
         listed = ", ".join(repr(row.layer[:LONGEST]) for row in names[:MOST_NAMED])
-        more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
-        found.append(
-            f"{contents.path}: {len(names)} layers have no clear role: {listed}{more}: give each "
-            "--walkable, --obstacle, --wall, --start, --goal, --path or --ignore, and the rest "
-            "--ignore '*'"
+        rest_text = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+        messages.append(
+            f"{contents.path}: {len(names)} layers have no clear role: {listed}{rest_text}: give "
+            "each --walkable, --obstacle, --wall, --start, --goal, --path or --ignore, and the "
+            "rest --ignore '*'"
         )
-    return found
+    return messages

@@ -23,7 +23,7 @@ from PIL import Image, UnidentifiedImageError
 
 from worlds.input_error import InputError, unknown
 from worlds.readers.drawing_contents import LARGEST, DrawingContents, Item, bytes_of, text_of
-from worlds.readers.drawn_shapes import Shape, area, at
+from worlds.readers.drawn_shapes import Shape, area, format_place
 from worlds.readers.grid import RasterGrid, cells, demand_few_cells, rings
 from worlds.readers.roles import OBSTACLE, WALKABLE
 
@@ -57,30 +57,32 @@ def read_zipped_map(path: Path) -> DrawingContents:
     try:
         with zipfile.ZipFile(io.BytesIO(bytes_of(path))) as archive:
             names = [name for name in archive.namelist() if not name.startswith("__MACOSX")]
-            found = [name for name in names if name.lower().endswith((".yaml", ".yml"))]
-            if len(found) != 1:
+            yaml_names = [name for name in names if name.lower().endswith((".yaml", ".yml"))]
+            if len(yaml_names) != 1:
                 raise InputError(
-                    f"{path} holds {len(found)} YAML files: one, and the image that it "
+                    f"{path} holds {len(yaml_names)} YAML files: one, and the image that it "
                     "names, are a map of ROS"
                 )
-            text = member(archive, found[0], LARGEST_YAML, path).decode("utf-8", "replace")
-            values = settings(text, f"{path}, {found[0]}")
-            wanted = PurePosixPath(str(values["image"])).name
-            images = [name for name in names if PurePosixPath(name).name == wanted]
+            text = member(archive, yaml_names[0], LARGEST_YAML, path).decode("utf-8", "replace")
+            values = settings(text, f"{path}, {yaml_names[0]}")
+            image_name = PurePosixPath(str(values["image"])).name
+            images = [name for name in names if PurePosixPath(name).name == image_name]
             if not images:
-                raise InputError(f"{path} does not hold the image {wanted!r} that {found[0]} names")
+                raise InputError(
+                    f"{path} does not hold the image {image_name!r} that {yaml_names[0]} names"
+                )
             data = member(archive, images[0], LARGEST, path)
     except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError) as error:
         raise InputError(f"{path} is not a ZIP file that can be read: {error}") from None
-    return contents(path, values, data, wanted)
+    return contents(path, values, data, image_name)
 
 
-def member(archive: zipfile.ZipFile, name: str, most: int, path: Path) -> bytes:
+def member(archive: zipfile.ZipFile, name: str, limit: int, path: Path) -> bytes:
     """A file in a ZIP file, of a bounded size, whatever its header says. Raises InputError."""
     with archive.open(name) as file:
-        data = file.read(most + 1)
-    if len(data) > most:
-        raise InputError(f"{path}, {name}: it has more than {most} bytes")
+        data = file.read(limit + 1)
+    if len(data) > limit:
+        raise InputError(f"{path}, {name}: it has more than {limit} bytes")
     return data
 
 
@@ -90,11 +92,11 @@ class PlainLoader(yaml.SafeLoader):
     Some hundred bytes of them stand for billions of values, which a message would write.
     """
 
-    def compose_node(self, *where: Any) -> Any:
+    def compose_node(self, *args: Any) -> Any:
         """A node of the document. Raises YAMLError for an alias."""
         if self.check_event(yaml.AliasEvent):
             raise yaml.YAMLError("it has aliases (*name), which no map of ROS needs")
-        return super().compose_node(*where)
+        return super().compose_node(*args)
 
 
 def settings(text: str, origin: str) -> dict[str, Any]:
@@ -109,53 +111,53 @@ def settings(text: str, origin: str) -> dict[str, Any]:
         raise InputError(f"{origin} is not YAML: {' '.join(str(error).split())[:200]}") from None
     if not isinstance(values, dict):
         raise InputError(f"{origin} is not a map of ROS: it has no keys")
-    missing = [key for key in NEEDED if key not in values]
-    if missing:
-        raise InputError(f"{origin} is not a map of ROS: it has no {' and no '.join(missing)}")
+    missing_keys = [key for key in NEEDED if key not in values]
+    if missing_keys:
+        raise InputError(f"{origin} is not a map of ROS: it has no {' and no '.join(missing_keys)}")
     if not isinstance(values["image"], str) or not values["image"].strip("/"):
         raise InputError(f"{origin}: image = {values['image']!r:.60} is no name of a file")
-    made: dict[str, Any] = {"image": values["image"]}
-    made["resolution"] = number(values["resolution"], "resolution", origin)
-    if made["resolution"] <= 0.0:
-        raise InputError(f"{origin}: resolution = {made['resolution']:g} is not a length > 0")
+    parsed: dict[str, Any] = {"image": values["image"]}
+    parsed["resolution"] = number(values["resolution"], "resolution", origin)
+    if parsed["resolution"] <= 0.0:
+        raise InputError(f"{origin}: resolution = {parsed['resolution']:g} is not a length > 0")
     pose = values["origin"]
     if not isinstance(pose, list) or len(pose) != 3:
         raise InputError(f"{origin}: origin = {pose!r:.60} is not [x, y, yaw]")
-    made["origin"] = [number(value, "origin", origin) for value in pose]
-    for key, usual in THRESHOLDS.items():
-        made[key] = number(values.get(key, usual), key, origin)
-    if not 0.0 <= made["free_thresh"] <= made["occupied_thresh"] <= 1.0:
-        low, high = made["free_thresh"], made["occupied_thresh"]
+    parsed["origin"] = [number(value, "origin", origin) for value in pose]
+    for key, default in THRESHOLDS.items():
+        parsed[key] = number(values.get(key, default), key, origin)
+    if not 0.0 <= parsed["free_thresh"] <= parsed["occupied_thresh"] <= 1.0:
+        low, high = parsed["free_thresh"], parsed["occupied_thresh"]
         raise InputError(f"{origin}: free_thresh = {low:g} and occupied_thresh = {high:g} are not "
                       "0 <= free <= occupied <= 1")  # fmt: skip
-    made["negate"] = bool(number(values.get("negate", 0), "negate", origin))
-    made["mode"] = str(values.get("mode", MODES[0])).lower()
-    if made["mode"] not in MODES:
-        raise unknown("mode", made["mode"], MODES, origin)
-    return made
+    parsed["negate"] = bool(number(values.get("negate", 0), "negate", origin))
+    parsed["mode"] = str(values.get("mode", MODES[0])).lower()
+    if parsed["mode"] not in MODES:
+        raise unknown("mode", parsed["mode"], MODES, origin)
+    return parsed
 
 
 def number(value: Any, key: str, origin: str) -> float:
     """A number of the YAML file; 1e-2, which YAML takes for a text, too. Raises InputError."""
     try:
-        made = float(value)
+        parsed = float(value)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{origin}: {key} = {value!r:.60} is not a number") from None
-    if not math.isfinite(made):
-        raise InputError(f"{origin}: {key} = {made:g} is not a number")
-    return made
+    if not math.isfinite(parsed):
+        raise InputError(f"{origin}: {key} = {parsed:g} is not a number")
+    return parsed
 
 
 def contents(path: Path, values: dict[str, Any], data: bytes, name: str) -> DrawingContents:
     """The layers of a map. Raises InputError."""
-    occupied, unseen = occupancy(image_of(data, f"{path}, {name}"), values)
+    occupied, unknown = occupancy(image_of(data, f"{path}, {name}"), values)
     x, y, yaw = values["origin"]
     grid = RasterGrid((x, y), values["resolution"], yaw)
     origin = f"{path}, {name}"
-    items = [Item(MAP, "box", partial(known_box, ~unseen, grid, origin))]
+    items = [Item(MAP, "box", partial(known_box, ~unknown, grid, origin))]
     items += [
         cells(layer, solid, grid, origin)
-        for layer, solid in ((OCCUPIED, occupied), (UNKNOWN, unseen))
+        for layer, solid in ((OCCUPIED, occupied), (UNKNOWN, unknown))
         if solid.any()
     ]
     return DrawingContents(
@@ -188,15 +190,15 @@ def occupancy(image: Image.Image, values: dict[str, Any]) -> tuple[np.ndarray, n
     what is unknown. In the mode raw a value is a percentage, and above 100 unknown.
     """
     mode = values["mode"]
-    clear = "A" in image.getbands() or "transparency" in image.info
+    has_alpha = "A" in image.getbands() or "transparency" in image.info
     if image.mode.startswith(("I", "F")):  # 16 bits
-        sums, most = np.asarray(image, np.int64), 65535
-        clear = False
+        sums, top = np.asarray(image, np.int64), 65535
+        has_alpha = False
     else:
-        bands = np.asarray(image.convert("RGBA" if clear else "RGB"))
-        seen = bands if clear and mode == "trinary" else bands[..., :3]
-        sums, most = seen.sum(axis=2, dtype=np.int64), 255 * seen.shape[2]
-    table = np.arange(most + 1) / most
+        bands = np.asarray(image.convert("RGBA" if has_alpha else "RGB"))
+        counted_bands = bands if has_alpha and mode == "trinary" else bands[..., :3]
+        sums, top = counted_bands.sum(axis=2, dtype=np.int64), 255 * counted_bands.shape[2]
+    table = np.arange(top + 1) / top
     if mode == "raw":
         percent = np.rint(table * 255.0)
         share = np.where(percent <= 100.0, percent / 100.0, np.nan)
@@ -207,19 +209,19 @@ def occupancy(image: Image.Image, values: dict[str, Any]) -> tuple[np.ndarray, n
     if mode == "raw":  # the ends are what they say, whatever the thresholds are
         is_occupied |= share == 1.0
         is_free |= share == 0.0
-    sums = np.clip(sums, 0, most)
-    occupied, unseen = is_occupied[sums], ~(is_occupied | is_free)[sums]
-    if clear and mode == "scale":
-        hidden = bands[..., 3] < 255
-        occupied, unseen = occupied & ~hidden, unseen | hidden
-    return occupied[::-1], unseen[::-1]
+    sums = np.clip(sums, 0, top)
+    occupied, unknown = is_occupied[sums], ~(is_occupied | is_free)[sums]
+    if has_alpha and mode == "scale":
+        is_transparent = bands[..., 3] < 255
+        occupied, unknown = occupied & ~is_transparent, unknown | is_transparent
+    return occupied[::-1], unknown[::-1]
 
 
-def known_box(known: np.ndarray, grid: RasterGrid, origin: str) -> list[Shape]:
+def known_box(is_known: np.ndarray, grid: RasterGrid, origin: str) -> list[Shape]:
     """The box around all cells that are free or occupied. Raises InputError."""
-    rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
+    rows, columns = np.flatnonzero(is_known.any(axis=1)), np.flatnonzero(is_known.any(axis=0))
     if not len(rows):
         x, y = grid.origin
-        raise InputError(f"{origin}: all of the map at {at((x, y))} is unknown")
+        raise InputError(f"{origin}: all of the map at {format_place((x, y))} is unknown")
     box = shapely.box(columns[0], rows[0], columns[-1] + 1, rows[-1] + 1)
     return [area("", rings(box, grid), origin)]

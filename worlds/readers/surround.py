@@ -23,7 +23,7 @@ from worlds.readers.drawn_shapes import (
     DrawnPoint,
     Point,
     Solid,
-    at,
+    format_place,
 )
 from worlds.readers.read import Geometry
 from worlds.readers.roles import GOAL, PATH, START
@@ -59,7 +59,7 @@ def mission_of(
 def free_space(world: World) -> shapely.Geometry:
     """The box without what is solid."""
     (x, y), (width, height) = world.low, world.size
-    solid = shapely.union_all([one.footprint() for one in world.obstacles])
+    solid = shapely.union_all([obstacle.footprint() for obstacle in world.obstacles])
     return shapely.box(x, y, x + width, y + height).difference(solid)
 
 
@@ -69,24 +69,31 @@ def start_of(
     """The start region: the box around what is drawn, if no other free space lies in it."""
     if not geometry.starts:
         return None
-    where = layers(geometry.starts)
+    layer_text = layers(geometry.starts)
     outlines = [outline(shape) for _, shape in geometry.starts]
-    drawn = shapely.union_all([translate(one, dx, dy) for one in outlines if one is not None])
-    if drawn.is_empty:
-        notes.append(f"{START}: {where} is not used: it holds no area")
+    drawn_area = shapely.union_all(
+        [translate(area, dx, dy) for area in outlines if area is not None]
+    )
+    if drawn_area.is_empty:
+        notes.append(f"{START}: {layer_text} is not used: it holds no area")
         return None
-    low_x, low_y, high_x, high_y = (round(x, geometry.digits) for x in drawn.bounds)
+    low_x, low_y, high_x, high_y = (round(x, geometry.digits) for x in drawn_area.bounds)
     box = shapely.box(low_x, low_y, high_x, high_y)
-    if drawn.intersection(free).area == 0.0:
-        notes.append(f"{START}: {where} is not used: all of it is solid or outside")
+    if drawn_area.intersection(free).area == 0.0:
+        notes.append(f"{START}: {layer_text} is not used: all of it is solid or outside")
         return None
-    if box.difference(drawn).intersection(free).area > SLIVER * box.area:
-        what = "its area is" if len(outlines) == 1 else f"its {len(outlines)} areas are"
-        notes.append(f"{START}: {where} is not used: {what} not one box along the axes, as the "
-                     "start of a mission is")  # fmt: skip
+    if box.difference(drawn_area).intersection(free).area > SLIVER * box.area:
+        subject = "its area is" if len(outlines) == 1 else f"its {len(outlines)} areas are"
+        notes.append(
+            f"{START}: {layer_text} is not used: {subject} not one box along the axes, as "
+            "the start of a mission is"
+        )
         return None
     low, high = (low_x, low_y), (high_x, high_y)
-    notes.append(f"{START}: {where} is the start of the mission, {at(low)} to {at(high)}")
+    notes.append(
+        f"{START}: {layer_text} is the start of the mission, {format_place(low)} to "
+        f"{format_place(high)}"
+    )
     return StartRegion(low=low, high=high)
 
 
@@ -101,23 +108,27 @@ def goal_of(
     """The goal: the middle of the one that is drawn, in free space."""
     if not geometry.goals:
         return None
-    where = layers(geometry.goals)
+    layer_text = layers(geometry.goals)
     if len(geometry.goals) > 1:
-        notes.append(f"{GOAL}: {where} is not used: it holds {len(geometry.goals)} goals, and a "
-                     "mission has one")  # fmt: skip
+        notes.append(
+            f"{GOAL}: {layer_text} is not used: it holds {len(geometry.goals)} goals, and "
+            "a mission has one"
+        )
         return None
     shape = geometry.goals[0][1]
     if isinstance(shape, DrawnPoint):
         place: Point | None = (shape.place[0] + dx, shape.place[1] + dy)
     else:
-        found = shapely.LineString(shape.points) if isinstance(shape, DrawnLine) else outline(shape)
-        place = middle(translate(found, dx, dy).intersection(free))
+        drawn_shape = (
+            shapely.LineString(shape.points) if isinstance(shape, DrawnLine) else outline(shape)
+        )
+        place = middle(translate(drawn_shape, dx, dy).intersection(free))
     if place is not None:
-        place = rounded_place(place, geometry.digits)
+        place = round_place(place, geometry.digits)
     if place is None or clearance(world, np.array([place]))[0] <= 0.0:
-        notes.append(f"{GOAL}: {where} is not used: all of it is solid or outside")
+        notes.append(f"{GOAL}: {layer_text} is not used: all of it is solid or outside")
         return None
-    notes.append(f"{GOAL}: {where} is the goal of the mission, at {at(place)}")
+    notes.append(f"{GOAL}: {layer_text} is the goal of the mission, at {format_place(place)}")
     return Goal(route=(place,))
 
 
@@ -127,26 +138,32 @@ def path_of(
     """The path: the one line that is drawn, or the one waypoint; circles say the distance."""
     if not geometry.paths:
         return None
-    where = layers(geometry.paths)
+    layer_text = layers(geometry.paths)
     lines = [shape for _, shape in geometry.paths if isinstance(shape, DrawnLine)]
     circles = [shape for _, shape in geometry.paths if isinstance(shape, DrawnCircle)]
-    others = len(geometry.paths) - len(lines) - len(circles)
-    if others or len(lines) > 1 or (not lines and len(circles) > 1):
-        what = f"{len(lines)} lines, {len(circles)} circles and {others} other shapes"
-        notes.append(f"{PATH}: {where} is not used: it holds {what}, and the path of a mission is "
-                     "one line")  # fmt: skip
+    other_count = len(geometry.paths) - len(lines) - len(circles)
+    if other_count or len(lines) > 1 or (not lines and len(circles) > 1):
+        counts_text = f"{len(lines)} lines, {len(circles)} circles and {other_count} other shapes"
+        notes.append(
+            f"{PATH}: {layer_text} is not used: it holds {counts_text}, and the path of a "
+            "mission is one line"
+        )
         return None
     points = list(lines[0].points) if lines else [circles[0].centre]
-    moved = [rounded_place((x + dx, y + dy), geometry.digits) for x, y in points]
-    for place in moved:
+    waypoints = [round_place((x + dx, y + dy), geometry.digits) for x, y in points]
+    for place in waypoints:
         if clearance(world, np.array([place]))[0] <= 0.0:
-            notes.append(f"{PATH}: {where} is not used: {at(place)} is solid or outside")
+            notes.append(
+                f"{PATH}: {layer_text} is not used: {format_place(place)} is solid or outside"
+            )
             return None
-    switch = min((one.radius for one in circles), default=SWITCH)
-    why = "as its circles say" if circles else "which the drawing does not say"
-    notes.append(f"{PATH}: {where} is the path of the mission, {len(moved)} waypoints, each taken "
-                 f"at a distance of {switch:g} m, {why}")  # fmt: skip
-    return Path(waypoints=tuple(moved), switch=switch)
+    switch = min((circle.radius for circle in circles), default=SWITCH)
+    reason = "as its circles say" if circles else "which the drawing does not say"
+    notes.append(
+        f"{PATH}: {layer_text} is the path of the mission, {len(waypoints)} waypoints, each "
+        f"taken at a distance of {switch:g} m, {reason}"
+    )
+    return Path(waypoints=tuple(waypoints), switch=switch)
 
 
 def outline(shape: Solid) -> shapely.Geometry:
@@ -165,14 +182,14 @@ def middle(free: shapely.Geometry) -> Point | None:
     return (inside.x, inside.y)
 
 
-def rounded_place(place: Point, digits: int) -> Point:
+def round_place(place: Point, digits: int) -> Point:
     """A place without rounding errors."""
     return (round(place[0], digits), round(place[1], digits))
 
 
-def layers(held: Layered) -> str:
+def layers(layered: Layered) -> str:
     """The layers of shapes, each once."""
-    names = dict.fromkeys(layer for layer, _ in held)
+    names = dict.fromkeys(layer for layer, _ in layered)
     return ("layer " if len(names) == 1 else "layers ") + ", ".join(repr(name) for name in names)
 
 
@@ -206,7 +223,7 @@ def world_and_notes(
     to_origin: bool = False,
 ) -> tuple[World, tuple[str, ...]]:
     """The same, and a line about each part of a mission: what it is made of, or why it is not."""
-    both = edges_of(edges, 2, geometry.file)
+    edge_kinds = edges_of(edges, 2, geometry.file)
     obstacles = list(geometry.obstacles)
     if geometry.walkable is not None:
         if margin is not None:
@@ -215,42 +232,42 @@ def world_and_notes(
         bounds = geometry.walkable.bounds
         obstacles += outside(geometry.walkable, geometry.digits)
     else:
-        bounds = grown(geometry, margin)
+        bounds = grow_box(geometry, margin)
     low_x, low_y, high_x, high_y = (round(x, geometry.digits) for x in bounds)
     size = (round(high_x - low_x, geometry.digits), round(high_y - low_y, geometry.digits))
     dx, dy = (-low_x, -low_y) if to_origin else (0.0, 0.0)
     if to_origin:
-        obstacles = [rounded_shift(one, dx, dy, geometry.digits) for one in obstacles]
+        obstacles = [shift_and_round(obstacle, dx, dy, geometry.digits) for obstacle in obstacles]
         low_x, low_y = 0.0, 0.0
-    for axis, edge, start in zip("xy", both, (low_x, low_y), strict=True):
+    for axis, edge, start in zip("xy", edge_kinds, (low_x, low_y), strict=True):
         if edge == "wrap" and start != 0.0:
             raise InputError(
                 f"edges that wrap need a box that begins at 0, and along {axis} it begins at "
                 f"{start:g} ({geometry.file}): move it to the origin (--to-origin)"
             )
-    made = World(
+    built_world = World(
         name=geometry.file.rpartition(".")[0],
         size=size,
-        edges=both,
+        edges=edge_kinds,
         title=f"Read from {geometry.file}",
         low=(low_x, low_y),
         obstacles=tuple(obstacles),
         source=geometry.file,
     )
     if not (geometry.starts or geometry.goals or geometry.paths):
-        return made, ()
-    demand_sound(made)
-    mission, notes = mission_of(geometry, made, dx, dy)
-    return replace(made, mission=mission), tuple(notes)
+        return built_world, ()
+    demand_sound(built_world)
+    mission, notes = mission_of(geometry, built_world, dx, dy)
+    return replace(built_world, mission=mission), tuple(notes)
 
 
 def outside(walkable: shapely.Geometry, digits: int) -> list[Obstacle]:
     """What of the bounds of the walkable area is not walkable: outside of it, and its holes."""
     box = shapely.box(*walkable.bounds)
-    rest = box.difference(walkable)
-    found: list[Obstacle] = []
+    unwalkable = box.difference(walkable)
+    obstacles: list[Obstacle] = []
     count = {OUTSIDE: 0, HOLE: 0}
-    for piece in () if rest.is_empty else shapely.get_parts(rest):
+    for piece in () if unwalkable.is_empty else shapely.get_parts(unwalkable):
         rings = [
             [(round(x, digits), round(y, digits)) for x, y in ring.coords[:-1]]
             for ring in (piece.exterior, *piece.interiors)
@@ -259,29 +276,31 @@ def outside(walkable: shapely.Geometry, digits: int) -> list[Obstacle]:
         count[kind] += 1
         name = f"{kind} {count[kind]}"
         values = {"shape": "polygon", "name": name, "points": rings[0], "holes": rings[1:]}
-        found.append(obstacle(values))
-    return found
+        obstacles.append(obstacle(values))
+    return obstacles
 
 
-def rounded_shift(one: Obstacle, dx: float, dy: float, digits: int) -> Obstacle:
+def shift_and_round(one: Obstacle, dx: float, dy: float, digits: int) -> Obstacle:
     """An obstacle moved, without the rounding errors of the sum."""
-    return obstacle(rounded(one.moved(dx, dy).model_dump(exclude_none=True), digits))
+    return obstacle(round_numbers(one.moved(dx, dy).model_dump(exclude_none=True), digits))
 
 
-def rounded(value: Any, digits: int) -> Any:
+def round_numbers(value: Any, digits: int) -> Any:
     """A value with all numbers in it rounded."""
     if isinstance(value, float):
         return round(value, digits)
     if isinstance(value, dict):
-        return {key: rounded(one, digits) for key, one in value.items()}
-    return [rounded(one, digits) for one in value] if isinstance(value, list | tuple) else value
+        return {key: round_numbers(item, digits) for key, item in value.items()}
+    return (
+        [round_numbers(one, digits) for one in value] if isinstance(value, list | tuple) else value
+    )
 
 
-def grown(geometry: Geometry, margin: float | None) -> tuple[float, ...]:
+def grow_box(geometry: Geometry, margin: float | None) -> tuple[float, ...]:
     """The bounds of the obstacles with a margin around them. Raises InputError."""
-    around = shapely.total_bounds([one.footprint() for one in geometry.obstacles])
-    side = max(around[2] - around[0], around[3] - around[1])
+    bounds = shapely.total_bounds([obstacle.footprint() for obstacle in geometry.obstacles])
+    side = max(bounds[2] - bounds[0], bounds[3] - bounds[1])
     margin = MARGIN * side if margin is None else margin
     if not (margin >= 0.0 and math.isfinite(margin)):
         raise InputError(f"margin = {margin:g} m is not a length >= 0")
-    return (*(float(x) for x in around[:2] - margin), *(float(x) for x in around[2:] + margin))
+    return (*(float(x) for x in bounds[:2] - margin), *(float(x) for x in bounds[2:] + margin))

@@ -22,7 +22,7 @@ from xml.parsers import expat
 
 import shapely
 
-from worlds.input_error import InputError, shortened
+from worlds.input_error import InputError, shorten
 from worlds.readers.drawing_contents import (
     DEEPEST,
     MOST_ITEMS,
@@ -32,7 +32,7 @@ from worlds.readers.drawing_contents import (
     bytes_of,
 )
 from worlds.readers.drawn_shapes import Point, Shape, StrayPoint, area, circle, demand_finite, line
-from worlds.readers.dxf import MOST_OUTLINES, STEP, nested
+from worlds.readers.dxf import MOST_OUTLINES, STEP, nest_rings
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 GROUPMODE = "{http://www.inkscape.org/namespaces/inkscape}groupmode"
@@ -58,7 +58,7 @@ def read_svg(path: Path) -> DrawingContents:
         root.attrib.pop(key, None)
     text = io.BytesIO(Xml.tostring(root))
     try:
-        drawn = svgelements.SVG.parse(text, reify=False)
+        drawing = svgelements.SVG.parse(text, reify=False)
     except (
         ArithmeticError,
         AttributeError,
@@ -72,7 +72,7 @@ def read_svg(path: Path) -> DrawingContents:
         ) from None
     items: list[Item] = []
     left_out = Counter[tuple[str, str]]()
-    for element, layer in elements(drawn, ""):
+    for element, layer in elements(drawing, ""):
         kind = type(element).__name__.lower()
         if not isinstance(element, svgelements.Shape):
             left_out[kind, layer] += 1
@@ -96,7 +96,7 @@ def document(data: bytes, path: Path) -> Xml.Element:
     except (Xml.ParseError, ValueError, LookupError) as error:
         raise InputError(f"{path} is not SVG: {error}") from None
     if root.tag.rpartition("}")[2] != "svg":
-        raise InputError(f"{path} is not SVG: its outermost element is {shortened(root.tag)}")
+        raise InputError(f"{path} is not SVG: its outermost element is {shorten(root.tag)}")
     return root
 
 
@@ -120,44 +120,44 @@ def demand_no_entities(data: bytes, path: Path) -> None:
 def height_of(root: Xml.Element) -> float:
     """Where y is 0 in the world, in the file's y: the lower edge of what is shown, if it says."""
     try:
-        box = [float(one) for one in root.get("viewBox", "").replace(",", " ").split()]
-        found = box[1] + box[3] if len(box) == 4 else float(root.get("height", "0"))
+        box = [float(number) for number in root.get("viewBox", "").replace(",", " ").split()]
+        height = box[1] + box[3] if len(box) == 4 else float(root.get("height", "0"))
     except ValueError:
         return 0.0
-    return found if math.isfinite(found) else 0.0
+    return height if math.isfinite(height) else 0.0
 
 
 def demand_few(root: Xml.Element, path: Path) -> None:
     """Refuse what would draw too much, use elements counted as often as they are opened."""
-    known = {one.get("id"): one for one in root.iter() if "id" in one.attrib}
-    counted: dict[Xml.Element, int] = {}
+    by_id = {node.get("id"): node for node in root.iter() if "id" in node.attrib}
+    counts: dict[Xml.Element, int] = {}
     # Each element after all that it holds or uses, without recursion.
     stack: list[tuple[Xml.Element, int, bool]] = [(root, 0, False)]
-    opened: set[Xml.Element] = set()
+    open_nodes: set[Xml.Element] = set()
     while stack:
         one, depth, is_done = stack.pop()
         parts = [*one]
         # As svgelements has it, which leaves out the first letter, whatever that is.
         address = one.get("href", one.get(HREF))
-        used = None if address is None else known.get(address[1:])
-        if one.tag.rpartition("}")[2] == "use" and used is not None:
-            parts.append(used)
+        target = None if address is None else by_id.get(address[1:])
+        if one.tag.rpartition("}")[2] == "use" and target is not None:
+            parts.append(target)
         if is_done:
-            opened.discard(one)
-            counted[one] = 1 + sum(counted[part] for part in parts)
-            if counted[one] > MOST_ITEMS:
+            open_nodes.discard(one)
+            counts[one] = 1 + sum(counts[part] for part in parts)
+            if counts[one] > MOST_ITEMS:
                 raise InputError(
                     f"{path} draws more than {MOST_ITEMS} elements, those of use counted "
                     "as often as they are used: too many to read"
                 )
             continue
-        if one in counted:
+        if one in counts:
             continue
-        if one in opened:
-            raise InputError(f"{path}: the element {shortened(one.get('id'))} uses itself")
+        if one in open_nodes:
+            raise InputError(f"{path}: the element {shorten(one.get('id'))} uses itself")
         if depth > DEEPEST:
             raise InputError(f"{path}: its elements are nested more than {DEEPEST} deep")
-        opened.add(one)
+        open_nodes.add(one)
         stack.append((one, depth, True))
         stack += [(part, depth + 1, False) for part in parts]
 
@@ -190,7 +190,7 @@ def shapes(element: Any, height: float, origin: str) -> list[Shape]:
         matrix = element.transform
         if isinstance(element, svgelements.Circle | svgelements.Ellipse):
             scale = math.hypot(matrix.a, matrix.b)
-            if abs(element.rx - element.ry) <= ROUND * element.rx and keeps_round(matrix):
+            if abs(element.rx - element.ry) <= ROUND * element.rx and keeps_circles(matrix):
                 centre = matrix.point_in_matrix_space((element.cx, element.cy))
                 place = (float(centre.x), height - float(centre.y))
                 radius = float(element.rx) * scale
@@ -222,16 +222,16 @@ def shapes(element: Any, height: float, origin: str) -> list[Shape]:
         area("", [ring], origin)
     if str(element.values.get("fill-rule", "nonzero")) != "evenodd":
         rings = filled_edges(rings)
-    return [area("", found, origin) for found in nested(rings)]
+    return [area("", ring_set, origin) for ring_set in nest_rings(rings)]
 
 
-def keeps_round(matrix: Any) -> bool:
+def keeps_circles(matrix: Any) -> bool:
     """Whether a circle stays one: turned, mirrored, moved, and scaled alike along both axes."""
-    a, b, c, d = (float(one) for one in (matrix.a, matrix.b, matrix.c, matrix.d))
+    a, b, c, d = (float(number) for number in (matrix.a, matrix.b, matrix.c, matrix.d))
     near = ROUND * max(abs(a), abs(b))
-    turned = abs(a - d) <= near and abs(b + c) <= near
+    is_rotation = abs(a - d) <= near and abs(b + c) <= near
     mirrored = abs(a + d) <= near and abs(b - c) <= near
-    return turned or mirrored
+    return is_rotation or mirrored
 
 
 def subpath(piece: Any, matrix: Any, height: float) -> list[Point]:
@@ -246,24 +246,24 @@ def subpath(piece: Any, matrix: Any, height: float) -> list[Point]:
         else:
             count = CHORDS if kind in ("QuadraticBezier", "CubicBezier") else 1
         for place in [*(segment.point(k / count) for k in range(1, count)), segment.end]:
-            drawn = matrix.point_in_matrix_space(place)
-            points.append((float(drawn.x), height - float(drawn.y)))
+            centre = matrix.point_in_matrix_space(place)
+            points.append((float(centre.x), height - float(centre.y)))
     return points
 
 
 def filled_edges(rings: Sequence[list[Point]]) -> list[list[Point]]:
     """The rings at which a fill of the rule nonzero begins or ends; they do not cross."""
     areas = [shapely.Polygon(ring) for ring in rings]
-    turn = [1 if shapely.is_ccw(one.exterior) else -1 for one in areas]
+    turn = [1 if shapely.is_ccw(polygon.exterior) else -1 for polygon in areas]
     tree = shapely.STRtree(areas)
-    kept = []
+    edges = []
     for k, one in enumerate(areas):
-        around = [
+        windings = [
             int(j)
             for j in tree.query(one, predicate="covered_by")
             if j != k and (areas[j].area > one.area or (areas[j].area == one.area and j < k))
         ]
-        outside = sum(turn[j] for j in around)
+        outside = sum(turn[j] for j in windings)
         if (outside == 0) != (outside + turn[k] == 0):
-            kept.append(rings[k])
-    return kept
+            edges.append(rings[k])
+    return edges

@@ -13,9 +13,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from worlds.input_error import InputError, shortened, unknown
+from worlds.input_error import InputError, shorten, unknown
 from worlds.readers.drawing_contents import MOST_ITEMS, DrawingContents, Item, layers_of, text_of
-from worlds.readers.drawn_shapes import Point, Shape, area, at, circle
+from worlds.readers.drawn_shapes import Point, Shape, area, circle, format_place
 from worlds.readers.roles import GOAL, IGNORE, OBSTACLE, START, WALKABLE
 
 SHAPES = ("POLYGON", "RECTANGLE", "CIRCLE")
@@ -32,36 +32,36 @@ ROLES = {
 def read_vadere(path: Path) -> DrawingContents:
     """The topography of a scenario, or of a file of its own. Raises InputError."""
     try:
-        given = json.loads(text_of(path))
+        document = json.loads(text_of(path))
     except RecursionError:
         raise InputError(f"{path} is not a scenario of Vadere: it is nested too deep") from None
     except ValueError as error:
         raise InputError(f"{path} is not JSON: {' '.join(str(error).split())[:200]}") from None
-    topography = topography_of(given, path)
+    topography = topography_of(document, path)
     items = [Item(BOUNDS, "box", partial(bounds, topography, path))]
-    for layer, held in topography.items():
-        if not isinstance(held, list):
+    for layer, entries in topography.items():
+        if not isinstance(entries, list):
             continue
         items += [
             Item(layer, kind_of(element), partial(shapes, element, layer, f"{path}, {layer} {k}"))
-            for k, element in enumerate(held, start=1)
+            for k, element in enumerate(entries, start=1)
         ]
     if len(items) > MOST_ITEMS:
         raise InputError(f"{path} holds more than {MOST_ITEMS} elements, too many to read")
-    others = dict.fromkeys(topography, (IGNORE, "it is not of the world"))
-    return DrawingContents(path, tuple(items), layers_of(items), 1.0, roles={**others, **ROLES})
+    ignored = dict.fromkeys(topography, (IGNORE, "it is not of the world"))
+    return DrawingContents(path, tuple(items), layers_of(items), 1.0, roles={**ignored, **ROLES})
 
 
-def topography_of(given: Any, path: Path) -> dict[str, Any]:
+def topography_of(document: Any, path: Path) -> dict[str, Any]:
     """The topography in a scenario. Raises InputError."""
     for key in ("scenario", "topography"):
-        if isinstance(given, dict) and key in given:
-            given = given[key]
-    if not isinstance(given, dict) or not isinstance(given.get("attributes"), dict):
+        if isinstance(document, dict) and key in document:
+            document = document[key]
+    if not isinstance(document, dict) or not isinstance(document.get("attributes"), dict):
         raise InputError(
             f"{path} is not a scenario of Vadere: it has no topography with attributes"
         )
-    return given
+    return document
 
 
 def bounds(topography: dict[str, Any], path: Path) -> list[Shape]:
@@ -92,9 +92,9 @@ def shapes(element: Any, layer: str, origin: str) -> list[Shape]:
     if not isinstance(shape, dict):
         raise InputError(f"{origin}: it has no shape")
     identity = element.get("id")
-    named = isinstance(identity, int) and not isinstance(identity, bool) and identity >= 0
-    origin = f"{origin} (id {identity})" if named else origin
-    name = f"{layer.removesuffix('s')} {identity}" if named else ""
+    has_number = isinstance(identity, int) and not isinstance(identity, bool) and identity >= 0
+    origin = f"{origin} (id {identity})" if has_number else origin
+    name = f"{layer.removesuffix('s')} {identity}" if has_number else ""
     kind = shape.get("type")
     if kind == "RECTANGLE":
         x, y, width, height = rectangle(shape, origin)
@@ -104,20 +104,20 @@ def shapes(element: Any, layer: str, origin: str) -> list[Shape]:
         return [circle(name, point(centre, origin), number(shape, "radius", origin), origin)]
     if kind != "POLYGON":
         raise unknown("shape", kind, SHAPES, origin)
-    given = shape.get("points")
-    if not isinstance(given, list) or not given:
+    corners = shape.get("points")
+    if not isinstance(corners, list) or not corners:
         raise InputError(f"{origin}: its polygon has no points")
-    points = [point(one, origin) for one in given]
+    points = [point(corner, origin) for corner in corners]
     return [area(name, [[*points, points[0]]], origin)]
 
 
-def rectangle(given: Any, origin: str) -> tuple[float, float, float, float]:
+def rectangle(value: Any, origin: str) -> tuple[float, float, float, float]:
     """Lower left corner, width and height. Raises InputError."""
-    if not isinstance(given, dict):
-        raise InputError(f"{origin}: {shortened(given)} is no rectangle")
-    x, y, width, height = (number(given, key, origin) for key in ("x", "y", "width", "height"))
+    if not isinstance(value, dict):
+        raise InputError(f"{origin}: {shorten(value)} is no rectangle")
+    x, y, width, height = (number(value, key, origin) for key in ("x", "y", "width", "height"))
     if not (width > 0.0 and height > 0.0):
-        raise InputError(f"{origin}: {width:g} x {height:g} at {at((x, y))} is no area")
+        raise InputError(f"{origin}: {width:g} x {height:g} at {format_place((x, y))} is no area")
     return x, y, width, height
 
 
@@ -126,18 +126,18 @@ def box(low_x: float, low_y: float, high_x: float, high_y: float) -> list[Point]
     return [(low_x, low_y), (high_x, low_y), (high_x, high_y), (low_x, high_y), (low_x, low_y)]
 
 
-def point(given: Any, origin: str) -> Point:
+def point(value: Any, origin: str) -> Point:
     """A place. Raises InputError."""
-    if not isinstance(given, dict):
-        raise InputError(f"{origin}: {shortened(given)} is no point with x and y")
-    return (number(given, "x", origin), number(given, "y", origin))
+    if not isinstance(value, dict):
+        raise InputError(f"{origin}: {shorten(value)} is no point with x and y")
+    return (number(value, "x", origin), number(value, "y", origin))
 
 
-def number(given: dict[str, Any], key: str, origin: str, usual: float | None = None) -> float:
+def number(table: dict[str, Any], key: str, origin: str, default: float | None = None) -> float:
     """A number by its key. Raises InputError."""
-    value = given.get(key, usual)
+    value = table.get(key, default)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{origin}: {key} = {shortened(value)} is not a number")
+        raise InputError(f"{origin}: {key} = {shorten(value)} is not a number")
     try:
         return float(value)
     except OverflowError:

@@ -36,9 +36,9 @@ from worlds.readers.drawn_shapes import (
     Point,
     Shape,
     area,
-    at,
     demand_finite,
     demand_valid,
+    format_place,
     line,
 )
 
@@ -55,25 +55,25 @@ def read_wkt(path: Path) -> DrawingContents:
     if len(geometries) > MOST_ITEMS:
         raise InputError(f"{path} holds more than {MOST_ITEMS} geometries, too many to read")
     for number, text in geometries:
-        head, colon, rest = text.partition(":")
+        head, colon, body = text.partition(":")
         has_name = bool(colon) and "(" not in head and ")" not in head
-        name, given = (head.strip(), rest.strip()) if has_name else ("", text.strip())
-        if has_name and not given:
+        name, wkt = (head.strip(), body.strip()) if has_name else ("", text.strip())
+        if has_name and not wkt:
             raise InputError(f"{path}, line {number}: a name, but no geometry")
         origin = f"{path}, line {number}" + (f" {name!r}" if name else "")
-        items += items_of(given, name, origin)
+        items += items_of(wkt, name, origin)
     return DrawingContents(path, tuple(items), layers_of(items), None)
 
 
 def whole_geometries(text: str) -> Iterator[tuple[int, str]]:
     """Each geometry with the number of its first line; comments and empty lines are left out."""
     begun, pieces, depth = 0, list[str](), 0
-    for number, one in enumerate(text.splitlines(), start=1):
-        if not one.strip() or (one.lstrip().startswith("#") and not pieces):
+    for number, text_line in enumerate(text.splitlines(), start=1):
+        if not text_line.strip() or (text_line.lstrip().startswith("#") and not pieces):
             continue
         begun = begun if pieces else number
-        pieces.append(one)
-        depth += one.count("(") - one.count(")")
+        pieces.append(text_line)
+        depth += text_line.count("(") - text_line.count(")")
         if depth <= 0:
             yield begun, " ".join(pieces)
             pieces, depth = [], 0
@@ -84,33 +84,39 @@ def whole_geometries(text: str) -> Iterator[tuple[int, str]]:
 def items_of(text: str, name: str, origin: str) -> list[Item]:
     """The items of one geometry: one, or those of JuPedSim's collections."""
     try:
-        made = geometry(text, origin)
+        shapely_geometry = geometry(text, origin)
     except InputError as refusal:
         return [Item(name or UNNAMED, kind_of(text), partial(refused, str(refusal)))]
-    members = list(shapely.get_parts(made))
+    members = list(shapely.get_parts(shapely_geometry))
     if (
         not name
-        and made.geom_type == "GeometryCollection"
+        and shapely_geometry.geom_type == "GeometryCollection"
         and len(members) == len(JUPEDSIM)
-        and all(one.geom_type == "GeometryCollection" for one in members)
+        and all(member.geom_type == "GeometryCollection" for member in members)
     ):
         return [
             Item(layer, part.geom_type.upper(), partial(shapes, part, "", origin))
             for layer, collection in zip(JUPEDSIM, members, strict=True)
             for part in shapely.get_parts(collection)
         ]
-    return [Item(name or UNNAMED, made.geom_type.upper(), partial(shapes, made, name, origin))]
+    return [
+        Item(
+            name or UNNAMED,
+            shapely_geometry.geom_type.upper(),
+            partial(shapes, shapely_geometry, name, origin),
+        )
+    ]
 
 
-def refused(words: str) -> list[Shape]:
+def refused(reason: str) -> list[Shape]:
     """Nothing. Raises InputError."""
-    raise InputError(words)
+    raise InputError(reason)
 
 
 def kind_of(text: str) -> str:
     """The kind that a text claims to be."""
-    found = re.match(r"[A-Za-z]+", text)
-    return found[0].upper() if found else "geometry"
+    match = re.match(r"[A-Za-z]+", text)
+    return match[0].upper() if match else "geometry"
 
 
 def geometry(text: str, origin: str) -> shapely.Geometry:
@@ -123,63 +129,77 @@ def geometry(text: str, origin: str) -> shapely.Geometry:
             return shapely.from_wkt(text)
     except (shapely.errors.GEOSException, NotImplementedError) as error:
         if "closed" in str(error):
-            mended = RING.sub(closed_by_rounding, text)
-            if mended != text:
-                return geometry(mended, origin)
+            repaired = RING.sub(close_rounded_ring, text)
+            if repaired != text:
+                return geometry(repaired, origin)
             demand_closed(text, origin)
         reason = " ".join(str(error).removeprefix("ParseException: ").rstrip(".").split())
-        raise InputError(f"{origin}: {short(text)!r} is not WKT: {short(reason, 100)}") from None
+        raise InputError(
+            f"{origin}: {shorten_text(text)!r} is not WKT: {shorten_text(reason, 100)}"
+        ) from None
 
 
-def shapes(made: shapely.Geometry, name: str, origin: str) -> list[Shape]:
+def shapes(shapely_geometry: shapely.Geometry, name: str, origin: str) -> list[Shape]:
     """The shapes of one geometry. Raises InputError."""
-    if shapely.get_num_coordinates(made) > MOST_CORNERS:
+    if shapely.get_num_coordinates(shapely_geometry) > MOST_CORNERS:
         raise InputError(f"{origin}: it has more than {MOST_CORNERS} corners, too many to read")
-    if made.is_empty:
-        raise InputError(f"{origin}: {made.geom_type.upper()} EMPTY has nothing in it")
-    return [shape for part in parts(made, origin) for shape in one(part, name, origin)]
+    if shapely_geometry.is_empty:
+        raise InputError(f"{origin}: {shapely_geometry.geom_type.upper()} EMPTY has nothing in it")
+    return [
+        shape
+        for part in parts(shapely_geometry, origin)
+        for shape in simple_shapes(part, name, origin)
+    ]
 
 
-def parts(made: shapely.Geometry, origin: str) -> list[shapely.Geometry]:
+def parts(shapely_geometry: shapely.Geometry, origin: str) -> list[shapely.Geometry]:
     """The simple geometries of one; the parts of a multipolygon are checked against each other."""
-    if made.geom_type == "MultiPolygon":
-        simple = list(shapely.get_parts(made))
+    if shapely_geometry.geom_type == "MultiPolygon":
+        simple = list(shapely.get_parts(shapely_geometry))
         for part in simple:
-            one(part, "", origin)
-        demand_valid(made, origin)
+            simple_shapes(part, "", origin)
+        demand_valid(shapely_geometry, origin)
         return simple
-    if made.geom_type == "GeometryCollection":
-        return [deep for part in shapely.get_parts(made) for deep in parts(part, origin)]
-    return list(shapely.get_parts(made))
+    if shapely_geometry.geom_type == "GeometryCollection":
+        return [
+            deep for part in shapely.get_parts(shapely_geometry) for deep in parts(part, origin)
+        ]
+    return list(shapely.get_parts(shapely_geometry))
 
 
-def one(made: shapely.Geometry, name: str, origin: str) -> list[Shape]:
+def simple_shapes(shapely_geometry: shapely.Geometry, name: str, origin: str) -> list[Shape]:
     """A simple geometry as a shape, none for an empty one. Raises InputError."""
-    if made.is_empty:
+    if shapely_geometry.is_empty:
         return []
-    if shapely.has_z(made) and (shapely.get_coordinates(made, include_z=True)[:, 2] != 0.0).any():
+    if (
+        shapely.has_z(shapely_geometry)
+        and (shapely.get_coordinates(shapely_geometry, include_z=True)[:, 2] != 0.0).any()
+    ):
         raise InputError(f"{origin}: its points have heights; a geometry in the plane is needed")
-    if made.geom_type == "Polygon":
-        rings = [pairs(ring) for ring in (made.exterior, *made.interiors)]
+    if shapely_geometry.geom_type == "Polygon":
+        rings = [pairs(ring) for ring in (shapely_geometry.exterior, *shapely_geometry.interiors)]
         return [area(name, rings, origin)]
-    if made.geom_type in ("LineString", "LinearRing"):
-        return [line(name, pairs(made), origin)]
-    (place,) = pairs(made)
+    if shapely_geometry.geom_type in ("LineString", "LinearRing"):
+        return [line(name, pairs(shapely_geometry), origin)]
+    (place,) = pairs(shapely_geometry)
     demand_finite([place], origin)
-    need = f"a {made.geom_type.upper()} at {at(place)} bounds no area: a POLYGON is needed"
+    need = (
+        f"a {shapely_geometry.geom_type.upper()} at {format_place(place)} bounds no area: a "
+        "POLYGON is needed"
+    )
     return [DrawnPoint(name, origin, (None, None), place, need)]
 
 
-def pairs(made: shapely.Geometry) -> list[Point]:
+def pairs(shapely_geometry: shapely.Geometry) -> list[Point]:
     """Points of a simple geometry."""
-    return [(float(x), float(y)) for x, y in shapely.get_coordinates(made)]
+    return [(float(x), float(y)) for x, y in shapely.get_coordinates(shapely_geometry)]
 
 
-def closed_by_rounding(ring: re.Match[str]) -> str:
+def close_rounded_ring(ring: re.Match[str]) -> str:
     """A ring that ends where it begins but for rounding, closed; any other as it is."""
     points = ring[1].split(",")
     try:
-        ends = [tuple(float(one) for one in points[k].split()[:2]) for k in (0, -1)]
+        ends = [tuple(float(number) for number in points[k].split()[:2]) for k in (0, -1)]
         sides = [float(one) for point in points for one in point.split()[:2]]
     except ValueError:
         return ring[0]
@@ -200,6 +220,6 @@ def demand_closed(text: str, origin: str) -> None:
             )
 
 
-def short(text: str, most: int = 40) -> str:
+def shorten_text(text: str, limit: int = 40) -> str:
     """The beginning of a text."""
-    return text if len(text) <= most else text[:most].rstrip() + " ..."
+    return text if len(text) <= limit else text[:limit].rstrip() + " ..."

@@ -19,8 +19,8 @@ from app.classroom.student import student_name
 from app.studies.runs.database import Status
 from app.studies.sweeps.sweep_table import as_csv
 from app.viewer.panels.dials import plain
-from worlds.file_writer import unguarded_cell
-from worlds.input_error import InputError, shortened
+from worlds.file_writer import unguard_cell
+from worlds.input_error import InputError, shorten
 
 APART = "; "
 """Between two differences."""
@@ -86,7 +86,7 @@ def points_from_csv(
     """
     try:
         rows = list(csv.reader(io.StringIO(text, newline=""), strict=True))
-        rows = [[unguarded_cell(cell) for cell in row] for row in rows]
+        rows = [[unguard_cell(cell) for cell in row] for row in rows]
     except csv.Error as error:
         raise InputError(f"{origin} is no CSV: {error}") from None
     if not rows or rows[0] != heads(question):
@@ -129,14 +129,14 @@ def point_of(row: Sequence[str], spec: str, at: str) -> Point:
     """A row as a point. Raises InputError."""
     _, student, value, *free, result, status, _, seed, ticks, differs, reason, when = row
     if status not in get_args(Status):
-        raise InputError(f"status = {shortened(status)} is no status of a run ({at})")
+        raise InputError(f"status = {shorten(status)} is no status of a run ({at})")
     if (status != "ok" and result) or not (result or reason):
         raise InputError(f"a run that is {status} has a result, or else a reason ({at})")
     if max(len(differs), len(reason)) > LONGEST or not (differs + reason).isprintable():
         raise InputError(f"differs or reason is no line of text ({at})")
     name = student_name(student)
     if name != student:
-        raise InputError(f"student = {shortened(student)} is not written as a name is ({at})")
+        raise InputError(f"student = {shorten(student)} is not written as a name is ({at})")
     return Point(
         name,
         number(value, at),
@@ -159,14 +159,14 @@ def number(text: str, at: str) -> float:
     except ValueError:
         found = math.nan
     if not math.isfinite(found):
-        raise InputError(f"{shortened(text)} is not a finite number ({at})")
+        raise InputError(f"{shorten(text)} is not a finite number ({at})")
     return found
 
 
 def whole_number(text: str, at: str) -> int:
     """A whole number of at most 19 figures. Raises InputError."""
     if not (text.isascii() and text.isdigit() and len(text) <= 19):
-        raise InputError(f"{shortened(text)} is not a whole number ({at})")
+        raise InputError(f"{shorten(text)} is not a whole number ({at})")
     return int(text)
 
 
@@ -177,7 +177,7 @@ def moment(text: str, at: str) -> datetime:
     except ValueError:
         found = None
     if found is None or found.tzinfo is None:
-        raise InputError(f"when = {shortened(text)} is no time with its zone ({at})")
+        raise InputError(f"when = {shorten(text)} is no time with its zone ({at})")
     return found.astimezone(UTC)
 
 

@@ -22,7 +22,7 @@ from app.studies.sweeps.sweep_file import ObservableBound, Observe, comparison
 from app.studies.sweeps.sweep_job import StopCondition, SweepJob, demand_number, measure_of
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
 from app.viewer.measuring.observable_format import observable_words as in_words
-from worlds.input_error import InputError, first_refusal, shortened, unknown
+from worlds.input_error import InputError, first_input_error, shorten, unknown
 from worlds.text_file import toml
 
 MOST_VALUES = 50
@@ -196,19 +196,19 @@ def question_of(values: object, scene: CompleteSpec, origin: str = "the question
     `model` is that of the scene, whether it is given or not.
     """
     if not isinstance(values, Mapping):
-        raise InputError(f"{origin} = {shortened(values)} is not a table")
+        raise InputError(f"{origin} = {shorten(values)} is not a table")
     if scene.model in FILES:
         raise InputError(f"{scene.model} is a model of a file: a class has those of the catalogue")
     given = {"model": scene.model, **values}
     if given["model"] != scene.model:
         raise InputError(
-            f"model = {shortened(given['model'])} is not that of the scene: {scene.model} is"
+            f"model = {shorten(given['model'])} is not that of the scene: {scene.model} is"
             f" ({origin})"
         )
     try:
         made = Question(**given)
     except ValidationError as error:
-        raise first_refusal(error, origin) from None
+        raise first_input_error(error, origin) from None
     except TypeError:  # keys that are no words
         raise InputError(f"{origin} has keys that are no names") from None
     try:
@@ -251,7 +251,7 @@ def clean_title(text: str) -> str:
     kept = "".join(one for one in text if one.isprintable() or one.isspace())
     title = re.sub(r"\s+", " ", kept).strip()
     if not title:
-        raise InputError(f"title = {shortened(text)} has no letters")
+        raise InputError(f"title = {shorten(text)} has no letters")
     return title
 
 

@@ -34,7 +34,7 @@ from app.live.links.command_frame import LEAST_ADDRESS, MOST_ADDRESS, MOST_CARS
 from app.live.links.link_catalogue import known_link
 from app.live.sources.source_catalogue import known_source
 from app.strict_table import StrictTable, Value
-from worlds.input_error import InputError, needed, shortened, unknown
+from worlds.input_error import InputError, needed, shorten, unknown
 from worlds.text_file import read_text, toml
 
 # On which line of a TOML file something stands: `tomllib` gives values without their lines.
@@ -381,7 +381,7 @@ def refusal(error: ValidationError, text: str, origin: str) -> InputError:
     if isinstance(cause, ValueError):
         return InputError(f"{needed(first)} ({where})")
     value = first["input"]
-    shown = f"{value:g}" if isinstance(value, float) and math.isfinite(value) else shortened(value)
+    shown = f"{value:g}" if isinstance(value, float) and math.isfinite(value) else shorten(value)
     return InputError(f"{'.'.join(keys)} = {shown} is not allowed: {needed(first)} ({where})")
 
 

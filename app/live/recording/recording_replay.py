@@ -21,7 +21,7 @@ from app.live.laboratory.lab_file import Lab, lab_from_toml
 from app.live.laboratory.recording_parts import RecordingPart, parts_of
 from app.live.recording.recording_writer import LONGEST, TABLES, arrow_type, columns_of, described
 from worlds.file_writer import writing
-from worlds.input_error import InputError, shortened, unknown
+from worlds.input_error import InputError, shorten, unknown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -197,7 +197,7 @@ def meta_of(path: Path) -> dict[str, Any]:
     for key, of in METADATA.items():
         if not isinstance(meta.get(key), of):
             raise InputError(
-                f"the metadata of {str(path)!r} is damaged: {key} is {shortened(meta.get(key))}"
+                f"the metadata of {str(path)!r} is damaged: {key} is {shorten(meta.get(key))}"
             )
     return meta
 

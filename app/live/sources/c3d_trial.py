@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from app.live.control.pose import Pose, Sighting, seen, unseen
 from app.live.sources.axes import UNITS, Axes
 from app.live.sources.pose_source import RecordedFrame
-from worlds.input_error import InputError, shortened, unknown
+from worlds.input_error import InputError, shorten, unknown
 from worlds.plug_ins import demand
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ def _unit(path: Path, trial: Any, declared: str) -> str:
     if unit in UNITS and declared not in ("", unit):
         raise InputError(f"unit = {declared} is declared, but {path} is in {unit} (POINT:UNITS)")
     if unit not in UNITS and not declared:
-        says = f"has the unknown unit of length {shortened(unit)}" if unit else "has no unit"
+        says = f"has the unknown unit of length {shorten(unit)}" if unit else "has no unit"
         raise InputError(
             f"{path} {says} (POINT:UNITS): declare that of its numbers, ?unit={', '.join(UNITS)}"
         )

@@ -37,7 +37,7 @@ from app.studies.sweeps.sweep_job import (
     demand_number,
     measure_of,
 )
-from worlds.input_error import InputError, needed, refusal_of, unknown
+from worlds.input_error import InputError, error_of_lines, needed, unknown
 from worlds.text_file import read_text, toml
 
 MOST_FAULTS = 20
@@ -131,7 +131,7 @@ def sweep_of(
             if len(faults) >= MOST_FAULTS:
                 break
     if faults:
-        raise refusal_of(list(faults.values()))
+        raise error_of_lines(list(faults.values()))
     text = places.text or tomlkit.dumps(values)
     made = Sweep(file, places, folder, base, making, cells, text)
     check_precision(made)

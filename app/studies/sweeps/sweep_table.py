@@ -13,7 +13,7 @@ from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.sweep_cells import spec_of
 from app.studies.sweeps.sweep_job import HEADS
 from worlds.file_writer import csv_text, writing
-from worlds.input_error import InputError, shortened
+from worlds.input_error import InputError, shorten
 from worlds.plug_ins import demand
 
 # How far a sweep is, as its store says, also while another process runs it.
@@ -116,7 +116,7 @@ def axes_of(kept: StoreReader) -> list[str]:
     for one in axes:
         if one in HEADS or one in kept.columns:
             raise InputError(
-                f"{str(kept.path)!r} makes no table: its axis {shortened(one)} has the name of "
+                f"{str(kept.path)!r} makes no table: its axis {shorten(one)} has the name of "
                 "another column"
             )
     return axes

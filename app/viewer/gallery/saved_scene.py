@@ -23,7 +23,7 @@ from app.viewer.run.run_preset import MOST_AGENTS, at_home
 from app.viewer.scene.shown.control import Control, controls_of
 from app.viewer.scene.shown.drawing_style import CAMERAS, DrawingStyle
 from worlds.checks import demand_sound
-from worlds.input_error import InputError, shortened, unknown
+from worlds.input_error import InputError, shorten, unknown
 from worlds.layout import layout_names, world_from_layout
 from worlds.text_file import toml
 from worlds.world import World
@@ -161,7 +161,7 @@ def text_of(values: Mapping[str, Any], key: str) -> str:
     """One of the words of a scene, on one line. Raises InputError."""
     text = values.get(key, "")
     if not isinstance(text, str) or len(text) > TEXTS[key]:
-        raise InputError(f"{key} = {shortened(text)} is no text of at most {TEXTS[key]} letters")
+        raise InputError(f"{key} = {shorten(text)} is no text of at most {TEXTS[key]} letters")
     return re.sub(r"\s+", " ", "".join(c for c in text if c.isprintable() or c.isspace())).strip()
 
 
@@ -169,7 +169,7 @@ def table(values: Mapping[str, Any], key: str) -> dict[str, Any]:
     """One of the tables of a scene, empty if it is not there. Raises InputError."""
     found = values.get(key, {})
     if not isinstance(found, dict):
-        raise InputError(f"{key} = {shortened(found)} is not a table")
+        raise InputError(f"{key} = {shorten(found)} is not a table")
     return found
 
 
@@ -190,7 +190,7 @@ def run_of(values: dict[str, Any], origin: str) -> CompleteSpec:
     elif spec.world is not None and spec.world not in layout_names():
         raise unknown("world", spec.world, layout_names())
     if not isinstance(parameters, dict):
-        raise InputError(f"parameters = {shortened(parameters)} is not a table")
+        raise InputError(f"parameters = {shorten(parameters)} is not a table")
     checked(model.parameters, parameters, origin)
     found = at_home(**{**dict(spec), "parameters": parameters})
     demand_bounded(found)
@@ -212,7 +212,7 @@ def demand_bounded(spec: CompleteSpec) -> None:
 def world_of(layout: Any, name: str) -> World:
     """A world that a scene carries with it. Raises InputError."""
     if not isinstance(layout, dict):
-        raise InputError(f"layout = {shortened(layout)} is not a table")
+        raise InputError(f"layout = {shorten(layout)} is not a table")
     demand_few(layout, "layout")
     world = world_from_layout(layout, f"{name}-scene" if name in layout_names() else name)
     demand_small(world, "layout")
@@ -238,7 +238,7 @@ def speed_of(value: Any) -> float | None:
         return None
     if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0.1:
         raise InputError(
-            f"speed = {shortened(value)} is not allowed: a number >= 0.1 ticks/s, or inf"
+            f"speed = {shorten(value)} is not allowed: a number >= 0.1 ticks/s, or inf"
         )
     return float(value)
 
@@ -254,7 +254,7 @@ def plots_of(value: Any) -> tuple[str, ...]:
     """What is plotted, as the charts call it. Raises InputError."""
     right = isinstance(value, list) and all(isinstance(one, str) for one in value)
     if not right or len(value) > MOST_PLOTS or any(len(one) > LONGEST_NAME for one in value):
-        raise InputError(f"plots = {shortened(value)} is no list of at most {MOST_PLOTS} names")
+        raise InputError(f"plots = {shorten(value)} is no list of at most {MOST_PLOTS} names")
     return tuple(value)
 
 
@@ -278,10 +278,10 @@ def demand_offered(name: str, value: Any, control: Control) -> None:
         right = isinstance(value, int | float) and not isinstance(value, bool)
         if not right or not control.low <= value <= control.high or not math.isfinite(value):
             raise InputError(
-                f"look {name} = {shortened(value)} is not in [{control.low:g}, {control.high:g}]"
+                f"look {name} = {shorten(value)} is not in [{control.low:g}, {control.high:g}]"
             )
     elif not isinstance(value, bool):
-        raise InputError(f"look {name} = {shortened(value)} is neither true nor false")
+        raise InputError(f"look {name} = {shorten(value)} is neither true nor false")
 
 
 # A scene in an address: by its name, or whole, packed so that it fits.
