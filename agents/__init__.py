@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from agents.flock import Flock as Flock
-    from agents.member import Member as Member
+    from agents.mesa_interface import Member as Member
 
 __all__ = ["Flock", "Member"]
 
+HOMES = {"Flock": "flock", "Member": "mesa_interface"}
+"""The module of each name."""
+
 
 def __getattr__(name: str) -> Any:
-    if name in __all__:
-        return getattr(import_module(f"{__name__}.{name.lower()}"), name)
+    if name in HOMES:
+        return getattr(import_module(f"{__name__}.{HOMES[name]}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

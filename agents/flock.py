@@ -12,17 +12,16 @@ import mesa
 import numpy as np
 
 from agents import catalogue
-from agents.clock import TickClock
 from agents.flock_world import complete_spec, find_world, is_built_in
 from agents.inspection import Inspection, compile_inspection, inspect
-from agents.member import FlockSpace, Member
+from agents.mesa_interface import FlockSpace, Member, TickClock
 from agents.models.declare import checked
 from agents.models.sources import cite
 from agents.motion import Motion
 from agents.observables.catalogue import OBSERVABLES
 from agents.option import whole_number
-from agents.record import STATES, Recorder
-from agents.recording import Recording
+from agents.recordings.recorder import STATES, Recorder
+from agents.recordings.recording import Recording
 from agents.snapshot import Snapshot
 from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec, versions
 from agents.state.agent_rows import (

@@ -12,9 +12,10 @@ import time
 import numpy as np
 
 from worlds.compilation import entry
-from worlds.obstacles import SEGMENTS, Disc, Wall
+from worlds.obstacles import Disc, Wall
 from worlds.queries.surroundings import Surroundings, line_of_sight, nearest_surface, points_within
 from worlds.queries.survey import survey_world
+from worlds.shape import SEGMENTS
 from worlds.world import World
 
 SIDE = 100.0

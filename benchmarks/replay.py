@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from agents.flock import Flock
-from agents.record import Recorder
+from agents.recordings.recorder import Recorder
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation

@@ -8,9 +8,8 @@ from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is i
 
 # isort: split
 from agents.flock import Flock as RunningFlock
-from agents.member import Member
-from agents.mission_record import MissionRecord, fly
-from agents.series import Series, follow
+from agents.mesa_interface import Member
+from agents.run_records import MissionRecord, Series, fly, follow
 
 if TYPE_CHECKING:
     from app.viewer.notebook_view import NotebookView

@@ -4,7 +4,7 @@ from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is i
 
 # isort: split
 from agents.catalogue import MODELS, from_file, model
-from agents.recording import Recording
+from agents.recordings.recording import Recording
 from agents.spec import Spec
 
 __all__ = [

@@ -55,8 +55,15 @@ from agents.observables.neighbours import (
 )
 from agents.observables.observable import Observable, Range, Table
 from agents.observables.of_agents import OfAgents
-from agents.observables.order import angular_momentum, binder, centre, polarisation, susceptibility
-from agents.observables.spread import gyration_radius, velocity_spread
+from agents.observables.order import (
+    angular_momentum,
+    binder,
+    centre,
+    gyration_radius,
+    polarisation,
+    susceptibility,
+    velocity_spread,
+)
 from flockscope._old_names import old_names as _old_names
 
 __all__ = [

@@ -19,7 +19,7 @@ from agents.observables.correlation import (
     correlation,
     correlation_length,
 )
-from agents.series import follow
+from agents.run_records import follow
 
 OPEN = np.zeros(2, bool)
 WRAP = np.ones(2, bool)

@@ -9,7 +9,7 @@ from oracles.zones import touching
 
 from agents import Flock
 from agents.engine.solid_collision import GRAVITY
-from agents.member import Member
+from agents.mesa_interface import Member
 from worlds.input_error import InputError
 from worlds.obstacles import Box, Sphere
 from worlds.world import World

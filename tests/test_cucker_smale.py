@@ -14,7 +14,7 @@ from scipy.integrate import quad
 
 from agents import Flock
 from agents.engine.cache import compile_to_disk
-from agents.observables.spread import velocity_spread
+from agents.observables.order import velocity_spread
 from agents.rules import cucker_smale as rule
 
 SETTINGS = settings(max_examples=60, deadline=None, derandomize=True)

@@ -11,7 +11,7 @@ from oracles.scenes import unit_vectors
 
 from agents import Flock
 from agents.observables.order import binder, polarisation, susceptibility
-from agents.series import Follower, follow, needed
+from agents.run_records import Follower, follow, needed
 from worlds.input_error import InputError
 
 SERIES = st.lists(st.floats(0.0, 1.0), min_size=1, max_size=40)

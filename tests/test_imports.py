@@ -16,17 +16,18 @@ import worlds
 
 PACKAGES = ("app", "agents", "worlds")
 LAZY = {
-    ("agents/parquet.py", "pyarrow"),  # as for those who record
-    ("agents/frames.py", "pyarrow"),
-    ("agents/part_stream.py", "pyarrow"),
-    ("agents/record.py", "pyarrow"),  # 0.2 s and 40 MB, for those who record or load a flock
+    ("agents/recordings/parquet_table.py", "pyarrow"),  # as for those who record
+    ("agents/recordings/snapshot_reader.py", "pyarrow"),
+    ("agents/recordings/part_stream.py", "pyarrow"),
+    # 0.2 s and 40 MB, for those who record or load a flock
+    ("agents/recordings/recorder.py", "pyarrow"),
     ("agents/conditions.py", "scipy"),  # 0.2 s, for runs with gusts
     ("agents/observables/formation.py", "scipy"),  # 0.2 s, for the best spacing alone
     ("worlds/generators/forest.py", "scipy"),  # 0.6 s, for forests alone
     ("worlds/readers/join.py", "scipy"),  # 0.3 s, for drawings whose lines are joined
     ("worlds/readers/degrees.py", "pyproj"),  # an extra, for plans in degrees
-    ("worlds/readers/svg.py", "svgelements"),  # 0.1 s, for those who read an SVG file
-    ("worlds/readers/dxf.py", "ezdxf"),  # 0.5 s, for those who read a drawing
+    ("worlds/readers/formats/svg.py", "svgelements"),  # 0.1 s, for those who read an SVG file
+    ("worlds/readers/formats/dxf.py", "ezdxf"),  # 0.5 s, for those who read a drawing
 }
 """Libraries that a file of agents or worlds imports within a function, because they are slow."""
 

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist
 
-from agents import Flock, mission_record
-from agents.mission_record import SINCE, fly
+from agents import Flock, run_records
 from agents.observables.following import (
     keep_following,
     least_clearances,
@@ -18,6 +17,7 @@ from agents.observables.following import (
     settling_tick,
     spread_bound,
 )
+from agents.run_records import SINCE, fly
 from worlds.input_error import InputError
 from worlds.layout import world
 from worlds.queries.clearance import clearance
@@ -142,7 +142,7 @@ def test_a_course_says_what_its_positions_say(flight):
 
 def test_no_number_depends_on_the_stretches_or_on_what_is_kept(flight, monkeypatch):
     _, whole = flight
-    monkeypatch.setattr(mission_record, "CHUNK", 37)
+    monkeypatch.setattr(run_records, "CHUNK", 37)
     thin = fly(Flock("hwvem-nav", agents=7, world=SCENE, rng=3), 1000, every=10)
     assert thin.position.tobytes() == whole.position[::10].tobytes()
     assert (thin.ticks, thin.arrived) == (whole.ticks, True)

@@ -8,7 +8,7 @@ import pytest
 from agents import Flock
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.of_flocks import INDUCED
-from agents.series import follow
+from agents.run_records import follow
 
 AT_ONE_TICK = [one.name for one in OBSERVABLES.values() if one.over is None]
 

@@ -8,7 +8,7 @@ import pytest
 from agents import Flock
 from agents.catalogue import MODELS
 from agents.observables.catalogue import OBSERVABLES
-from agents.series import follow
+from agents.run_records import follow
 from tests.left_out import quietly
 from worlds.world import World
 

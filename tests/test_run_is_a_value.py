@@ -7,7 +7,7 @@ import pytest
 
 from agents import Flock, flock_world
 from agents.catalogue import MODELS
-from agents.record import Recorder
+from agents.recordings.recorder import Recorder
 from agents.spec import CompleteSpec, Options, Spec
 from worlds.input_error import InputError
 from worlds.obstacles import Disc

@@ -10,8 +10,8 @@ import pytest
 from agents import Flock
 from agents.observables.array_checks import OmittedRowsWarning
 from agents.observables.catalogue import OBSERVABLES
-from agents.record import Recorder
-from agents.recording import Recording
+from agents.recordings.recorder import Recorder
+from agents.recordings.recording import Recording
 from worlds.input_error import InputError
 
 

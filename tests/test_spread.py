@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from agents.observables.spread import gyration_radius, velocity_spread
+from agents.observables.order import gyration_radius, velocity_spread
 
 OPEN, WRAPS = np.zeros(2, bool), np.ones(2, bool)
 

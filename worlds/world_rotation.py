@@ -10,7 +10,8 @@ import shapely
 
 from worlds.input_error import InputError
 from worlds.mission import Mission
-from worlds.obstacles import Disc, Obstacle, Polygon, Ring, Union, turn
+from worlds.obstacles import Disc, Obstacle, Polygon, Ring, Union
+from worlds.shape import turn
 from worlds.world import World
 
 Move = Callable[[np.ndarray], np.ndarray]

@@ -9,6 +9,12 @@ import numpy as np
 from agents.engine.cells import CellGrid, Slots, Space
 from worlds.queries.surroundings import Surroundings
 
+PLAN, COUNT, SHARE, PLACE, FILL, PREPARE, SWEEP = 1, 2, 4, 8, 16, 32, 64
+"""The phases of a tick as bits: a loop runs one of them or several in a call."""
+ALL_PHASES = PLAN | COUNT | SHARE | PLACE | FILL | PREPARE | SWEEP
+BEFORE_SWEEP = ALL_PHASES & ~SWEEP
+"""Everything before the first decision."""
+
 
 class Arrays(NamedTuple):
     """The flock: one row per agent."""

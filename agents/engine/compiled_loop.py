@@ -1,8 +1,8 @@
 """One compiled loop per rule and body, kept on disk.
 
 numba finds a kernel in its cache only if the kernel reaches the rule as a global of its module. So
-each rule gets a module of its own, made from the template `synchronous_tick.py` (or
-`sequential_tick.py`).
+each rule gets a module of its own, made from a template: a file of `ticks`, or
+`pairs/tick.py`.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from agents.engine.cache import base_digest, fingerprint, is_kept, keep_on_disk
 HERE = Path(__file__).parent
 LOADING = threading.Lock()
 TEMPLATES = {
-    "sweep": HERE / "synchronous_tick.py",
+    "sweep": HERE / "ticks" / "synchronous_tick.py",
     "pairs": HERE / "pairs" / "tick.py",
-    "turns": HERE / "sequential_tick.py",
-    "delayed": HERE / "delayed_tick.py",
+    "turns": HERE / "ticks" / "sequential_tick.py",
+    "delayed": HERE / "ticks" / "delayed_tick.py",
 }
 
 

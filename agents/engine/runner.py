@@ -1,18 +1,29 @@
-"""Runs the compiled loop over a flock's arrays: on some threads, whole or agent by agent."""
+"""Run the compiled loop over a flock's arrays: on some threads, whole or agent by agent."""
 
 from __future__ import annotations
 
+import threading
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from itertools import pairwise
+from queue import SimpleQueue
 from typing import Any
+from weakref import finalize
 
 import numpy as np
 
-from agents.engine import tick_phases
 from agents.engine.arrays import (
+    ALL_PHASES,
+    BEFORE_SWEEP,
+    COUNT,
+    FILL,
     NEVER,
+    PLACE,
+    PLAN,
+    PREPARE,
+    SHARE,
+    SWEEP,
     Arrays,
     Context,
     EngineStopCondition,
@@ -23,7 +34,56 @@ from agents.engine.arrays import (
     empty_workspace,
 )
 from agents.engine.message_past import MessageDelays
-from agents.engine.team import Team
+
+
+class Team:
+    """`size` threads, the caller among them, for jobs that free the GIL.
+
+    The helpers end when the team is no longer referred to.
+    """
+
+    def __init__(self, size: int):
+        self.size = size
+        self.inboxes: list[SimpleQueue] = [SimpleQueue() for _ in range(size - 1)]
+        self.outbox: SimpleQueue = SimpleQueue()
+        for inbox in self.inboxes:
+            threading.Thread(target=run_helper, args=(inbox, self.outbox), daemon=True).start()
+        finalize(self, dismiss, self.inboxes)
+
+    def run_on_all(self, job: Callable[[int], None]) -> None:
+        """Call job(0), ..., job(size - 1), one on each thread; raise what any of them raises."""
+        for k, inbox in enumerate(self.inboxes, start=1):
+            inbox.put((job, k))
+        failures = [attempt(job, 0)] + [self.outbox.get() for _ in self.inboxes]
+        for failure in failures:
+            if failure is not None:
+                raise failure
+
+
+def attempt(job: Callable[[int], None], k: int) -> BaseException | None:
+    """Do share k of a job; what it raised, if anything."""
+    try:
+        job(k)
+    except BaseException as failure:
+        return failure
+    return None
+
+
+def run_helper(inbox: SimpleQueue, outbox: SimpleQueue) -> None:
+    """The loop of a helper thread: shares of jobs until None comes."""
+    while (task := inbox.get()) is not None:
+        outbox.put(attempt(*task))
+        task = None
+
+
+def dismiss(inboxes: list[SimpleQueue]) -> None:
+    """End the helper threads."""
+    for inbox in inboxes:
+        inbox.put(None)
+
+
+# The threads that share a tick, with as little overhead as Python allows.
+
 
 UNTRACED = np.empty((0, 0, 0))
 """In place of a trace: positions are not kept."""
@@ -134,7 +194,7 @@ class SynchronousEngine(Engine):
                 refuse(self.arrays, bad_row, tick + done)
             if need:
                 self.enlarge_workspaces(2 * need)
-            if not need or not work[0] & tick_phases.COUNT:  # the sort goes on from where it is
+            if not need or not work[0] & COUNT:  # the sort goes on from where it is
                 return done, last_off
 
     def run(
@@ -151,7 +211,7 @@ class SynchronousEngine(Engine):
         """
         n = len(self.arrays.position)
         if self.parts == 1 or len(until.numbers):
-            return self.call(context, tick, ticks, (tick_phases.ALL, 0, 1, 0, n), until, trace)
+            return self.call(context, tick, ticks, (ALL_PHASES, 0, 1, 0, n), until, trace)
         for k in range(ticks):
             self.shared_tick(context, tick + k)
             if len(trace):
@@ -161,13 +221,13 @@ class SynchronousEngine(Engine):
     def open(self, context: Context, tick: int) -> None:
         """Freeze the flock for agents that decide one by one."""
         n = len(self.arrays.position)
-        self.call(context, tick, 1, (tick_phases.OPEN, 0, 1, 0, n))
+        self.call(context, tick, 1, (BEFORE_SWEEP, 0, 1, 0, n))
         self.slot_of = np.argsort(self.slots.row)
 
     def one(self, context: Context, tick: int, row: int) -> None:
         """Let the agent of one row of an opened tick decide and move."""
         slot = int(self.slot_of[row])
-        self.call(context, tick, 1, (tick_phases.SWEEP, 0, 1, slot, slot + 1))
+        self.call(context, tick, 1, (SWEEP, 0, 1, slot, slot + 1))
 
     def shared_tick(self, context: Context, tick: int) -> None:
         """One tick, each phase of it on all threads."""
@@ -193,15 +253,15 @@ class SynchronousEngine(Engine):
                 with suppress(IndexError):
                     while True:
                         span = own_cells.popleft() if owner == k else own_cells.pop()
-                        self.call(context, tick, 1, (tick_phases.SWEEP, k, self.parts, *span))
+                        self.call(context, tick, 1, (SWEEP, k, self.parts, *span))
 
-        run_alone(tick_phases.PLAN)
-        run_together(tick_phases.COUNT)
-        run_alone(tick_phases.SHARE)
-        run_together(tick_phases.PLACE)
-        run_together(tick_phases.FILL)
+        run_alone(PLAN)
+        run_together(COUNT)
+        run_alone(SHARE)
+        run_together(PLACE)
+        run_together(FILL)
         if self.module.SIGNALS:
-            run_alone(tick_phases.PREPARE)
+            run_alone(PREPARE)
         self.team.run_on_all(sweep)
 
 

@@ -16,7 +16,7 @@ from pydantic import create_model
 
 from agents.engine.block import neighbour_of
 from agents.engine.cache import global_values
-from agents.engine.layer_search import UNKNOWN
+from agents.engine.neighbour_search import UNKNOWN
 from agents.engine.solid_collision import BOUNCES, PASSES, SLIDES, STOPS
 from agents.models.declare import (
     Body,

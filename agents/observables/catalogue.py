@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-from agents.observables import consistency, lanes, of_flocks, order, spread
+from agents.observables import consistency, lanes, of_flocks, order
 from agents.observables.groups import size_histogram
 from agents.observables.observable import (
     COUNT,
@@ -118,7 +118,7 @@ ORDER = [
         "Root mean square difference of the velocities from their mean",
         "length/time",
         LENGTH,
-        lambda flock: spread.velocity_spread(flock.heading * flock.speed[:, None]),
+        lambda flock: order.velocity_spread(flock.heading * flock.speed[:, None]),
         quick=True,
     ),
     over_a_run(
@@ -158,7 +158,7 @@ NEIGHBOURS = [
         "Root mean square distance of the agents from their centre",
         "length",
         LENGTH,
-        lambda flock: spread.gyration_radius(flock.position, flock.world.size, flock.world.images),
+        lambda flock: order.gyration_radius(flock.position, flock.world.size, flock.world.images),
         quick=True,
     ),
     Observable(

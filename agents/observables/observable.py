@@ -122,7 +122,7 @@ def over_a_run(
 
     def refuse(_: Any) -> NoReturn:
         raise InputError(
-            f"{name} is measured over a run, not at one tick: use agents.series.follow, or --over "
+            f"{name} is measured over a run, not at one tick: use flockscope.follow, or --over "
             "TICKS on the command line"
         )
 

@@ -10,7 +10,7 @@ import math
 from typing import Literal
 
 from agents.engine.block import Decision, adjacent
-from agents.engine.layer_search import UNKNOWN, next_layer, search_layers
+from agents.engine.neighbour_search import UNKNOWN, next_layer, search_layers
 from agents.models.declare import Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.vicsek import Vicsek

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from agents.engine.block import Decision, adjacent
-from agents.engine.layer_search import search_layers
+from agents.engine.neighbour_search import search_layers
 from agents.models.declare import Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.vicsek import VicsekAmong

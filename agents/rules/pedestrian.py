@@ -15,7 +15,7 @@ import math
 from typing import Literal
 
 from agents.engine.block import Decision, adjacent
-from agents.engine.layer_search import UNKNOWN
+from agents.engine.neighbour_search import UNKNOWN
 from agents.engine.noise import normal
 from agents.models.declare import Parameters, Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep

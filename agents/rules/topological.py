@@ -2,7 +2,7 @@
 
 Ballerini et al. 2008 measured in flocks of starlings that a bird interacts with six to seven
 nearest neighbours, and that this number, not a distance, is the same in sparse flocks and dense.
-The rule is that of `agents.rules.vicsek`; `agents.engine.nearest_agents` says who is near.
+The rule is that of `agents.rules.vicsek`; `agents.engine.neighbour_search` says who is near.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from worlds.number_text import counted
 
 if TYPE_CHECKING:
     from agents import Flock
-    from agents.series import Series
+    from agents.run_records import Series
     from agents.state.agent_rows import StrayAgents
 
 CRASHES = 10

@@ -17,7 +17,7 @@ from worlds.number_text import duration
 
 if TYPE_CHECKING:
     from agents import Flock
-    from agents.record import Recorder
+    from agents.recordings.recorder import Recorder
 
 TIMEOUT = 2.0
 """Seconds of work without a bar."""

@@ -23,7 +23,7 @@ def recover(
 
         recover_live(file, as_json)
         return
-    from agents.record import recover as recover_part
+    from agents.recordings.recorder import recover as recover_part
 
     path, rows = recover_part(file)
     if as_json:

@@ -103,8 +103,8 @@ def run(
         demand_long_enough(over, DEFAULT_TICKS if ticks is None else ticks)
     demand_outputs(save, save_spec, record, overwrite)
     from agents.observables.catalogue import OBSERVABLES
-    from agents.record import Recorder
-    from agents.series import Follower
+    from agents.recordings.recorder import Recorder
+    from agents.run_records import Follower
 
     wanted = None if observe is None else known_observables(observe, over)
     if is_file(model):
@@ -250,7 +250,7 @@ def demand_outputs(
     save: Path | None, save_spec: Path | None, record: Path | None, overwrite: bool
 ) -> None:
     """Refuse what cannot be written before anything is run. Raises InputError."""
-    from agents.record import RECORDINGS, STATES
+    from agents.recordings.recorder import RECORDINGS, STATES
 
     demand_distinct_files({"--record": record, "--save": save, "--save-spec": save_spec})
     for option, path in (("--record", record), ("--save", save)):
@@ -269,7 +269,7 @@ def stopped(
     flock: Flock, last: int, record: Path | None, save: Path | None, every: int
 ) -> NoReturn:
     """Tell how to go on from a run that was asked to stop."""
-    from agents.record import SHEET
+    from agents.recordings.recorder import SHEET
 
     line = f"flockscope: stopped at tick {flock.tick} of {last}; "
     kept = [str(path) for path in (record, save) if path]

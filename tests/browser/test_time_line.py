@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from agents.flock import Flock
-from agents.record import Recorder
+from agents.recordings.recorder import Recorder
 from tests.viewer.waiting import until
 
 

@@ -4,7 +4,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from agents.flock import Flock
-from agents.record import Recorder
+from agents.recordings.recorder import Recorder
 
 
 @pytest.fixture(scope="module")

@@ -185,7 +185,7 @@ def test_a_state_from_python_follows_the_same_rules():
 
 FULL = """
 import sys
-from agents.record import Recorder
+from agents.recordings.recorder import Recorder
 from agents import Flock
 flock = Flock("vem", agents=3000, rng=1)
 with Recorder(sys.argv[1], flock) as recorder:

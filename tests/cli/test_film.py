@@ -20,7 +20,7 @@ import zstandard
 from imageio_ffmpeg import count_frames_and_secs, read_frames
 
 from agents import Flock
-from agents.record import Recorder
+from agents.recordings.recorder import Recorder
 from app.cli.take.film import planned
 from app.cli.take.renderer import aim_of
 from app.viewer.pictures.browser import GUARD, find_browser

@@ -3,7 +3,7 @@
 import pytest
 
 from agents import Flock
-from agents.record import Recorder
+from agents.recordings.recorder import Recorder
 from agents.spec import Spec
 from cli.calling import refusal
 

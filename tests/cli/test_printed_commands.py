@@ -13,7 +13,7 @@ from pages.running import parse, visit
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
-from agents.record import Recorder
+from agents.recordings.recorder import Recorder
 from app.cli.main import COMMANDS
 from app.studies.experiment_reader import experiment_names
 from app.viewer.gallery.saved_scene import SavedScene, command_line

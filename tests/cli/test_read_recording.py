@@ -12,9 +12,8 @@ from pyarrow.csv import read_csv
 
 from agents import Flock
 from agents.catalogue import MODELS
-from agents.columns import columns_of
-from agents.record import KEY, Recorder, batch_of
-from agents.recording import Recording
+from agents.recordings.recorder import KEY, Recorder, batch_of, columns_of
+from agents.recordings.recording import Recording
 from cli.calling import call, refusal
 from worlds.input_error import InputError
 

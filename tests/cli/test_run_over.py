@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from agents.series import follow
+from agents.run_records import follow
 from cli.calling import call, refusal
 
 RUN = ("run", "vem", "--agents", 40, "--seed", 5, "--set", "eta=2", "--quiet")

@@ -16,9 +16,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from agents import Flock, frames, parquet, parquet_footer
-from agents.record import KEY
-from agents.recording import Recording
+from agents import Flock
+from agents.recordings import parquet_footer, snapshot_reader
+from agents.recordings import parquet_table as parquet
+from agents.recordings.recorder import KEY
+from agents.recordings.recording import Recording
 from cli import thrift_tree
 from cli.calling import refusal
 from cli.thrift_tree import at, put
@@ -174,7 +176,7 @@ def test_a_row_group_of_too_many_numbers_is_refused_before_it_is_decoded(
     with pytest.raises(InputError, match="its pages unpack to too much"):
         _ = Recording(path).ticks
     monkeypatch.undo()
-    monkeypatch.setattr(frames, "MOST", 2)
+    monkeypatch.setattr(snapshot_reader, "MOST", 2)
     with pytest.raises(InputError, match="looked up together"):
         _ = Recording(path).ticks
 
@@ -190,7 +192,7 @@ def test_a_text_that_stands_in_every_row_is_not_unpacked(tmp_path):
 CHANGED = """
 import random, sys
 import numpy as np
-from agents.recording import Recording
+from agents.recordings.recording import Recording
 from cli import thrift_tree
 from worlds.input_error import InputError
 sound, what, draw = open(sys.argv[1], "rb").read(), sys.argv[2], random.Random(1)

@@ -12,8 +12,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from agents import part_stream
-from agents.record import KEY
+from agents.recordings import part_stream
+from agents.recordings.recorder import KEY
 from app.live.recording.recording_writer import LONGEST, TABLES, RecordingStream
 from app.live.recording.recovery import recover as recover_tables
 from cli.calling import call, refusal
@@ -249,7 +249,7 @@ def test_a_live_table_whose_metadata_are_of_other_kinds_is_one_line(tmp_path, ke
 
 CHANGED = """
 import random, sys, pathlib
-from agents.record import recover
+from agents.recordings.recorder import recover
 from worlds.input_error import InputError
 part, draw = pathlib.Path(sys.argv[1]), random.Random(1)
 sound = part.read_bytes()

@@ -12,7 +12,7 @@ import pytest
 
 import app.cli
 from agents.flock import Flock
-from agents.record import Recorder
+from agents.recordings.recorder import Recorder
 from app.studies.runs.database import Outcome
 from app.studies.runs.store import Store
 from cli.calling import start

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from agents.mission_record import fly
+from agents.run_records import fly
 from app.studies.experiment import flock_of
 from app.studies.experiment_file import Overrides, with_goal
 from app.studies.experiment_reader import read_experiment

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.mission_record import fly
+from agents.run_records import fly
 from app.studies import figures
 from app.studies.claims.claims import claims
 from app.studies.claims.verdict_table import verdicts

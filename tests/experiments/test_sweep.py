@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from agents.series import follow
+from agents.run_records import follow
 from app.studies.runs.database import Outcome
 from app.studies.runs.store import Store
 from app.studies.runs.store_reader import StoreReader

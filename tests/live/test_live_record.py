@@ -15,7 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from agents import parquet
+from agents.recordings import parquet_table
 from app.live.control.arm import OperatorRequest
 from app.live.control.car_control import CarControl
 from app.live.control.control_loop import Loop
@@ -354,7 +354,7 @@ def test_a_full_disk_is_said_and_holds_nothing_up(tmp_path):
 
 def test_a_table_of_a_recording_that_unpacks_to_too_much_is_refused(tmp_path, monkeypatch):
     record(tmp_path / "run", 30)
-    monkeypatch.setattr(parquet, "MOST_NUMBERS", 10)
+    monkeypatch.setattr(parquet_table, "MOST_NUMBERS", 10)
     found = read(tmp_path / "run")
     for look in (lambda: found.table("commands"), lambda: list(found.ticks()), found.events):
         with pytest.raises(InputError, match="at most 10 numbers are read at once"):

@@ -7,7 +7,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from agents import parquet
+from agents.recordings import parquet_table
 from app.live.control.pose import Pose, seen, unseen
 from app.live.sources.axes import Axes
 from app.live.sources.pose_source import RecordedFrame
@@ -167,7 +167,7 @@ def test_files_that_are_none_are_refused_in_one_line(tmp_path):
 
 
 def test_a_small_table_of_endless_rows_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
-    monkeypatch.setattr(parquet, "MOST_NUMBERS", 1000)
+    monkeypatch.setattr(parquet_table, "MOST_NUMBERS", 1000)
     rows = 5000
     columns = {name: pa.array(np.zeros(rows)) for name in ("t", "x", "y", "z")}
     columns |= {name: pa.array(np.zeros(rows)) for name in ("qx", "qy", "qz", "qw")}

@@ -7,7 +7,7 @@ import pytest
 from cli.calling import call, refusal
 from pyarrow.csv import read_csv
 
-from agents.record import KEY
+from agents.recordings.recorder import KEY
 from app.live.recording.recording_replay import read
 from app.live.recording.recording_writer import COLUMNS, TABLES
 from live.test_live_record import record

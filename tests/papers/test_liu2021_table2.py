@@ -9,7 +9,7 @@ import math
 import pytest
 
 from agents import Flock
-from agents.mission_record import fly
+from agents.run_records import fly
 from app.studies.claims.claims import claims
 from app.studies.judge.verdict import of
 from papers.flying import flown

@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents import Flock
-from agents.parquet import ParquetTable
-from agents.record import KEY
+from agents.recordings.parquet_table import ParquetTable
+from agents.recordings.recorder import KEY
 from app.sandboxed_reader import read_in_sandbox
 from app.viewer.gallery.file_opener import open_file
 from app.viewer.run import stored_flock as limits

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from agents.flock import Flock
-from agents.record import Recorder
+from agents.recordings.recorder import Recorder
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.measuring.time_series import TimeSeries
 from app.viewer.run.frame_builder import FrameRequest

@@ -122,7 +122,7 @@ def test_blocks_that_multiply_are_refused_before_they_do(bomb, inner, monkeypatc
         blocks[-1].add_text("boom")
     bomb.modelspace().add_blockref("B0", (0, 0))
     path = bomb.path()
-    monkeypatch.setattr("worlds.readers.dxf.MOST_ITEMS", 4000)
+    monkeypatch.setattr("worlds.readers.formats.dxf.MOST_ITEMS", 4000)
     line = refused(path, {"obstacle": ["*"]})
     print(f"10^8 entities in {path.stat().st_size} bytes: refused after 4000")
     assert "draws more than 4000 entities" in line

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from worlds.input_error import InputError
 from worlds.obstacles import Disc, Polygon, Wall
 from worlds.readers import read_geometry, world_around
-from worlds.readers.dxf import arc
+from worlds.readers.formats.dxf import arc
 
 SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]
 BOW = [[0, 0], [2, 2], [2, 0], [0, 2], [0, 0]]

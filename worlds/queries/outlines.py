@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from worlds.input_error import InputError
-from worlds.obstacles import SEGMENTS
+from worlds.shape import SEGMENTS
 from worlds.world import World
 
 # Outlines of straight edges and exact arcs.

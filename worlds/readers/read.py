@@ -32,10 +32,14 @@ from worlds.readers.drawn_shapes import (
     bounds_of,
     format_place,
 )
-from worlds.readers.dxf import MOST_OUTLINES, read_dxf, within
-from worlds.readers.geojson import read_geojson
+from worlds.readers.formats.dxf import MOST_OUTLINES, read_dxf, within
+from worlds.readers.formats.geojson import read_geojson
+from worlds.readers.formats.movingai import read_movingai
+from worlds.readers.formats.ros_map import read_ros_map, read_zipped_map
+from worlds.readers.formats.svg import read_svg
+from worlds.readers.formats.vadere import read_vadere
+from worlds.readers.formats.wkt import read_wkt
 from worlds.readers.join import chords, join_lines, question_of_walls, walls_of
-from worlds.readers.movingai import read_movingai
 from worlds.readers.roles import (
     GOAL,
     IGNORE,
@@ -48,10 +52,6 @@ from worlds.readers.roles import (
     assign_roles,
     describe_unclear,
 )
-from worlds.readers.ros_map import read_ros_map, read_zipped_map
-from worlds.readers.svg import read_svg
-from worlds.readers.vadere import read_vadere
-from worlds.readers.wkt import read_wkt
 
 # The length of a drawing's unit in metres, and whether it is plausible.
 

@@ -15,8 +15,7 @@ from agents.engine.arrays import (
 from agents.engine.cells import Slots
 from agents.engine.pairs import tick as pairs
 from agents.engine.pairs.thread_barrier import BAD, STOP
-from agents.engine.runner import UNTRACED, Called, at_once, refuse
-from agents.engine.team import Team
+from agents.engine.runner import UNTRACED, Called, Team, at_once, refuse
 from agents.engine.vector_lanes import WIDTH
 
 

@@ -1,6 +1,6 @@
 """A tick of a rule that is a sum over pairs: eight agents at once, in the order of their cells.
 
-A template as `agents.engine.synchronous_tick` is, for flocks in which nobody has signals or a
+A template as `agents.engine.ticks.synchronous_tick` is, for flocks in which nobody has signals or a
 memory, can crash, or has a body that asks who is near. Agents whose cells are neighbours along x
 lie side by side in the slots: eight of them are the lanes of a vector, and everyone in the rows of
 cells around is a candidate, met by all eight at once. So nothing is copied into blocks, and no sum

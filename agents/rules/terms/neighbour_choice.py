@@ -2,8 +2,8 @@
 
 Ballerini et al. 2008 found that a starling interacts with its six or seven nearest neighbours,
 whatever their distance. A rule whose parameters have these two is shown those alone; the engine
-picks them out (`agents.engine.nearest_agents`), and nothing in the rule's equation changes but who
-counts.
+picks them out (`agents.engine.neighbour_search`), and nothing in the rule's equation changes but
+who counts.
 """
 
 from __future__ import annotations

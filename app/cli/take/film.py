@@ -24,7 +24,7 @@ from worlds.number_text import counted
 
 if TYPE_CHECKING:
     from agents import Flock
-    from agents.recording import Recording
+    from agents.recordings.recording import Recording
     from agents.snapshot import Snapshot
     from app.viewer.pictures.picture_camera import CameraRequest
     from app.viewer.pictures.plane import Plots

@@ -42,7 +42,7 @@ def recording(
         return
     if table is not None:
         raise InputError(f"--table {table} is not allowed: {str(file)!r} is one table")
-    from agents.recording import Recording
+    from agents.recordings.recording import Recording
 
     found = Recording(file)
     made = found.described()

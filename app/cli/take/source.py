@@ -14,7 +14,7 @@ from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from agents import Flock
-    from agents.recording import Recording
+    from agents.recordings.recording import Recording
 
 STATES = (".parquet", ".pq")
 """Endings of recordings and saved states."""
@@ -33,7 +33,7 @@ def recording_of(what: str, asked: Asked, settings: list[str], rule: Any) -> Rec
                 f"{option_name(name)} {value} is not allowed: "
                 f"{what} is a recording, its run is done"
             )
-    from agents.recording import Recording
+    from agents.recordings.recording import Recording
 
     return Recording(what)
 

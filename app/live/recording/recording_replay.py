@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from agents.parquet import ParquetTable
-from agents.record import KEY, SHEET, table_writer
+from agents.recordings.parquet_table import ParquetTable
+from agents.recordings.recorder import KEY, SHEET, table_writer
 from app.live.control.arm import Action, OperatorRequest
 from app.live.control.car_control import CarControl, ControlStep
 from app.live.control.pose import Companion, Driver, MocapFrame, Pose, Sighting

@@ -9,9 +9,10 @@ events     tick, time, kind, words, car, cause, asked, note
 ticks      tick, now (s), mode, arm, the injected car, latency (s); one row a tick
 ========== ========================================================================================
 
-While it lasts each is a `.part` stream, as in `agents.record`, which holds all but the last tenth
-of a second even if the process is killed; `app.live.recording.recovery` makes the tables of what is
-left. What has become long goes on in another part: see `app.live.laboratory.recording_parts`.
+While it lasts each is a `.part` stream, as in `agents.recordings.recorder`, which holds all but the
+last tenth of a second even if the process is killed; `app.live.recording.recovery` makes the tables
+of what is left. What has become long goes on in another part: see
+`app.live.laboratory.recording_parts`.
 """
 
 from __future__ import annotations
@@ -28,8 +29,8 @@ from itertools import batched
 from pathlib import Path
 from typing import Any
 
-from agents.part_stream import PartStream
-from agents.record import KEY, refused
+from agents.recordings.part_stream import PartStream
+from agents.recordings.recorder import KEY, refused
 from agents.spec import versions
 from app.live.control.car_control import TickRecord
 from app.live.laboratory.lab_file import Lab, lab_from_toml

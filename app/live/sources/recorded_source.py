@@ -12,7 +12,7 @@ from itertools import count, groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from agents.parquet import ParquetTable
+from agents.recordings.parquet_table import ParquetTable
 from app.live.control.plausibility import BodyReport, Swap, judge_bodies
 from app.live.control.pose import MocapFrame, Sighting, unseen
 from app.live.control.safety_limits import CarLimits, SafetyLimits

@@ -10,8 +10,8 @@ import numpy as np
 from pydantic import Field
 
 from agents import Flock
-from agents.mission_record import MissionRecord, fly
 from agents.observables.following import KERNELS
+from agents.run_records import MissionRecord, fly
 from app.studies.charts.mission_scene import (
     AGENT,
     INFORMED,
@@ -30,7 +30,7 @@ from worlds.queries.clearance import clearance
 
 if TYPE_CHECKING:
     from agents import Flock
-    from agents.mission_record import MissionRecord
+    from agents.run_records import MissionRecord
 
 # Runs of a mission from its start to the end: Liu et al. 2021, section 3.2; Wu et al. 2023.
 

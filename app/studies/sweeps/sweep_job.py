@@ -20,7 +20,7 @@ from agents.flock import Flock
 from agents.models.rule_file import run as run_file
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import SERIES
-from agents.record import Recorder
+from agents.recordings.recorder import Recorder
 from agents.spec import Spec
 from app.studies.runs.database import FIXED, Outcome, Status
 from app.studies.sweeps.designs import find_file

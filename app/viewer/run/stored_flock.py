@@ -13,7 +13,7 @@ from typing import Any
 
 from agents.catalogue import model as find_model
 from agents.flock import Flock
-from agents.recording import Recording
+from agents.recordings.recording import Recording
 from agents.snapshot import Snapshot
 from agents.spec import CompleteSpec
 from app.viewer.editing.layout_file import demand_few, demand_small, plain_name

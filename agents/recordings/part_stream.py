@@ -14,8 +14,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from agents.parquet import LONGEST, MOST_BYTES, MOST_METADATA, MOST_NUMBERS, is_text
-from agents.parquet_footer import EXTENSION, MOST_COLUMNS
+from agents.recordings.parquet_footer import EXTENSION, MOST_COLUMNS
+from agents.recordings.parquet_table import (
+    LONGEST,
+    MOST_BYTES,
+    MOST_METADATA,
+    MOST_NUMBERS,
+    is_text,
+)
 from worlds.input_error import InputError, shorten
 
 BEGIN = b"\xff\xff\xff\xff"

@@ -1,8 +1,9 @@
-"""Recordings: positions and headings per tick as Parquet; the metadata has spec, units and world.
+"""Write recordings: positions and headings per tick as Parquet, or as CSV.
 
-While a run lasts its frames go to `NAME.part`, an Arrow stream that holds every frame written even
-if the process is killed; at the end it becomes the Parquet file, or the CSV file, in one move.
-`recover` does the same for a `.part` that a kill has left.
+The metadata has spec, units and world. While a run lasts its frames go to `NAME.part`, an Arrow
+stream that holds every frame written even if the process is killed; at the end it becomes the
+Parquet file, or the CSV file, in one move. `recover` does the same for a `.part` that a kill has
+left. The columns, what each holds and in which unit, stand first.
 """
 
 from __future__ import annotations
@@ -12,14 +13,13 @@ import os
 from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from agents.columns import AXES, LEG, PAST, columns_of, crash_columns
 from agents.engine.arrays import Arrays
 from agents.models.model import Model
-from agents.part_stream import PartStream
+from agents.recordings.part_stream import PartStream
 from agents.snapshot import Snapshot
 from agents.spec import CompleteSpec
 from agents.state.agent_rows import no_crashes
@@ -28,6 +28,59 @@ from worlds.input_error import InputError
 from worlds.number_text import counted
 from worlds.plug_ins import demand_parquet
 from worlds.world import World
+
+AXES = "xyz"
+PAST = "past"
+"""The column of a saved state that holds what messages on their way tell."""
+LEG = "leg"
+
+
+class Column(NamedTuple):
+    """A column, a value for each agent and tick."""
+
+    name: str
+    unit: str
+    """1 for pure numbers, names and yes or no."""
+    meaning: str
+
+
+def crash_columns(dim: int) -> list[str]:
+    """Columns of a crash record: the tick of the crash or -1, what it touched, and where."""
+    return ["crash_tick", "crash_cause", *("crash_" + letter for letter in AXES[:dim])]
+
+
+def columns_of(model: Model, world: World, with_past: bool = False) -> list[Column]:
+    """The columns that a run of a model in a world is recorded in, in their order."""
+    length, axes = model.in_units("length"), AXES[: world.dim]
+    columns = [
+        Column("tick", "ticks", "ticks done since the start"),
+        Column("id", "1", "identity of the agent, which keeps it for the whole run"),
+        *(Column(axis, length, f"position along {axis}") for axis in axes),
+        *(Column("u" + axis, "1", f"heading, a unit vector, along {axis}") for axis in axes),
+        Column("speed", model.in_units("length/time"), "speed along the heading"),
+        Column("informed", "1", "whether it is an information agent"),
+    ]
+    if world.mission is not None and world.mission.path is not None:
+        columns.append(Column(LEG, "1", "waypoints of the path that it has left behind"))
+    if model.body.touches is not None:
+        tick, cause, *places = crash_columns(world.dim)
+        columns += [
+            Column(tick, "ticks", "tick at whose beginning it crashed, -1 while it has not"),
+            Column(cause, "1", "what it touched: 1 another agent, 2 an obstacle or a wall, else 0"),
+            *(Column(name, length, f"where it crashed, along {name[-1]}") for name in places),
+        ]
+    columns += [Column(name, model.unit_of(name), kind(model, name)) for name in model.columns]
+    if with_past:
+        columns.append(Column(PAST, "1", "what messages on their way tell"))
+    return columns
+
+
+def kind(model: Model, name: str) -> str:
+    """What one of a model's own columns is."""
+    if name in model.signals:
+        return "what agents tell each other"
+    return "what an agent keeps to itself" if name in model.rule.memory else "measured of the agent"
+
 
 KEY = b"flockscope"
 FORMAT = 2

@@ -24,7 +24,7 @@ from PIL import Image, UnidentifiedImageError
 from worlds.input_error import InputError, unknown
 from worlds.readers.drawing_contents import LARGEST, DrawingContents, Item, bytes_of, text_of
 from worlds.readers.drawn_shapes import Shape, area, format_place
-from worlds.readers.grid import RasterGrid, cells, demand_few_cells, rings
+from worlds.readers.formats.grid import RasterGrid, cells, demand_few_cells, rings
 from worlds.readers.roles import OBSTACLE, WALKABLE
 
 LARGEST_YAML = 100_000

@@ -14,7 +14,7 @@ import shapely
 from worlds.input_error import InputError, shorten
 from worlds.readers.drawing_contents import DrawingContents, Item, text_of
 from worlds.readers.drawn_shapes import Shape, area
-from worlds.readers.grid import RasterGrid, cells, demand_few_cells, rings
+from worlds.readers.formats.grid import RasterGrid, cells, demand_few_cells, rings
 from worlds.readers.roles import IGNORE, OBSTACLE, WALKABLE
 
 HEADER = ("type", "height", "width")

@@ -32,7 +32,7 @@ from worlds.readers.drawing_contents import (
     bytes_of,
 )
 from worlds.readers.drawn_shapes import Point, Shape, StrayPoint, area, circle, demand_finite, line
-from worlds.readers.dxf import MOST_OUTLINES, STEP, nest_rings
+from worlds.readers.formats.dxf import MOST_OUTLINES, STEP, nest_rings
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 GROUPMODE = "{http://www.inkscape.org/namespaces/inkscape}groupmode"

@@ -18,7 +18,13 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from agents.parquet_footer import I32, ParquetError, StructSchema, read_struct, sound_footer
+from agents.recordings.parquet_footer import (
+    I32,
+    ParquetError,
+    StructSchema,
+    read_struct,
+    sound_footer,
+)
 from worlds.input_error import InputError, shorten
 from worlds.plug_ins import demand_parquet
 

@@ -22,14 +22,14 @@ from agents.engine.cells import (
     place_rows,
     share_slots,
 )
-from agents.engine.nearest_agents import all_images
+from agents.engine.neighbour_search import all_images
 from agents.engine.noise import tick_key
 from agents.engine.solid_collision import fall
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import set_goal
 
 if TYPE_CHECKING:
-    from agents.engine.synchronous_tick import (
+    from agents.engine.ticks.synchronous_tick import (
         ASKS_SPEED,
         CRASHES,
         DEAFENS,

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from agents.engine.arrays import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
 from agents.engine.block import Me, NeighbourBlock
 from agents.engine.cells import (
     FAR,
@@ -30,10 +31,9 @@ from agents.engine.cells import (
     wrap_into_box,
 )
 from agents.engine.flat import ones, zeros
-from agents.engine.nearest_agents import all_images, covered_distance, fill_all, rank, width_for
+from agents.engine.neighbour_search import all_images, covered_distance, fill_all, rank, width_for
 from agents.engine.noise import add_heading_noise, carry_with_wind, tick_key
 from agents.engine.solid_collision import PASSES, crash, fall, keep_out_of_solids
-from agents.engine.tick_phases import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
 from agents.engine.waypoint_heading import waypoint_heading
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import points_within, set_goal

@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from agents.columns import AXES, PAST
 from agents.models.declare import checked
 from agents.models.model import Model
-from agents.parquet import BATCH, MOST_NUMBERS, ParquetTable
-from agents.record import arrays_of
+from agents.recordings.parquet_table import BATCH, MOST_NUMBERS, ParquetTable
+from agents.recordings.recorder import AXES, PAST, arrays_of
 from agents.snapshot import Snapshot
 from agents.spec import CompleteSpec
 from agents.state.agent_rows import LARGEST, demand_usable

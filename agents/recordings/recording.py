@@ -13,11 +13,11 @@ import numpy as np
 
 from agents.catalogue import model
 from agents.flock_world import find_world
-from agents.frames import SnapshotReader, TickIndex, demand_kinds
 from agents.models.declare import checked
 from agents.option import whole_number
-from agents.parquet import ParquetTable, demand_format
-from agents.record import FORMAT, KEY, PAST, SHEET, describe_columns, table_writer
+from agents.recordings.parquet_table import ParquetTable, demand_format
+from agents.recordings.recorder import FORMAT, KEY, PAST, SHEET, describe_columns, table_writer
+from agents.recordings.snapshot_reader import SnapshotReader, TickIndex, demand_kinds
 from agents.snapshot import Snapshot
 from agents.spec import Spec
 from agents.state.agent_rows import LARGEST

@@ -1,0 +1,1 @@
+"""Recordings and saved states of flocks: written, judged, and read again."""

@@ -1,0 +1,1 @@
+"""The kinds of files that plans come in, a file for each."""
