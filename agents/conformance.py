@@ -16,9 +16,10 @@ from typing import Any, Literal
 import numpy as np
 
 from agents.flock import Flock
-from agents.models.declare import NumberParameter, declared, demand_proposed
+from agents.models.declare import NumberParameter, declared
 from agents.models.model import Model
 from agents.models.model_calls import ModelCodeError
+from agents.models.slider_range import demand_proposed
 from agents.models.tries import LessonStep
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import OPTIONS

@@ -209,7 +209,7 @@ def lower_first(message: str) -> str:
 def shorten(value: Any, most: int = 60) -> str:
     """A value as it is written, the middle left out of what is long.
 
-    >>> shortened(3.5), shortened("x" * 100)
+    >>> shorten(3.5), shorten("x" * 100)
     ('3.5', "'xxxxxxxxxxxxxxxxxxxxxxxxxxx...xxxxxxxxxxxxxxxxxxxxxxxxxxx'")
     """
     try:

@@ -164,7 +164,8 @@ def separated_flow_share(angle, craft: Aircraft):
 
     >>> from flockscope.flight import Aircraft
     >>> craft = Aircraft()
-    >>> [round(float(separated(a * craft.stall, craft)), 3) for a in (0.0, 0.7, 1.0, 1.3, -1.0)]
+    >>> angles = [a * craft.stall for a in (0.0, 0.7, 1.0, 1.3, -1.0)]
+    >>> [round(float(separated_flow_share(angle, craft)), 3) for angle in angles]
     [0.0, 0.057, 0.5, 0.943, 0.5]
     """
     stalled_above = 1.0 / (1.0 + np.exp((craft.stall - angle) / craft.stall_width))

@@ -18,15 +18,8 @@ from agents.engine.block import neighbour_of
 from agents.engine.cache import global_values
 from agents.engine.neighbour_search import UNKNOWN
 from agents.engine.solid_collision import BOUNCES, PASSES, SLIDES, STOPS
-from agents.models.declare import (
-    Body,
-    Parameters,
-    Rule,
-    Symmetry,
-    as_floats,
-    declared,
-    fits_default,
-)
+from agents.models.declare import Body, Parameters, Rule, Symmetry, as_floats, declared
+from agents.models.slider_range import fits_default
 from agents.models.tries import LessonStep
 
 NEIGHBOURS, NUMBER = "neighbours", "k"

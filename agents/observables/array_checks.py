@@ -31,7 +31,7 @@ class OmittedRowsWarning(UserWarning):
 
     >>> with warnings.catch_warnings(record=True) as caught:
     ...     warnings.simplefilter("always", OmittedRowsWarning)
-    ...     _ = together(position=np.array([[1.0, math.nan], [2.0, 3.0]]))
+    ...     _ = drop_bad_rows(position=np.array([[1.0, math.nan], [2.0, 3.0]]))
     >>> caught[0].message.rows, caught[0].message.of, caught[0].message.what
     (1, 2, 'position')
     """

@@ -54,7 +54,7 @@ def rank_groups(label: np.ndarray) -> np.ndarray:
 
     `label` is int (N,), any numbers. Raises InputError.
 
-    >>> ranked(np.array([7, 3, 3, 5])).tolist()
+    >>> rank_groups(np.array([7, 3, 3, 5])).tolist()
     [1, 0, 0, 2]
     """
     _, first, of_row, size = np.unique(

@@ -295,7 +295,7 @@ class ParquetTable:
 def column_names(path: str) -> list[str]:
     """What the column of a path may be called: names may have points, and paths join them by one.
 
-    >>> beginnings("x.y.list.element")
+    >>> column_names("x.y.list.element")
     ['x', 'x.y', 'x.y.list', 'x.y.list.element']
     """
     return list(accumulate(path.split("."), "{}.{}".format))

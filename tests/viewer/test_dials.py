@@ -12,7 +12,8 @@ import pytest
 import viser
 
 from agents.catalogue import MODELS
-from agents.models.declare import Parameters, declared, fits_default, is_wide, parameter
+from agents.models.declare import Parameters, declared, parameter
+from agents.models.slider_range import fits_default, is_wide
 from app.front.server import admit_browsers, close_server, open_server
 from app.viewer.panels.dials import Dials, decimals, step_of, stops, widened
 from app.viewer.panels.parameters import add_control

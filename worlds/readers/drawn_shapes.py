@@ -420,7 +420,7 @@ def demand_valid(made: shapely.Geometry, origin: str) -> None:
 def format_place(point: Sequence[float]) -> str:
     """A place as a message shows it.
 
-    >>> at((1.5, -2.0))
+    >>> format_place((1.5, -2.0))
     '(1.5, -2)'
     """
     return "(" + ", ".join(f"{number:.9g}" for number in point) + ")"

@@ -164,8 +164,8 @@ def own_role(
 def role_from_name(layer: str) -> tuple[str | None, str]:
     """The role that a layer's name says, and the word that says it; None if no or two roles.
 
-    >>> guess("jps-walkablearea-2")[0], guess("A-WALL-TEXT")[0], guess("not walkable")[0]
-    ('walkable', None, None)
+    >>> [role_from_name(name)[0] for name in ("jps-walkablearea-2", "A-WALL-TEXT", "not walkable")]
+    ['walkable', None, None]
     """
     if layer.casefold() == PARAMETERS:
         return IGNORE, "JuPedSim's settings"

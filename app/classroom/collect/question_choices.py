@@ -11,7 +11,8 @@ import numpy as np
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
-from agents.models.declare import DeclaredParameter, is_wide
+from agents.models.declare import DeclaredParameter
+from agents.models.slider_range import is_wide
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
 from agents.spec import CompleteSpec

@@ -19,14 +19,8 @@ from typing import Any
 
 import viser
 
-from agents.models.declare import (
-    DeclaredParameter,
-    NumberParameter,
-    Range,
-    is_wide,
-    round_down,
-    round_up,
-)
+from agents.models.declare import DeclaredParameter, NumberParameter
+from agents.models.slider_range import Range, is_wide, round_down, round_up
 from app.figure import DRAWING
 from app.front.viser_internals import identifier
 from app.viewer.scene.shown.control import Control

@@ -12,7 +12,8 @@ from typing import Any
 import viser
 
 from agents.catalogue import MODELS
-from agents.models.declare import NumberParameter, is_wide
+from agents.models.declare import NumberParameter
+from agents.models.slider_range import is_wide
 from agents.observables.catalogue import OBSERVABLES, default_charts
 from app.front.controls import set_value
 from app.front.viser_internals import identifier
