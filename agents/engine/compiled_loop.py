@@ -1,4 +1,4 @@
-"""One compiled loop per rule and body, kept on disk.
+"""Make one compiled loop for each rule and body, and keep it on disk.
 
 numba finds a kernel in its cache only if the kernel reaches the rule as a global of its module. So
 each rule gets a module of its own, made from a template: a file of `ticks`, or
@@ -71,11 +71,11 @@ def turns_module(sweep: types.ModuleType):
 
 def delayed_module(sweep: types.ModuleType):
     """The module whose `advance` lets the agents of a rule know of each other by messages."""
-    constants = "ASKS_SPEED", "CRASHES", "DIM", "MEASURES", "NEAREST", "PRIVATE", "SEES_POINTS"
-    functions = "act", "holds", "lay", "nearby", "pick_nearest", "ready", "see_points", "show"
+    constants = "ASKS_SPEED", "CRASHES", "DIM", "MEASURES", "NEAREST", "PRIVATE", "SIGNALS"
+    functions = "act_on_block", "link", "row_of", "show_own_signals", "sort_flock"
     turns = turns_module(sweep)
-    parts = {part: vars(sweep)[part] for part in (*constants, "SIGNALS", *functions)}
-    parts |= {part: vars(turns)[part] for part in ("judge_all", "link", "row_of")}
+    parts = {part: vars(sweep)[part] for part in (*constants, "holds")}
+    parts |= {part: vars(turns)[part] for part in functions}
     return load("delayed", parts, sweep.P._fields)
 
 
@@ -91,6 +91,8 @@ def load(kind: str, globals_: dict, fields) -> types.ModuleType:
         else:
             digest.update(repr(value).encode())
     module_name = f"{__package__}.{kind}_{digest.hexdigest()[:16]}"
+    # One thread at a time, so that a loop is one module with one class of parameters. This lock is
+    # taken before that of `keep_on_disk`, never after it.
     with LOADING:
         if module_name not in sys.modules:
             module = execute_template(kind, module_name, globals_, fields)

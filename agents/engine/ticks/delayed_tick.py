@@ -15,37 +15,28 @@ from typing import TYPE_CHECKING
 from agents.engine.cells import (
     cell_around,
     cell_of,
-    count_rows,
-    fill_slots,
-    nearest_images,
     number_of,
-    place_rows,
     plan,
-    share_slots,
 )
 from agents.engine.message_past import FURTHEST, age_of, note_present, place_error
-from agents.engine.neighbour_search import all_images
 from agents.engine.noise import tick_key
 from agents.engine.solid_collision import fall
 from worlds.compilation import compiled, entry
-from worlds.queries.surroundings import set_goal
 
 if TYPE_CHECKING:
-    from agents.engine.ticks.sequential_tick import judge_all, link, row_of
+    from agents.engine.ticks.sequential_tick import (
+        act_on_block,
+        link,
+        row_of,
+        show_own_signals,
+        sort_flock,
+    )
     from agents.engine.ticks.synchronous_tick import (
         ASKS_SPEED,
         CRASHES,
         DIM,
         NEAREST,
-        SEES_POINTS,
         SIGNALS,
-        act,
-        lay,
-        nearby,
-        pick_nearest,
-        ready,
-        see_points,
-        show,
     )
 
 
@@ -85,25 +76,16 @@ def open_tick(
     flock, space, surroundings, grid, slots, workspace, context, messages, memory, tick, key
 ):
     """Do what needs the whole flock, tell the present, and link the lists; a bad row or -1."""
-    n = flock.ids.shape[0]
-    set_goal(surroundings, tick * context.lasts)
-    lay(grid, space, context, flock.position)
-    bad_row = count_rows(grid, space, slots, flock, 0, 0, n)
+    bad_row = sort_flock(flock, space, surroundings, grid, slots, workspace, context, tick, key)
     if bad_row >= 0:
         return bad_row
-    share_slots(grid, 1)
-    place_rows(grid, slots, 0, 0, n)
-    fill_slots(slots, flock.position, flock.heading, flock.speed, flock.memory, 0, n)
-    ready(flock, space, grid, slots, workspace, context.parameters, tick, key)
-    if CRASHES:
-        judge_all(flock, space, surroundings, grid, slots, workspace, context.parameters, tick, key)
     note_present(flock, tick)
     error_reach = FURTHEST * messages.error * math.sqrt(DIM)
     back = look_back(flock, space, messages, tick, memory)
     plan(grid, space, context.reach + error_reach + back, memory)
     for cell in range(number_of(grid) + 1):
         grid.start[cell] = -1
-    for i in range(n - 1, -1, -1):
+    for i in range(flock.ids.shape[0] - 1, -1, -1):
         if not (CRASHES and flock.crash_record[i, 0] >= 0.0):
             link(grid, slots, i, cell_of(grid, space, memory, i))
     return -1
@@ -226,26 +208,12 @@ def advance(
             return at, i
         me = row_of(flock, i, workspace, tick, key)
         if SIGNALS > 0:
-            for k in range(SIGNALS):
-                workspace.out[k] = workspace.mine[k]
-            show(me, context.parameters, workspace.out)
-            for k in range(SIGNALS):
-                workspace.mine[k] = workspace.out[k]
+            show_own_signals(me, context.parameters, workspace)
         if NEAREST:
             m = gather_all(flock, space, workspace, messages, seed, me, i, memory)
         else:
             m = gather(flock, space, grid, slots, workspace, messages, seed, me, i, cell, memory)
         if m < 0:
             return at, -1
-        if NEAREST:
-            all_images(space, workspace.block, m, me.x, me.y, me.z, DIM)
-        else:
-            nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
-        points = see_points(surroundings, context.reach, me, workspace) if SEES_POINTS else 0
-        near = nearby(m, workspace, 6, points)
-        visible = near
-        if NEAREST:
-            nearest_count, _ = pick_nearest(workspace, m, 6, me, context.nearest)
-            visible = nearby(nearest_count, workspace, -1, points)
-        act(flock, space, surroundings, i, me, near, visible, context, workspace)
+        act_on_block(flock, space, surroundings, grid, i, me, m, context, workspace)
     return order.shape[0], -1

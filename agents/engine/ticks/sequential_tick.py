@@ -90,8 +90,8 @@ def judge_all(flock, space, surroundings, grid, slots, workspace, p, tick, key):
 
 
 @compiled
-def open_tick(flock, space, surroundings, grid, slots, workspace, context, tick, key):
-    """Sort the flock, do what needs all of it, and link the lists; returns a bad row or -1."""
+def sort_flock(flock, space, surroundings, grid, slots, workspace, context, tick, key):
+    """Sort the flock into cells and do what needs all of it; returns a bad row or -1."""
     n = flock.ids.shape[0]
     set_goal(surroundings, tick * context.lasts)
     lay(grid, space, context, flock.position)
@@ -104,9 +104,18 @@ def open_tick(flock, space, surroundings, grid, slots, workspace, context, tick,
     ready(flock, space, grid, slots, workspace, context.parameters, tick, key)
     if CRASHES:
         judge_all(flock, space, surroundings, grid, slots, workspace, context.parameters, tick, key)
+    return -1
+
+
+@compiled
+def open_tick(flock, space, surroundings, grid, slots, workspace, context, tick, key):
+    """Sort the flock, do what needs all of it, and link the lists; returns a bad row or -1."""
+    bad_row = sort_flock(flock, space, surroundings, grid, slots, workspace, context, tick, key)
+    if bad_row >= 0:
+        return bad_row
     for cell in range(number_of(grid) + 1):
         grid.start[cell] = -1
-    for i in range(n - 1, -1, -1):
+    for i in range(flock.ids.shape[0] - 1, -1, -1):
         link(grid, slots, i, slots.cell[i])
     return -1
 
@@ -139,6 +148,38 @@ def row_of(flock, i, workspace, tick, key):
 
 
 @compiled
+def show_signals(me, p, workspace):
+    """Put into `workspace.out` what an agent shows the others, from what it remembers of it."""
+    for k in range(SIGNALS):
+        workspace.out[k] = workspace.mine[k]
+    show(me, p, workspace.out)
+
+
+@compiled
+def show_own_signals(me, p, workspace):
+    """Let the agent that acts see its own signals as the others do."""
+    show_signals(me, p, workspace)
+    for k in range(SIGNALS):
+        workspace.mine[k] = workspace.out[k]
+
+
+@compiled
+def act_on_block(flock, space, surroundings, grid, i, me, m, context, workspace):
+    """Let row i act on the m agents that the block holds, brought to their nearest images."""
+    if NEAREST:
+        all_images(space, workspace.block, m, me.x, me.y, me.z, DIM)
+    else:
+        nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
+    points = see_points(surroundings, context.reach, me, workspace) if SEES_POINTS else 0
+    near = nearby(m, workspace, 6, points)
+    visible = near
+    if NEAREST:
+        nearest_count, _ = pick_nearest(workspace, m, 6, me, context.nearest)
+        visible = nearby(nearest_count, workspace, -1, points)
+    act(flock, space, surroundings, i, me, near, visible, context, workspace)
+
+
+@compiled
 def copy_row(flock, workspace, p, m, j, sx, sy, sz, tick, key):
     """Copy row j, shifted, into column m of the block."""
     block = workspace.block
@@ -152,9 +193,7 @@ def copy_row(flock, workspace, p, m, j, sx, sy, sz, tick, key):
     if ASKS_SPEED:
         block[9, m] = other.speed
     if SIGNALS > 0:
-        for k in range(SIGNALS):
-            workspace.out[k] = workspace.mine[k]
-        show(other, p, workspace.out)
+        show_signals(other, p, workspace)
         for k in range(SIGNALS):
             workspace.signals[k, m] = workspace.out[k]
 
@@ -218,22 +257,8 @@ def advance(
             return at, -1
         me = row_of(flock, i, workspace, tick, key)
         if SIGNALS > 0:
-            for k in range(SIGNALS):
-                workspace.out[k] = workspace.mine[k]
-            show(me, p, workspace.out)
-            for k in range(SIGNALS):
-                workspace.mine[k] = workspace.out[k]
-        if NEAREST:
-            all_images(space, workspace.block, m, me.x, me.y, me.z, DIM)
-        else:
-            nearest_images(space, grid, workspace.block, m, me.x, me.y, me.z, DIM)
-        points = see_points(surroundings, context.reach, me, workspace) if SEES_POINTS else 0
-        near = nearby(m, workspace, 6, points)
-        visible = near
-        if NEAREST:
-            nearest_count, _ = pick_nearest(workspace, m, 6, me, context.nearest)
-            visible = nearby(nearest_count, workspace, -1, points)
-        act(flock, space, surroundings, i, me, near, visible, context, workspace)
+            show_own_signals(me, p, workspace)
+        act_on_block(flock, space, surroundings, grid, i, me, m, context, workspace)
         unlink(grid, slots, i)
         cell = cell_of(grid, space, flock.position, i)
         if cell < 0:
