@@ -1,4 +1,4 @@
-"""The models by name: a rule, the body that carries it out, and what they start with.
+"""Find models by name: a rule, the body that carries it out, and what they start with.
 
 A new rule is one file in `agents/rules/` and one line in `MODELS` below. Another package adds rules
 through the entry-point group `flockscope.rules`, each entry a `Rule` or a `Model`.

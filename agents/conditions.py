@@ -1,4 +1,4 @@
-"""What agents go through: old, lost and inexact messages, and wind. Part of every run's options.
+"""Model disturbances: old, lost and inexact messages, and wind. Part of every run's options.
 
 Time delay and disturbance are what Wu et al. 2023 (section 6) leave to be looked at. They belong to
 the engine, so that every model can be run under them.

@@ -1,4 +1,4 @@
-"""Checks that every model has to pass, built in or not, with few agents and few ticks.
+"""Check what every model has to pass, built in or not, with few agents and few ticks.
 
 Each check states a fact about a model in its own world or in empty space. It returns None, raises
 `InapplicableCheck` for a model to which it does not apply, or `ConformanceFailure` with what was

@@ -1,4 +1,4 @@
-"""One agent seen from close: its state, whom it listens to and how much, what moves it."""
+"""Inspect one agent: its state, whom it listens to and how much, and what moves it."""
 
 from __future__ import annotations
 

@@ -239,7 +239,7 @@ class FlockSpace(ContinuousSpace):
 
     @_agent_positions.setter
     def _agent_positions(self, value: np.ndarray) -> None:
-        """As above."""
+        """Do nothing: Mesa's methods assign, the flock's rows stand."""
 
     @property
     def active_agents(self) -> list:
@@ -248,7 +248,7 @@ class FlockSpace(ContinuousSpace):
 
     @active_agents.setter
     def active_agents(self, value: list) -> None:
-        """As above."""
+        """Do nothing: Mesa's methods assign, the flock's rows stand."""
 
     @property
     def _agent_to_index(self) -> dict:
@@ -256,7 +256,7 @@ class FlockSpace(ContinuousSpace):
 
     @_agent_to_index.setter
     def _agent_to_index(self, value: dict) -> None:
-        """As above."""
+        """Do nothing: Mesa's methods assign, the flock's rows stand."""
 
     @property
     def agents(self) -> AgentSet:

@@ -1,4 +1,4 @@
-"""How an option of a run is declared: its words for a person, and what its value may be."""
+"""Declare an option of a run: its title and help for a person, and which values it may have."""
 
 from __future__ import annotations
 

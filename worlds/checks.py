@@ -1,4 +1,4 @@
-"""Checks: whether a world is sound, and whether agents can be at given places.
+"""Check whether a world is sound, and whether agents can be at given places.
 
 What is wrong is named with its place, never repaired.
 """

@@ -1,4 +1,4 @@
-"""How a loop takes in the functions that it calls: each once, when it is made machine code.
+"""Link the functions that a loop calls into it once, when it is made machine code.
 
 numba optimises every function by itself, copies into it all that it calls, optimises it again and
 makes machine code of it. The hundred functions of a loop are all inlined into it, so here they stay

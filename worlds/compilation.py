@@ -1,4 +1,4 @@
-"""Compiles the functions of rules, bodies and engine with numba, or runs them as plain Python.
+"""Compile the functions of rules, bodies and engine with numba, or run them as plain Python.
 
 Sums may be reordered, so that a loop over a neighbourhood block becomes vector instructions; NaN
 and infinity keep their meaning, so that a bad number can be found and named. Compiled code counts
@@ -60,7 +60,7 @@ def plain_python(enabled: bool = True) -> Iterator[None]:
 @contextmanager
 def pause_collection() -> Iterator[None]:
     """Within it no garbage is collected: numba makes little, and looking for it takes a tenth."""
-    if not gc.isenabled():
+    if not gc.isenabled():  # a call around this one, or the user's program, has switched it off
         yield
         return
     gc.disable()
@@ -82,6 +82,8 @@ class LoopDispatcher(CPUDispatcher):
 
     def compile(self, sig: Any) -> Any:
         """Compile it, or take what another process has compiled and kept meanwhile."""
+        # The file's lock comes before numba's own, which super() takes: while this thread waits for
+        # another process, the other threads of this one can compile.
         with pause_collection(), nullcontext() if self.lock is None else FileLock(self.lock):
             return super().compile(sig)
 

@@ -1,4 +1,4 @@
-"""How every file is written: never over a device, over a file only when asked, whole or not at all.
+"""Write files: never over a device, over a file only when asked, whole or not at all.
 
 A file is made beside its place under another name and takes its place in one move, so that nobody
 ever sees half of it and a full disk leaves the old one as it was. Links are followed to the file

@@ -1,4 +1,4 @@
-"""The memory of this machine, so that what does not fit is refused at once."""
+"""Tell how much memory this machine has, so that what does not fit is refused at once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers and times in words."""
+"""Write numbers and times as text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that nobody else can have written: what is executed from disk comes by here, and no other.
+"""Read and write files that nobody else can have written: all code that is run from disk.
 
 A file, or a folder on the way to it, counts as owned if it is this user's or the administrator's
 (who may do anything anyway) and neither its group nor others may write to it. It is judged by its

@@ -1,4 +1,4 @@
-"""Plug-ins of other packages, by entry points; one that fails is left out with a warning."""
+"""Find plug-ins of other packages by entry points; one that fails is left out with a warning."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a text that somebody named is read, and TOML in it: or refused in one line.
+"""Read a text file that somebody named, and TOML in it, or refuse it in one line.
 
 Files and pipes are read, never a device, and not without end.
 """

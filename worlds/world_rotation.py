@@ -1,4 +1,4 @@
-"""A flat scene turned, with outlines that begin elsewhere: nothing in it may hang on either."""
+"""Turn a flat scene and let its outlines begin elsewhere: no result may depend on either."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a wish to the wheels of a car: what the computer commands, the radio, what the car does.
+"""Turn a wish into the motion of a car: the computer's command, the radio, wheels and motor.
 
 The signals of the body are the rows of `out` from `base` on: see `agents.bodies.car_commands`.
 """

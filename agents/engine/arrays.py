@@ -1,4 +1,4 @@
-"""What the compiled loop works on: the flock's arrays, its context and place, and a workspace."""
+"""Define what the compiled loop works on: arrays, context, place and workspace of a flock."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A cache of compiled kernels on disk that is never stale.
+"""Keep compiled kernels on disk, under names made from their code, so that none is ever stale.
 
 numba does not notice an edit of a function that a kernel calls. So each kernel gets a cache folder
 named by a hash over the bytecode of every function that it reaches and the value of every constant.
@@ -174,6 +174,7 @@ class KernelFiles(IndexDataCacheFile):
 
 def unpickled(content: bytes | None) -> Any:
     """What was pickled; None where a module or a class that it names has moved: compile anew."""
+    # Unpickling runs code. Only `read_owned` brings content here: files of this user alone.
     try:
         return None if content is None else pickle.loads(content)
     except (ImportError, AttributeError):
@@ -247,6 +248,8 @@ def keep_on_disk(entry, digest) -> Path:
     except OSError as error:
         tell_unwritable(error)
         return folder
+    # numba reads the folder from a setting of the whole process as it makes a cache, so two threads
+    # would mix up their folders.
     with KEEPING:
         setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - made at run time
         entry._cache = KernelCache(entry.py_func, base)

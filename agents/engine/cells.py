@@ -1,4 +1,4 @@
-"""Cells: which agents may be near which, found once per tick.
+"""Sort agents into cells once per tick: only those of neighbouring cells can be within reach.
 
 Space is divided into cells at least as wide as the rule's range, agents are sorted by cell
 (counting sort, stable, so the order never depends on the number of threads).

@@ -1,4 +1,4 @@
-"""What agents know of each other: the flock's past, who has what of it, and how exactly.
+"""Keep the flock's past, from which messages tell: how old they are, and how exact.
 
 Every tick each agent tells all others where it is, where it heads, how fast it is, and its signals.
 A message takes the delay and, on top, a time that is exponentially distributed; some get lost. What

@@ -35,6 +35,8 @@ from agents.engine.arrays import (
 )
 from agents.engine.message_past import MessageDelays
 
+# The threads that share a tick, with as little overhead as Python allows.
+
 
 class Team:
     """`size` threads, the caller among them, for jobs that free the GIL.
@@ -54,6 +56,8 @@ class Team:
         """Call job(0), ..., job(size - 1), one on each thread; raise what any of them raises."""
         for k, inbox in enumerate(self.inboxes, start=1):
             inbox.put((job, k))
+        # Every reply is taken out before anything is raised: one left behind would be taken for
+        # that of the next job.
         failures = [attempt(job, 0)] + [self.outbox.get() for _ in self.inboxes]
         for failure in failures:
             if failure is not None:
@@ -73,16 +77,13 @@ def run_helper(inbox: SimpleQueue, outbox: SimpleQueue) -> None:
     """The loop of a helper thread: shares of jobs until None comes."""
     while (task := inbox.get()) is not None:
         outbox.put(attempt(*task))
-        task = None
+        task = None  # while this thread waits, the job would keep the flock and its arrays alive
 
 
 def dismiss(inboxes: list[SimpleQueue]) -> None:
     """End the helper threads."""
     for inbox in inboxes:
         inbox.put(None)
-
-
-# The threads that share a tick, with as little overhead as Python allows.
 
 
 UNTRACED = np.empty((0, 0, 0))
@@ -107,7 +108,7 @@ def at_once(function: Callable, *arguments: Any) -> Any:
 
 
 def refuse(arrays: Arrays, row: int, tick: int) -> None:
-    """Name the agent whose position is no number."""
+    """Raise NotANumber, naming the agent whose position is not finite and the tick."""
     raise NotANumber(
         f"agent {arrays.ids[row]} has position {arrays.position[row].tolist()} at tick {tick}: "
         "every position must be a finite number"
@@ -139,7 +140,7 @@ class Engine:
         self.enlarge_workspaces(256)
 
     def enlarge_workspaces(self, capacity: int) -> None:
-        """Larger workspaces."""
+        """Give each thread a workspace with room for `capacity` agents in a block."""
         loop = self.module
         workspace_shape = (
             capacity,
@@ -250,6 +251,7 @@ class SynchronousEngine(Engine):
         def sweep(k: int) -> None:
             for owner in range(k, k + self.parts):
                 own_cells = own[owner % self.parts]
+                # A deque's `pop` and `popleft` are atomic: threads need no lock to share it.
                 with suppress(IndexError):
                     while True:
                         span = own_cells.popleft() if owner == k else own_cells.pop()

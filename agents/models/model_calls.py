@@ -1,4 +1,4 @@
-"""Calls of a model's compiled functions; what its author got wrong is reported in one line."""
+"""Call a model's compiled functions, and report in one line what its author got wrong."""
 
 from __future__ import annotations
 

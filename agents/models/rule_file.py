@@ -1,4 +1,4 @@
-"""A file of an author with a `RULE` or a `MODEL`, used as it is, without a package."""
+"""Load the `RULE` or the `MODEL` of an author's own Python file, which needs no package."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ def run(file: Path, text: str, name: str) -> ModuleType:
     full_path = str(file.resolve())
     module = ModuleType(name)
     module.__file__ = full_path
-    linecache.checkcache(full_path)
+    linecache.checkcache(full_path)  # the file may have been edited since: messages quote its lines
     sys.modules[name] = module  # where its classes look up the names in their annotations
     sys.path.insert(0, str(file.resolve().parent))
     try:
         exec(compile(text, full_path, "exec"), module.__dict__)
-    except (Exception, SystemExit) as error:
+    except (Exception, SystemExit) as error:  # a script may end in sys.exit()
         del sys.modules[name]
         raise describe_fault(file, full_path, error) from error
     finally:

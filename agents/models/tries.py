@@ -1,4 +1,4 @@
-"""What a model proposes to try: something to change, what one then sees, and what a program finds.
+"""Declare what to try with a model: what to change, what one then sees, and what a check measures.
 
 Pages of models, the guide of the laboratory and `flockscope list MODEL` show tries;
 `agents.conformance` makes each and looks whether what it says comes true.

@@ -1,4 +1,4 @@
-"""Arrays as observables take them: what is measured, what is left out, what is refused.
+"""Check the arrays that observables take: rows that are no numbers are left out, bad ones refused.
 
 One rule for all. A row (an agent, a tick of a series) of which a number is nan or infinite is left
 out of what is measured, and a `OmittedRowsWarning` warning says how many there were; what is

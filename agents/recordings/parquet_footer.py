@@ -1,4 +1,4 @@
-"""The footer of a Parquet file that anybody may have made: judged, and written anew by ours.
+"""Check the footer of a Parquet file that anybody may have made, and write it anew.
 
 A library that meets a footer with something missing may end the whole process, which no `except`
 can catch. So its footer is never shown to one. What is needed is read here, checked

@@ -1,4 +1,4 @@
-"""Parquet files that anybody may have made: opened, and read in pieces of bounded size.
+"""Open Parquet files that anybody may have made, and read them in pieces of bounded size.
 
 Few bytes can stand for billions of numbers, and a footer can end the process that reads it. So the
 footer is judged and written anew by ours, a row group is decoded only after that and the headers of

@@ -1,4 +1,4 @@
-"""The `.part` of a recording: an Arrow stream that anybody may have made, read batch by batch.
+"""Read the `.part` of a recording batch by batch: an Arrow stream that anybody may have made.
 
 A batch is judged by its own header before room is made for it: what its length says, whether it is
 packed, how many rows it claims. Arrow believes what stands in a batch, so every batch is

@@ -1,4 +1,4 @@
-"""A recording or saved state read: what it holds, as a table, as CSV, or as flocks at its ticks."""
+"""Read a recording or saved state: what it holds, as a table, as CSV, or as flocks at its ticks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The flocks of a recording by their ticks: read where they lie in the file, never all of it."""
+"""Read the flock at a tick of a recording, from where it lies in the file, never all of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far places are from everything solid, for whole arrays of places."""
+"""Measure how far places are from everything solid, for whole arrays of places."""
 
 from __future__ import annotations
 

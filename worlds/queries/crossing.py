@@ -1,4 +1,4 @@
-"""Where a step from one place to another first enters something solid.
+"""Find where a step from one place to another first enters something solid.
 
 Only what is entered counts, never what is left: who is inside can get out. Places count as on a
 surface within a share of `skin`, so that rounding opens no gap between edges that meet.

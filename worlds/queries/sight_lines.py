@@ -1,4 +1,4 @@
-"""Whether one place can be seen from another, past the obstacles."""
+"""Tell whether one place can be seen from another, past the obstacles."""
 
 from __future__ import annotations
 

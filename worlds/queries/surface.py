@@ -1,4 +1,4 @@
-"""The nearest surface to a place, found through the cells of `Surroundings`.
+"""Find the nearest surface to a place, through the cells of `Surroundings`.
 
 Each cell of the plan lists the solids that come within reach of it, nearest first, and of each
 outline the runs of edges that can be nearest to a place in the cell.

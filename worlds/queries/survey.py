@@ -1,4 +1,4 @@
-"""Turns a world into `Surroundings`: edges, cells and points that compiled code can query."""
+"""Turn a world into `Surroundings`: edges, cells and points that compiled code can query."""
 
 from __future__ import annotations
 

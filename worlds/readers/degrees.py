@@ -1,4 +1,4 @@
-"""Plans in degrees: recognised, asked about, and projected to metres around their middle.
+"""Recognise plans in degrees, ask about them, and project them to metres around their middle.
 
 Source: RFC 7946, section 4 (longitude, latitude, in this order); Snyder, Map projections, USGS
 professional paper 1395, chapter 8 (transverse Mercator), computed by PROJ.

@@ -1,4 +1,4 @@
-"""Joins lines that meet end to end and draws curves by chords; reports each change."""
+"""Join lines that meet end to end and draw curves by chords; report each change."""
 
 from __future__ import annotations
 

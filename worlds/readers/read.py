@@ -1,4 +1,4 @@
-"""Reading a drawing: what each layer is, how long a unit is, and what comes of it in metres."""
+"""Read a drawing: what each layer is, how long a unit is, and what comes of it in metres."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What each layer of a drawing is: asked for, guessed from its name, or not clear.
+"""Assign a role to each layer of a drawing: asked for, read from its name, or not clear.
 
 Source: JuPedSim, scripts/dxf2wkt.py (the names that begin with jps-); National CAD Standard, layer
 names with a letter for the discipline before them (A-WALL).

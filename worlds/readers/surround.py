@@ -1,4 +1,4 @@
-"""Makes a world of a drawing: its box, its obstacles and what is outside the walkable area."""
+"""Make a world of a drawing: its box, its obstacles and what is outside the walkable area."""
 
 from __future__ import annotations
 

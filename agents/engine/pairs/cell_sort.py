@@ -1,4 +1,4 @@
-"""The sort of a tick: places into slots, so that the agents of a cell lie side by side.
+"""Sort the agents into slots at every tick, so that those of a cell lie side by side.
 
 A place is where an agent's position and heading stand in the flock's arrays between two ticks: its
 row, or its last slot. Within a cell agents stand in the order of their rows, so that sums over them

@@ -1,4 +1,4 @@
-"""Runs the compiled ticks of a rule that is a sum over pairs."""
+"""Run the compiled ticks of a rule that is a sum over pairs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the threads of a tick wait for one another, without Python and without a lock."""
+"""Let the threads of a tick wait for one another, without Python and without a lock."""
 
 from __future__ import annotations
 
@@ -79,6 +79,7 @@ def meet_threads(meeting, parts):
         return
     round_now = read(meeting, ROUND)
     if add(meeting, ARRIVED, 1) == parts - 1:
+        # Before ROUND rises: the others go on as soon as they see it, and may come here again.
         write(meeting, ARRIVED, 0)
         write(meeting, NEXT, 0)
         add(meeting, ROUND, 1)
