@@ -232,7 +232,7 @@ def model_of_entry(_: str, entry: object) -> tuple[str, Model]:
     return model.name, model
 
 
-BODIES = {one.name: one for one in (CONSTANT, point_mass.BODY)}
+BODIES = {built_in_body.name: built_in_body for built_in_body in (CONSTANT, point_mass.BODY)}
 BODIES |= plug_ins("flockscope.bodies", body_of_entry, BODIES)
 """Bodies that any rule may have, if it wishes what they take: `RULE-BODY` is such a model."""
 

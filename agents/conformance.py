@@ -147,11 +147,11 @@ def furthest_value(values: np.ndarray, target: float) -> float:
 
 def threads(model: Model) -> None:
     """One thread and two give the same bits."""
-    one, two = flock_in_empty_space(model), flock_in_empty_space(model, threads=2)
-    two.split_from = 1
-    for flock in (one, two):
+    single, double = flock_in_empty_space(model), flock_in_empty_space(model, threads=2)
+    double.split_from = 1
+    for flock in (single, double):
         flock.run(TICKS)
-    demand_same(one, two, "two threads")
+    demand_same(single, double, "two threads")
 
 
 def order(model: Model) -> None:

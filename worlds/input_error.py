@@ -91,7 +91,7 @@ def nearest(text: str, known: Iterable[str]) -> str:
     """
     letters = plain_letters(text[:LONGEST_NAME])
     candidates = [(count_slips(letters, plain_letters(name)), name) for name in known]
-    near_names = [(count, one) for count, one in candidates if count is not None]
+    near_names = [(count, near_name) for count, near_name in candidates if count is not None]
     return min(near_names, key=lambda pair: pair[0])[1] if near_names else ""
 
 

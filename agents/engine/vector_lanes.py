@@ -115,10 +115,10 @@ def operation(symbol: Any, answer: Eight, *kinds: Eight) -> Callable:
                     return None
                 if not any(isinstance(argument, Eight) for argument in args):
                     return None
-                for given, kind in zip(args, kinds, strict=True):
-                    if kind == TRUTHS != given and symbol is operator.mul:
+                for argument_type, kind in zip(args, kinds, strict=True):
+                    if kind == TRUTHS != argument_type and symbol is operator.mul:
                         return None
-                    if given != kind and kind.can_convert_from(None, given) is None:
+                    if argument_type != kind and kind.can_convert_from(None, argument_type) is None:
                         return None
                 return signature(answer, *kinds)
 

@@ -309,7 +309,7 @@ def wing_air(craft: Aircraft, u, w, q, flap: Swing, tip: Swing, downwash) -> Win
     slowed: (..., STRIPS), the slowed inflow of every strip, m/s (see `effective_inflow`).
     """
     u, w, q = (np.asarray(motion, float)[..., None] for motion in (u, w, q))
-    phi, dphi, ddphi = (np.asarray(one)[..., None] for one in flap)
+    phi, dphi, ddphi = (np.asarray(derivative)[..., None] for derivative in flap)
     eta, deta, ddeta = (np.asarray(one)[..., None] * SHARE for one in tip)
     chord, ratio = craft.chord, craft.aspect_ratio
     y = SHARE * craft.half_span

@@ -51,7 +51,9 @@ def reads(name: str, function: Callable | None) -> bool:
         return False
     python = python_of(function)
     inner = [callee for callee in global_values(python) if isinstance(callee, Dispatcher)]
-    return name in python.__code__.co_names or any(reads(name, one) for one in inner)
+    return name in python.__code__.co_names or any(
+        reads(name, callee_function) for callee_function in inner
+    )
 
 
 def calls(target: Callable, function: Callable) -> bool:
@@ -59,7 +61,9 @@ def calls(target: Callable, function: Callable) -> bool:
     inner = [
         callee for callee in global_values(python_of(function)) if isinstance(callee, Dispatcher)
     ]
-    return any(one is target or calls(target, one) for one in inner)
+    return any(
+        callee_function is target or calls(target, callee_function) for callee_function in inner
+    )
 
 
 def vector_name(column: str) -> str:

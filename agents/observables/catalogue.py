@@ -305,7 +305,9 @@ FLIGHT = [
         saves_power=True,
     ),
 ]
-BUILT_IN = {one.name: one for one in [*ORDER, *NEIGHBOURS, *WORLD, *GROUPS, *FLIGHT]}
+BUILT_IN = {
+    observable.name: observable for observable in [*ORDER, *NEIGHBOURS, *WORLD, *GROUPS, *FLIGHT]
+}
 
 
 def observable_of_entry(_: str, entry: object) -> tuple[str, Observable]:

@@ -84,7 +84,7 @@ def upwash_share(dx, dy, dz=0.0, core: float = CORE) -> np.ndarray:
         shapes = ", ".join(str(np.shape(offset)) for offset in (dx, dy, dz))
         raise InputError(f"dx, dy and dz of shapes {shapes} do not match") from None
     out = np.empty(offsets[0].size)
-    relieve(*(np.ascontiguousarray(one).ravel() for one in offsets), float(core), out)
+    relieve(*(np.ascontiguousarray(component).ravel() for component in offsets), float(core), out)
     is_endless = np.isinf(offsets[1]) | np.isinf(offsets[2])
     share = np.where(is_endless, 0.0, out.reshape(offsets[0].shape))
     return np.where(np.isnan(offsets).any(axis=0), np.nan, share)

@@ -28,16 +28,16 @@ def neighbours(flock: Any) -> np.ndarray:
 
 
 BUILT_IN = {
-    one.name: one
-    for one in (OfAgents("neighbours", "Agents within reach of each", "agents", neighbours),)
+    colouring.name: colouring
+    for colouring in (OfAgents("neighbours", "Agents within reach of each", "agents", neighbours),)
 }
 
 
-def colouring_of_entry(_: str, thing: object) -> tuple[str, OfAgents]:
+def colouring_of_entry(_: str, entry: object) -> tuple[str, OfAgents]:
     """The colouring that an entry point brings. Raises TypeError if it is none."""
-    if not isinstance(thing, OfAgents):
-        raise TypeError(f"an OfAgents is needed, not {type(thing).__name__}")
-    return thing.name, thing
+    if not isinstance(entry, OfAgents):
+        raise TypeError(f"an OfAgents is needed, not {type(entry).__name__}")
+    return entry.name, entry
 
 
 OF_AGENTS = BUILT_IN | plug_ins("flockscope.colourings", colouring_of_entry, BUILT_IN)

@@ -195,6 +195,6 @@ def demand_kinds(schema: Any, origin: str) -> None:
         elif is_axis or field.name in ("speed", PAST):
             is_sound, fault = types.is_floating(kind), "what is no number with a point"
         else:
-            is_sound, fault = any(one(kind) for one in numbers), "what is no number"
+            is_sound, fault = any(is_number(kind) for is_number in numbers), "what is no number"
         if not is_sound:
             raise InputError(f"{origin}: its column {field.name!r} holds {fault}")

@@ -36,10 +36,10 @@ def boundary_points(world: World, solids: list[Solid], margin: float) -> np.ndar
     own = np.concatenate(rows) if rows else np.empty((0, 2))
     edges = np.concatenate([*box_lines(world, margin), np.empty((0, 2))])
     is_hidden = np.zeros(len(edges), bool)
-    for one in solids:
-        shapely.prepare(one.polygon)
-        inner = np.flatnonzero(shapely.contains_xy(one.polygon, *edges.T))
-        rim = one.polygon.boundary
+    for outline in solids:
+        shapely.prepare(outline.polygon)
+        inner = np.flatnonzero(shapely.contains_xy(outline.polygon, *edges.T))
+        rim = outline.polygon.boundary
         shapely.prepare(rim)
         is_hidden[inner] |= ~shapely.dwithin(rim, shapely.points(edges[inner]), HIDDEN)
     points = np.concatenate([own, edges[~is_hidden]])

@@ -72,7 +72,7 @@ def prepared_outlines(world: World) -> list[Outlines]:
         rings = [ring.divided(MOST_SWEEP) for part in parts for ring in part.rings]
         edge = np.concatenate([edge_rows(ring) for ring in rings])
         each = np.arange(len(edge))
-        polygon = shapely.MultiPolygon([one.polygon for one in parts])
+        polygon = shapely.MultiPolygon([outline.polygon for outline in parts])
         shapely.prepare(polygon)
         lines = shapely.STRtree(chord_lines(edge, each, each + 1))
         slack = max(one.slack for one in parts)

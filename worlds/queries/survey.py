@@ -275,7 +275,7 @@ def build_surroundings(world: World, reach: float) -> Surroundings:
         edges.corner,
         edges.after,
         *list_solids(
-            [one.polygon for one in outlines],
+            [outline.polygon for outline in outlines],
             ball,
             edges.chunks,
             reach,

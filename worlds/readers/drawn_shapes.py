@@ -67,17 +67,17 @@ class UnitConversion:
     scale: float
     digits: int
 
-    def length(self, given: float) -> float:
+    def length(self, value: float) -> float:
         """A length in metres."""
-        return round(given * self.scale, self.digits)
+        return round(value * self.scale, self.digits)
 
-    def point(self, given: Point) -> Point:
+    def point(self, place: Point) -> Point:
         """A point in metres."""
-        return (self.length(given[0]), self.length(given[1]))
+        return (self.length(place[0]), self.length(place[1]))
 
-    def span(self, given: Span) -> Span:
+    def span(self, heights: Span) -> Span:
         """Heights in metres."""
-        low, high = (None if z is None else self.length(z) for z in given)
+        low, high = (None if z is None else self.length(z) for z in heights)
         return (low, high)
 
 
@@ -142,8 +142,10 @@ class DrawnCircle(DrawnShape):
     def measured(self, by: UnitConversion) -> DrawnCircle:
         """The same in metres. Raises InputError if rounding has left nothing of it."""
         centre, radius = by.point(self.centre), by.length(self.radius)
-        made = circle(self.name, centre, radius, self.origin, by.span(self.span), self.is_line)
-        return replace(made, is_wall=self.is_wall)
+        drawn_circle = circle(
+            self.name, centre, radius, self.origin, by.span(self.span), self.is_line
+        )
+        return replace(drawn_circle, is_wall=self.is_wall)
 
     def map_points(self, to: Callable[[Point], Point]) -> DrawnCircle:
         """The same somewhere else."""
@@ -298,11 +300,11 @@ def area(
     may touch the outline, or another hole, as long as one area is left.
     """
     closed = [close_ring(ring, origin) for ring in rings]
-    made = shapely.Polygon(closed[0], closed[1:])
-    if not made.is_valid:
-        made = subtract_holes(closed, origin)
-        closed = [list(ring.coords) for ring in (made.exterior, *made.interiors)]
-    if made.area == 0.0:  # so thin that rounding leaves nothing
+    polygon = shapely.Polygon(closed[0], closed[1:])
+    if not polygon.is_valid:
+        polygon = subtract_holes(closed, origin)
+        closed = [list(ring.coords) for ring in (polygon.exterior, *polygon.interiors)]
+    if polygon.area == 0.0:  # so thin that rounding leaves nothing
         raise InputError(f"{origin}: the outline at {format_place(closed[0][0])} has no area")
     corners = tuple(tuple((x, y) for x, y in ring[:-1]) for ring in closed)
     return DrawnArea(name, origin, span, corners, is_line)
@@ -336,8 +338,8 @@ def close_ring(ring: Sequence[Point], origin: str) -> list[Point]:
 def subtract_holes(rings: Sequence[Sequence[Point]], origin: str) -> shapely.Polygon:
     """What holes leave of an outline that they touch along a line. Raises InputError."""
     outline, *holes = (shapely.Polygon(ring) for ring in rings)
-    for one in (outline, *holes):
-        demand_valid(one, origin)
+    for polygon in (outline, *holes):
+        demand_valid(polygon, origin)
     inside = [hole for hole in holes if hole.covered_by(outline)]
     if len(inside) < len(holes):
         hole = next(hole for hole in holes if not hole.covered_by(outline))
@@ -348,8 +350,8 @@ def subtract_holes(rings: Sequence[Sequence[Point]], origin: str) -> shapely.Pol
             f"{origin}: the outline has a hole that crosses it: at "
             f"{format_place((beyond.x, beyond.y))} the hole is outside of the outline"
         )
-    for one, other in itertools.combinations(holes[:MOST_TOUCHING], 2):
-        both = one.intersection(other)
+    for polygon, other in itertools.combinations(holes[:MOST_TOUCHING], 2):
+        both = polygon.intersection(other)
         if both.area > 0.0:
             place = both.representative_point()
             raise InputError(f"{origin}: the outline has two holes that overlap at "
@@ -400,18 +402,18 @@ def line(
 def demand_finite(points: Sequence[Point], origin: str) -> None:
     """Refuse a coordinate that is NaN, infinite or beyond FARTHEST. Raises InputError."""
     for k, point in enumerate(points, start=1):
-        if not all(abs(one) <= FARTHEST for one in point):
+        if not all(abs(number) <= FARTHEST for number in point):
             raise InputError(f"{origin}: point {k} is {format_place(point)}, which is no place")
 
 
-def demand_valid(made: shapely.Geometry, origin: str) -> None:
+def demand_valid(geometry: shapely.Geometry, origin: str) -> None:
     """Refuse a polygon that crosses itself or is unsound otherwise. Raises InputError."""
-    reason = shapely.is_valid_reason(made)
+    reason = shapely.is_valid_reason(geometry)
     if reason == "Valid Geometry":
         return
-    found = re.fullmatch(r"(.*?)\[(\S+) (\S+)\]", reason)
+    match = re.fullmatch(r"(.*?)\[(\S+) (\S+)\]", reason)
     what, place = (
-        (found[1], format_place((float(found[2]), float(found[3])))) if found else (reason, "")
+        (match[1], format_place((float(match[2]), float(match[3])))) if match else (reason, "")
     )
     words = DEFECTS.get(what, f"is not sound ({what})")
     raise InputError(f"{origin}: the outline {words}" + (f" at {place}" if place else ""))
@@ -426,12 +428,12 @@ def format_place(point: Sequence[float]) -> str:
     return "(" + ", ".join(f"{number:.9g}" for number in point) + ")"
 
 
-def format_apart(one: Point, other: Point) -> tuple[str, str]:
+def format_apart(first: Point, other: Point) -> tuple[str, str]:
     """Two places, with as many digits as it takes to tell them apart."""
     for digits in range(9, 17):
-        ends = [[f"{x:.{digits}g}" for x in point] for point in (one, other)]
+        ends = [[f"{x:.{digits}g}" for x in point] for point in (first, other)]
         gap = math.dist(*([float(x) for x in end] for end in ends))
-        if math.isclose(gap, math.dist(one, other), rel_tol=0.01):
+        if math.isclose(gap, math.dist(first, other), rel_tol=0.01):
             break
     begin, end = (f"({', '.join(point)})" for point in ends)
     return begin, end

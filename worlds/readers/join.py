@@ -154,7 +154,7 @@ def chain(
 def pieces(changes: Sequence[str]) -> str:
     """What has been joined to a line, from the words about it, the first FEW of them."""
     origins = [change.partition(": joined with ")[2].partition(" at (")[0] for change in changes]
-    origins = [one for one in origins if one][:FEW]
+    origins = [origin for origin in origins if origin][:FEW]
     return ", ".join(origins) or "itself"
 
 
@@ -184,8 +184,10 @@ def joints_of(lines: Sequence[DrawnLine], tolerance: float) -> tuple[list[Joint]
     joints, crowded = [], []
     for members in groups.values():
         if len(members) == 2 and joinable(lines, members, tolerance):
-            one, other = members
-            joints.append(Joint((one, other), point_distance(ends[one], ends[other])))
+            first_end, other_end = members
+            joints.append(
+                Joint((first_end, other_end), point_distance(ends[first_end], ends[other_end]))
+            )
         elif len(members) > 2:
             origin = lines[members[0] // 2].origin
             crowded.append(
@@ -294,7 +296,7 @@ def enclosing_area(shapes: Sequence[Solid]) -> DrawnArea | DrawnCircle | None:
         return None
     cover = footprint(outer)
     shapely.prepare(cover)
-    footprints = [footprint(one) for one in shapes if one is not outer]
+    footprints = [footprint(member) for member in shapes if member is not outer]
     return outer if all(cover.covers(one) for one in footprints) else None
 
 

@@ -398,7 +398,10 @@ class LayerShapes:
             ask = f"close it, {ask}" if role == WALKABLE else f"close it, give a thickness, {ask}"
             descriptions = [f"{line.origin}: {line.describe_gap()}" for line in layer_lines]
             if role == WALKABLE:
-                descriptions = [f"{one}, and a walkable area is a polygon" for one in descriptions]
+                descriptions = [
+                    f"{description}, and a walkable area is a polygon"
+                    for description in descriptions
+                ]
             if len(layer_lines) > FEW:
                 messages.append(
                     f"{self.path}, layer {layer!r}: {len(layer_lines)} open lines bound no "

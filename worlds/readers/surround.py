@@ -280,9 +280,9 @@ def outside(walkable: shapely.Geometry, digits: int) -> list[Obstacle]:
     return obstacles
 
 
-def shift_and_round(one: Obstacle, dx: float, dy: float, digits: int) -> Obstacle:
+def shift_and_round(solid: Obstacle, dx: float, dy: float, digits: int) -> Obstacle:
     """An obstacle moved, without the rounding errors of the sum."""
-    return obstacle(round_numbers(one.moved(dx, dy).model_dump(exclude_none=True), digits))
+    return obstacle(round_numbers(solid.moved(dx, dy).model_dump(exclude_none=True), digits))
 
 
 def round_numbers(value: Any, digits: int) -> Any:
@@ -292,7 +292,9 @@ def round_numbers(value: Any, digits: int) -> Any:
     if isinstance(value, dict):
         return {key: round_numbers(item, digits) for key, item in value.items()}
     return (
-        [round_numbers(one, digits) for one in value] if isinstance(value, list | tuple) else value
+        [round_numbers(entry, digits) for entry in value]
+        if isinstance(value, list | tuple)
+        else value
     )
 
 

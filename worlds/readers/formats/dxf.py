@@ -153,7 +153,7 @@ def read_dxf(path: Path) -> DrawingContents:
             if layer_entry.is_frozen() or layer_entry.is_off()
         }
         layers = [
-            *(one.dxf.name for one in document.layers),
+            *(table_entry.dxf.name for table_entry in document.layers),
             *(item.layer for item in items),
             *(layer for _, layer in left_out),
         ]
@@ -183,7 +183,7 @@ STUMBLES = (ArithmeticError, AttributeError, LookupError, RecursionError, StopIt
 
 
 @contextmanager
-def report_damage(thing: str) -> Iterator[None]:
+def report_damage(part: str) -> Iterator[None]:
     """Refuse what ezdxf stumbles over, by name: it reads files before it checks them."""
     from ezdxf import DXFError
 
@@ -192,7 +192,7 @@ def report_damage(thing: str) -> Iterator[None]:
     except InputError:
         raise
     except (DXFError, *STUMBLES) as error:
-        raise InputError(f"{thing}: {' '.join(str(error).split())}") from None
+        raise InputError(f"{part}: {' '.join(str(error).split())}") from None
 
 
 def entities(

@@ -135,30 +135,30 @@ def demand_few(root: Xml.Element, path: Path) -> None:
     stack: list[tuple[Xml.Element, int, bool]] = [(root, 0, False)]
     open_nodes: set[Xml.Element] = set()
     while stack:
-        one, depth, is_done = stack.pop()
-        parts = [*one]
+        element, depth, is_done = stack.pop()
+        parts = [*element]
         # As svgelements has it, which leaves out the first letter, whatever that is.
-        address = one.get("href", one.get(HREF))
+        address = element.get("href", element.get(HREF))
         target = None if address is None else by_id.get(address[1:])
-        if one.tag.rpartition("}")[2] == "use" and target is not None:
+        if element.tag.rpartition("}")[2] == "use" and target is not None:
             parts.append(target)
         if is_done:
-            open_nodes.discard(one)
-            counts[one] = 1 + sum(counts[part] for part in parts)
-            if counts[one] > MOST_ITEMS:
+            open_nodes.discard(element)
+            counts[element] = 1 + sum(counts[part] for part in parts)
+            if counts[element] > MOST_ITEMS:
                 raise InputError(
                     f"{path} draws more than {MOST_ITEMS} elements, those of use counted "
                     "as often as they are used: too many to read"
                 )
             continue
-        if one in counts:
+        if element in counts:
             continue
-        if one in open_nodes:
-            raise InputError(f"{path}: the element {shorten(one.get('id'))} uses itself")
+        if element in open_nodes:
+            raise InputError(f"{path}: the element {shorten(element.get('id'))} uses itself")
         if depth > DEEPEST:
             raise InputError(f"{path}: its elements are nested more than {DEEPEST} deep")
-        open_nodes.add(one)
-        stack.append((one, depth, True))
+        open_nodes.add(element)
+        stack.append((element, depth, True))
         stack += [(part, depth + 1, False) for part in parts]
 
 
@@ -257,11 +257,14 @@ def filled_edges(rings: Sequence[list[Point]]) -> list[list[Point]]:
     turn = [1 if shapely.is_ccw(polygon.exterior) else -1 for polygon in areas]
     tree = shapely.STRtree(areas)
     edges = []
-    for k, one in enumerate(areas):
+    for k, area_polygon in enumerate(areas):
         windings = [
             int(j)
-            for j in tree.query(one, predicate="covered_by")
-            if j != k and (areas[j].area > one.area or (areas[j].area == one.area and j < k))
+            for j in tree.query(area_polygon, predicate="covered_by")
+            if j != k
+            and (
+                areas[j].area > area_polygon.area or (areas[j].area == area_polygon.area and j < k)
+            )
         ]
         outside = sum(turn[j] for j in windings)
         if (outside == 0) != (outside + turn[k] == 0):

@@ -200,7 +200,7 @@ def close_rounded_ring(ring: re.Match[str]) -> str:
     points = ring[1].split(",")
     try:
         ends = [tuple(float(number) for number in points[k].split()[:2]) for k in (0, -1)]
-        sides = [float(one) for point in points for one in point.split()[:2]]
+        sides = [float(coordinate) for point in points for coordinate in point.split()[:2]]
     except ValueError:
         return ring[0]
     gap = math.dist(*ends) if len(points) > 3 and all(len(end) == 2 for end in ends) else 0.0
