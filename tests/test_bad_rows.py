@@ -21,7 +21,6 @@ from agents.observables import (
     groups,
     neighbours,
     order,
-    spread,
 )
 from agents.observables.array_checks import OmittedRowsWarning
 from agents.observables.neighbours import groups_within
@@ -86,8 +85,8 @@ WHOLE = {
     "energy": lambda t: energy.hamiltonian(
         t.position, t.velocity, np.zeros((2, t.dim)), t.position + 0.5, P
     ),
-    "gyration radius": lambda t: spread.gyration_radius(t.position, *t.box),
-    "velocity spread": lambda t: spread.velocity_spread(t.velocity),
+    "gyration radius": lambda t: order.gyration_radius(t.position, *t.box),
+    "velocity spread": lambda t: order.velocity_spread(t.velocity),
     "susceptibility": lambda t: order.susceptibility(t.series[:, 0], 30),
     "binder": lambda t: order.binder(t.series[:, 0]),
 }

@@ -17,7 +17,7 @@ from worlds.owned_files import NotOwned, open_in, owned_folder, read_owned, writ
 SCRIPT = """
 import os
 os.umask(0)
-from agents.engine.cache import is_kept, kept
+from agents.engine.cache import compile_to_disk, is_kept
 
 def doubled(x):
     return 2.0 * x
@@ -25,7 +25,7 @@ def doubled(x):
 def trebled(x):
     return 3.0 * x
 
-made = kept(doubled), kept(trebled)
+made = compile_to_disk(doubled), compile_to_disk(trebled)
 print(is_kept(made[0]), made[0](3.0), made[1](3.0), sum(made[0].stats.cache_misses.values()))
 """
 STRANGER = 12345

@@ -71,12 +71,12 @@ def test_an_edit_is_never_run_stale_and_an_unedited_rule_is_not_compiled_again(t
 MOVED = """
 import sys
 from {module} import Place
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 
 def doubled(place):
     return 2.0 * place.x
 
-print(kept(doubled)(Place(3.0)))
+print(compile_to_disk(doubled)(Place(3.0)))
 """
 
 
@@ -134,12 +134,12 @@ def test_a_kernel_of_a_module_that_is_gone_is_compiled_anew(tmp_path, monkeypatc
 
 AT_ONCE = """
 import time, sys
-from agents.engine.cache import kept
+from agents.engine.cache import compile_to_disk
 
 def doubled(x):
     return 2.0 * x
 
-made = kept(doubled)
+made = compile_to_disk(doubled)
 while time.time() < float(sys.argv[1]):
     pass
 made(3.0)
@@ -165,7 +165,7 @@ def test_processes_that_want_the_same_kernel_at_once_compile_it_once(tmp_path):
 
 DOUBLED = """
 import resource, sys
-from agents.engine.cache import is_kept, kept
+from agents.engine.cache import compile_to_disk, is_kept
 
 def doubled(x):
     return 2.0 * x
@@ -175,7 +175,7 @@ def trebled(x):
 
 if {most}:
     resource.setrlimit(resource.RLIMIT_FSIZE, ({most}, {most}))
-made = kept(doubled), kept(trebled)
+made = compile_to_disk(doubled), compile_to_disk(trebled)
 print(is_kept(made[0]), made[0](3.0), made[1](3.0), sum(made[0].stats.cache_misses.values()))
 """
 
