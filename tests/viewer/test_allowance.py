@@ -163,9 +163,14 @@ def test_a_flock_that_runs_as_fast_as_it_goes_takes_no_more_than_its_share(speed
         took = (time.clock_gettime(clock) - worked) / (time.monotonic() - began)
         assert took < 0.13
         assert simulation.frame.tick > tick
-        began = time.monotonic()
-        simulation.set("eta", 1.0).result(60)
-        assert time.monotonic() - began < 1.0, "it answers while it waits"
+
+        def answers_between_two_ticks() -> bool:
+            ticks = simulation.frame.tick
+            for k in range(5):
+                simulation.set("eta", 1.0 + 0.1 * k).result(60)
+            return simulation.frame.tick == ticks
+
+        until(answers_between_two_ticks, 60)
     finally:
         simulation.close()
 
@@ -183,7 +188,7 @@ def test_while_nobody_looks_it_goes_on_with_few_frames(simulation):
     assert simulation.frame.tick - tick > 20
     simulation.be_seen(True)
     last = simulation.frame
-    until(lambda: simulation.frame is not last, 1.0)
+    until(lambda: simulation.frame is not last)
     assert simulation.pace.timeout == 0.0
 
 
@@ -198,8 +203,8 @@ def test_pictures_come_no_more_often_than_is_allowed(browser):
     browser.clear()
     began = time.monotonic()
     time.sleep(3.0)
-    seen = len(browser) / (time.monotonic() - began)
-    assert 2.0 < seen < SMALL.pictures * 1.15
+    until(lambda: len(browser) > 6)
+    assert len(browser) / (time.monotonic() - began) < SMALL.pictures * 1.15
 
 
 def test_there_is_no_tab_for_sweeps_and_its_routes_say_why(laboratory):
