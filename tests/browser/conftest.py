@@ -48,6 +48,20 @@ def absent(what: str) -> None:
     pytest.skip(f"no {what}: install it to run the browser tests")
 
 
+def wait_longer(make):
+    """Makes pages or contexts as `make` does; what waits there fails after COMPILED.
+
+    After Playwright's own 30 s a page of a busy machine may not even have answered a click.
+    """
+
+    def make_and_tell(*arguments, **options):
+        page = make(*arguments, **options)
+        page.set_default_timeout(1000 * COMPILED)
+        return page
+
+    return make_and_tell
+
+
 @pytest.fixture(scope="package")
 def chromium():
     """One running browser."""
@@ -59,6 +73,8 @@ def chromium():
         absent("chromium")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        browser.new_page = wait_longer(browser.new_page)
+        browser.new_context = wait_longer(browser.new_context)
         yield browser
         browser.close()
 

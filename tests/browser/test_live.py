@@ -21,7 +21,7 @@ from tests.viewer.waiting import until
 EMULATED = "emulated cars"
 OPENS = 180.0
 """Seconds that the room may take to open: the rule may have to be compiled."""
-SOON = 20.0
+SOON = 60.0
 """Seconds for what is done at once, on a busy machine."""
 
 
@@ -196,7 +196,7 @@ def standing(room_page, browser):
     def stand() -> None:
         stands = threading.Event()
         loop = room_page.server._event_loop
-        loop.call_soon_threadsafe(lambda: (stands.set(), go_on.wait(60.0)))
+        loop.call_soon_threadsafe(lambda: (stands.set(), go_on.wait(3 * SOON)))
         assert stands.wait(SOON)
 
     yield stand

@@ -26,7 +26,7 @@ from tests.live.opened_page import arm, opened
 from tests.live.stand_in import CAMERA, StandIn
 from tests.live.waiting import until
 
-SOON = 20.0
+SOON = 60.0
 """Seconds within which the page has taken in what it was sent."""
 BUTTONS = (viser.GuiButtonHandle, viser.GuiButtonGroupHandle)
 NUMBERS = (viser.GuiSliderHandle, viser.GuiNumberHandle)

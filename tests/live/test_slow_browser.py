@@ -26,7 +26,7 @@ from tests.live.served_room import ServedRoom, descendants, is_there
 from tests.live.stand_in import LITTLE, StandIn
 from tests.live.waiting import until
 
-SOON = 20.0
+SOON = 60.0
 WATCHED = 3.0
 """Seconds for which the loop is watched."""
 SLOWER = 0.6
