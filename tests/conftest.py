@@ -4,10 +4,15 @@ A test bears its folder's name as a mark (`-m "not browser"`), `quick` if it nee
 browser nor another process, and `exhaustive` if only `.ci/run` asks for it. Files that the marks of
 README, `-m quick`, `-m exhaustive` and `-m installed` leave out are not read: to read all takes
 longer than to run some.
-Two processes test whole files, the dear ones first, so that none is left alone at the end. Then one
-of them goes on with what has appointments to keep (`SERIAL`): browsers, cars that are driven, a
+Three processes test whole files, the dear ones first, so that none is left alone at the end: one
+more than a small machine has cores, since many tests wait. Cars that are driven (`LIVE`) are all
+for one of the three, from the start: they mostly wait, and share the ports of tracking systems.
+In the end one process goes on with what has appointments to keep (`SERIAL`): browsers and a
 cluster. Beside a compiler, or beside each other, such tests would measure the machine. A page of
-the documentation is a file by itself.
+the documentation is a file by itself, and so is each Python in which the wheel is installed.
+
+Tests write bytecode, whatever PYTHONDONTWRITEBYTECODE says: they start hundreds of processes, and
+each would compile a hundred files again; so would collecting, each time.
 """
 
 from __future__ import annotations
@@ -24,8 +29,18 @@ from _pytest.doctest import DoctestModule
 from hypothesis import settings
 from xdist.scheduler import LoadFileScheduling
 
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
 HERE = Path(__file__).parent
-SERIAL = ("tests/browser", "tests/live", "tests/experiments/test_cluster.py")
+LIVE = ("tests/live", "tests/cli/test_live.py")
+"""What one process runs, beside the others."""
+SERIAL = (
+    "tests/browser",
+    "tests/experiments/test_cluster.py",
+    "tests/live/test_slow_browser.py",
+    "tests/live/test_while_driving.py",
+)
 """What is run test by test after the rest, with nothing beside it."""
 INSTALLED = HERE / "installed"
 QUICK = ("flight", "oracles", "worlds")
@@ -56,6 +71,7 @@ EXHAUSTIVE = (
     "tests/classroom/test_class_tls.py",
     "tests/classroom/test_hand_in.py",
     "tests/classroom/test_run_queue.py",
+    "tests/classroom/test_worker_killed.py",
     "tests/cli/test_film.py",
     "tests/cli/test_live.py",
     "tests/cli/test_missions.py",
@@ -90,6 +106,10 @@ EXHAUSTIVE = (
 minutes: three quarters of the time of all tests. `.ci/run` runs it after the rest."""
 DEFAULT = "not installed and not exhaustive"
 """The marks that `pyproject.toml` asks for."""
+WHOLE_FILES = {"quick", "exhaustive", "installed"}
+"""The marks that tell which files need not be read."""
+SINGLE = "pytest.mark.exhaustive"
+"""Stands in files of which some tests are exhaustive and others not."""
 QUICK_SECONDS = 60.0
 """What all that is quick may take on two cores with nothing else to do, once it is compiled."""
 BEGAN = time.monotonic()
@@ -122,6 +142,8 @@ DEAR = (
 LATE = ("tests/test_conformance.py", "tests/pages")
 """What runs every model or every printed command: late, when other tests have compiled them."""
 
+WINDOWS: set[Path] = set()
+"""Files whose tests share a window: last, since a page that shows a flock takes half a core."""
 USED = "_hypothesis_internal_use_settings"
 """Where hypothesis keeps the settings of a test."""
 
@@ -131,13 +153,17 @@ settings.load_profile("ci" if os.environ.get("CI") else "dev")
 
 
 class FilesThenSerial(LoadFileScheduling):
-    """Hands out whole files; then `SERIAL` to the process that is left when the others ended."""
+    """Hands out whole files; `SERIAL` to the process that is left when the others have ended."""
 
     def _split_scope(self, nodeid):
         file = super()._split_scope(nodeid)
         if file.startswith("tests/pages"):
             return nodeid
-        return "serial" if file.startswith(SERIAL) else file
+        if file.startswith("tests/installed"):
+            return "installed in 3.13" if "[3.13]" in nodeid else "installed"
+        if file.startswith(SERIAL):
+            return "serial"
+        return "live" if file.startswith(LIVE) else file
 
     def _assign_work_unit(self, node):
         if "serial" in self.workqueue:
@@ -246,14 +272,22 @@ def pytest_configure(config):
 
 def is_left_out(path: Path, marks: str) -> bool:
     """Whether no test of a file or folder can bear the marks that are asked for."""
-    if marks == "quick":
-        return not is_quick(path)
-    if marks == "exhaustive":
-        return path.is_file() and not is_exhaustive(path)
-    installed = path.is_relative_to(INSTALLED)
-    if marks == "installed":
-        return path.is_file() and not installed
-    return marks == DEFAULT and (installed or is_exhaustive(path))
+    if marks == DEFAULT:
+        return path.is_relative_to(INSTALLED) or is_exhaustive(path)
+    wanted = marks.split(" or ")
+    return set(wanted) <= WHOLE_FILES and not any(may_hold(path, mark) for mark in wanted)
+
+
+@functools.cache
+def may_hold(path: Path, mark: str) -> bool:
+    """Whether a file or folder is, or may hold, tests with one of the marks of WHOLE_FILES."""
+    if mark == "quick":
+        return is_quick(path)
+    if path.is_dir():
+        return True
+    if mark == "installed":
+        return path.is_relative_to(INSTALLED)
+    return is_exhaustive(path) or (path.is_relative_to(HERE) and SINGLE in path.read_text("utf-8"))
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -263,10 +297,12 @@ def pytest_collection_modifyitems(config, items):
         for mark in marks(item.path):
             if mark != "quick" or item.get_closest_marker("long") is None:
                 item.add_marker(mark)
+        if "shared_window" in getattr(item, "fixturenames", ()):
+            WINDOWS.add(item.path)
         if config.option.markexpr == "quick":
             draw_few(getattr(item, "obj", None), USED)
             draw_few(getattr(item, "cls", None), "settings")
-    items.sort(key=lambda item: place(item.nodeid.partition("::")[0]))
+    items.sort(key=lambda item: (place(item.nodeid.partition("::")[0]), item.path in WINDOWS))
 
 
 def pytest_terminal_summary(terminalreporter, config):
@@ -297,8 +333,10 @@ def marks(path: Path) -> list[str]:
 
 @functools.cache
 def place(file: str) -> int:
-    """Where a file stands: among the dear ones, behind them, late, or serial and last."""
+    """Where a file stands: live and first, among the dear ones, late, or serial and last."""
     if file.startswith(SERIAL):
         return len(DEAR) + 2
+    if file.startswith(LIVE):
+        return -1
     found = (at for at, name in enumerate(DEAR) if file.startswith(name))
     return next(found, len(DEAR) + file.startswith(LATE))

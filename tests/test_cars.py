@@ -317,7 +317,9 @@ def test_a_rule_that_wishes_a_heading_turns_the_wheels_towards_it():
         assert alone.signal("wheel sent 1")[row] == pytest.approx(wheel, abs=1e-9)
 
 
-@pytest.mark.parametrize("model", ["couzin-cars", "hwvem-cars"])
+@pytest.mark.parametrize(
+    "model", ["couzin-cars", pytest.param("hwvem-cars", marks=pytest.mark.exhaustive)]
+)
 def test_a_rule_of_headings_aligns_cars_that_turn_no_tighter_than_their_circle(model):
     flock = Flock(model, rng=2)
     turns = []
@@ -344,6 +346,7 @@ def test_cars_are_on_a_plane():
         Flock("couzin-cars", dim=3, rng=1)
 
 
+@pytest.mark.exhaustive
 def test_a_rule_that_wishes_a_heading_drives_cars_by_its_name(monkeypatch):
     monkeypatch.setattr(catalogue, "MODELS", dict(catalogue.MODELS))
     flock = Flock("hwvem-cars", rng=3)

@@ -69,7 +69,12 @@ def test_two_that_meet_crash_at_the_tick_at_which_they_touch_and_nobody_else():
 
 @pytest.mark.parametrize("edges", ["open", "wrap"])
 @pytest.mark.parametrize(
-    ("dim", "activation"), [(2, "synchronous"), (3, "synchronous"), (3, "random")]
+    ("dim", "activation"),
+    [
+        (2, "synchronous"),
+        (3, "synchronous"),
+        pytest.param(3, "random", marks=pytest.mark.exhaustive),
+    ],
 )
 def test_two_at_the_very_same_place_crash_and_nobody_with_itself(dim, edges, activation):
     """Four on two spots, of which one at the seam, and one that is alone in a box of few cells."""

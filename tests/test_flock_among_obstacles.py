@@ -48,7 +48,7 @@ def test_an_agent_that_meets_a_wall_head_on_comes_straight_back():
     np.testing.assert_allclose(flock.heading[0], [-1.0, 0.0], atol=1e-12)
 
 
-@pytest.mark.parametrize("model", ["vem", "hwvem"])
+@pytest.mark.parametrize("model", ["vem", pytest.param("hwvem", marks=pytest.mark.exhaustive)])
 @pytest.mark.parametrize("world", ["obstacles", "corridor"])
 def test_a_flock_that_does_not_see_obstacles_never_ends_a_tick_inside_one(model, world):
     flock = Flock(model, agents=150, world=world, rng=4, eta=0.5, v0=0.2)
@@ -58,6 +58,7 @@ def test_a_flock_that_does_not_see_obstacles_never_ends_a_tick_inside_one(model,
     np.testing.assert_allclose(np.linalg.norm(flock.heading, axis=1), 1.0, atol=1e-12)
 
 
+@pytest.mark.exhaustive
 def test_in_three_dimensions_too():
     flock = Flock("vem", agents=100, world="rooms-3d", rng=4, eta=0.5, v0=0.2)
     assert flock.world.dim == 3

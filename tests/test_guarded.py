@@ -104,7 +104,9 @@ def start(seed, n, spread, dim):
     return {"position": position[keep], "heading": heading[keep], "speed": speed[keep]}
 
 
-@pytest.mark.parametrize("where", ["sky", "room", "floor"])
+@pytest.mark.parametrize(
+    "where", [pytest.param("sky", marks=pytest.mark.exhaustive), "room", "floor"]
+)
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(
     seed=st.integers(0, 2**32 - 1),
@@ -133,7 +135,9 @@ def test_every_tick_is_that_of_the_oracle(where, seed, n, spread, alpha):
         np.testing.assert_allclose(radius, [radius for _, radius in told], atol=1e-8)
 
 
-@pytest.mark.parametrize("activation", ["synchronous", "random"])
+@pytest.mark.parametrize(
+    "activation", ["synchronous", pytest.param("random", marks=pytest.mark.exhaustive)]
+)
 @pytest.mark.parametrize("alpha", [90.0, 270.0])
 @pytest.mark.parametrize(
     "seed", [1, pytest.param(2, marks=pytest.mark.long), pytest.param(3, marks=pytest.mark.long)]

@@ -89,7 +89,7 @@ def test_braking_curve_starts_at_nothing_and_is_smooth_where_its_parts_meet():
     assert curve(10.0, a, p) == pytest.approx(math.sqrt(2 * a * 10.0 - (a / p) ** 2))
 
 
-@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("dim", [2, pytest.param(3, marks=pytest.mark.exhaustive)])
 @settings(max_examples=20, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1),

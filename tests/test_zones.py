@@ -120,7 +120,7 @@ def test_safe_zones_pass_each_other_head_on():
 
 
 @pytest.mark.parametrize("activation", ["synchronous", "random", "sequential"])
-@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("dim", [2, pytest.param(3, marks=pytest.mark.exhaustive)])
 def test_both_activations_run_in_flat_and_solid_worlds(activation, dim):
     world = World(name="sky", size=(24.0,) * dim, edges=("wrap",) * dim)
     flock = Flock("safe", agents=20, world=world, activation=activation, rng=3)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
 from agents.conformance import CHECKS
 from cli.calling import call, refusal
 
@@ -29,6 +31,7 @@ def test_a_model_is_checked_fact_by_fact():
     assert {one["result"] for one in found["checks"]} == {"holds"}
 
 
+@pytest.mark.exhaustive
 def test_a_file_is_checked_too_and_what_fails_is_said(tmp_path):
     (tmp_path / "east.py").write_text(EAST)
     made = call("check", tmp_path / "east.py", "--quiet")

@@ -112,6 +112,7 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path):
     assert "cannot be written" in line
 
 
+@pytest.mark.exhaustive
 def test_the_experiment_measures_what_slots_buy(tmp_path):
     result = call(
         "paper", "formation-echelon", "--agents", 20, "--runs", 3, "--json", "--quiet",

@@ -51,6 +51,7 @@ def told(result):
     return {key: value[key] for key in value.keys() - {"folder", "files", "made", "taken"}}
 
 
+@pytest.mark.exhaustive
 def test_killed_and_gone_on_with_it_is_the_same_answer(tmp_path, file):
     whole = told(call("optimise", file, "--out", tmp_path / "a", "--json", "--quiet"))
     out = tmp_path / "b"

@@ -32,6 +32,7 @@ def file(tmp_path):
     return path
 
 
+@pytest.mark.exhaustive
 def test_stopped_on_the_way_it_goes_on_to_the_same_answer(tmp_path, file):
     whole = call("sensitivity", file, "--out", tmp_path / "a", "--json", "--quiet")
     assert whole.exit_code == 0, whole.stderr

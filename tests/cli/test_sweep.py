@@ -55,6 +55,7 @@ def undisturbed(tmp_path_factory):
     return table(folder / "out"), table(folder / "out", "--long")
 
 
+@pytest.mark.exhaustive
 def test_killed_at_any_moment_and_gone_on_with_it_is_the_same_table(tmp_path, undisturbed):
     path, out = written(tmp_path), tmp_path / "out"
     chance = random.Random(1)

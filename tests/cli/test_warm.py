@@ -5,9 +5,12 @@ from __future__ import annotations
 import json
 import os
 
+import pytest
+
 from cli.calling import call, refusal, start
 
 
+@pytest.mark.exhaustive
 def test_what_is_compiled_once_is_at_hand_in_any_process(tmp_path):
     here = os.environ | {"FLOCKSCOPE_CACHE": str(tmp_path)}
     made = [

@@ -195,7 +195,14 @@ def test_runs_that_raise_end_nothing_and_their_points_are_no_best(tmp_path):
     assert first == "no point has a value and keeps to all constraints: there is no best"
 
 
-@pytest.mark.parametrize("algorithm", ["ga", "pso", "cma"])
+@pytest.mark.parametrize(
+    "algorithm",
+    [
+        "ga",
+        pytest.param("pso", marks=pytest.mark.exhaustive),
+        pytest.param("cma", marks=pytest.mark.exhaustive),
+    ],
+)
 def test_the_weights_of_the_reading(tmp_path, algorithm):
     found = answer(tmp_path, ('"ga"', f'"{algorithm}"'), text=WEIGHTS)
     (best,) = found.best
@@ -206,6 +213,7 @@ def test_the_weights_of_the_reading(tmp_path, algorithm):
     assert abs(found.ties.apart.value) < 0.3
 
 
+@pytest.mark.exhaustive
 def test_the_corner_of_a_narrower_box(tmp_path):
     narrow = (("to = 100", "to = 10"), ("evaluations = 32", "evaluations = 64"))
     found = answer(tmp_path, *narrow, text=WEIGHTS)

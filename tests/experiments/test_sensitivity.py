@@ -124,6 +124,7 @@ def test_the_order_in_words():
     ]
 
 
+@pytest.mark.exhaustive
 def test_order_of_couzins_zones(tmp_path):
     sweep = read(tmp_path, text=ZONES)
     assert conduct(sweep, tmp_path / "a", workers=2).whole

@@ -25,6 +25,7 @@ def test_every_value_of_the_aircraft_is_on_the_page_and_in_the_list(one):
     assert line.endswith(f"{one.description} ({one.source})")
 
 
+@pytest.mark.exhaustive
 def test_the_energies_of_the_page_are_those_of_the_code(trims):
     for speed in (3.0, 3.5, 4.0, 5.0, 6.0):
         made = trims[speed]

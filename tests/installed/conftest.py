@@ -58,8 +58,6 @@ class Installed:
     def __init__(self, version: str, wheel: Path, folder: Path):
         self.python = folder / "env" / "bin" / "python"
         self.folder = folder / "mine"
-        self.part_of_a_table = () if version == NEEDED else ("--models", "hwvem")
-        """Of another Python's table only what is compiled already: its kernels take a minute."""
         self.environment = {
             name: value for name, value in os.environ.items()
             if name not in ("PYTHONPATH", "VIRTUAL_ENV")

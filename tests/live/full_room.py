@@ -19,7 +19,7 @@ from live.natnet_emulator import Body, NatNetEmulator
 NOISE_XY, NOISE_YAW = 0.0005, 0.005
 STANDS = 0.05
 """m/s below which a car stands."""
-TIMEOUT = 20.0
+TIMEOUT = 60.0
 TEXT = """title = "a whole room"
 source = "{source}"
 link = "{link}"

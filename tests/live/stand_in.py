@@ -26,7 +26,7 @@ CAMERA = {
     "look_at": [0.0, 0.0, 0.0],
     "up_direction": [0.0, 1.0, 0.0],
 }
-TIMEOUT = 20.0
+TIMEOUT = 60.0
 """Seconds that a control may take to appear."""
 LITTLE = 4096
 """Bytes of each buffer between the page and a browser that takes nothing."""
