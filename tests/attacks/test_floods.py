@@ -17,7 +17,7 @@ from tests.viewer.waiting import until
 
 POUR = 20_000
 """Messages of one flood."""
-LATE = 20.0
+LATE = 60.0
 """Seconds for what a busy machine takes its time to do."""
 
 

@@ -22,7 +22,7 @@ from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
 
 SECRET = "do-not-print-me"
-LATE = 20.0
+LATE = 60.0
 encode = msgspec.msgpack.encode
 
 

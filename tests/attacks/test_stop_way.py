@@ -22,7 +22,7 @@ from tests.attacks.raw import Raw, alone, quietly, said
 from tests.viewer.waiting import until
 
 MARK = {"X-Flockscope": "stop"}
-LATE = 20.0
+LATE = 60.0
 
 
 @pytest.fixture

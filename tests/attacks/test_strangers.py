@@ -10,7 +10,7 @@ from tests.attacks.raw import Raw, said
 from tests.live.stand_in import StandIn
 from tests.viewer.waiting import until
 
-LATE = 20.0
+LATE = 60.0
 
 
 def test_a_stranger_moves_no_slider_that_others_see_and_that_does_not_act(server, count):

@@ -18,7 +18,7 @@ from tests.viewer.waiting import until
 
 AT_ONCE = 30
 """Messages of one connection: so few that its limits let them through."""
-LATE = 30.0
+LATE = 60.0
 PLACE = {"position": [1.0, 2.0, 0.0], "wxyz": [1.0, 0.0, 0.0, 0.0]}
 RAY = {"ray_origin": [0.0, 0.0, 30.0], "ray_direction": [0.0, 0.0, -1.0], "modifier": None}
 UPLOAD = {

@@ -19,16 +19,18 @@ from tests.viewer.waiting import until
 SLOW = 1000 * COMPILED
 
 
-@pytest.fixture(params=[("nginx", ""), ("nginx", "/flocks"), ("caddy", "")], ids="".join)
-def proxied(request, tmp_path):
+@pytest.fixture(
+    scope="module", params=[("nginx", ""), ("nginx", "/flocks"), ("caddy", "")], ids="".join
+)
+def proxied(request, tmp_path_factory):
     """A class, and the proxy before it."""
     kind, below = request.param
     if shutil.which(kind) is None:
         absent(kind)
-    port = free_port()
+    port, folder = free_port(), tmp_path_factory.mktemp("class")
     with (
-        running(tmp_path, "--allow-host", f"{NAME}:{port}") as served,
-        RealProxy(kind, tmp_path, port, inner_port(served), below) as proxy,
+        running(folder, "--allow-host", f"{NAME}:{port}") as served,
+        RealProxy(kind, folder, port, inner_port(served), below) as proxy,
     ):
         yield served, proxy
 
