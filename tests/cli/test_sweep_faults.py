@@ -78,7 +78,7 @@ def test_ctrl_c_ends_all_its_processes_and_loses_nothing_that_was_finished(tmp_p
     assert process.returncode == 130
     assert "go on with: flockscope sweep run" in stderr
     assert makers
-    assert psutil.wait_procs(makers, timeout=5)[1] == []
+    assert psutil.wait_procs(makers, timeout=60)[1] == []
     before = done(tmp_path)
     assert gone_on_with(undisturbed, tmp_path)["taken"] == before >= 5
 
@@ -99,24 +99,24 @@ def test_its_processes_end_with_a_parent_that_is_killed(tmp_path, undisturbed):
     process.kill()
     process.communicate()
     assert makers
-    assert psutil.wait_procs(makers, timeout=20)[1] == []
+    assert psutil.wait_procs(makers, timeout=60)[1] == []
     assert gone_on_with(undisturbed, tmp_path)["whole"]
 
 
 def test_a_machine_that_sleeps_loses_no_run_and_no_time(tmp_path, undisturbed):
     """All processes are halted, and go on, longer than a run may take."""
-    text = TEXT.replace("ticks = 2000", "ticks = 2000\ntimeout = 3.0")
+    text = TEXT.replace("ticks = 2000", "ticks = 2000\ntimeout = 8.0")
     (tmp_path / "s.toml").write_text(text)
     out = tmp_path / "out"
     alone = "--workers", 1  # one that has made runs: a second might just begin
     process = begun((tmp_path / "s.toml", ""), out, *alone, start_new_session=True)
     os.killpg(process.pid, signal.SIGSTOP)
-    time.sleep(5.0)
+    time.sleep(10.0)
     os.killpg(process.pid, signal.SIGCONT)
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == 0, stderr
     assert StoreReader(out).counts["ok"] == RUNS
-    assert max(row[4] for row in StoreReader(out).runs()) < 4.0, "the sleep is no time of a run"
+    assert max(row[4] for row in StoreReader(out).runs()) < 9.0, "the sleep is no time of a run"
     assert table(out) == undisturbed[1], "a limit changes no numbers"
 
 

@@ -50,7 +50,7 @@ def test_it_stops_when_it_is_asked_to_and_its_processes_end():
         [child] = [one.child for one in processes.processes]
     assert not whole
     assert child.pid is None
-    assert time.monotonic() - began < 20.0
+    assert time.monotonic() - began < 60.0, "it slept to its end"
 
 
 def test_a_killed_process_is_replaced_and_its_run_made_again():

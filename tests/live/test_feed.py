@@ -89,7 +89,7 @@ def test_a_source_that_hangs_as_it_connects_is_given_up_and_ended():
 
 def test_a_source_that_hangs_between_frames_only_grows_old_and_is_ended_on_closing():
     feed = Feed(Stub("hung between frames"))
-    feed.first(10.0)
+    feed.first(WITHIN)
     until(lambda: feed.latest().age(time.monotonic()) > 0.3)
     assert (feed.state, feed.latest().number) == ("streaming", 2)
     began = time.monotonic()
@@ -247,7 +247,7 @@ def test_a_source_that_waits_to_be_opened_again_is_closed_at_once(monkeypatch):
 
 def test_a_child_that_stands_still_does_not_hold_up_who_looks():
     with Feed(Stub()) as feed:
-        feed.first(10.0)
+        feed.first(WITHIN)
         os.kill(feed.process_id, signal.SIGSTOP)
         until(lambda: feed.latest().age(time.monotonic()) > 0.2)
         slowest = 0.0
@@ -269,7 +269,7 @@ def test_a_source_without_a_frame_says_so():
 
 def test_what_a_library_prints_does_not_reach_the_terminal(capfd):
     with Feed(Stub("printing")) as feed:
-        feed.first(10.0)
+        feed.first(WITHIN)
     assert tuple(capfd.readouterr()) == ("", "")
 
 
@@ -301,7 +301,7 @@ def test_a_child_whose_parent_is_killed_leaves(how):
                 time.sleep(1.5)
             else:
                 feed = Feed(Stub({how!r}))
-                feed.first(10.0)
+                feed.first({WITHIN})
             print(feed.process_id, flush=True)
             sys.stdin.read()
         """

