@@ -175,7 +175,9 @@ def test_who_touches_at_the_start_is_who_a_naive_look_finds(seed, n, body):
     np.testing.assert_array_equal(found, expected)
 
 
-@pytest.mark.parametrize("activation", ["random", "sequential"])
+@pytest.mark.parametrize(
+    "activation", [pytest.param("random", marks=pytest.mark.exhaustive), "sequential"]
+)
 def test_in_turn_both_of_a_pair_crash_in_the_same_tick(activation):
     flock = solitary(towards_each_other(), activation=activation)
     flock.run(20)

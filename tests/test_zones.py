@@ -119,7 +119,10 @@ def test_safe_zones_pass_each_other_head_on():
     assert len(flock.crashes) == 2
 
 
-@pytest.mark.parametrize("activation", ["synchronous", "random", "sequential"])
+@pytest.mark.parametrize(
+    "activation",
+    ["synchronous", pytest.param("random", marks=pytest.mark.exhaustive), "sequential"],
+)
 @pytest.mark.parametrize("dim", [2, pytest.param(3, marks=pytest.mark.exhaustive)])
 def test_both_activations_run_in_flat_and_solid_worlds(activation, dim):
     world = World(name="sky", size=(24.0,) * dim, edges=("wrap",) * dim)

@@ -36,6 +36,7 @@ def test_a_second_call_takes_what_is_done_and_says_the_same(tmp_path):
     assert "12 taken from" in again.stderr
 
 
+@pytest.mark.exhaustive
 def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(tmp_path):
     args = ("paper", "liu2021-table1", "--agents", "500", "--models", "vem-a", "--out", tmp_path)
 

@@ -113,6 +113,7 @@ def gathered(tmp_path_factory):
     return made
 
 
+@pytest.mark.exhaustive
 def test_the_whole_tree_is_gathered_under_one_name(gathered):
     assert {path.name for path in gathered.iterdir() if path.is_dir()} == {
         "_agents", "_app", "_worlds", "experiments", "static",
@@ -127,6 +128,7 @@ def test_the_whole_tree_is_gathered_under_one_name(gathered):
     assert (gathered / "static" / "logo.svg").is_file()
 
 
+@pytest.mark.exhaustive
 def test_nothing_in_it_imports_a_plain_name(gathered):
     for file in files(gathered):
         if file.suffix != ".py":
