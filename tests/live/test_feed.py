@@ -301,7 +301,7 @@ def test_a_child_whose_parent_is_killed_leaves(how):
                 time.sleep(1.5)
             else:
                 feed = Feed(Stub({how!r}))
-                feed.first(WITHIN)
+                feed.first({WITHIN})
             print(feed.process_id, flush=True)
             sys.stdin.read()
         """
