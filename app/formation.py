@@ -36,7 +36,7 @@ def table(
 ) -> dict[str, Path]:
     """Write rows of numbers as CSV into the folder; the file by kind. Raises InputError."""
     path = folder / f"{name}.csv"
-    lines = [",".join(head), *(",".join(f"{one:.9g}" for one in row) for row in rows)]
+    lines = [",".join(head), *(",".join(f"{value:.9g}" for value in row) for row in rows)]
     make_folder(folder)
     write_text("table", path, "\n".join(lines) + "\n")
     return {"csv": path}

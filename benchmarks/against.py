@@ -48,17 +48,17 @@ def compare(
     then: Tree, now: Tree, name: str, changes: dict[str, int], rounds: int
 ) -> dict[str, Any]:
     """A case in both trees: least and median nanoseconds of an agent-tick, and their ratio."""
-    started, begun = then.prepare(name, changes), now.prepare(name, changes)
-    _, agents, ticks = begun
+    started, states = then.prepare(name, changes), now.prepare(name, changes)
+    _, agents, ticks = states
     both = [
         Contestant(label, agents, ticks, tree.fly) for label, tree in (("then", then), ("now", now))
     ]
     take_turns(both, rounds, name)
-    row: dict[str, Any] = {"case": name, "agents": agents, "same_start": started == begun}
+    row: dict[str, Any] = {"case": name, "agents": agents, "same_start": started == states}
     for clock in ("cpu", "wall"):
-        for one in both:
-            row[f"{one.name}_{clock}"] = one.least(clock)
-            row[f"{one.name}_{clock}_median"] = one.median(clock)
+        for contestant in both:
+            row[f"{contestant.name}_{clock}"] = contestant.least(clock)
+            row[f"{contestant.name}_{clock}_median"] = contestant.median(clock)
         row[f"ratio_{clock}"] = both[0].least(clock) / both[1].least(clock)
         pairs = zip(both[0].per_step(clock), both[1].per_step(clock), strict=True)
         row[f"spread_{clock}"] = quartiles([old / new for old, new in pairs])
@@ -76,21 +76,21 @@ def main() -> None:
     arguments.add_argument("--agents", type=int, help="instead of the cases' own numbers")
     arguments.add_argument("--ticks", type=int, help="of a round, instead of the cases' own")
     arguments.add_argument("--json", action="store_true", help="print JSON")
-    given = arguments.parse_args()
+    options = arguments.parse_args()
     changes = {
-        key: value for key in ("agents", "ticks") if (value := getattr(given, key)) is not None
+        key: value for key in ("agents", "ticks") if (value := getattr(options, key)) is not None
     }
     rows = []
-    if not given.json:
+    if not options.json:
         print("CPU time of an agent-tick, ns, least of the rounds (median in brackets)")
         print(f"{'case':18}{'agents':>9}{'then':>20}{'now':>20}{'ratio':>8}   half of the rounds")
-    with other(given.commit) as then, Tree(ROOT) as now:
-        for name in given.cases:
-            row = compare(then, now, name, changes, given.rounds)
+    with other(options.commit) as then, Tree(ROOT) as now:
+        for name in options.cases:
+            row = compare(then, now, name, changes, options.rounds)
             rows.append(row)
-            if not given.json:
+            if not options.json:
                 print(line(row), flush=True)
-    if given.json:
+    if options.json:
         print(json.dumps(rows))
 
 

@@ -33,9 +33,9 @@ def main(sizes: list[int]) -> None:
         took = []
         for k in range(COMMANDS):
             time.sleep(0.05)
-            begun = time.perf_counter()
+            started = time.perf_counter()
             simulation.set("eta", 0.1 + 0.01 * k).result(60)
-            took.append(1e3 * (time.perf_counter() - begun))
+            took.append(1e3 * (time.perf_counter() - started))
         simulation.close()
         print(f"{agents:8}{statistics.median(took):12.0f}{max(took):12.0f}")
 
@@ -50,12 +50,12 @@ def change_models() -> None:
     took: list[list[float]] = [[], []]
     for times in took:
         for model in MODELS:
-            begun = time.perf_counter()
+            started = time.perf_counter()
             simulation.setup(at_home(model)).result(60)
             simulation.go().result(60)
             while not moves(simulation, model):
                 time.sleep(0.002)
-            times.append(1e3 * (time.perf_counter() - begun))
+            times.append(1e3 * (time.perf_counter() - started))
             time.sleep(0.5)
     simulation.close()
     print(f"\n{'another model moves after':28}{'median, ms':>12}{'worst, ms':>12}")

@@ -41,7 +41,7 @@ def by_mesa(agents: int, ticks: int, seeds: Iterable[int], workers: int) -> Foun
 
 def by_sweep(agents: int, ticks: int, seeds: Iterable[int], workers: int) -> Found:
     """The study as a sweep."""
-    made = sweep(
+    results = sweep(
         "vem",
         agents=agents,
         vary={"eta": ETA},
@@ -50,7 +50,7 @@ def by_sweep(agents: int, ticks: int, seeds: Iterable[int], workers: int) -> Fou
         observe=["polarisation"],
         workers=workers,
     )
-    table = made.columns
+    table = results.columns
     keys = zip(table["eta"], table["seed"], strict=True)
     return dict(zip(keys, table["polarisation"], strict=True))
 
@@ -58,36 +58,36 @@ def by_sweep(agents: int, ticks: int, seeds: Iterable[int], workers: int) -> Fou
 def spent() -> float:
     """Seconds of a core so far, of this process and of those that it has ended."""
     uses = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(one.ru_utime + one.ru_stime for one in uses)
+    return sum(use.ru_utime + use.ru_stime for use in uses)
 
 
-def measured(make: Callable[..., Found], *asked: Any) -> tuple[Found, float, float]:
+def measured(make: Callable[..., Found], *arguments: Any) -> tuple[Found, float, float]:
     """What it finds, seconds of a core and by the clock."""
     core, clock = spent(), time.perf_counter()
-    found = make(*asked)
-    return found, spent() - core, time.perf_counter() - clock
+    result = make(*arguments)
+    return result, spent() - core, time.perf_counter() - clock
 
 
 def main() -> None:
     """Print a line for each kind of run."""
-    asked = argparse.ArgumentParser(description=__doc__)
-    asked.add_argument("--workers", type=int, default=2)
-    asked.add_argument("--runs", type=int, default=400)
-    given = asked.parse_args()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--runs", type=int, default=400)
+    options = parser.parse_args()
     flock = Flock("vem", agents=50, eta=1.5, rng=1)
     flock.run(2)
     flock.step()
     for agents, ticks, share in KINDS:
-        seeds = range(1, max(1, round(given.runs * share) // len(ETA)) + 1)
+        seeds = range(1, max(1, round(options.runs * share) // len(ETA)) + 1)
         runs = len(ETA) * len(seeds)
-        shown = []
+        rows = []
         founds = []
         for name, make in (("mesa.batch_run", by_mesa), ("flockscope.sweep", by_sweep)):
-            found, core, clock = measured(make, agents, ticks, seeds, given.workers)
-            founds.append(found)
-            shown.append(f"{name} {1e3 * core / runs:7.2f} ms of a core, {clock:6.2f} s")
+            result, core, clock = measured(make, agents, ticks, seeds, options.workers)
+            founds.append(result)
+            rows.append(f"{name} {1e3 * core / runs:7.2f} ms of a core, {clock:6.2f} s")
         same = "the same numbers" if founds[0] == founds[1] else "OTHER NUMBERS"
-        print(f"{runs:5} runs of {agents:4} agents x {ticks:4}: {'; '.join(shown)}; {same}")
+        print(f"{runs:5} runs of {agents:4} agents x {ticks:4}: {'; '.join(rows)}; {same}")
 
 
 if __name__ == "__main__":

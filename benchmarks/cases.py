@@ -46,10 +46,10 @@ def at_density(dim: int, density: float) -> Callable[[Case], Mapping[str, Any]]:
 def mixed(case: Case) -> Mapping[str, Any]:
     """The same box with rows in no order, as agents are after a long run; size for density 4."""
     size = math.sqrt(case.agents / 4.0)
-    made = Flock(case.model, agents=case.agents, size=size, rng=1)
+    flock = Flock(case.model, agents=case.agents, size=size, rng=1)
     rows = np.random.default_rng(1).permutation(case.agents)
     return {
-        "start": {"position": made.position[rows], "heading": made.heading[rows]},
+        "start": {"position": flock.position[rows], "heading": flock.heading[rows]},
         "size": size,
     }
 
@@ -75,8 +75,8 @@ def lattice(low: float, gap: float) -> Callable[[Case], Mapping[str, Any]]:
 def all_over(case: Case) -> Mapping[str, Any]:
     """A start all over what is free of the model's world, not only where its mission starts."""
     world = home(case.model)
-    bare = dataclasses.replace(world, mission=None)
-    return {"start": scattered(bare, case.agents), "world": world}
+    empty_world = dataclasses.replace(world, mission=None)
+    return {"start": scattered(empty_world, case.agents), "world": world}
 
 
 def grove(case: Case) -> Mapping[str, Any]:

@@ -81,8 +81,8 @@ class Handing(Student):
         async with session.post(
             f"{base}/class/hand-in", json={}, headers=headers, timeout=WAITS
         ) as answer:
-            said = await answer.text()
-            return answer.status, said.strip(), time.perf_counter() - began
+            text = await answer.text()
+            return answer.status, text.strip(), time.perf_counter() - began
 
     async def open(self, session: aiohttp.ClientSession, base: str, spec: object) -> None:
         """Open a run in one's own flock."""
@@ -98,11 +98,11 @@ class Handing(Student):
         """Hand in now and then."""
         await asyncio.sleep(APART * self.number / 10 % APART)
         while True:
-            status, said, took = await self.hand_in(session, base)
+            status, text, took = await self.hand_in(session, base)
             if status == 200:
                 (waits.honest if waits.begun else waits.quiet).append(took)
             else:
-                waits.refused.append(said)
+                waits.refused.append(text)
             await asyncio.sleep(APART)
 
     async def other(
@@ -110,10 +110,10 @@ class Handing(Student):
     ) -> None:
         """Hand in again and again."""
         while True:
-            status, said, _ = await self.hand_in(session, base)
+            status, text, _ = await self.hand_in(session, base)
             ends = ("was ended: wait", "hand in again in", "too long for", "too much at once")
             what = next(
-                (one for one in ends if one in said), "refused" if status != 200 else "made"
+                (end for end in ends if end in text), "refused" if status != 200 else "made"
             )
             waits.others[f"{who}: {what}"] += 1
             await asyncio.sleep(apart)
@@ -136,54 +136,56 @@ async def teacher_waits(
 async def measure(honest: int, dishonest: int, slow: int, seconds: float) -> Waits:
     """One class with so many of each."""
     waits = Waits()
-    with tempfile.TemporaryDirectory() as folder, open(Path(folder) / "said", "w+") as said:
-        ours = Class(folder, AGENTS, honest + dishonest + slow, said)
+    with tempfile.TemporaryDirectory() as folder, open(Path(folder) / "said", "w+") as output:
+        classroom = Class(folder, AGENTS, honest + dishonest + slow, output)
         try:
             connector = aiohttp.TCPConnector(limit=0)
             jar = aiohttp.DummyCookieJar()
             async with aiohttp.ClientSession(connector=connector, cookie_jar=jar) as session:
-                await attack(session, ours, waits, (honest, dishonest, slow), seconds)
+                await attack(session, classroom, waits, (honest, dishonest, slow), seconds)
         finally:
-            ours.end()
-        said.seek(0)
-        waits.not_kept = said.read().count("is not kept")
+            classroom.end()
+        output.seek(0)
+        waits.not_kept = output.read().count("is not kept")
     return waits
 
 
 async def attack(
     session: aiohttp.ClientSession,
-    ours: Class,
+    classroom: Class,
     waits: Waits,
     counts: tuple[int, int, int],
     seconds: float,
 ) -> None:
     """Have all of them hand in for so many seconds."""
-    base = ours.link.rpartition("/")[0]
-    cookie = await teach(session, ours.teachers)
-    await do(session, ours.link, cookie, {"do": "role", "role": "own"})
+    base = classroom.link.rpartition("/")[0]
+    cookie = await teach(session, classroom.teachers)
+    await do(session, classroom.link, cookie, {"do": "role", "role": "own"})
     students = [Handing(number, AGENTS) for number in range(sum(counts))]
-    for one in students:
-        await one.enter(session, ours.link)
-    tasks = [asyncio.create_task(one.read()) for one in students]
-    await do(session, ours.link, cookie, {"do": "ask", "question": QUESTION})
+    for student in students:
+        await student.enter(session, classroom.link)
+    tasks = [asyncio.create_task(student.read()) for student in students]
+    await do(session, classroom.link, cookie, {"do": "ask", "question": QUESTION})
     first, last = counts[0], counts[0] + counts[1]
     while (await students[0].hand_in(session, base))[0] != 200:  # all is compiled then
         await asyncio.sleep(0.5)
-    tasks += [asyncio.create_task(one.honest(session, base, waits)) for one in students[:first]]
+    tasks += [
+        asyncio.create_task(student.honest(session, base, waits)) for student in students[:first]
+    ]
     tasks.append(asyncio.create_task(teacher_waits(session, base, cookie, waits)))
     await passed(seconds, waits.quiet)
-    for number, one in enumerate(students[first:last]):
-        await one.open(session, base, LONG[number % len(LONG)])
-        tasks.append(asyncio.create_task(one.other(session, base, waits, "dishonest", 0.2)))
-    for one in students[last:]:
-        await one.open(session, base, SLOW)
-        tasks.append(asyncio.create_task(one.other(session, base, waits, "slow", APART)))
+    for number, student in enumerate(students[first:last]):
+        await student.open(session, base, LONG[number % len(LONG)])
+        tasks.append(asyncio.create_task(student.other(session, base, waits, "dishonest", 0.2)))
+    for student in students[last:]:
+        await student.open(session, base, SLOW)
+        tasks.append(asyncio.create_task(student.other(session, base, waits, "slow", APART)))
     waits.begun = True
     await passed(seconds, waits.honest)
     for task in tasks:
         task.cancel()
     await asyncio.gather(*tasks, return_exceptions=True)
-    await asyncio.gather(*(one.line.close() for one in students))
+    await asyncio.gather(*(student.line.close() for student in students))
 
 
 async def passed(seconds: float, results: list[float]) -> None:
@@ -199,25 +201,25 @@ def main() -> None:
     asking.add_argument("--dishonest", type=int, nargs="+", default=[1, 3, 10])
     asking.add_argument("--honest", type=int, default=10)
     asking.add_argument("--seconds", type=float, default=20.0)
-    given = asking.parse_args()
-    for dishonest in given.dishonest:
-        found = asyncio.run(measure(given.honest, dishonest, 1, given.seconds))
-        print(f"{given.honest} honest, {dishonest} dishonest and one slow student")
-        for what, took in (("before", found.quiet), ("attacked", found.honest)):
+    options = asking.parse_args()
+    for dishonest in options.dishonest:
+        result = asyncio.run(measure(options.honest, dishonest, 1, options.seconds))
+        print(f"{options.honest} honest, {dishonest} dishonest and one slow student")
+        for what, took in (("before", result.quiet), ("attacked", result.honest)):
             if took:
                 print(
                     f"  {what:9} {len(took):4} results waited for {statistics.mean(took):6.2f} s "
                     f"(longest {max(took):.2f})"
                 )
-        if found.quiet and found.honest:
-            times = statistics.mean(found.honest) / statistics.mean(found.quiet)
+        if result.quiet and result.honest:
+            times = statistics.mean(result.honest) / statistics.mean(result.quiet)
             print(f"  times as long                    {times:6.2f}")
-        print(f"  honest without a result          {len(found.refused):6}")
-        for what, count in sorted(found.others.items()):
+        print(f"  honest without a result          {len(result.refused):6}")
+        for what, count in sorted(result.others.items()):
             print(f"  {what:32} {count:6}")
-        if found.teacher:
-            print(f"  the teacher waited at most       {max(found.teacher):6.2f} s")
-        print(f"  not kept                         {found.not_kept:6}", flush=True)
+        if result.teacher:
+            print(f"  the teacher waited at most       {max(result.teacher):6.2f} s")
+        print(f"  not kept                         {result.not_kept:6}", flush=True)
 
 
 if __name__ == "__main__":

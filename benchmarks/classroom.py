@@ -77,7 +77,9 @@ class Student:
             f"{base}/join", data=values, headers=headers, allow_redirects=False
         ) as answer:
             assert answer.status == 303, await answer.text()
-            self.cookies = "; ".join(f"{one.key}={one.value}" for one in answer.cookies.values())
+            self.cookies = "; ".join(
+                f"{cookie.key}={cookie.value}" for cookie in answer.cookies.values()
+            )
         self.line = await session.ws_connect(
             base,
             protocols=(f"viser-v{viser.__version__}",),
@@ -96,8 +98,9 @@ class Student:
                 self.began = self.began or now - self.entered
             if not self.button:
                 self.button = next(
-                    (one["uuid"] for one in told(data) if one["type"] == "GuiButtonMessage"
-                     and one["props"]["label"] in ("Pause", "Go")), "",
+                    (message["uuid"] for message in told(data)
+                     if message["type"] == "GuiButtonMessage"
+                     and message["props"]["label"] in ("Pause", "Go")), "",
                 )  # fmt: skip
             elif self.pressed and (label := self.label(data)):
                 if label == "Go":
@@ -110,8 +113,10 @@ class Student:
 
     def label(self, data: bytes) -> str:
         """What the button is called from now on; empty if nothing is said of that."""
-        ours = (one for one in told(data) if one.get("uuid") == self.button)
-        return next((one["updates"]["label"] for one in ours if "label" in one["updates"]), "")
+        updates = (message for message in told(data) if message.get("uuid") == self.button)
+        return next(
+            (update["updates"]["label"] for update in updates if "label" in update["updates"]), ""
+        )
 
     async def say(self) -> None:
         """Press the button that starts and pauses."""
@@ -132,8 +137,8 @@ def told(data: bytes) -> list[dict[str, Any]]:
     """The messages in what viser sends."""
     whole, size = (int.from_bytes(data[at : at + 8], "little") for at in (0, 8))
     plain = unzstd.decompress(data[16 : 16 + size], max_output_size=whole)
-    found: list[dict[str, Any]] = msgspec.msgpack.decode(plain)["messages"]
-    return found
+    messages: list[dict[str, Any]] = msgspec.msgpack.decode(plain)["messages"]
+    return messages
 
 
 class Counted(ResponseHandler):
@@ -151,31 +156,31 @@ class Counted(ResponseHandler):
 class Class:
     """The command, from outside."""
 
-    def __init__(self, folder: str, agents: int, seats: int, said: Any = None):
+    def __init__(self, folder: str, agents: int, seats: int, output: Any = None):
         (Path(folder) / "scene.toml").write_text(SCENE.format(agents=agents))
         command = [sys.executable, "-m", "flockscope", "class", "scene.toml", "--port", "0"]
         self.process = subprocess.Popen(
             [*command, "--no-open", "--students", str(seats)],
             cwd=folder,
             stdout=subprocess.PIPE,
-            stderr=said,
+            stderr=output,
             text=True,
         )
         lines = [self.process.stdout.readline() for _ in range(2)]
         self.link = lines[0].split()[-1]
-        found = re.search(r"alone: (\S+)", lines[1])
-        assert found is not None, lines
-        self.teachers = found[1]
+        match = re.search(r"alone: (\S+)", lines[1])
+        assert match is not None, lines
+        self.teachers = match[1]
         self.all = [psutil.Process(self.process.pid)]
         self.all += self.all[0].children(recursive=True)
 
     def seconds(self) -> list[float]:
         """Processor time of each process so far, s; the front's first."""
-        return [sum(one.cpu_times()[:2]) for one in self.all]
+        return [sum(process.cpu_times()[:2]) for process in self.all]
 
     def memory(self) -> float:
         """Memory of all processes, what they share counted once, MB."""
-        return 1e-6 * sum(one.memory_full_info().pss for one in self.all)
+        return 1e-6 * sum(process.memory_full_info().pss for process in self.all)
 
     def end(self) -> None:
         """End it."""
@@ -190,7 +195,11 @@ async def teach(session: aiohttp.ClientSession, link: str) -> dict[str, str]:
     async with session.post(
         f"{base}/teach", data={"key": key}, headers=headers, allow_redirects=False
     ) as answer:
-        return {"Cookie": "; ".join(f"{one.key}={one.value}" for one in answer.cookies.values())}
+        return {
+            "Cookie": "; ".join(
+                f"{cookie.key}={cookie.value}" for cookie in answer.cookies.values()
+            )
+        }
 
 
 async def do(
@@ -221,26 +230,28 @@ async def measure(
 ) -> None:
     """Measure a class of so many students, and print."""
     with tempfile.TemporaryDirectory() as folder:
-        ours = Class(folder, agents, count + browsers)
+        classroom = Class(folder, agents, count + browsers)
         try:
             connector = aiohttp.TCPConnector(limit=0)
             connector._factory = partial(Counted, loop=asyncio.get_running_loop())
             jar = aiohttp.DummyCookieJar()
             async with aiohttp.ClientSession(connector=connector, cookie_jar=jar) as session:
-                cookie = await teach(session, ours.teachers)
+                cookie = await teach(session, classroom.teachers)
                 if not watch:
-                    await do(session, ours.link, cookie, {"do": "role", "role": "own"})
-                async with pages(ours.link, browsers) as opened:
-                    await measured(session, ours, cookie, count, agents, watch, seconds, opened)
+                    await do(session, classroom.link, cookie, {"do": "role", "role": "own"})
+                async with pages(classroom.link, browsers) as opened:
+                    await measured(
+                        session, classroom, cookie, count, agents, watch, seconds, opened
+                    )
             if not watch:
-                await left(ours, count + browsers, idle)
+                await left(classroom, count + browsers, idle)
         finally:
-            ours.end()
+            classroom.end()
 
 
 async def measured(
     session: aiohttp.ClientSession,
-    ours: Class,
+    classroom: Class,
     cookie: dict[str, str],
     count: int,
     agents: int,
@@ -250,32 +261,39 @@ async def measured(
 ) -> None:
     """Measure a class that runs, and print."""
     students = [Student(number, agents) for number in range(count)]
-    await asyncio.gather(*(one.enter(session, ours.link) for one in students))
+    await asyncio.gather(*(student.enter(session, classroom.link) for student in students))
     took: list[float] = []
-    tasks = [asyncio.create_task(one.read()) for one in students]
-    tasks.append(asyncio.create_task(page(session, ours.link, cookie, took)))
-    while not all(one.began for one in students):
+    tasks = [asyncio.create_task(student.read()) for student in students]
+    tasks.append(asyncio.create_task(page(session, classroom.link, cookie, took)))
+    while not all(student.began for student in students):
         await asyncio.sleep(0.05)
-    began = max(one.began for one in students)
+    began = max(student.began for student in students)
     if not watch:
-        tasks += [asyncio.create_task(one.press()) for one in students]
+        tasks += [asyncio.create_task(student.press()) for student in students]
     await asyncio.sleep(SETTLES)
-    before, sent = ours.seconds(), Counted.bytes
-    pictures, answers = [one.pictures for one in students], [len(one.answers) for one in students]
-    stood = [one.stood for one in students]
+    before, sent = classroom.seconds(), Counted.bytes
+    pictures, answers = (
+        [student.pictures for student in students],
+        [len(student.answers) for student in students],
+    )
+    stood = [student.stood for student in students]
     took.clear()
     start = time.perf_counter()
-    drawn = [await one.pictures() for one in opened]
+    picture_counts = [await page.pictures() for page in opened]
     await asyncio.sleep(seconds)
     lasted = time.perf_counter() - start
-    drawn = [await one.pictures() - was for one, was in zip(opened, drawn, strict=True)]
-    after, sent = ours.seconds(), Counted.bytes - sent
-    ran = [lasted - one.stood + was for one, was in zip(students, stood, strict=True)]
-    rates = [
-        (one.pictures - was) / time_
-        for one, was, time_ in zip(students, pictures, ran, strict=True)
+    picture_counts = [
+        await page.pictures() - was for page, was in zip(opened, picture_counts, strict=True)
     ]
-    found = sorted(x for one, was in zip(students, answers, strict=True) for x in one.answers[was:])
+    after, sent = classroom.seconds(), Counted.bytes - sent
+    ran = [lasted - student.stood + was for student, was in zip(students, stood, strict=True)]
+    rates = [
+        (student.pictures - was) / time_
+        for student, was, time_ in zip(students, pictures, ran, strict=True)
+    ]
+    delays = sorted(
+        x for student, was in zip(students, answers, strict=True) for x in student.answers[was:]
+    )
     cores = [(b - a) / lasted for a, b in zip(before, after, strict=True)]
     what = "watch the teacher's run of" if watch else "flocks of"
     print(f"{count} students, {what} {agents} agents")
@@ -284,17 +302,17 @@ async def measured(
     if not watch:
         print(f"  paused                    {1 - statistics.mean(ran) / lasted:8.1%} of the time")
     print(f"  sent, Mbit/s              {8e-6 * sent / lasted:8.1f}")
-    if found:
-        late = found[min(len(found) - 1, int(0.95 * len(found)))]
-        print(f"  a button answers          {late:8.2f} s at the 95th percentile of {len(found)}")
+    if delays:
+        late = delays[min(len(delays) - 1, int(0.95 * len(delays)))]
+        print(f"  a button answers          {late:8.2f} s at the 95th percentile of {len(delays)}")
     print(f"  the teacher's page        {max(took):8.2f} s at worst of {len(took)}")
     print(f"  cores                     {sum(cores):8.2f} (the front {cores[0]:.2f})")
-    print(f"  memory, MB                {ours.memory():8.0f}")
+    print(f"  memory, MB                {classroom.memory():8.0f}")
     if opened:
-        await print_pages(opened, [one / lasted for one in drawn], watch)
+        await print_pages(opened, [count / lasted for count in picture_counts], watch)
     for task in tasks:
         task.cancel()
-    await asyncio.gather(*(one.line.close() for one in students))
+    await asyncio.gather(*(student.line.close() for student in students))
 
 
 async def print_pages(opened: list[Page], rates: list[float], watch: bool) -> None:
@@ -304,18 +322,18 @@ async def print_pages(opened: list[Page], rates: list[float], watch: bool) -> No
     if watch:
         return
     for _ in range(PRESSES):
-        for one in opened:
-            await one.press()
-    late = max(answer for one in opened for answer in one.answers)
+        for page in opened:
+            await page.press()
+    late = max(answer for page in opened for answer in page.answers)
     print(f"  a button of theirs        {late:8.2f} s at worst of {PRESSES * len(opened)}")
 
 
-async def left(ours: Class, count: int, idle: float) -> None:
+async def left(classroom: Class, count: int, idle: float) -> None:
     """Measure a class whose students have gone, and print."""
     await asyncio.sleep(SETTLES)
-    before = ours.seconds()
+    before = classroom.seconds()
     await asyncio.sleep(idle)
-    spent = sum(b - a for a, b in zip(before, ours.seconds(), strict=True)) / idle
+    spent = sum(b - a for a, b in zip(before, classroom.seconds(), strict=True)) / idle
     print(f"  nobody looks, cores each  {spent / count:8.4f}", flush=True)
 
 
@@ -328,10 +346,12 @@ def main() -> None:
     asking.add_argument("--seconds", type=float, default=20.0)
     asking.add_argument("--idle", type=float, default=20.0, help="seconds, of nobody looking")
     asking.add_argument("--browsers", type=int, default=0, help="students more, in browsers")
-    given = asking.parse_args()
-    agents = given.agents or (1000 if given.watch else 300)
-    for count in given.students:
-        asyncio.run(measure(count, agents, given.watch, given.seconds, given.idle, given.browsers))
+    options = asking.parse_args()
+    agents = options.agents or (1000 if options.watch else 300)
+    for count in options.students:
+        asyncio.run(
+            measure(count, agents, options.watch, options.seconds, options.idle, options.browsers)
+        )
 
 
 if __name__ == "__main__":

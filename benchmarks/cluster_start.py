@@ -48,15 +48,15 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--model", default="vem")
     arguments.add_argument("--nodes", type=int, default=4)
-    given = arguments.parse_args()
+    options = arguments.parse_args()
     print(f"{'kernels':10}{'nodes':>8}{'processor, s':>15}{'a node, s':>12}{'by clock, s':>14}")
     with tempfile.TemporaryDirectory() as folder:
-        own = [Path(folder) / str(node) for node in range(given.nodes)]
-        shared = [Path(folder) / "shared"] * given.nodes
+        own = [Path(folder) / str(node) for node in range(options.nodes)]
+        shared = [Path(folder) / "shared"] * options.nodes
         for name, caches in (("own", own), ("shared", shared), ("kept", shared)):
-            spent, clock = begun(given.model, caches)
-            each = spent / given.nodes
-            print(f"{name:10}{given.nodes:8}{spent:15.1f}{each:12.1f}{clock:14.1f}")
+            spent, clock = begun(options.model, caches)
+            each = spent / options.nodes
+            print(f"{name:10}{options.nodes:8}{spent:15.1f}{each:12.1f}{clock:14.1f}")
     largest = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3
     print(f"memory of a process, MB: {largest:.0f}")
 

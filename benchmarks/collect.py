@@ -43,29 +43,29 @@ from worlds.input_error import InputError
 
 def timed[Made](work: Callable[[], Made]) -> tuple[Made, float]:
     """What a call gives, and the milliseconds that it took."""
-    begun = time.perf_counter()
-    made = work()
-    return made, 1e3 * (time.perf_counter() - begun)
+    started = time.perf_counter()
+    result = work()
+    return result, 1e3 * (time.perf_counter() - started)
 
 
 def answered(question: Question, scene: CompleteSpec, students: int) -> Collection:
     """A class's results, and what each of them cost, printed."""
-    found = Collection(question)
+    collection = Collection(question)
     warm_up(question, scene)
     whole, alone = [], []
     for number in range(students):
         name = f"Student {number}"
-        spec = found.begins(name, scene)
+        spec = collection.begins(name, scene)
         alone.append(timed(lambda spec=spec: run_of(question, spec, spec.seed))[1])
         point: Point
         point, took = timed(lambda spec=spec, name=name: hand_in(question, name, spec, scene))
         whole.append(took)
-        found.add(point)
+        collection.add(point)
     print(
         f"{question.title}, {scene.model}, {scene.agents} agents: {median(whole):.1f} ms a result "
         f"(longest {max(whole):.1f}), of which {median(alone):.1f} the run"
     )
-    return found
+    return collection
 
 
 CROWDED = 600
@@ -80,20 +80,20 @@ def time_pairs() -> None:
         home = at_home(name)
         reach = getattr(Flock(home).parameters, model.rule.reach or "", None)
         crowded = home if reach is None else home.but(agents=CROWDED, size=2.0 * reach)
-        found = []
+        times = []
         for spec in (home, crowded):
             try:
                 flock = Flock(spec)
                 flock.run(TICKS)  # compiles
                 _, took = timed(lambda flock=flock: flock.run(TICKS))
             except InputError:
-                found.append("cannot be crowded: its world has a size of its own")
+                times.append("cannot be crowded: its world has a size of its own")
                 continue
             pairs = spec.count * max(1.0, mean_neighbours(spec)) * TICKS
-            found.append(f"{1e6 * took / pairs:8.2f} ns of {pairs / TICKS:9.0f} pairs a tick")
+            times.append(f"{1e6 * took / pairs:8.2f} ns of {pairs / TICKS:9.0f} pairs a tick")
             if spec is crowded:
                 slowest = max(slowest, took / pairs)
-        print(f"{name:18} " + "; ".join(found))
+        print(f"{name:18} " + "; ".join(times))
     print(
         f"{MOST_PAIRS:.1g} pairs of the slowest model, crowded: {1e-3 * slowest * MOST_PAIRS:.1f} s"
     )
@@ -104,33 +104,37 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--students", type=int, default=40, help="of the class")
     arguments.add_argument("--pairs", action="store_true", help="what a pair costs, instead")
-    given = arguments.parse_args()
-    if given.pairs:
+    options = arguments.parse_args()
+    if options.pairs:
         time_pairs()
         return
-    students = given.students
+    students = options.students
     vem = at_home("vem", agents=300)
     led = at_home("hwvem", agents=300)
-    order = next(one.question for one in ready_for(vem) if one.name == "order-against-noise")
-    agree = next(one.question for one in ready_for(led) if one.name == "who-leads")
-    found = answered(order, vem, students)
+    order = next(item.question for item in ready_for(vem) if item.name == "order-against-noise")
+    agree = next(item.question for item in ready_for(led) if item.name == "who-leads")
+    collection = answered(order, vem, students)
     answered(agree, led, students)
-    said, took = timed(lambda: json.dumps(to_json(found)))
-    print(f"the plot of the page: {took:.1f} ms, {len(said):,} bytes")
-    picture(found, "png")
+    json_time, took = timed(lambda: json.dumps(to_json(collection)))
+    print(f"the plot of the page: {took:.1f} ms, {len(json_time):,} bytes")
+    picture(collection, "png")
     for kind in FORMATS:
-        drawn, took = timed(lambda kind=kind: picture(found, kind))
-        print(f"the picture as {kind}: {took:.0f} ms, {len(drawn):,} bytes")
+        picture_time, took = timed(lambda kind=kind: picture(collection, kind))
+        print(f"the picture as {kind}: {took:.0f} ms, {len(picture_time):,} bytes")
     scene = SavedScene("Order", vem)
-    names = list(found.given)
-    whole = ClassState(
-        "A class", scene, {name: SavedStudent(Role.OWN, scene) for name in names}, [found], students
+    names = list(collection.given)
+    state = ClassState(
+        "A class",
+        scene,
+        {name: SavedStudent(Role.OWN, scene) for name in names},
+        [collection],
+        students,
     )
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "class.zip"
-        _, saved = timed(lambda: save(whole, path))
+        _, saved = timed(lambda: save(state, path))
         again, opened = timed(lambda: load(path))
-        if again != whole:
+        if again != state:
             raise SystemExit("the class that was opened is not the one that was saved")
         print(
             f"the class's file: saved in {saved:.0f} ms, opened in {opened:.0f} ms, "

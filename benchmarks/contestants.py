@@ -37,17 +37,17 @@ def flock(n: int, density: float, threads: int = 1) -> Flock:
 
 def start(n: int, density: float) -> tuple[np.ndarray, np.ndarray]:
     """Where all begin: positions and headings, (n, 2) each."""
-    made = flock(n, density)
-    return made.position.copy(), made.heading.copy()
+    state = flock(n, density)
+    return state.position.copy(), state.heading.copy()
 
 
 def ours(n: int, density: float = DENSITY, threads: int = 1) -> Flight:
     """flockscope, in one compiled call per round."""
 
     def fly(ticks: int) -> Taken:
-        made = flock(n, density, threads)
-        made.run(1)
-        return clocked(lambda: made.run(ticks))
+        state = flock(n, density, threads)
+        state.run(1)
+        return clocked(lambda: state.run(ticks))
 
     return fly
 
@@ -57,10 +57,10 @@ def ours_twice(n: int, density: float = DENSITY) -> Flight:
 
     def fly(ticks: int) -> Taken:
         two = [flock(n, density) for _ in range(2)]
-        for one in two:
-            one.run(1)
+        for rival in two:
+            rival.run(1)
         with ThreadPoolExecutor(2) as pool:
-            return clocked(lambda: list(pool.map(lambda one: one.run(ticks), two)))
+            return clocked(lambda: list(pool.map(lambda rival: rival.run(ticks), two)))
 
     return fly
 
@@ -82,7 +82,7 @@ def by_hand(n: int, density: float = DENSITY) -> Flight | None:
     position, heading = start(n, density)
 
     def fly(ticks: int) -> Taken:
-        columns = [np.ascontiguousarray(one) for one in (*position.T, *heading.T)]
+        columns = [np.ascontiguousarray(column) for column in (*position.T, *heading.T)]
         return clocked(lambda: run(n, side(n, density), R, V0, ETA, 1, ticks, *columns))
 
     return fly

@@ -33,15 +33,15 @@ def clearing(side: float, discs: int, radius: float) -> World:
 
 def scattered(world: World, agents: int) -> dict[str, np.ndarray]:
     """A start spread evenly over the free part of a world."""
-    made = Flock("vem", agents=agents, world=world, rng=1)
-    return {"position": made.position.copy(), "heading": made.heading.copy()}
+    flock = Flock("vem", agents=agents, world=world, rng=1)
+    return {"position": flock.position.copy(), "heading": flock.heading.copy()}
 
 
 def tick_times(flocks: dict[str, Flock], ticks: int) -> dict[str, float]:
     """Median seconds of a tick of each flock."""
     turns = [Contestant(name, 1, ticks, flight_of(flock)) for name, flock in flocks.items()]
     take_turns(turns, ROUNDS)
-    return {one.name: 1e-9 * one.median("wall") for one in turns}
+    return {turn.name: 1e-9 * turn.median("wall") for turn in turns}
 
 
 def price_of_obstacles() -> None:
@@ -64,11 +64,11 @@ def price_of_obstacles() -> None:
 
 def large_crowd() -> None:
     """10 000 boundary-point agents among 1 000 obstacles."""
-    made = generate(
+    discs = generate(
         "discs", 1, (1200.0, 1200.0), edges="open", count=1000, radius_low=2.0, radius_high=5.0
     )
     mission = Mission(goal=Goal(route=((1250.0, 600.0),)))
-    world = dataclasses.replace(made, mission=mission)
+    world = dataclasses.replace(discs, mission=mission)
     start = scattered(world, 10_000)
     flocks = {
         f"n_sub = {n_sub}": Flock("boundary-points", start=start, world=world, rng=1, n_sub=n_sub)

@@ -50,22 +50,22 @@ print(time.process_time() - begins)
 
 def cpu_of(words: list[str]) -> float:
     """CPU seconds of a program from its start to its end: the least of several rounds."""
-    found = []
+    times = []
     for _ in range(ROUNDS):
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run(words, cwd=ROOT, stdout=subprocess.DEVNULL, check=True)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        found.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    return min(found)
+        times.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return min(times)
 
 
 def print_commands() -> None:
     """Print what commands that only tell something cost, and importing the face."""
-    told = cpu_of([*COMMAND, "--help"])
-    print(f"--help: {told:.2f} s of CPU")
+    seconds = cpu_of([*COMMAND, "--help"])
+    print(f"--help: {seconds:.2f} s of CPU")
     for words in ("list", "list models", "world list", "paper --help"):
         spent = cpu_of([*COMMAND, *words.split()])
-        print(f"{words}: {spent:.2f} s; over --help {spent / told:.2f}")
+        print(f"{words}: {spent:.2f} s; over --help {spent / seconds:.2f}")
     nothing = cpu_of([sys.executable, "-c", "pass"])
     for names in ("", "World", "MODELS", "Flock"):
         code = f"from flockscope import {names}" if names else "import flockscope"
@@ -88,15 +88,18 @@ def first_tick(model: str, way: str) -> float:
 def print_models(models: list[str]) -> None:
     """Print a line for each model."""
     for model in models:
-        ours, numbas = first_tick(model, "ours"), first_tick(model, "numba's")
-        print(f"{model}: {ours:.1f} s; numba's own way {numbas:.1f} s; ratio {ours / numbas:.2f}")
+        own_times, numbas = first_tick(model, "ours"), first_tick(model, "numba's")
+        print(
+            f"{model}: {own_times:.1f} s; numba's own way {numbas:.1f} s; "
+            f"ratio {own_times / numbas:.2f}"
+        )
 
 
 def apart(folder: Path) -> dict[str, str]:
     """Surroundings of a program in which nothing is installed or compiled yet."""
     own = {"UV_PROJECT_ENVIRONMENT": str(folder / "env"), "FLOCKSCOPE_CACHE": str(folder / "cache")}
-    kept = {name: value for name, value in os.environ.items() if name != "VIRTUAL_ENV"}
-    return kept | own
+    environment = {name: value for name, value in os.environ.items() if name != "VIRTUAL_ENV"}
+    return environment | own
 
 
 def megabytes(*options: str) -> float:
@@ -106,7 +109,7 @@ def megabytes(*options: str) -> float:
         sync = ["uv", "sync", "--quiet", "--locked", *options]
         subprocess.run(sync, cwd=ROOT, env=apart(folder), check=True)
         files = [path.lstat() for path in (folder / "env").rglob("*")]
-        return sum(512 * one.st_blocks for one in files) / 1e6
+        return sum(512 * path.st_blocks for path in files) / 1e6
 
 
 def until_served(clone: Path, surroundings: dict[str, str]) -> None:
@@ -119,7 +122,7 @@ def until_served(clone: Path, surroundings: dict[str, str]) -> None:
         assert process.stdout is not None
         try:
             address = next(
-                found[0] for line in process.stdout if (found := re.search(r"http://\S+:\d+", line))
+                match[0] for line in process.stdout if (match := re.search(r"http://\S+:\d+", line))
             )
             with urllib.request.urlopen(address, timeout=TIMEOUT) as answer:
                 assert b"<html" in answer.read()
@@ -140,10 +143,10 @@ def since_cloned(until: Callable[[Path, dict[str, str]], None]) -> float:
     """Seconds by the clock from nothing at all, not even a clone, until something has happened."""
     with tempfile.TemporaryDirectory() as name:
         folder, clone = Path(name), Path(name) / "clone"
-        begun = time.perf_counter()
+        started = time.perf_counter()
         subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)
         until(clone, apart(folder))
-        return time.perf_counter() - begun
+        return time.perf_counter() - started
 
 
 def main() -> None:
@@ -151,10 +154,10 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("models", nargs="*", default=["hwvem", "squashing-best", "guarded"])
     arguments.add_argument("--install", action="store_true", help="environments and a clone too")
-    asked = arguments.parse_args()
+    parsed = arguments.parse_args()
     print_commands()
-    print_models(asked.models)
-    if asked.install:
+    print_models(parsed.models)
+    if parsed.install:
         for title, options in (("without", ["--no-dev"]), ("with", [])):
             size = megabytes(*options)
             print(f"environment {title} the developers' group: {size:.0f} MB")

@@ -105,11 +105,11 @@ def student_interval(values: np.ndarray, confidence: float = CONFIDENCE) -> Conf
     """Student's interval, to stand beside ours; no word of equal runs."""
     from scipy.special import stdtrit
 
-    found = estimate_mean(values)
-    half = stdtrit(found.freedom, 0.5 * (1.0 + confidence)) * found.error
-    known = found.error > 0.0
-    low = np.where(known, found.mean - half, -np.inf)
-    return ConfidenceInterval(low, np.where(known, found.mean + half, np.inf))
+    estimate = estimate_mean(values)
+    half = stdtrit(estimate.freedom, 0.5 * (1.0 + confidence)) * estimate.error
+    has_error = estimate.error > 0.0
+    low = np.where(has_error, estimate.mean - half, -np.inf)
+    return ConfidenceInterval(low, np.where(has_error, estimate.mean + half, np.inf))
 
 
 def our_interval(values: np.ndarray, confidence: float = CONFIDENCE) -> ConfidenceInterval:
@@ -143,8 +143,8 @@ def effects_seen(
 
 def effects_seen_between(name: str, runs: int, samples: int = SAMPLES) -> float:
     """The same of a difference of one deviation between two samples."""
-    ours, theirs = draw(name, samples, runs), draw(name, samples, runs, "other")
-    limits = mean_interval(subtract_means(estimate_mean(ours), estimate_mean(theirs)))
+    values, other_values = draw(name, samples, runs), draw(name, samples, runs, "other")
+    limits = mean_interval(subtract_means(estimate_mean(values), estimate_mean(other_values)))
     shift = DEVIATION[name]
     return 100.0 * float(min(np.mean(limits.low > -shift), np.mean(limits.high < shift)))
 
@@ -166,22 +166,24 @@ def false_published(
     name: str, runs: int, published: int, samples: int, *, with_spread: bool
 ) -> float:
     """Per cent of samples that are told from a published mean of the same law."""
-    ours = estimate_mean(draw(name, samples, runs))
-    theirs = draw(name, samples, published, "published")
-    spread = theirs.std(axis=-1, ddof=1) if with_spread else None
+    estimate = estimate_mean(draw(name, samples, runs))
+    published_values = draw(name, samples, published, "published")
+    spread = published_values.std(axis=-1, ddof=1) if with_spread else None
     return excludes(
-        mean_interval(subtract_published(ours, theirs.mean(axis=-1), spread, published))
+        mean_interval(
+            subtract_published(estimate, published_values.mean(axis=-1), spread, published)
+        )
     )
 
 
 def false_agreement(name: str, runs: int, published: int, samples: int) -> float:
     """Per cent of samples that "agree" with a published mean one deviation off; the worse side."""
     values = draw(name, samples, runs)
-    theirs = draw(name, samples, published, "published").mean(axis=-1)
+    published_means = draw(name, samples, published, "published").mean(axis=-1)
     tolerance, shares = typical_spread(values), []
     for shift in (DEVIATION[name], -DEVIATION[name]):
         limits = mean_interval(
-            subtract_published(estimate_mean(values), theirs + shift, None, published)
+            subtract_published(estimate_mean(values), published_means + shift, None, published)
         )
         shares.append(np.mean((limits.low > -tolerance) & (limits.high < tolerance)))
     return 100.0 * float(max(shares))
@@ -216,13 +218,13 @@ def false_censored(name: str, runs: int, samples: int, given_up: float = 0.3) ->
     return excludes(bounded_interval(least, most))
 
 
-def false_rare(share: float, runs: int, samples: int, *, known: bool) -> float:
-    """Per cent of samples with rare crashes said to be above their mean; `known`: their bound."""
+def false_rare(share: float, runs: int, samples: int, *, is_known: bool) -> float:
+    """Per cent of samples with rare crashes called above their mean; `is_known`: their bound."""
     name, fall = f"crash {share:g}", -(1.0 - share) / share
     rng = np.random.default_rng([2026, runs, zlib.crc32(name.encode())])
     values = crash_law(share, 0.3)(rng, (samples, runs))
-    bounds = (fall - 1.5, math.inf) if known else (-math.inf, math.inf)
-    low = bounded_interval(values, values, bounds, rare=known).low
+    bounds = (fall - 1.5, math.inf) if is_known else (-math.inf, math.inf)
+    low = bounded_interval(values, values, bounds, rare=is_known).low
     return 100.0 * float(np.mean(low > 0.0))
 
 
@@ -313,8 +315,8 @@ def measure(samples: int = SAMPLES) -> dict[str, dict[str, list[float]]]:
         unseen = [100.0 * (1.0 - share) ** runs for runs in RUNS]
         tables[f"rare crashes of {share:g}, with noise: said to be above the mean"] = {
             "samples without a crash": unseen,
-            "least value not known": [false_rare(share, r, fewer, known=False) for r in RUNS],
-            "least value declared": [false_rare(share, r, fewer, known=True) for r in RUNS],
+            "least value not known": [false_rare(share, r, fewer, is_known=False) for r in RUNS],
+            "least value declared": [false_rare(share, r, fewer, is_known=True) for r in RUNS],
         }
     tables["false words, looks at 10, 20 ... 160 runs (first column)"] = {
         name: [false_looks(name, fewer)]

@@ -43,16 +43,20 @@ def serve(count: int, agents: int, speed: float, dim: int, alone: bool, pipe: Co
     for _ in range(count):
         began, worked = time.perf_counter(), time.process_time()
         spec = at_home("hwvem", agents=agents, dim=dim, parameters={"eta": 0.3})
-        one = Laboratory(spec, port=0, speed=speed, allowance=allowance)
-        one.simulation.ready.wait()
-        laboratories.append(one)
+        laboratory = Laboratory(spec, port=0, speed=speed, allowance=allowance)
+        laboratory.simulation.ready.wait()
+        laboratories.append(laboratory)
         took = time.perf_counter() - began, time.process_time() - worked
-        pipe.send((one.port, *took, memory()))
+        pipe.send((laboratory.port, *took, memory()))
     while pipe.recv():
-        ticks = sum(one.simulation.run.flock.tick for one in laboratories if one.simulation.run)
+        ticks = sum(
+            laboratory.simulation.run.flock.tick
+            for laboratory in laboratories
+            if laboratory.simulation.run
+        )
         pipe.send((time.process_time(), ticks, memory()))
-    for one in laboratories:
-        one.close()
+    for laboratory in laboratories:
+        laboratory.close()
 
 
 def memory() -> float:
@@ -71,19 +75,19 @@ def look(ports: list[int], agents: int, pipe: Connection) -> None:
 async def look_on(ports: list[int], agents: int, pipe: Connection) -> None:
     """Of `look`, the loop."""
     counted = [[0, 0] for _ in ports]
-    kept: list[bytes] = []
+    packets: list[bytes] = []
     readers = [
-        asyncio.create_task(read(port, 12 * agents, one, kept if k == 0 else None))
-        for k, (port, one) in enumerate(zip(ports, counted, strict=True))
+        asyncio.create_task(read(port, 12 * agents, server_port, packets if k == 0 else None))
+        for k, (port, server_port) in enumerate(zip(ports, counted, strict=True))
     ]
     while await asyncio.to_thread(pipe.recv):
-        pipe.send([tuple(one) for one in counted])
-    pipe.send(kept[-KEPT:])
+        pipe.send([tuple(count) for count in counted])
+    pipe.send(packets[-KEPT:])
     for reader in readers:
         reader.cancel()
 
 
-async def read(port: int, least: int, counted: list[int], kept: list[bytes] | None) -> None:
+async def read(port: int, least: int, counted: list[int], packets: list[bytes] | None) -> None:
     """Read what one laboratory sends; what is longer than `least` bytes holds a picture."""
     protocol = viser.__version__
     async with connect(
@@ -97,8 +101,8 @@ async def read(port: int, least: int, counted: list[int], kept: list[bytes] | No
             async for message in line:
                 counted[0] += len(message) > least
                 counted[1] += len(message)
-                if kept is not None and len(message) > least:
-                    kept.append(bytes(message))  # type: ignore[arg-type]
+                if packets is not None and len(message) > least:
+                    packets.append(bytes(message))  # type: ignore[arg-type]
         except ConnectionClosed:
             pass
 
@@ -108,10 +112,10 @@ def deflated(pictures: list[bytes], takeover: bool) -> float:
     if not pictures:
         return 0.0
     total, packer = 0, zlib.compressobj(1, zlib.DEFLATED, -15)
-    for one in pictures:
+    for picture in pictures:
         if not takeover:
             packer = zlib.compressobj(1, zlib.DEFLATED, -15)
-        total += len(packer.compress(one) + packer.flush(zlib.Z_SYNC_FLUSH)) - 4
+        total += len(packer.compress(picture) + packer.flush(zlib.Z_SYNC_FLUSH)) - 4
     return total / len(pictures)
 
 
@@ -120,10 +124,10 @@ def main(
 ) -> None:
     """Measure and print."""
     context = multiprocessing.get_context("spawn")
-    here, there = context.Pipe()
-    server = context.Process(target=serve, args=(count, agents, speed, dim, alone, there))
+    parent_end, child_end = context.Pipe()
+    server = context.Process(target=serve, args=(count, agents, speed, dim, alone, child_end))
     server.start()
-    started = [here.recv() for _ in range(count)]
+    started = [parent_end.recv() for _ in range(count)]
     ports, wall, work, size = zip(*started, strict=True)
     print(
         f"{count} laboratories of {agents} agents, {dim}-D, {speed:g} ticks/s wanted, "
@@ -134,29 +138,29 @@ def main(
         print(f"  each other, s          {median(wall[1:]):8.3f}  {median(work[1:]):.3f}, median")
         print(f"  all others, s          {sum(wall[1:]):8.2f}")
     time.sleep(SETTLE)
-    worked, ticks, _ = over(here)
+    worked, ticks, _ = over(parent_end)
     print(f"  nobody looks: cores    {worked / count:8.4f}  each; {ticks / count:.1f} ticks/s")
     eyes, far = context.Pipe()
     looker = context.Process(target=look, args=(list(ports), agents, far))
     looker.start()
     time.sleep(2.0 * SETTLE)
     before = asked(eyes)
-    worked, ticks, last = over(here)
+    worked, ticks, last = over(parent_end)
     after = asked(eyes)
     pictures = [b[0] - a[0] for a, b in zip(before, after, strict=True)]
     sent = sum(b[1] - a[1] for a, b in zip(before, after, strict=True))
-    rates = sorted(one / SECONDS for one in pictures)
+    rates = sorted(picture / SECONDS for picture in pictures)
     print(f"  one looks at each: cores {worked:6.2f}  all; {ticks / count:.1f} ticks/s each")
     print(f"    pictures/s each      {median(rates):8.1f}  worst {rates[0]:.1f}")
     print(f"    a picture, ms        {1e3 * worked * SECONDS / max(sum(pictures), 1):8.2f}")
     print(f"    sent, Mbit/s         {8e-6 * sent / SECONDS:8.1f}")
     eyes.send(False)
-    seen = eyes.recv()
-    raw = sum(map(len, seen)) / max(len(seen), 1)
-    told = [one / agents for one in (raw, deflated(seen, False), deflated(seen, True))]
-    print("    bytes of an agent    {:8.1f}  deflated {:.1f}, with takeover {:.1f}".format(*told))
+    received = eyes.recv()
+    raw = sum(map(len, received)) / max(len(received), 1)
+    sizes = [size / agents for size in (raw, deflated(received, False), deflated(received, True))]
+    print("    bytes of an agent    {:8.1f}  deflated {:.1f}, with takeover {:.1f}".format(*sizes))
     print(f"  memory, MB             {last:8.0f}  {(last - size[0]) / max(count - 1, 1):.1f} each")
-    here.send(False)
+    parent_end.send(False)
     looker.join(10)
     server.join(10)
 

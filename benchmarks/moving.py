@@ -51,7 +51,7 @@ def start(model: str, cache: str) -> Start:
     """Start the laboratory once, and watch it until its compiled run moves."""
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
-    begun = time.monotonic()
+    started = time.monotonic()
     server = subprocess.Popen(
         ["flockscope", "lab", model, "--no-open", "--port", str(port)],
         env=os.environ | {"FLOCKSCOPE_CACHE": cache},
@@ -59,8 +59,8 @@ def start(model: str, cache: str) -> Start:
         stderr=subprocess.DEVNULL,
     )
     try:
-        wait_for_page(port, begun + TIMEOUT)
-        return watch(port, server.pid, begun, time.monotonic())
+        wait_for_page(port, started + TIMEOUT)
+        return watch(port, server.pid, started, time.monotonic())
     finally:
         server.terminate()
         server.wait()
@@ -83,30 +83,30 @@ def cpu(process: int) -> float:
     return time.clock_gettime(~process << 3 | 2) if sys.platform == "linux" else math.nan
 
 
-def watch(port: int, process: int, begun: float, answered: float) -> Start:
+def watch(port: int, process: int, started: float, answered: float) -> Start:
     """Read what a browser is sent; the first places of a batch of agents are those at tick 0."""
     began: dict[str, bytes] = {}
     moving, worked, waits = 0.0, 0.0, True
     kind: Any = f"viser-v{viser.__version__}"
     with connect(f"ws://localhost:{port}", subprotocols=[kind], max_size=None) as page:
         page.send(msgspec.msgpack.encode(CAMERA))
-        while time.monotonic() < begun + TIMEOUT:
+        while time.monotonic() < started + TIMEOUT:
             for name, updates in told(page.recv(timeout=TIMEOUT)):
                 places = updates.get("batched_positions")
                 if places and began.setdefault(name, places) != places and not moving:
-                    moving, worked = time.monotonic() - begun, cpu(process)
+                    moving, worked = time.monotonic() - started, cpu(process)
                 if STATUS in str(updates.get("content", "")):
                     waits = WAITS in updates["content"]
             if moving and not waits:
-                return Start(answered - begun, moving, worked, time.monotonic() - begun)
+                return Start(answered - started, moving, worked, time.monotonic() - started)
     raise TimeoutError("nothing moves")
 
 
 def told(packet: Any) -> Iterator[tuple[str, dict[str, Any]]]:
     """What changes on the page: of what, and to what; arrays as bytes."""
     size = int.from_bytes(packet[8:16], "little")
-    whole = zstandard.ZstdDecompressor().decompress(packet[16 : 16 + size])
-    content = msgspec.msgpack.decode(whole)
+    plain = zstandard.ZstdDecompressor().decompress(packet[16 : 16 + size])
+    content = msgspec.msgpack.decode(plain)
     arrays, at = [], 16 + size
     for length in content["binaryBufferLengths"]:
         arrays.append(packet[at : at + length])
@@ -129,7 +129,8 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as cache:
             both = start(model, cache), start(model, cache)
         row = "".join(
-            f"{one.page:8.1f}{one.moving:8.1f}{one.cpu:8.1f}{one.compiled:10.1f}" for one in both
+            f"{sample.page:8.1f}{sample.moving:8.1f}{sample.cpu:8.1f}{sample.compiled:10.1f}"
+            for sample in both
         )
         print(f"{model:20}{row}", flush=True)
 

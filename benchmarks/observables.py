@@ -25,12 +25,12 @@ FLOCKS = {
 def milliseconds(flock: Flock, name: str) -> float:
     """Median time of observing a flock, once what is compiled is there."""
     flock.observe(name)
-    taken = []
+    times = []
     for _ in range(ROUNDS):
-        begun = time.perf_counter()
+        started = time.perf_counter()
         flock.observe(name)
-        taken.append(time.perf_counter() - begun)
-    return 1000.0 * statistics.median(taken)
+        times.append(time.perf_counter() - started)
+    return 1000.0 * statistics.median(times)
 
 
 def main() -> None:
@@ -39,12 +39,14 @@ def main() -> None:
     for flock in flocks.values():
         flock.run(20)
     print(f"{'':24}" + "".join(f"{name:>10}" for name in flocks))
-    neighbours = "".join(f"{one.observe('mean-neighbours'):>10.1f}" for one in flocks.values())
+    neighbours = "".join(f"{flock.observe('mean-neighbours'):>10.1f}" for flock in flocks.values())
     print(f"{'neighbours within r':24}{neighbours}")
-    for one in OBSERVABLES.values():
-        if one.over is None:
-            times = "".join(f"{milliseconds(flock, one.name):>10.1f}" for flock in flocks.values())
-            print(f"{one.name:24}{times}")
+    for observable in OBSERVABLES.values():
+        if observable.over is None:
+            times = "".join(
+                f"{milliseconds(flock, observable.name):>10.1f}" for flock in flocks.values()
+            )
+            print(f"{observable.name:24}{times}")
 
 
 if __name__ == "__main__":

@@ -65,12 +65,12 @@ def yard(edges: int, rng: np.random.Generator) -> World:
 
 def rate(question, surroundings: Surroundings, place: np.ndarray) -> float:
     """Questions per second, the best of some rounds."""
-    found = np.empty(surroundings.most_points, np.int32)
-    question(surroundings, place[:2], found)
+    buffer = np.empty(surroundings.most_points, np.int32)
+    question(surroundings, place[:2], buffer)
     seconds = []
     for _ in range(REPEATS):
         start = time.perf_counter()
-        question(surroundings, place, found)
+        question(surroundings, place, buffer)
         seconds.append(time.perf_counter() - start)
     return len(place) / min(seconds)
 
@@ -80,21 +80,21 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--edges", type=int, default=10_000)
     arguments.add_argument("--reach", type=float, default=6.0)
-    given = arguments.parse_args()
+    options = arguments.parse_args()
     rng = np.random.default_rng(1)
-    world = yard(given.edges, rng)
+    world = yard(options.edges, rng)
     seconds = []
     for _ in range(REPEATS):
         start = time.perf_counter()
-        surroundings = survey(world, given.reach)
+        surroundings = survey(world, options.reach)
         seconds.append(time.perf_counter() - start)
     print(
         f"{len(surroundings.edge):,} edges of {len(surroundings.span):,} outlines, "
-        f"{len(surroundings.point_x):,} boundary points, reach {given.reach:g}"
+        f"{len(surroundings.point_x):,} boundary points, reach {options.reach:g}"
     )
     print(f"survey: {min(seconds):.3f} s")
     place = rng.uniform(0.0, SIDE, (100_000, 2))
-    near = place + rng.uniform(-given.reach, given.reach, place.shape)
+    near = place + rng.uniform(-options.reach, options.reach, place.shape)
     pairs = np.stack([place, near], axis=1).reshape(-1, 2)
     for name, question, where in (
         ("nearest surfaces", surfaces, place),

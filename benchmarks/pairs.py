@@ -67,13 +67,13 @@ def neighbours(flock: Flock) -> float:
 def pairs(model: str, agents: int, rounds: int) -> Pairs:
     """The cost of a pair among so many agents in one cell, and of as many pairs at its density."""
     home = HOMES[model]
-    found = neighbours(heap(model, agents))
+    count = neighbours(heap(model, agents))
     some = home.flock(model, 10 * agents)
-    spread = round(found / neighbours(some) * len(some.ids))
+    spread = round(count / neighbours(some) * len(some.ids))
     both = [
         Contestant("one", agents, TICKS, from_the_start(lambda: heap(model, agents))),
         Contestant("many", spread, TICKS, from_the_start(lambda: home.flock(model, spread))),
     ]
     take_turns(both, rounds)
-    one, many = (contestant.least() * contestant.agents / found for contestant in both)
-    return Pairs(model, round(found), (agents, spread), one, many)
+    times, many = (contestant.least() * contestant.agents / count for contestant in both)
+    return Pairs(model, round(count), (agents, spread), times, many)

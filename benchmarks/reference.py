@@ -32,8 +32,8 @@ def reference() -> Callable[..., None] | None:
     if compiler is None:
         return None
     with tempfile.TemporaryDirectory() as folder:
-        made = Path(folder) / "vicsek.so"
-        subprocess.run([compiler, *OPTIONS, str(SOURCE), "-o", str(made)], check=True)
-        run = ctypes.CDLL(str(made)).run
+        library = Path(folder) / "vicsek.so"
+        subprocess.run([compiler, *OPTIONS, str(SOURCE), "-o", str(library)], check=True)
+        run = ctypes.CDLL(str(library)).run
     run.argtypes, run.restype = ARGUMENTS, None
     return run

@@ -62,14 +62,14 @@ def play(opened: StoredFlock, agents: int, speed: float) -> None:
     print(f"  pictures/s         {(reader.frames - frames) / SECONDS:8.1f}  of {speed:g} recorded")
     print(f"  cores              {(time.process_time() - worked) / SECONDS:8.2f}")
     laboratory.simulation.pause().result()
-    taken = []
+    times = []
     for tick in np.random.default_rng(1).integers(0, TICKS, SEEKS).tolist():
         began = time.perf_counter()
         laboratory.simulation.time_line.seek(tick).result()
         while laboratory.simulation.frame.tick != tick:  # type: ignore[union-attr]
             time.sleep(0.0005)
-        taken.append(1e3 * (time.perf_counter() - began))
-    print(f"  to any tick, ms    {statistics.median(taken):8.1f}  at most {max(taken):.1f}")
+        times.append(1e3 * (time.perf_counter() - began))
+    print(f"  to any tick, ms    {statistics.median(times):8.1f}  at most {max(times):.1f}")
     laboratory.close()
 
 

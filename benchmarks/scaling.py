@@ -33,15 +33,19 @@ def table(sweep: Sweep, points: list[Point], left_out: list[str]) -> str:
     lines = [f"ns per agent-step over {sweep.title}"]
     lines += [f"{sweep.axis:22}" + "".join(f"{value:11,.7g}" for value in sweep.values)]
     for name in sweep.makers:
-        found = {point.value: point for point in points if point.name == name}
-        if found:
-            lines += [name.ljust(22) + row({x: one.least for x, one in found.items()}, sweep)]
-        near = {x: one.neighbours for x, one in found.items() if one.neighbours is not None}
+        by_value = {point.value: point for point in points if point.name == name}
+        if by_value:
+            lines += [
+                name.ljust(22) + row({x: point.least for x, point in by_value.items()}, sweep)
+            ]
+        near = {
+            x: point.neighbours for x, point in by_value.items() if point.neighbours is not None
+        }
         if near:
             lines += [f"{'  its neighbours':22}" + row(near, sweep)]
-            of_pair = {x: found[x].least / near[x] for x in near}
+            of_pair = {x: by_value[x].least / near[x] for x in near}
             lines += [f"{'  ns per neighbour':22}" + row(of_pair, sweep)]
-    return "\n".join([*lines, *(f"left out: {one}" for one in left_out)])
+    return "\n".join([*lines, *(f"left out: {name}" for name in left_out)])
 
 
 def row(numbers: dict[float, float], sweep: Sweep) -> str:
@@ -51,12 +55,12 @@ def row(numbers: dict[float, float], sweep: Sweep) -> str:
     )
 
 
-def table_of_pairs(made: list[Pairs]) -> str:
+def table_of_pairs(rows: list[Pairs]) -> str:
     """Cost of a pair of neighbours in one cell and in many."""
     lines = [f"{'ns per pair of neighbours':26}{'pairs':>11}{'one cell':>10}{'many':>8}   agents"]
-    for one in made:
-        agents = f"{one.agents[0]:,} and {one.agents[1]:,}"
-        lines.append(f"{one.name:26}{one.pairs:11,}{one.one:10.2f}{one.many:8.2f}   {agents}")
+    for row in rows:
+        agents = f"{row.agents[0]:,} and {row.agents[1]:,}"
+        lines.append(f"{row.name:26}{row.pairs:11,}{row.one:10.2f}{row.many:8.2f}   {agents}")
     return "\n".join(lines)
 
 
@@ -76,35 +80,40 @@ def main() -> None:
     arguments.add_argument("--longest", type=float, default=3.0, help="seconds of a tick at most")
     arguments.add_argument("--picture", type=Path, help="PNG or SVG to draw")
     arguments.add_argument("--json", action="store_true", help="print JSON")
-    given = arguments.parse_args()
-    rounds = min(given.rounds, 3) if given.quick else given.rounds
-    largest = min(given.largest, MANY) if given.quick else given.largest
+    options = arguments.parse_args()
+    rounds = min(options.rounds, 3) if options.quick else options.rounds
+    largest = min(options.largest, MANY) if options.quick else options.largest
     many, among = min(MANY, largest), min(AMONG, largest)
     sweeps = all_sweeps([n for n in SIZES if n <= largest], many, among)
-    found: dict[str, list[Point]] = {}
+    points: dict[str, list[Point]] = {}
     left_out: dict[str, list[str]] = {}
     for name, sweep in sweeps.items():
-        found[name], left_out[name] = run(sweep, rounds, given.turn, given.longest, name)
-        if not given.json:
-            print(table(sweep, found[name], left_out[name]), end="\n\n", flush=True)
-    made = [pairs(model, among, rounds) for model in watched(MODELS, "pairs")]
-    held = max(LEAST_HELD, min(largest, MOST_HELD))
-    arrays, members = bytes_per_agent(held)
-    if given.picture:
-        draw(sweeps, found, given.picture)
-    if given.json:
+        points[name], left_out[name] = run(sweep, rounds, options.turn, options.longest, name)
+        if not options.json:
+            print(table(sweep, points[name], left_out[name]), end="\n\n", flush=True)
+    rows = [pairs(model, among, rounds) for model in watched(MODELS, "pairs")]
+    held_agents = max(LEAST_HELD, min(largest, MOST_HELD))
+    arrays, members = bytes_per_agent(held_agents)
+    if options.picture:
+        draw(sweeps, points, options.picture)
+    if options.json:
         json.dump(
             {
-                "sweeps": {name: [asdict(point) for point in some] for name, some in found.items()},
+                "sweeps": {
+                    name: [asdict(point) for point in some] for name, some in points.items()
+                },
                 "left_out": left_out,
-                "pairs": [asdict(one) for one in made],
+                "pairs": [asdict(row) for row in rows],
                 "bytes_per_agent": {"arrays": arrays, "with_mesa_agents": members},
             },
             sys.stdout,
         )
         return
-    print(table_of_pairs(made))
-    print(f"\nbytes per agent, {held:,} agents: {arrays:.0f}, with every Mesa agent {members:.0f}")
+    print(table_of_pairs(rows))
+    print(
+        f"\nbytes per agent, {held_agents:,} agents: {arrays:.0f}, "
+        f"with every Mesa agent {members:.0f}"
+    )
 
 
 if __name__ == "__main__":

@@ -24,22 +24,24 @@ STYLE: dict[str, dict[str, Any]] = {
 } | {name: {"color": GREY, "linestyle": dash} for name, dash in zip(PEERS, DASHES, strict=True)}
 
 
-def draw(sweeps: Mapping[str, Sweep], found: Mapping[str, Sequence[Point]], path: Path) -> None:
+def draw(
+    sweeps: Mapping[str, Sweep], points_by_name: Mapping[str, Sequence[Point]], path: Path
+) -> None:
     """Draw each sweep, and the cost of a neighbour over neighbours, as PNG or SVG."""
     with matplotlib.rc_context(LOOK):
         figure = Figure((11.0, 6.6), layout="constrained")
         agents, density, near, obstacles = figure.subplots(2, 2).flat
         for axes, name in ((agents, "agents"), (density, "density"), (obstacles, "obstacles")):
-            lines(axes, [(one.name, one.value, one.least) for one in found[name]])
+            lines(axes, [(point.name, point.value, point.least) for point in points_by_name[name]])
             axes.set_title(f"Over {sweeps[name].title}", loc="left")
             axes.set(xlabel=sweeps[name].axis, ylabel="ns per agent-step")
             axes.set_xticks(sweeps[name].values)
         lines(
             near,
             [
-                (one.name, one.neighbours, one.least / one.neighbours)
-                for one in found["density"]
-                if one.neighbours
+                (point.name, point.neighbours, point.least / point.neighbours)
+                for point in points_by_name["density"]
+                if point.neighbours
             ],
         )
         near.set_title("Over neighbours, the same runs", loc="left")
@@ -56,7 +58,7 @@ def draw(sweeps: Mapping[str, Sweep], found: Mapping[str, Sequence[Point]], path
 def lines(axes: Any, points: Sequence[tuple[str, float, float]]) -> None:
     """Draw a line for each name through its points."""
     for name in dict.fromkeys(name for name, _, _ in points):
-        x, y = zip(*[(x, y) for one, x, y in points if one == name], strict=True)
+        x, y = zip(*[(x, y) for point, x, y in points if point == name], strict=True)
         axes.plot(x, y, label=name, linewidth=1.6, **STYLE[name])
     axes.set(xscale="log", yscale="log")
     for axis in (axes.xaxis, axes.yaxis):

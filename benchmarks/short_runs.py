@@ -66,13 +66,13 @@ def calls() -> dict[str, Cost]:
 
 def results(seeds: Sequence[int]) -> tuple[list[float], float]:
     """What runs of these seeds come to, and the CPU time that they took."""
-    begun = time.process_time()
-    found = []
+    started = time.process_time()
+    rows = []
     for seed in seeds:
         flock = new(seed)
         flock.run(TICKS)
-        found.append(flock.observe("polarisation"))
-    return found, time.process_time() - begun
+        rows.append(flock.observe("polarisation"))
+    return rows, time.process_time() - started
 
 
 def sweep(workers: int, runs: int) -> Cost:
@@ -82,9 +82,9 @@ def sweep(workers: int, runs: int) -> Cost:
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
         list(pool.map(results, [range(1)] * 4 * workers))
         for _ in range(5):
-            begun = time.perf_counter()
+            started = time.perf_counter()
             done = list(pool.map(results, parts))
-            wall = time.perf_counter() - begun
+            wall = time.perf_counter() - started
             rounds.append((sum(cpu for _, cpu in done) / runs, wall / runs))
     return Cost(*map(min, zip(*rounds, strict=True)))
 
@@ -94,15 +94,15 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--workers", type=int, default=2, help="worker processes")
     arguments.add_argument("--runs", type=int, default=400, help="runs of a round")
-    asked = arguments.parse_args()
+    options = arguments.parse_args()
     print(f"{'':34}{'CPU, us':>10}{'clock, us':>11}")
     for name, cost in calls().items():
         print(f"{name:34}{1e6 * cost.cpu:10.1f}{1e6 * cost.wall:11.1f}")
-    run = sweep(asked.workers, asked.runs)
+    run = sweep(options.workers, options.runs)
     print(f"{f'a run of {TICKS} ticks, in a worker':34}{1e6 * run.cpu:10.0f}")
     print(
-        f"{asked.workers} workers: {1.0 / run.wall:.0f} runs a second by the clock, "
-        f"{asked.workers / run.cpu:.0f} with a core for each"
+        f"{options.workers} workers: {1.0 / run.wall:.0f} runs a second by the clock, "
+        f"{options.workers / run.cpu:.0f} with a core for each"
     )
 
 

@@ -60,11 +60,11 @@ def main() -> None:
     arguments.add_argument("--agents", type=int, default=100_000, help="the flock in the middle")
     arguments.add_argument("--rounds", type=int, help="9, or 3 of --quick")
     arguments.add_argument("--steps", type=int, default=2_000_000, help="agent-steps of a round")
-    given = arguments.parse_args()
-    middle, small, large = given.agents, given.agents // 10, 10 * given.agents
+    options = arguments.parse_args()
+    middle, small, large = options.agents, options.agents // 10, 10 * options.agents
 
     def row(name: str, flight: Flight, agents: int, threads: int = 1) -> Row:
-        steps = given.steps // SLOWER if agents == BOIDS else given.steps
+        steps = options.steps // SLOWER if agents == BOIDS else options.steps
         ticks = max(SHORTEST, steps // agents)
         return Row(Contestant(name, agents, ticks, flight), threads)
 
@@ -74,7 +74,7 @@ def main() -> None:
     one, two = ourselves(middle), ourselves(middle, 2)
     small_one, small_two = ourselves(small), ourselves(small, 2)
     twice = row("flockscope, two runs", ours_twice(middle), 2 * middle, 2)
-    larges = [] if given.quick else [ourselves(large), ourselves(large, 2)]
+    larges = [] if options.quick else [ourselves(large), ourselves(large, 2)]
     peers = {
         name: row(name, flight, agents)
         for name, make in PEERS.items()
@@ -82,7 +82,9 @@ def main() -> None:
         if (flight := make(agents))
     }
     rows = [one, two, twice, small_one, small_two, *larges, ourselves(BATCH), *peers.values()]
-    take_turns([row.contestant for row in rows], given.rounds or (3 if given.quick else 9), "race")
+    take_turns(
+        [row.contestant for row in rows], options.rounds or (3 if options.quick else 9), "race"
+    )
 
     print(f"2-D Vicsek, density {DENSITY:g}, r = {R:g}, float64; {os.cpu_count()} cores")
     print(f"{'':44}{'ns per agent-step':>22}{'agent-steps/s':>14}{'ticks/s':>12}")

@@ -113,12 +113,12 @@ def press(page: LivePage, presser: subprocess.Popen[str]) -> float:
     time.sleep(0.3)
     if page.session.status.arm != "armed":
         return press(page, presser)
-    known = len(page.session.events)
+    event_count = len(page.session.events)
     print("press", file=presser.stdin, flush=True)
     began = float(presser.stdout.readline())
 
     def stopped():
-        return [one for one in page.session.events[known:] if one.kind == "emergency"]
+        return [event for event in page.session.events[event_count:] if event.kind == "emergency"]
 
     until(stopped, SETTLE)
     return stopped()[0].time - began
@@ -132,10 +132,10 @@ def measured(page: LivePage, repeats: int, by_message: bool, flooded: bool) -> l
         presser = program(stack, "-c", text)
         assert presser.stdout.readline() == "ready\n"
         floods = []
-        for wanted in FLOODERS[: 3 if flooded else 0]:
+        for kinds in FLOODERS[: 3 if flooded else 0]:
             seconds = str(30.0 + 3.0 * repeats)
-            asked = ("-m", "tests.attacks.flooder", str(port), seconds, "--wait", *wanted)
-            floods.append(program(stack, *asked))
+            command = ("-m", "tests.attacks.flooder", str(port), seconds, *kinds)
+            floods.append(program(stack, *command))
         for flood in floods:
             assert flood.stdout.readline() == "floods\n"
         for flood in floods:  # all are in: who floods first would keep the others waiting

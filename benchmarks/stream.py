@@ -85,17 +85,19 @@ class Reader:
 
 def main(agents: int = 5000, browsers: int = 1, speed: float = 30.0) -> None:
     """Measure and print."""
-    here, there = multiprocessing.Pipe()
-    server = multiprocessing.get_context("spawn").Process(target=serve, args=(agents, speed, there))
+    parent_end, child_end = multiprocessing.Pipe()
+    server = multiprocessing.get_context("spawn").Process(
+        target=serve, args=(agents, speed, child_end)
+    )
     server.start()
-    readers = [Reader(here.recv(), agents)]
+    readers = [Reader(parent_end.recv(), agents)]
     port = readers[0].socket.remote_address[1]
     readers += [Reader(port, agents) for _ in range(browsers - 1)]
     time.sleep(3.0)
-    first = asked(here)
+    first = asked(parent_end)
     counted = [(reader.frames, reader.bytes) for reader in readers]
     time.sleep(SECONDS)
-    last = asked(here)
+    last = asked(parent_end)
     frames = [reader.frames - before for reader, (before, _) in zip(readers, counted, strict=True)]
     sent = sum(reader.bytes - before for reader, (_, before) in zip(readers, counted, strict=True))
     total, simulation, ticks, _ = (b - a for a, b in zip(first, last, strict=True))
@@ -106,7 +108,7 @@ def main(agents: int = 5000, browsers: int = 1, speed: float = 30.0) -> None:
     print(f"  server, cores      {(total - simulation) / SECONDS:8.2f}  beside the simulation")
     print(f"  simulation, cores  {simulation / SECONDS:8.2f}")
     print(f"  memory, MB         {last[3]:8.0f}")
-    here.send(False)
+    parent_end.send(False)
     server.join(10)
 
 

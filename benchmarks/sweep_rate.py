@@ -28,13 +28,13 @@ ETA = [0.0, 1.5, 3.0, 4.5]
 
 def plain(agents: int, ticks: int, runs: int) -> float:
     """Seconds of processor time of a run in a loop."""
-    begun = time.process_time()
+    started = time.process_time()
     for seed in range(1, runs // len(ETA) + 1):
         for eta in ETA:
             flock = Flock("vem", agents=agents, eta=eta, rng=seed)
             flock.run(ticks)
             flock.observe("polarisation")
-    return (time.process_time() - begun) / runs
+    return (time.process_time() - started) / runs
 
 
 def swept(sweep: Sweep, workers: int) -> tuple[float, float, int]:
@@ -71,24 +71,26 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--workers", type=int, default=2, help="processes")
     arguments.add_argument("--runs", type=int, default=4000, help="runs of the shortest kind")
-    given = arguments.parse_args()
+    options = arguments.parse_args()
     heads = ("agents x ticks", "runs", "loop, ms", "sweep, ms", "more", "runs/s", "bytes/run")
     print("".join(f"{head:>15}" for head in heads))
     for agents, ticks, share in KINDS:
-        runs = max(len(ETA) * 2, int(given.runs * share) // len(ETA) * len(ETA))
+        runs = max(len(ETA) * 2, int(options.runs * share) // len(ETA) * len(ETA))
         sweep = requested_sweep(
             "vem", {"kind": "grid", "axes": {"eta": ETA}}, runs // len(ETA), ticks,
             ["polarisation"], "", 1, {"agents": agents}, None,
         )  # fmt: skip
         plain(agents, ticks, len(ETA))
         loop = plain(agents, ticks, min(runs, 800))
-        start = begun(sweep, given.workers)
-        cost, rate, size = swept(sweep, given.workers)
+        start = begun(sweep, options.workers)
+        cost, rate, size = swept(sweep, options.workers)
         cost -= start / runs
         cells = (f"{agents} x {ticks}", runs, f"{1e3 * loop:.3f}", f"{1e3 * cost:.3f}")
         more = f"{100.0 * (cost / loop - 1.0):+.0f} %"
         print(
-            "".join(f"{one!s:>15}" for one in (*cells, more, f"{rate:.0f}", f"{size / runs:.0f}"))
+            "".join(
+                f"{value!s:>15}" for value in (*cells, more, f"{rate:.0f}", f"{size / runs:.0f}")
+            )
         )
 
 

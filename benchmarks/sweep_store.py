@@ -35,13 +35,13 @@ def main() -> None:
                 measures = {"k": seed, "x": 0.1 * seed}
                 store.add(cells[row % CELLS], seed, Outcome("ok", measures, "", 0.01, 100))
         marks.append(time.process_time())
-        found = len(StoreReader(folder).runs(COLUMNS))
+        count = len(StoreReader(folder).runs(COLUMNS))
         marks.append(time.process_time())
         counted = StoreReader(folder).counts["ok"]
         marks.append(time.process_time())
         size = (folder / FILE).stat().st_size
     write, load, status = (after - before for before, after in pairwise(marks))
-    print(f"{found} runs written in {write:.2f} s, loaded in {load:.2f} s")
+    print(f"{count} runs written in {write:.2f} s, loaded in {load:.2f} s")
     print(f"{counted} of them counted for the status in {status:.3f} s")
     print(f"{size / rows:.0f} bytes a run")
 

@@ -163,11 +163,11 @@ def all_sweeps(agents: Sequence[int], many: int, among: int) -> dict[str, Sweep]
     }  # fmt: skip
 
 
-def ready(name: str, made: Made, turn: float) -> Contestant:
+def ready(name: str, built: Made, turn: float) -> Contestant:
     """A contestant whose turn lasts so many seconds, or a tick; what it compiles is compiled."""
-    made.flight(1)
-    ticks = int(max(1.0, turn / max(made.flight(1).cpu, AGENT_STEP)))
-    return Contestant(name, made.agents, ticks, made.flight)
+    built.flight(1)
+    ticks = int(max(1.0, turn / max(built.flight(1).cpu, AGENT_STEP)))
+    return Contestant(name, built.agents, ticks, built.flight)
 
 
 def run(
@@ -181,18 +181,18 @@ def run(
     left_out: dict[str, str] = {}
     cost: dict[str, float] = {}
     for value in watched(sweep.values, doing, lambda x: max(turn, AGENT_STEP * sweep.agents(x))):
-        made: dict[str, Made] = {}
+        homes: dict[str, Made] = {}
         for name, make in sweep.makers.items():
             lasts = 1e-9 * cost.get(name, 0.0) * sweep.agents(value)
             if name not in left_out and lasts > longest:
                 left_out[name] = f"{name} from {value:,} on: a tick would last {lasts:.1f} s"
-            one = None if name in left_out else make(value)
-            if one is not None:
-                made[name] = one
-        turns = [ready(name, one, turn) for name, one in made.items()]
+            home = None if name in left_out else make(value)
+            if home is not None:
+                homes[name] = home
+        turns = [ready(name, item, turn) for name, item in homes.items()]
         take_turns(turns, rounds)
-        for one in turns:
-            cost[one.name] = one.least()
-            near = made[one.name].neighbours
-            points.append(Point(one.name, value, one.agents, one.least(), one.median(), near))
+        for home in turns:
+            cost[home.name] = home.least()
+            near = homes[home.name].neighbours
+            points.append(Point(home.name, value, home.agents, home.least(), home.median(), near))
     return points, [*left_out.values()]

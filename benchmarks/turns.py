@@ -54,7 +54,9 @@ class Contestant:
 
     def per_step(self, clock: str = "cpu") -> list[float]:
         """Nanoseconds of an agent-step in each round, by the clock `cpu` or `wall`."""
-        return [1e9 * getattr(one, clock) / (self.agents * self.ticks) for one in self.taken]
+        return [
+            1e9 * getattr(seconds, clock) / (self.agents * self.ticks) for seconds in self.taken
+        ]
 
     def least(self, clock: str = "cpu") -> float:
         """The least of them."""

@@ -43,11 +43,11 @@ def serve(agents: int, pipe: Connection) -> None:
     watching = WatchPage(laboratory)
     laboratory.simulation.ready.wait()
     pipe.send(watching.port)
-    while (asked := pipe.recv()) is not None:
-        if asked == "inspect":
+    while (request := pipe.recv()) is not None:
+        if request == "inspect":
             run = laboratory.simulation.state.run
-            for row, one in enumerate(watching.now):
-                one.choose(AgentSelection(row, run=run))
+            for row, watcher in enumerate(watching.now):
+                watcher.choose(AgentSelection(row, run=run))
         frame = laboratory.simulation.frame
         assert frame is not None
         pipe.send((time.process_time(), frame.tick, len(frame.others)))
@@ -92,14 +92,19 @@ def for_panels(data: bytes) -> int:
     packed = int.from_bytes(data[8:16], "little")
     inner = zstandard.ZstdDecompressor().decompress(data[16 : 16 + packed])
     window = msgspec.msgpack.decode(inner)
-    found = sum(
-        len(msgspec.msgpack.encode(one)) for one in window["messages"] if one["type"][:3] == "Gui"
+    size = sum(
+        len(msgspec.msgpack.encode(message))
+        for message in window["messages"]
+        if message["type"][:3] == "Gui"
     )
     lengths = window["binaryBufferLengths"]
     buffers = sum(
-        lengths[at] for one in window["messages"] if one["type"][:3] == "Gui" for at in places(one)
+        lengths[at]
+        for message in window["messages"]
+        if message["type"][:3] == "Gui"
+        for at in places(message)
     )
-    return round(found * packed / len(inner)) + buffers
+    return round(size * packed / len(inner)) + buffers
 
 
 def places(message: Any) -> list[int]:
@@ -107,25 +112,25 @@ def places(message: Any) -> list[int]:
     if isinstance(message, dict):
         if "__binary_index" in message:
             return [message["__binary_index"]]
-        return [at for one in message.values() for at in places(one)]
-    return [at for one in message for at in places(one)] if isinstance(message, list) else []
+        return [at for item in message.values() for at in places(item)]
+    return [at for item in message for at in places(item)] if isinstance(message, list) else []
 
 
 def main(agents: int = 1000, browsers: int = 40) -> None:
     """Measure and print."""
-    here, there = multiprocessing.Pipe()
-    server = multiprocessing.get_context("spawn").Process(target=serve, args=(agents, there))
+    parent_end, child_end = multiprocessing.Pipe()
+    server = multiprocessing.get_context("spawn").Process(target=serve, args=(agents, child_end))
     server.start()
-    port = here.recv()
+    port = parent_end.recv()
     time.sleep(3.0)
-    idle = spent(here, 5.0)
+    idle = spent(parent_end, 5.0)
     readers = [Reader(port, agents, number == 0) for number in range(browsers)]
     time.sleep(SETTLE)
-    watched, *counts = measured(here, readers)
-    asked(here, "inspect")
+    watched, *counts = measured(parent_end, readers)
+    asked(parent_end, "inspect")
     time.sleep(SETTLE)
-    inspected, *more = measured(here, readers)
-    looked_at = asked(here)[2]
+    inspected, *more = measured(parent_end, readers)
+    looked_at = asked(parent_end)[2]
     print(f"{agents} agents at {SPEED:g} ticks/s, {browsers} clients")
     print(f"  nobody watches         {idle:6.3f} cores, the run and the laboratory's page")
     for title, cores, (pictures, all_of_it, panels, packed) in (
@@ -137,25 +142,25 @@ def main(agents: int = 1000, browsers: int = 40) -> None:
         print(f"    sent a client        {all_of_it:6.2f} Mbit/s")
         print(f"      for the panels     {panels:6.3f} Mbit/s")
         print(f"      packed             {packed:6.2f} Mbit/s, of all {browsers * packed:.0f}")
-    here.send(None)
+    parent_end.send(None)
     server.join(10)
 
 
 def measured(pipe: Connection, readers: list[Reader]) -> tuple[float, ...]:
     """Cores; and of a client pictures/s, Mbit/s, and those of them for the panels."""
-    before = [(one.pictures, one.bytes) for one in readers]
+    before = [(reader.pictures, reader.bytes) for reader in readers]
     panels, packed = readers[0].panels, readers[0].packed
     cores = spent(pipe, SECONDS)
-    pictures = sum(one.pictures - was for one, (was, _) in zip(readers, before, strict=True))
-    sent = sum(one.bytes - was for one, (_, was) in zip(readers, before, strict=True))
+    pictures = sum(reader.pictures - was for reader, (was, _) in zip(readers, before, strict=True))
+    sent = sum(reader.bytes - was for reader, (_, was) in zip(readers, before, strict=True))
     each = len(readers) * SECONDS
-    one = 8e-6 / SECONDS
+    unit = 8e-6 / SECONDS
     return (
         cores,
         pictures / each,
         8e-6 * sent / each,
-        one * (readers[0].panels - panels),
-        one * (readers[0].packed - packed),
+        unit * (readers[0].panels - panels),
+        unit * (readers[0].packed - packed),
     )
 
 

@@ -49,15 +49,15 @@ def contestants(agents: int) -> list[tuple[str, str, int, dict[str, Any]]]:
 
 def race(agents: int, rounds: int) -> list[tuple[str, int, float]]:
     """Title, threads and agent-steps a second, the best of `rounds`, of all contestants."""
-    found = contestants(agents)
+    rivals = contestants(agents)
     turns = []
-    for title, model, threads, made in found:
-        flock = Flock(model, agents=agents, dim=3, threads=threads, rng=1, **made)
+    for title, model, threads, rival in rivals:
+        flock = Flock(model, agents=agents, dim=3, threads=threads, rng=1, **rival)
         turns.append(Contestant(title, agents, TICKS, flight_of(flock)))
     take_turns(turns, rounds, "zones")
     return [
-        (title, threads, 1e9 / one.least("wall"))
-        for (title, _, threads, _), one in zip(found, turns, strict=True)
+        (title, threads, 1e9 / rival.least("wall"))
+        for (title, _, threads, _), rival in zip(rivals, turns, strict=True)
     ]
 
 
@@ -78,11 +78,11 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--quick", action="store_true", help="fewer rounds")
     arguments.add_argument("--agents", type=int, default=100_000)
-    given = arguments.parse_args()
-    rounds = 2 if given.quick else 7
+    options = arguments.parse_args()
+    rounds = 2 if options.quick else 7
     catalogue.MODELS[BLIND.name] = BLIND
-    print(f"{given.agents} agents in three dimensions, best of {rounds} rounds")
-    rates = race(given.agents, rounds)
+    print(f"{options.agents} agents in three dimensions, best of {rounds} rounds")
+    rates = race(options.agents, rounds)
     first = rates[0][2]
     for title, threads, steps in rates:
         print(f"{title:30}{threads} thread(s){steps / 1e6:8.2f} M/s{steps / first:8.2f}")

@@ -34,17 +34,17 @@ def check(
     name = first_of(model, rule)
     if name is None:
         raise InputError("which MODEL? `flockscope list models` names them; or give --rule FILE.py")
-    found = find_model(name)
+    checked_model = find_model(name)
     tell = None if quiet else lambda line: typer.echo(line, err=True)
     compile_loop(Flock(name, agents=1, rng=0), tell)
-    made = []
-    for one in CHECKS:
-        came = outcome(found, one)
-        made.append(came)
+    results = []
+    for check_name in CHECKS:
+        came = outcome(checked_model, check_name)
+        results.append(came)
         if not json_asked and (not quiet or came.result == "fails"):
             reason = f" ({came.reason})" if came.reason else ""
-            typer.echo(f"{came.result:14}  {one:10}  {came.fact}{reason}")
+            typer.echo(f"{came.result:14}  {check_name:10}  {came.fact}{reason}")
     if json_asked:
-        typer.echo(json.dumps({"model": name, "checks": [asdict(came) for came in made]}))
-    if any(came.result == "fails" for came in made):
+        typer.echo(json.dumps({"model": name, "checks": [asdict(came) for came in results]}))
+    if any(came.result == "fails" for came in results):
         raise typer.Exit(REFUSED)

@@ -16,12 +16,12 @@ def cite(
     from agents.catalogue import model as by_name
     from agents.models import sources
 
-    found = by_name(model)
-    entries = sources.cite(found)
+    cited = by_name(model)
+    entries = sources.cite(cited)
     if as_json:
-        made = {"model": found.name, "source": found.rule.source, "bibtex": entries}
-        typer.echo(json.dumps(made))
+        value = {"model": cited.name, "source": cited.rule.source, "bibtex": entries}
+        typer.echo(json.dumps(value))
     elif entries:
         typer.echo("\n\n".join(entries))
     else:
-        typer.echo(f"{found.name} names no paper known here; its source: {found.rule.source}")
+        typer.echo(f"{cited.name} names no paper known here; its source: {cited.rule.source}")

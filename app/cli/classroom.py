@@ -65,9 +65,9 @@ def classroom(
 ) -> None:
     """Open a class: students enter by a code on the wall, and have flocks of their own."""
     if (certificate is None) != (key is None):
-        given = "--certificate" if key is None else "--key"
+        option = "--certificate" if key is None else "--key"
         raise InputError(
-            f"{given} is given alone: a certificate needs its key (PEM), and the reverse"
+            f"{option} is given alone: a certificate needs its key (PEM), and the reverse"
         )
     path = out or (Path(scene) if scene and scene.endswith(FILE) else usual_place())
     if path.suffix != FILE:
@@ -79,9 +79,9 @@ def classroom(
     from app.classroom.class_keeper import ClassKeeper
     from app.classroom.front.serving import ClassFront
 
-    made = open_class(scene, students, workers or 2 * cores())
-    keeping = ClassKeeper(made, path)
-    front = ClassFront(made, host, port, names, pair)
+    classroom = open_class(scene, students, workers or 2 * cores())
+    keeping = ClassKeeper(classroom, path)
+    front = ClassFront(classroom, host, port, names, pair)
     with StopSignals() as stopping:
         asyncio.run(serve(front, keeping, host, stopping, open_browser))
     leave()

@@ -48,12 +48,14 @@ def aircraft(json_asked: AsJson = False) -> None:
     values = declared(Aircraft)
     if json_asked:
         names = ("name", "symbol", "unit", "default", "low", "high", "description", "source")
-        typer.echo(as_json([{name: getattr(one, name) for name in names} for one in values]))
-        return
-    for one in values:
         typer.echo(
-            f"{one.name:<15} {one.default:<7.4g} in {one.allowed:<18}"
-            f" {one.description} ({one.source})"
+            as_json([{name: getattr(parameter, name) for name in names} for parameter in values])
+        )
+        return
+    for parameter in values:
+        typer.echo(
+            f"{parameter.name:<15} {parameter.default:<7.4g} in {parameter.allowed:<18}"
+            f" {parameter.description} ({parameter.source})"
         )
 
 
@@ -77,16 +79,22 @@ def trim(
     a wing beat.
     """
     asked_speed("--speed", speed)
-    asked = request(frequency, twist, settings)
+    flight_request = request(frequency, twist, settings)
     demand_folder("--out", out, ("beat.csv", *picture_files("beat", pictures)), overwrite)
     from agents.flight.trim import trim as search
     from app.flight.trim_report import as_value, beat_columns, lines, write_sheet
 
     with Progress("flight trim", quiet) as progress:
-        made = search(asked.aircraft, speed, frequency=frequency, twist=asked.twist, at=progress.at)
-        value = as_value(made)
+        trim = search(
+            flight_request.aircraft,
+            speed,
+            frequency=frequency,
+            twist=flight_request.twist,
+            at=progress.at,
+        )
+        value = as_value(trim)
     files = {"beat": out / "beat.csv"}
-    write_sheet(files["beat"], beat_columns(made.beat, frequency))
+    write_sheet(files["beat"], beat_columns(trim.beat, frequency))
     if pictures:
         from app.flight.flight_pictures import draw_beat, one_beat, paint
 
@@ -95,8 +103,8 @@ def trim(
             f"A = {value['amplitude']:.1f} deg, R = {twist:g} deg,"
             f" {value['energy_per_metre']:.3g} J/m"
         )
-        weight = asked.aircraft.weight
-        files |= paint(lambda f: draw_beat(f, one_beat(made.beat), weight), title, out, "beat")
+        weight = flight_request.aircraft.weight
+        files |= paint(lambda f: draw_beat(f, one_beat(trim.beat), weight), title, out, "beat")
     if json_asked:
         value["files"] = {kind: str(path) for kind, path in files.items()}
         typer.echo(as_json(value))
@@ -126,13 +134,13 @@ def sweep(
 
     A speed at which no level flight is found is named and left out.
     """
-    wanted = sorted({asked_speed("--speeds", one) for one in numbers("--speeds", speeds)})
-    asked = request(frequency, twist, settings)
+    speeds_asked = sorted({asked_speed("--speeds", value) for value in numbers("--speeds", speeds)})
+    flight_request = request(frequency, twist, settings)
     demand_folder("--out", out, ("sweep.csv", *picture_files("sweep", pictures)), overwrite)
     from app.flight.trim_report import swept, write_sheet
 
     with Progress("flight sweep", quiet) as progress:
-        rows, missing = swept(asked, wanted, progress.at)
+        rows, missing = swept(flight_request, speeds_asked, progress.at)
     files = {"sweep": out / "sweep.csv"}
     columns = [name for name in rows[0] if name not in ("multipliers", "stable")]
     write_sheet(files["sweep"], {name: [row[name] for row in rows] for name in columns})
@@ -142,9 +150,9 @@ def sweep(
         title = f"Level flight over speed: {frequency:g} Hz, R = {twist:g} deg"
         files |= paint(lambda figure: draw_curve(figure, rows), title, out, "sweep")
     if json_asked:
-        made: dict[str, Any] = {"rows": rows, "without_flight": missing}
-        made["files"] = {kind: str(path) for kind, path in files.items()}
-        typer.echo(as_json(made))
+        result: dict[str, Any] = {"rows": rows, "without_flight": missing}
+        result["files"] = {kind: str(path) for kind, path in files.items()}
+        typer.echo(as_json(result))
     else:
         typer.echo("\n".join(speed_table(rows)))
         for speed in missing:
@@ -155,17 +163,17 @@ def sweep(
 
 def speed_table(rows: list[dict[str, Any]]) -> list[str]:
     """The rows for people."""
-    made = ["speed m/s  A deg  tail deg  pitch deg  power W   J/m  towed W  |mu|"]
+    lines = ["speed m/s  A deg  tail deg  pitch deg  power W   J/m  towed W  |mu|"]
     for row in rows:
         towed = "" if row["towing_power"] is None else f"{row['towing_power']:.3f}"
-        made.append(
+        lines.append(
             f"{row['speed']:8.3g} {row['amplitude']:7.2f} {row['tail']:9.2f} {row['pitch']:10.2f}"
             f" {row['power']:8.3f} {row['energy_per_metre']:6.3f} {towed:>8}"
             f" {row['largest_multiplier']:6.3f}{'' if row['stable'] else '  unstable'}"
         )
     best = min(rows, key=lambda row: row["energy_per_metre"])
-    made.append(f"least: {best['energy_per_metre']:.3f} J/m at {best['speed']:g} m/s")
-    return made
+    lines.append(f"least: {best['energy_per_metre']:.3f} J/m at {best['speed']:g} m/s")
+    return lines
 
 
 # `flockscope flight simulate`: a flight in time, from trim and pushed.
@@ -199,7 +207,7 @@ def simulate(
     """
     asked_speed("--speed", speed)
     within("--seconds", seconds, 0.1, LONGEST, "s")
-    asked = request(frequency, twist, settings)
+    flight_request = request(frequency, twist, settings)
     demand_folder(
         "--out",
         out,
@@ -211,27 +219,29 @@ def simulate(
 
     moved = pushes(push or [])
     with Progress("flight simulate", quiet) as progress:
-        made = flown(asked, speed, seconds, moved, progress.at)
+        flight = flown(flight_request, speed, seconds, moved, progress.at)
     files = {"history": out / "history.csv"}
-    write_sheet(files["history"], beat_columns(made.flown, frequency))
+    write_sheet(files["history"], beat_columns(flight.flown, frequency))
     if pictures:
         from app.flight.flight_pictures import averaged, draw_beat, draw_history, paint
 
-        said = ", ".join(push or []) or "none"
-        title = f"A flight from trim at {speed:g} m/s, {frequency:g} Hz; push: {said}"
-        drawn = paint(lambda f: draw_history(f, made.flown, made.level), title, out, "history")
-        files |= {f"history-{kind}": path for kind, path in drawn.items()}
-        if made.beats:
-            mean, weight = averaged(made.flown, made.per_beat), asked.aircraft.weight
-            title += f"\nmean of {counted(made.beats, 'wing beat')}, with their least and largest"
-            drawn = paint(lambda f: draw_beat(f, mean, weight), title, out, "beats")
-            files |= {f"beats-{kind}": path for kind, path in drawn.items()}
-    value: dict[str, Any] = made.value()
+        text = ", ".join(push or []) or "none"
+        title = f"A flight from trim at {speed:g} m/s, {frequency:g} Hz; push: {text}"
+        more_files = paint(
+            lambda f: draw_history(f, flight.flown, flight.level), title, out, "history"
+        )
+        files |= {f"history-{kind}": path for kind, path in more_files.items()}
+        if flight.beats:
+            mean, weight = averaged(flight.flown, flight.per_beat), flight_request.aircraft.weight
+            title += f"\nmean of {counted(flight.beats, 'wing beat')}, with their least and largest"
+            more_files = paint(lambda f: draw_beat(f, mean, weight), title, out, "beats")
+            files |= {f"beats-{kind}": path for kind, path in more_files.items()}
+    value: dict[str, Any] = flight.value()
     if json_asked:
         value["files"] = {kind: str(path) for kind, path in files.items()}
         typer.echo(as_json(value))
     else:
-        typer.echo("\n".join(made.lines()))
+        typer.echo("\n".join(flight.lines()))
     if not quiet:
         tell_written(*files.values())
 
@@ -277,23 +287,23 @@ def payload(
     body and changes its mass alone. The battery's own mass is part of the aircraft's.
     """
     grams = sorted(
-        {within("--loads", one, 0.0, HEAVIEST, "g") for one in numbers("--loads", loads)}
+        {within("--loads", value, 0.0, HEAVIEST, "g") for value in numbers("--loads", loads)}
     )
     if speed is not None:
         asked_speed("--speed", speed)
     within("--battery", battery, 0.01, 1000.0, "Wh")
     within("--efficiency", efficiency, 0.01, 1.0, "")
-    asked = request(frequency, twist, settings)
+    flight_request = request(frequency, twist, settings)
     demand_folder("--out", out, ("payload.csv", *picture_files("payload", pictures)), overwrite)
     from app.flight.load import Battery, carried, loaded
     from app.flight.trim_report import write_sheet
 
-    kilograms = [one / 1000.0 for one in grams]
+    kilograms = [load / 1000.0 for load in grams]
     for load in kilograms:
-        loaded(asked.aircraft, load, "--loads")
+        loaded(flight_request.aircraft, load, "--loads")
     source = Battery(battery, efficiency)
     with Progress("flight payload", quiet) as progress:
-        rows, missing = carried(asked, kilograms, source, speed, progress.at)
+        rows, missing = carried(flight_request, kilograms, source, speed, progress.at)
     files = {"payload": out / "payload.csv"}
     columns = [name for name in rows[0] if name not in ("multipliers", "stable")]
     write_sheet(files["payload"], {name: [row[name] for row in rows] for name in columns})
@@ -306,14 +316,14 @@ def payload(
             lambda f: draw_load(f, rows, describe_battery(source)), title, out, "payload"
         )
     if json_asked:
-        made: dict[str, Any] = {
+        result: dict[str, Any] = {
             "battery": battery,
             "efficiency": efficiency,
             "rows": rows,
-            "without_flight": [1000.0 * one for one in missing],
+            "without_flight": [1000.0 * load for load in missing],
         }
-        made["files"] = {kind: str(path) for kind, path in files.items()}
-        typer.echo(as_json(made))
+        result["files"] = {kind: str(path) for kind, path in files.items()}
+        typer.echo(as_json(result))
     else:
         typer.echo("\n".join(load_table(rows)))
         for load in missing:
@@ -330,15 +340,15 @@ def describe_battery(battery: Battery) -> str:
 
 def load_table(rows: list[dict[str, Any]]) -> list[str]:
     """The rows for people."""
-    made = ["load g  mass kg  speed m/s  A deg  power W    J/m  endurance h  range km  |mu|"]
-    made += [
+    lines = ["load g  mass kg  speed m/s  A deg  power W    J/m  endurance h  range km  |mu|"]
+    lines += [
         f"{row['load']:6.4g} {row['mass']:8.3f} {row['speed']:10.3g} {row['amplitude']:6.2f}"
         f" {row['power']:8.3f} {row['energy_per_metre']:6.3f} {row['endurance']:12.3f}"
         f" {row['range']:9.2f} {row['largest_multiplier']:5.3f}"
         f"{'' if row['stable'] else '  unstable'}"
         for row in rows
     ]
-    return made
+    return lines
 
 
 flight = command_group(

@@ -57,7 +57,7 @@ def lab(
         ),
     ] = None,
     *,
-    asked: Asked,
+    options: Asked,
     set: Annotated[
         list[str] | None,
         typer.Option("--set", help="A parameter, NAME=VALUE, of either model; may be repeated."),
@@ -78,10 +78,10 @@ def lab(
     names = tuple(parse_allowed_host(name) for name in allow_host or ())
     model = first_of(model, rule)
     file, model = (model, None) if is_file(model) else (None, model)
-    opened = opened_by(file, scene, model, beside, asked, set)
+    opened = opened_by(file, scene, model, beside, options, set)
     model = model or DEFAULT
     own, others = parameters(find_model(model).name, set or [], beside)
-    request, origins = requested_run(model, asked, [])
+    request, origins = requested_run(model, options, [])
     with origins.named():
         if isinstance(request.size, tuple):
             sides = list(request.size)
@@ -127,18 +127,18 @@ def opened_by(
     scene: str | None,
     model: str | None,
     beside: str | None,
-    asked: Asked,
+    options: Asked,
     settings: list[str] | None,
 ) -> SavedScene | StoredFlock | None:
     """The file or the scene that is asked for; the first one where nothing is. Raises
     InputError."""
     from app.viewer.gallery.scene_collection import FIRST, find_scene
 
-    given = [name for name, value in asked.items() if value is not None]
+    given_names = [name for name, value in options.items() if value is not None]
     others = [
         *(["MODEL"] if model else []),
         *(["--beside"] if beside else []),
-        *map(option_name, given),
+        *map(option_name, given_names),
     ]
     others += ["--set"] if settings else []
     if scene is not None and file is not None:
@@ -162,28 +162,28 @@ def parameters(
 
     A name that both have without sharing it means the first model's. Raises InputError.
     """
-    given = dict(assignment(setting) for setting in settings)
+    values = dict(assignment(setting) for setting in settings)
     names = [model] if beside is None else [model, find_model(beside).name]
-    demand_parameters(given, [find_model(name).parameters for name in names])
+    demand_parameters(values, [find_model(name).parameters for name in names])
     if beside is None:
-        return lively(model, given), {}
+        return lively(model, values), {}
     from app.viewer.run.paired_run import shared_by
 
     both = shared_by(model, find_model(beside).name)
     first, second = (set(MODELS[name].parameters.model_fields) for name in (model, beside))
-    others = {name: value for name, value in given.items() if name in second - first}
-    own = lively(model, {name: value for name, value in given.items() if name not in others})
+    others = {name: value for name, value in values.items() if name in second - first}
+    own = lively(model, {name: value for name, value in values.items() if name not in others})
     more = lively(beside, others)
     return own, {name: value for name, value in more.items() if name not in both}
 
 
-def lively(model: str, given: dict[str, Any]) -> dict[str, Any]:
+def lively(model: str, values: dict[str, Any]) -> dict[str, Any]:
     """The given parameters of a model, checked, and a little noise. Raises InputError."""
     declared = MODELS[model].parameters
     noise = declared.model_fields.get("eta")
     moved = {"eta": NOISE} if noise is not None and noise.default == 0.0 else {}
-    made = checked(declared, moved | given, "--set").model_dump()
-    return {name: made[name] for name in moved | given}
+    parameters = checked(declared, moved | values, "--set").model_dump()
+    return {name: parameters[name] for name in moved | values}
 
 
 def serve(laboratory: Any, stopping: StopSignals) -> None:

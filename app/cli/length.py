@@ -29,11 +29,11 @@ def demand_one_length(
 
     `last` is --to, where a command has it; `least` ticks are needed.
     """
-    given = {"ticks": ticks, "seconds": seconds, "to": last}
-    said = [name for name, value in given.items() if value is not None]
-    if len(said) > 1:
+    lengths = {"ticks": ticks, "seconds": seconds, "to": last}
+    names = [name for name, value in lengths.items() if value is not None]
+    if len(names) > 1:
         raise InputError(
-            f"--{said[0]} and --{said[1]} exclude each other: both say how long it lasts"
+            f"--{names[0]} and --{names[1]} exclude each other: both say how long it lasts"
         )
     low = "(" if least else "["
     if seconds is not None and not (0.0 <= seconds < MOST_SECONDS and (seconds or not least)):

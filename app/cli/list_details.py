@@ -33,17 +33,17 @@ def things_called(name: str, rows: dict[str, Rows]) -> dict[str, Any]:
     Under `parameter` stands a list: models may have different ones under one name. Raises
     InputError.
     """
-    known = names(rows)
-    found = {kind: look(name) for kind, look in ONE.items() if name in known[f"{kind}s"]}
-    if name in known["parameters"]:
-        found["parameter"] = [row for row in rows["parameters"] if row["name"] == name]
-    if not found and (name.endswith("-cars") or is_model(name)):
-        found = {"model": model(name)}
-    if not found:
-        every = [one for kind in known.values() for one in kind]
+    known_names = names(rows)
+    matches = {kind: look(name) for kind, look in ONE.items() if name in known_names[f"{kind}s"]}
+    if name in known_names["parameters"]:
+        matches["parameter"] = [row for row in rows["parameters"] if row["name"] == name]
+    if not matches and (name.endswith("-cars") or is_model(name)):
+        matches = {"model": model(name)}
+    if not matches:
+        every = [item_name for kind in known_names.values() for item_name in kind]
         hint = suggestion(name, [*KINDS, *every])
         raise InputError(f"unknown name {shortened(name)}{hint} (`flockscope list` shows all)")
-    return found
+    return matches
 
 
 OF_PARAMETERS = (
@@ -65,14 +65,20 @@ def model(name: str) -> Thing:
     from agents.catalogue import model as find_model
     from agents.models.declare import declared
 
-    found = find_model(name)
+    model = find_model(name)
     row = next(row for row in models() if row["name"] == name)
     row["parameters"] = [
-        {key: getattr(one, key) for key in OF_PARAMETERS} for one in declared(found.parameters)
+        {key: getattr(parameter, key) for key in OF_PARAMETERS}
+        for parameter in declared(model.parameters)
     ]
     row["tries"] = [
-        {**asdict(one), "set": dict(one.set), "changes": one.changes, "found": one.proof.in_words}
-        for one in found.to_try
+        {
+            **asdict(step),
+            "set": dict(step.set),
+            "changes": step.changes,
+            "found": step.proof.in_words,
+        }
+        for step in model.to_try
     ]
     return row
 
@@ -90,27 +96,27 @@ def observable(name: str) -> Thing:
     from agents.observables.catalogue import OBSERVABLES
 
     row = next(row for row in observables() if row["name"] == name)
-    one = OBSERVABLES[name]
-    return {**row, "over_a_run": one.over is not None, "table": one.is_table}
+    observable = OBSERVABLES[name]
+    return {**row, "over_a_run": observable.over is not None, "table": observable.is_table}
 
 
 def paper(name: str) -> Thing:
     """A table or a figure of a paper."""
     from app.studies.experiment_reader import read_experiment
 
-    one = read_experiment(name)
+    experiment = read_experiment(name)
     return {
-        "name": one.name,
-        "title": one.title,
-        "source": one.source,
-        "kind": one.settings.kind,
-        "models": sorted({row.spec.model for row in one.cases}),
-        "agents": sorted({row.agents for row in one.cases}),
-        "rows": len(one.cases),
-        "runs": one.runs,
-        "measures": [measure.name for measure in one.measures],
-        "claims": len(one.said),
-        "notes": one.notes,
+        "name": experiment.name,
+        "title": experiment.title,
+        "source": experiment.source,
+        "kind": experiment.settings.kind,
+        "models": sorted({row.spec.model for row in experiment.cases}),
+        "agents": sorted({row.agents for row in experiment.cases}),
+        "rows": len(experiment.cases),
+        "runs": experiment.runs,
+        "measures": [measure.name for measure in experiment.measures],
+        "claims": len(experiment.said),
+        "notes": experiment.notes,
     }
 
 
@@ -119,12 +125,12 @@ def lesson(name: str) -> Thing:
     from app.classroom.collect.question_choices import ready_for
     from app.classroom.lessons.lessons import find_lesson
 
-    one = find_lesson(name)
-    first = ready_for(one.spec, name)[0]
+    scene = find_lesson(name)
+    first = ready_for(scene.spec, name)[0]
     row = next(row for row in lessons() if row["name"] == name)
     return {
         **row,
-        "try": one.tries,
+        "try": scene.tries,
         "question": first.question.title,
         "asks": first.lesson,
         "measured": first.question.result_words,
@@ -141,97 +147,99 @@ ONE: dict[str, Callable[[str], Any]] = {
 }
 
 
-def format_details(found: dict[str, Any]) -> list[str]:
+def format_details(matches: dict[str, Any]) -> list[str]:
     """Things for people, within WIDE columns."""
     lines: list[str] = []
-    for kind, thing in found.items():
+    for kind, thing in matches.items():
         lines += [""] if lines else []
         lines += WORDS[kind](thing)
     return lines
 
 
-def about_model(one: Thing) -> list[str]:
+def about_model(thing: Thing) -> list[str]:
     """A model and its parameters."""
-    dimensions = " and ".join(f"{dim}-D" for dim in one["dimensions"])
-    home = f"{counted(one['agents'], 'agent')} in {one['world']}"
-    if one["informed"]:
-        home += f", {counted(one['informed'], 'information agent')} on top"
-    made = wrapped(f"{one['name']}: {one['title']} ({dimensions}; at home: {home})")
-    made += wrapped(one["summary"], 2)
-    made += wrapped(f"It wishes {ARTICLES[one['wish']]}. Source: {one['source']}", 2)
-    made.append("parameters (--set NAME=VALUE):")
-    for row in one["parameters"]:
-        made += about_value(row)
-    made += ["try this:"] if one["tries"] else []
-    for row in one["tries"]:
-        made += wrapped(f"{row['words']} ({row['changes']})", 2)
-        made += wrapped(row["see"], 6)
+    dimensions = " and ".join(f"{dim}-D" for dim in thing["dimensions"])
+    home = f"{counted(thing['agents'], 'agent')} in {thing['world']}"
+    if thing["informed"]:
+        home += f", {counted(thing['informed'], 'information agent')} on top"
+    lines = wrapped(f"{thing['name']}: {thing['title']} ({dimensions}; at home: {home})")
+    lines += wrapped(thing["summary"], 2)
+    lines += wrapped(f"It wishes {ARTICLES[thing['wish']]}. Source: {thing['source']}", 2)
+    lines.append("parameters (--set NAME=VALUE):")
+    for row in thing["parameters"]:
+        lines += about_value(row)
+    lines += ["try this:"] if thing["tries"] else []
+    for row in thing["tries"]:
+        lines += wrapped(f"{row['words']} ({row['changes']})", 2)
+        lines += wrapped(row["see"], 6)
     return [
-        *made,
-        f"Run it: flockscope run {one['name']}; look at it: flockscope lab {one['name']}",
+        *lines,
+        f"Run it: flockscope run {thing['name']}; look at it: flockscope lab {thing['name']}",
     ]
 
 
 def about_value(row: Thing) -> list[str]:
     """A parameter: symbol, default and range, and below it what it means."""
     symbol = f" ({row['symbol']})" if row["symbol"] != row["name"] else ""
-    made = wrapped(f"{row['name']}{symbol} = {cell(row['default'])} in {row['allowed']}", 2)
-    return made + wrapped(f"{row['description']} ({row['source']})", 6)
+    lines = wrapped(f"{row['name']}{symbol} = {cell(row['default'])} in {row['allowed']}", 2)
+    return lines + wrapped(f"{row['description']} ({row['source']})", 6)
 
 
-def about_world(one: Thing) -> list[str]:
+def about_world(thing: Thing) -> list[str]:
     """A world."""
-    made = wrapped(f"{one['name']}: {one['title']}")
-    size = one["size"]
+    lines = wrapped(f"{thing['name']}: {thing['title']}")
+    size = thing["size"]
     sides = "as large as asked for" if size is None else cell(size).replace(", ", " x ") + " m"
-    solid = counted(one["obstacles"], "obstacle")
-    drawn = ", more drawn from the seed" if one["random"] else ""
-    made += wrapped(f"size: {sides}; edges: {cell(one['edges'])}; {solid}{drawn}", 2)
-    made += wrapped(f"mission: {cell(one['mission'])}", 2) if one["mission"] else []
-    made += wrapped(f"source: {one['source']}", 2) if one["source"] else []
-    return [*made, f"Draw it: flockscope world show {one['name']}"]
+    solid = counted(thing["obstacles"], "obstacle")
+    random_note = ", more drawn from the seed" if thing["random"] else ""
+    lines += wrapped(f"size: {sides}; edges: {cell(thing['edges'])}; {solid}{random_note}", 2)
+    lines += wrapped(f"mission: {cell(thing['mission'])}", 2) if thing["mission"] else []
+    lines += wrapped(f"source: {thing['source']}", 2) if thing["source"] else []
+    return [*lines, f"Draw it: flockscope world show {thing['name']}"]
 
 
-def about_observable(one: Thing) -> list[str]:
+def about_observable(thing: Thing) -> list[str]:
     """An observable."""
-    unit = "" if one["unit"] == "1" else f" {one['unit']}"
-    kind = "a table" if one["table"] else f"in {one['range']}{unit}"
-    made = wrapped(f"{one['name']}: {one['title']} ({kind})")
-    over = " --over 100" if one["over_a_run"] else ""
-    return [*made, f"Measure it: flockscope run MODEL --observe {one['name']}{over}"]
+    unit = "" if thing["unit"] == "1" else f" {thing['unit']}"
+    kind = "a table" if thing["table"] else f"in {thing['range']}{unit}"
+    lines = wrapped(f"{thing['name']}: {thing['title']} ({kind})")
+    over = " --over 100" if thing["over_a_run"] else ""
+    return [*lines, f"Measure it: flockscope run MODEL --observe {thing['name']}{over}"]
 
 
-def about_paper(one: Thing) -> list[str]:
+def about_paper(thing: Thing) -> list[str]:
     """A table or a figure of a paper."""
-    made = wrapped(f"{one['name']}: {one['title']} ({one['source']})")
-    made += wrapped(f"models: {cell(one['models'])}; agents: {cell(one['agents'])}", 2)
-    rows, runs = counted(one["rows"], "row"), counted(one["runs"], "run")
-    claims = f", {counted(one['claims'], 'claim')} to check" if one["claims"] else ""
-    made += wrapped(f"{rows} of {runs} each{claims}", 2)
-    made += wrapped(f"measures: {cell(one['measures'])}", 2)
-    for note in one["notes"].values():
-        made += wrapped(f"note: {note}", 2)
-    return [*made, f"Repeat it: flockscope paper {one['name']}"]
+    lines = wrapped(f"{thing['name']}: {thing['title']} ({thing['source']})")
+    lines += wrapped(f"models: {cell(thing['models'])}; agents: {cell(thing['agents'])}", 2)
+    rows, runs = counted(thing["rows"], "row"), counted(thing["runs"], "run")
+    claims = f", {counted(thing['claims'], 'claim')} to check" if thing["claims"] else ""
+    lines += wrapped(f"{rows} of {runs} each{claims}", 2)
+    lines += wrapped(f"measures: {cell(thing['measures'])}", 2)
+    for note in thing["notes"].values():
+        lines += wrapped(f"note: {note}", 2)
+    return [*lines, f"Repeat it: flockscope paper {thing['name']}"]
 
 
-def about_lesson(one: Thing) -> list[str]:
+def about_lesson(thing: Thing) -> list[str]:
     """A lesson."""
-    made = wrapped(f"{one['name']}: {one['title']} ({one['model']}, {one['agents']} agents)")
-    made += wrapped(one["watch"], 2)
-    made += wrapped(f"to try: {one['try']}", 2)
-    made += wrapped(f"question: {one['question']}. {one['asks']}", 2)
-    values = f", values {cell(one['values'])} in turn" if one["values"] else ", students choose"
-    made += wrapped(f"measured: {one['measured']}{values}", 2)
-    return [*made, f"Open a class on it: flockscope class {one['name']}"]
+    lines = wrapped(
+        f"{thing['name']}: {thing['title']} ({thing['model']}, {thing['agents']} agents)"
+    )
+    lines += wrapped(thing["watch"], 2)
+    lines += wrapped(f"to try: {thing['try']}", 2)
+    lines += wrapped(f"question: {thing['question']}. {thing['asks']}", 2)
+    values = f", values {cell(thing['values'])} in turn" if thing["values"] else ", students choose"
+    lines += wrapped(f"measured: {thing['measured']}{values}", 2)
+    return [*lines, f"Open a class on it: flockscope class {thing['name']}"]
 
 
 def about_parameter(rows: list[Thing]) -> list[str]:
     """The parameters of one name."""
-    made = []
+    lines = []
     for row in rows:
-        made += about_value(row)
-        made += wrapped(f"of {cell(row['models'])}", 6)
-    return made
+        lines += about_value(row)
+        lines += wrapped(f"of {cell(row['models'])}", 6)
+    return lines
 
 
 WORDS: dict[str, Callable[[Any], list[str]]] = {

@@ -24,35 +24,35 @@ def listing(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List all names, one kind of things, or one thing in full."""
-    made = rows(brought=bool(rule))
+    rows_by_kind = rows(has_rule_file=bool(rule))
     if what is None:
-        typer.echo(json.dumps(made) if as_json else "\n".join(overview(made)))
+        typer.echo(json.dumps(rows_by_kind) if as_json else "\n".join(overview(rows_by_kind)))
     elif what in KINDS:
         if as_json:
-            typer.echo(json.dumps(made[what]))
+            typer.echo(json.dumps(rows_by_kind[what]))
         else:
-            show_tables({what: made[what]})
+            show_tables({what: rows_by_kind[what]})
     else:
-        found = things_called(what, made)
+        matches = things_called(what, rows_by_kind)
         if as_json:
-            typer.echo(json.dumps(found))
+            typer.echo(json.dumps(matches))
         else:
-            typer.echo("\n".join(format_details(found)))
+            typer.echo("\n".join(format_details(matches)))
 
 
-def overview(made: dict[str, Rows]) -> list[str]:
+def overview(rows_by_kind: dict[str, Rows]) -> list[str]:
     """All names on one screen, and how to see more of them."""
     lines = [
         "One thing:  flockscope list NAME, as in `flockscope list hwvem`",
         "One kind:   flockscope list KIND, as in `flockscope list models`",
     ]
-    for kind, found in names(made).items():
-        lines.append(f"{kind} ({len(found)})")
+    for kind, kind_names in names(rows_by_kind).items():
+        lines.append(f"{kind} ({len(kind_names)})")
         if kind == "parameters":
             lines.append("  flockscope list MODEL shows those of a model, with unit and range")
         else:
             lines += textwrap.wrap(
-                ", ".join(found), WIDE - 2, initial_indent="  ", subsequent_indent="  ",
+                ", ".join(kind_names), WIDE - 2, initial_indent="  ", subsequent_indent="  ",
                 break_on_hyphens=False,
             )  # fmt: skip
     return lines

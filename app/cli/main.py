@@ -97,9 +97,9 @@ def load(name: str) -> Any:
 app = typer.Typer(cls=Commands, no_args_is_help=False, pretty_exceptions_enable=False)
 
 
-def show_version(asked: bool) -> None:
+def show_version(is_requested: bool) -> None:
     """Print the version and stop."""
-    if asked:
+    if is_requested:
         from importlib.metadata import version
 
         typer.echo(f"flockscope {version('flockscope')}")
@@ -127,6 +127,6 @@ def main() -> None:
     """Entry point of the command line; without a command, options are those of `lab`."""
     guard_streams()
     warnings.showwarning = show_warning
-    given = sys.argv[1:]
-    bare = not given or (given[0].startswith("-") and given[0] not in OWN_OPTIONS)
-    app(args=["lab", *given] if bare else given, prog_name="flockscope")
+    arguments = sys.argv[1:]
+    is_bare = not arguments or (arguments[0].startswith("-") and arguments[0] not in OWN_OPTIONS)
+    app(args=["lab", *arguments] if is_bare else arguments, prog_name="flockscope")

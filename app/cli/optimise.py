@@ -73,8 +73,8 @@ def optimise(
     if picture is not None:
         demand_writable("--picture", picture, overwrite, ENDINGS)
     if not quiet:
-        for one in study.variants:
-            warn(one.sweep)
+        for variant in study.variants:
+            warn(variant.sweep)
     done = carry_out_search(study, folder, workers, nice, retry_failed, limit, quiet)
     for line in done.broken[:FAULTS]:
         tell(f"flockscope: {line}")
@@ -137,8 +137,8 @@ def report(
             "failed": done.broken,
             **answer.value,
             "course": [
-                {"point": one.point, "means": one.means, "is_good": one.is_good}
-                for one in done.course
+                {"point": point.point, "means": point.means, "is_good": point.is_good}
+                for point in done.course
             ],
             "files": [str(path) for path in files],
         }
@@ -154,10 +154,10 @@ def report(
         title=f"{study.title}, {answer.fresh} fresh seeds", title_justify="left",
     )  # fmt: skip
     last = [answer.ties.furthest] if answer.ties and answer.ties.furthest else []
-    for one in (answer.default, *answer.best, *last):
-        values = [plain(one.point[name]) for name in study.default]
+    for point in (answer.default, *answer.best, *last):
+        values = [plain(point.point[name]) for name in study.default]
         table.add_row(
-            one.what, *values, *("-" if mean is None else str(mean) for mean in one.means)
+            point.what, *values, *("-" if mean is None else str(mean) for mean in point.means)
         )
     console = make_console()
     console.print(table)

@@ -37,9 +37,9 @@ def tell_written(*files: Path | None) -> None:
 def plain(value: Any) -> Any:
     """A value as JSON has it: NumPy numbers as numbers, what is not finite as null."""
     if isinstance(value, dict):
-        return {str(key): plain(one) for key, one in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
+        return [plain(item) for item in value]
     if hasattr(value, "tolist"):
         return plain(value.tolist())
     if isinstance(value, float) and not math.isfinite(value):
@@ -58,7 +58,7 @@ def outcome(
     """What a run has given, as one value; `series` of its last ticks, if there is one."""
     from agents.observables.catalogue import OBSERVABLES
 
-    made = {
+    result = {
         "spec": flock.spec.model_dump(mode="json"),
         "tick": flock.tick,
         "time": flock.elapsed,
@@ -71,12 +71,12 @@ def outcome(
         },
     }
     if series is not None:
-        made["over"] = course(series)
+        result["over"] = course(series)
     if flock.can_crash:
-        made["crashes"] = crash_list(flock)
+        result["crashes"] = crash_list(flock)
     if flock.passing:
-        made["passes_solids"] = flock.passing
-    return made
+        result["passes_solids"] = flock.passing
+    return result
 
 
 def course(series: Series) -> dict[str, Any]:
@@ -96,50 +96,61 @@ def crash_list(flock: Flock) -> list[dict[str, Any]]:
     """Who has crashed, when, where and against what, in the order of ticks."""
     from agents.state.agent_rows import CAUSES
 
-    found = flock.crashes
+    crashes = flock.crashes
     return [
-        {"tick": int(tick), "id": int(one), "place": place.tolist(), "against": CAUSES[int(cause)]}
-        for tick, one, place, cause in zip(
-            found.tick, found.id, found.place, found.cause, strict=True
+        {
+            "tick": int(tick),
+            "id": int(crash),
+            "place": place.tolist(),
+            "against": CAUSES[int(cause)],
+        }
+        for tick, crash, place, cause in zip(
+            crashes.tick, crashes.id, crashes.place, crashes.cause, strict=True
         )
     ]
 
 
-def show(made: dict[str, Any], flock: Flock) -> None:
+def show(result: dict[str, Any], flock: Flock) -> None:
     """Print the outcome for people."""
     from agents.observables.catalogue import OBSERVABLES
 
-    spec = made["spec"]
+    spec = result["spec"]
     size = " x ".join(f"{side:g}" for side in spec["size"])
     typer.echo(
         f"{flock.model.title}: {counted(spec['agents'], 'agent')}"
         + (f" and {counted(spec['informed'], 'information agent')}" if spec["informed"] else "")
         + f" in {spec['world']} {size}, seed {spec['seed']}"
     )
-    rate = made["ticks"] * len(flock.ids) / max(made["seconds"], 1e-9)
-    now = "" if made["time_unit"] == "ticks" else f" = {made['time']:g} {made['time_unit']}"
+    rate = result["ticks"] * len(flock.ids) / max(result["seconds"], 1e-9)
+    now = "" if result["time_unit"] == "ticks" else f" = {result['time']:g} {result['time_unit']}"
     typer.echo(
-        f"tick {made['tick']}{now}; {counted(made['ticks'], 'tick')} took {made['seconds']:.3g} s"
+        f"tick {result['tick']}{now}; {counted(result['ticks'], 'tick')} took "
+        f"{result['seconds']:.3g} s"
         f" ({rate:.2g} agent-steps per second)"
     )
-    wide = max((len(name) for name in made["observables"]), default=0)
-    for name, value in made["observables"].items():
-        one = OBSERVABLES[name]
-        unit = "" if one.unit == "1" or one.is_table else f" {flock.model.in_units(one.unit)}"
-        typer.echo(f"  {name:<{wide}} {format_value(value)}{unit}   in {one.range}")
-    for name, mean in made.get("over", {}).get("mean", {}).items():
-        off = format_value(made["over"]["deviation"][name])
-        last = counted(made["over"]["ticks"], "tick")
+    wide = max((len(name) for name in result["observables"]), default=0)
+    for name, value in result["observables"].items():
+        observable = OBSERVABLES[name]
+        unit = (
+            ""
+            if observable.unit == "1" or observable.is_table
+            else f" {flock.model.in_units(observable.unit)}"
+        )
+        typer.echo(f"  {name:<{wide}} {format_value(value)}{unit}   in {observable.range}")
+    for name, mean in result.get("over", {}).get("mean", {}).items():
+        off = format_value(result["over"]["deviation"][name])
+        last = counted(result["over"]["ticks"], "tick")
         typer.echo(f"  {name:<{wide}} {format_value(mean)} +- {off} over the last {last}")
-    show_crashes(made.get("crashes", []))
+    show_crashes(result.get("crashes", []))
 
 
 def show_crashes(crashes: list[dict[str, Any]]) -> None:
     """Print the first crashes, and how many more there are."""
-    for one in crashes[:CRASHES]:
-        place = ", ".join(f"{x:.2f}" for x in one["place"])
+    for crash in crashes[:CRASHES]:
+        place = ", ".join(f"{x:.2f}" for x in crash["place"])
         typer.echo(
-            f"  tick {one['tick']}: agent {one['id']} crashed against {one['against']} at ({place})"
+            f"  tick {crash['tick']}: agent {crash['id']} crashed against {crash['against']} "
+            f"at ({place})"
         )
     if len(crashes) > CRASHES:
         typer.echo(f"  and {len(crashes) - CRASHES} more; --json has all of them")
@@ -148,7 +159,7 @@ def show_crashes(crashes: list[dict[str, Any]]) -> None:
 def format_value(value: Any) -> str:
     """A measured value for people."""
     if isinstance(value, dict):
-        cells = [f"{key}: {inner(one)}" for key, one in value.items()]
+        cells = [f"{key}: {inner(item)}" for key, item in value.items()]
         more = [f"and {len(cells) - CELLS} more; --json has all of them"][: len(cells) > CELLS]
         return ", ".join([*cells[:CELLS], *more])
     return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -101,22 +101,28 @@ class StopSignals:
 
     def __enter__(self) -> StopSignals:
         try:
-            self.before = {one: signal.signal(one, self.take) for one in SIGNALS}
+            self.before = {
+                signal_number: signal.signal(signal_number, self.take) for signal_number in SIGNALS
+            }
         except ValueError:  # only the main thread receives signals
             self.before = {}
         return self
 
     def __exit__(self, *_: object) -> None:
         interrupted = bool(self.asked and self.at_once)
-        for one, handler in self.before.items():
+        for signal_number, handler in self.before.items():
             # Another one while the interpreter ends is to end it, without a traceback.
-            signal.signal(one, signal.SIG_DFL if interrupted else handler)
+            signal.signal(signal_number, signal.SIG_DFL if interrupted else handler)
 
     def take(self, _number: int, _frame: FrameType | None) -> None:
         """Take a signal."""
         if self.asked and self.at_once:
-            shown = "\n\x1b[?25h" if os.isatty(2) else ""  # below a bar, which hides the cursor
-            os.write(2, f"{shown}{self.at_once}\n".encode())  # `print` may be interrupted in itself
+            restore_cursor = (
+                "\n\x1b[?25h" if os.isatty(2) else ""
+            )  # below a bar, which hides the cursor
+            os.write(
+                2, f"{restore_cursor}{self.at_once}\n".encode()
+            )  # `print` may be interrupted in itself
             os._exit(INTERRUPTED)
         interrupts = self.asked or self.at_once
         self.asked = True
@@ -169,12 +175,12 @@ def run_ticks(
             until_frame = every - (flock.tick - first) % every
             until_looked_at = max(1, last - over - flock.tick) if over else ticks
             n = min(stretch, last - flock.tick, until_frame if recorder else ticks, until_looked_at)
-            begun = time.monotonic()
+            started = time.monotonic()
             flock.run(n)
             check()
             if flock.tick > last - over:
                 look()
-            stretch = next_stretch(stretch, time.monotonic() - begun)
+            stretch = next_stretch(stretch, time.monotonic() - started)
             if recorder and ((flock.tick - first) % every == 0 or flock.tick == last):
                 write()
                 written = flock.tick

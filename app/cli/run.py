@@ -41,7 +41,7 @@ def run(
     ] = None,
     rule: Rules = None,
     *,
-    asked: Asked,
+    options: Asked,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
@@ -106,14 +106,14 @@ def run(
     from agents.record import Recorder
     from agents.series import Follower
 
-    wanted = None if observe is None else known_observables(observe, over)
+    observed_names = None if observe is None else known_observables(observe, over)
     if is_file(model):
         spec, state, model = told_by(model or "", spec, state)
     model = model if spec or state else first_of(model, rule)
     if state:
-        flock = loaded(state, spec, {"model": model, **asked}, settings or [], threads, interpret)
+        flock = loaded(state, spec, {"model": model, **options}, settings or [], threads, interpret)
     else:
-        flock = built(spec, model, asked, settings or [], threads, interpret, quiet)
+        flock = built(spec, model, options, settings or [], threads, interpret, quiet)
     body = flock.model.body
     length = ticks_asked(ticks, seconds, flock.model.name, body.unit, flock.dt)
     length = DEFAULT_TICKS if length is None else length
@@ -123,33 +123,33 @@ def run(
     compile_loop(flock, None if quiet else tell)
     if save_spec:
         write_text("--save-spec", save_spec, flock.spec.to_toml(), overwrite)
-    observed = default_observables(flock, over) if wanted is None else wanted
+    observed = default_observables(flock, over) if observed_names is None else observed_names
     follower = Follower(flock, [name for name in observed if not OBSERVABLES[name].is_table])
     lookout = StrayAgentCheck(flock)
-    first, begun = flock.tick, time.perf_counter()
+    first, started = flock.tick, time.perf_counter()
     with Progress(f"{flock.model.name}, {counted(len(flock.ids), 'agent')}", quiet) as progress:
         recorder = Recorder(record, flock, overwrite) if record else None
-        whole = run_ticks(
+        is_complete = run_ticks(
             flock, length, progress, recorder, every, follower.look, over or 0, lookout.look
         )
-    took = time.perf_counter() - begun
+    took = time.perf_counter() - started
     lookout.look()
     if save:
         flock.save(save)
-    if not whole:
+    if not is_complete:
         stopped(flock, first + length, record, save, every)
-    made = outcome(flock, observed, length, took, follower.series if over else None)
+    result = outcome(flock, observed, length, took, follower.series if over else None)
     if not quiet:
         tell_written(record, save, save_spec)
         if record and length % every:
             tell(odd_end(flock.tick, length, every))
     if lookout.found is not None:
-        made["astray"] = str(lookout.found)
+        result["astray"] = str(lookout.found)
     if json_asked:
         files = {"recording": record, "state": save, "spec_file": save_spec}
-        typer.echo(as_json({**made, **{name: str(path) for name, path in files.items() if path}}))
+        typer.echo(as_json({**result, **{name: str(path) for name, path in files.items() if path}}))
     else:
-        show(made, flock)
+        show(result, flock)
     lookout.leave()
 
 
@@ -182,26 +182,30 @@ def known_observables(text: str, over: int | None) -> list[str]:
     from agents.observables.catalogue import OBSERVABLES
 
     if text == "all":
-        return [one.name for one in OBSERVABLES.values() if over or not one.over]
-    found = [known_observable(name) for name in names(text)]
-    for name in found:
+        return [
+            observable.name for observable in OBSERVABLES.values() if over or not observable.over
+        ]
+    observable_names = [known_observable(name) for name in names(text)]
+    for name in observable_names:
         if OBSERVABLES[name].over and not over:
             raise InputError(f"--observe {name} is measured over a run: give --over TICKS too")
-    return found
+    return observable_names
 
 
 def default_observables(flock: Flock, over: int | None) -> list[str]:
     """What is observed where nothing is asked for."""
     from agents.observables.catalogue import OBSERVABLES, telling
 
-    measured = [one.name for one in OBSERVABLES.values() if one.over] if over else []
+    measured = (
+        [observable.name for observable in OBSERVABLES.values() if observable.over] if over else []
+    )
     return telling(flock) + measured
 
 
 def built(
     file: Path | None,
     model: str | None,
-    asked: Asked,
+    options: Asked,
     settings: list[str],
     threads: int,
     interpret: bool,
@@ -210,7 +214,7 @@ def built(
     """The flock of a spec and options. Raises InputError."""
     from agents import Flock
 
-    spec, origins = requested_run(model, asked, settings, file)
+    spec, origins = requested_run(model, options, settings, file)
     beside = None if file is None else shown_beside(file)
     if beside and not quiet:
         tell(f"flockscope: {beside}, which {file} shows beside it, is not run")
@@ -226,7 +230,7 @@ def built(
 def loaded(
     state: Path,
     spec: Path | None,
-    asked: Asked,
+    options: Asked,
     settings: list[str],
     threads: int,
     interpret: bool,
@@ -234,7 +238,7 @@ def loaded(
     """The flock of a saved state, with `--set` changing its parameters. Raises InputError."""
     from agents import Flock
 
-    for name, value in {**asked, "spec": spec}.items():
+    for name, value in {**options, "spec": spec}.items():
         if value is not None:
             raise InputError(
                 f"{option_name(name)} {value} cannot be given with {state}, which says it already"
@@ -272,9 +276,9 @@ def stopped(
     from agents.record import SHEET
 
     line = f"flockscope: stopped at tick {flock.tick} of {last}; "
-    kept = [str(path) for path in (record, save) if path]
-    if kept:
-        line += f"written: {', '.join(kept)}; "
+    files = [str(path) for path in (record, save) if path]
+    if files:
+        line += f"written: {', '.join(files)}; "
     again = ["flockscope", "run", "--ticks", str(last - flock.tick)]
     again += ["--threads", str(flock.threads)] if flock.threads > 1 else []
     if record and record.suffix.lower() != SHEET:

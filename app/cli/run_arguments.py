@@ -32,17 +32,17 @@ def with_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The command with every option of a run; it is given them as `asked`."""
 
     @wraps(command)
-    def called(**given: Any) -> Any:
-        asked = {name: given.pop(name) for name in OPTIONS}
-        if asked["size"] is not None:
-            sides = numbers("--size", asked["size"])
-            asked["size"] = sides[0] if len(sides) == 1 else tuple(sides)
-        return command(asked=asked, **given)
+    def called(**arguments: Any) -> Any:
+        options = {name: arguments.pop(name) for name in OPTIONS}
+        if options["size"] is not None:
+            sides = numbers("--size", options["size"])
+            options["size"] = sides[0] if len(sides) == 1 else tuple(sides)
+        return command(asked=options, **arguments)
 
     signature = inspect.signature(command, eval_str=True)
     options: list[inspect.Parameter] = []
-    for one in signature.parameters.values():
-        mine = map(parameter, OPTIONS, OPTIONS.values()) if one.name == "asked" else [one]
+    for argument in signature.parameters.values():
+        mine = map(parameter, OPTIONS, OPTIONS.values()) if argument.name == "asked" else [argument]
         options += [own.replace(kind=inspect.Parameter.KEYWORD_ONLY) for own in mine]
     called.__signature__ = signature.replace(parameters=options)  # type: ignore[attr-defined]
     return called
@@ -54,12 +54,12 @@ def parameter(name: str, option: Option) -> inspect.Parameter:
     choices = f"{', '.join(option.words)}. " if option.words else ""
     default = Spec.model_fields[name].default
     default = OPEN.get(name, "the model's own") if default is None else default
-    made = typer.Option(help=f"{choices}{option.help}. \\[default: {default}]")
+    option_type = typer.Option(help=f"{choices}{option.help}. \\[default: {default}]")
     return inspect.Parameter(
         name,
         inspect.Parameter.KEYWORD_ONLY,
         default=None,
-        annotation=Annotated[kind | None, made],
+        annotation=Annotated[kind | None, option_type],
     )
 
 
@@ -77,8 +77,8 @@ class Origins(dict[str, str]):
             yield
         except InputError as refusal:
             text = str(refusal)
-            found = NAMED.match(text)
-            key = found[found.lastindex or 0] if found else ""
+            match = NAMED.match(text)
+            key = match[match.lastindex or 0] if match else ""
             if key == "dim" and key not in self:
                 key = "world"
             origin = self.get(key, "")
@@ -88,22 +88,22 @@ class Origins(dict[str, str]):
 
 
 def requested_run(
-    model: str | None, asked: Asked, settings: list[str], file: Path | None = None
+    model: str | None, options: Asked, settings: list[str], file: Path | None = None
 ) -> tuple[Spec, Origins]:
     """The run, and where its values are from. Raises InputError naming what is wrong and where."""
     values, origins = ({}, Origins()) if file is None else read(file)
-    changed, said = set_by(settings)
-    for key, value in {"model": model, **asked}.items():
+    changed, set_options = set_by(settings)
+    for key, value in {"model": model, **options}.items():
         if value is not None:
             values[key], origins[key] = value, option_name(key)
-    origins.update(said)
+    origins.update(set_options)
     if "model" not in values:
         raise InputError(
             "which MODEL? `flockscope list models` names them; or give a FILE of a run"
         )
     layout = values.pop("layout", None)
     with origins.named():
-        if layout is not None and asked.get("world") is None:
+        if layout is not None and options.get("world") is None:
             values["world"] = carried(layout, values, origins["layout"])
         parameters = {**values.pop("parameters", {}), **changed}
         spec = Spec(**values, parameters=parameters)
@@ -124,13 +124,13 @@ def set_by(settings: list[str]) -> tuple[dict[str, Any], Origins]:
 
 def demand_parameters(changed: dict[str, Any], models: list[type[Parameters]]) -> None:
     """Raise InputError for what `--set` gives and an option would: that option is named."""
-    known = dict.fromkeys(name for model in models for name in model.model_fields)
+    parameter_names = dict.fromkeys(name for model in models for name in model.model_fields)
     for name, value in changed.items():
-        meant = "" if name in known else nearest(name, [*known, *OPTIONS])
-        if meant in OPTIONS:
+        guess = "" if name in parameter_names else nearest(name, [*parameter_names, *OPTIONS])
+        if guess in OPTIONS:
             raise InputError(
-                f"unknown parameter {name!r}: did you mean {option_name(meant)} {value}? "
-                f"(known: {', '.join(known)}) (--set {name})"
+                f"unknown parameter {name!r}: did you mean {option_name(guess)} {value}? "
+                f"(known: {', '.join(parameter_names)}) (--set {name})"
             )
 
 
@@ -154,8 +154,8 @@ def read(path: Path) -> tuple[dict[str, Any], Origins]:
             f"--state ({origins['start']})"
         )
     for key in ("versions", "parameters"):
-        found = values.get(key, {})
-        if not isinstance(found, dict) or any(isinstance(v, dict | list) for v in found.values()):
+        value = values.get(key, {})
+        if not isinstance(value, dict) or any(isinstance(v, dict | list) for v in value.values()):
             raise InputError(f"{key} is not a table of single values ({origins[key]})")
     for name in values.get("parameters", {}):
         origins[name] = place(path, text, name, f"{table}.parameters".lstrip("."))
@@ -174,8 +174,8 @@ def carried(layout: Any, values: dict[str, Any], origin: str) -> World:
     if dim is None and several(size):
         dim = len(size)
     try:
-        made = world_from_layout(layout, values.get("world", "layout"), dim, size)
-        demand_sound(made)
+        world = world_from_layout(layout, values.get("world", "layout"), dim, size)
+        demand_sound(world)
     except InputError as refusal:
         raise InputError(f"{refusal} ({origin})") from None
-    return made
+    return world

@@ -76,28 +76,28 @@ def sensitivity(
     if not done.whole:
         tell(f"not all runs are made; go on with: flockscope sensitivity {folder}")
         return
-    found = analysed(sweep, StoreReader(folder), observable)
+    sensitivities = analysed(sweep, StoreReader(folder), observable)
     names = [f"sensitivity.{kind}" for kind in PICTURES]
     files = [picture] if picture is not None else [folder / name for name in names]
     for path in files:
-        draw(found, sweep.title, path)
+        draw(sensitivities, sweep.title, path)
     if json_asked:
         value: dict[str, Any] = {
             "folder": str(folder),
             "title": sweep.title,
             "made": done.made,
             "taken": done.taken,
-            "sensitivity": [one.value for one in found],
+            "sensitivity": [sensitivity.value for sensitivity in sensitivities],
             "files": [str(path) for path in files],
         }
         typer.echo(as_json(value))
     else:
-        show(found, sweep.title)
+        show(sensitivities, sweep.title)
     if not quiet:
         tell_written(*files)
 
 
-def show(found: list[Sensitivity], title: str) -> None:
+def show(sensitivities: list[Sensitivity], title: str) -> None:
     """Print a table and sentences for each thing that is measured."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -105,18 +105,18 @@ def show(found: list[Sensitivity], title: str) -> None:
     from app.studies.sensitivity.sensitivity_result import describe_index
 
     console = make_console()
-    for one in found:
-        total, alone = one.symbols
-        spread = ["sigma"] if one.kind == "morris" else []
+    for sensitivity in sensitivities:
+        total, alone = sensitivity.symbols
+        spread = ["sigma"] if sensitivity.kind == "morris" else []
         table = Table(
             "axis", total, alone, *spread, box=SIMPLE_HEAD,
-            title=f"{title}: {one.observable}", title_justify="left",
+            title=f"{title}: {sensitivity.observable}", title_justify="left",
         )  # fmt: skip
-        for row in one.influences:
+        for row in sensitivity.influences:
             more = [f"{row.spread:.2f}"] if row.spread is not None else []
             table.add_row(row.axis, describe_index(row.total), describe_index(row.alone), *more)
         console.print(table)
-        for pair in one.pairs:
+        for pair in sensitivity.pairs:
             console.print(f"S_2 of {' and '.join(pair.axes)}: {describe_index(pair.index)}")
-        for line in one.words():
+        for line in sensitivity.words():
             console.print(line, markup=False, highlight=False, soft_wrap=True)

@@ -28,7 +28,7 @@ def escape_controls(text: str) -> str:
     >>> print(escape_controls("a" + chr(27) + "[2J"))
     a\\x1b[2J
     """
-    return ESCAPED.sub(lambda found: ascii(found[0])[1:-1], text)
+    return ESCAPED.sub(lambda match: ascii(match[0])[1:-1], text)
 
 
 class EscapingStream:
@@ -150,7 +150,9 @@ def visible(text: str) -> str:
     >>> print(visible("a" + chr(27) + "[2J"))
     a\\x1b[2J
     """
-    return "".join(one if one.isprintable() else ascii(one)[1:-1] for one in text)
+    return "".join(
+        character if character.isprintable() else ascii(character)[1:-1] for character in text
+    )
 
 
 def one_line(text: str) -> str:

@@ -65,11 +65,12 @@ class CommandGroup(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The command that is called. Raises what `main` tells for one that there is not."""
-        known = self.list_commands(ctx)
-        if args[0] not in known and not args[0].startswith("-"):
-            hint = suggestion(args[0], known)
+        command_names = self.list_commands(ctx)
+        if args[0] not in command_names and not args[0].startswith("-"):
+            hint = suggestion(args[0], command_names)
             raise USAGE_ERROR(
-                f"unknown command {shortened(args[0])}{hint} (known: {', '.join(known)})", ctx
+                f"unknown command {shortened(args[0])}{hint} (known: {', '.join(command_names)})",
+                ctx,
             )
         return super().resolve_command(ctx, args)
 
@@ -88,8 +89,8 @@ def tell(error: Any) -> None:
         error.show()
         return
     line = one_line(describe_usage_error(error))
-    asked = f" ({error.ctx.command_path} --help)" if error.ctx is not None else ""
-    typer.echo(f"flockscope: {line}{asked}", err=True)
+    help_hint = f" ({error.ctx.command_path} --help)" if error.ctx is not None else ""
+    typer.echo(f"flockscope: {line}{help_hint}", err=True)
 
 
 def describe_usage_error(error: Any) -> str:
@@ -113,31 +114,33 @@ def describe_usage_error(error: Any) -> str:
 
 def options_of(ctx: Any) -> list[str]:
     """The options of a command, as they are typed."""
-    names = [name for one in ctx.command.get_params(ctx) for name in one.opts]
+    names = [name for param in ctx.command.get_params(ctx) for name in param.opts]
     return [name for name in names if name.startswith("-")]
 
 
-def meant_by(option: str, known: Sequence[str]) -> str:
+def meant_by(option: str, options: Sequence[str]) -> str:
     """What an unknown option was most likely meant to be, as a question; "" if nothing is close."""
-    found = suggestion(option, known)
-    if found:
-        return found
+    suggested = suggestion(option, options)
+    if suggested:
+        return suggested
     name = option.lstrip("-").replace("-", "_")
     if name in LENGTHS:
-        there = [one for one in ("--ticks", "--seconds") if one in known]
-        return f": did you mean {there[0]!r}?" if there else ""
-    return f": did you mean '--set {name}=...'?" if "--set" in known and is_parameter(name) else ""
+        length_options = [name for name in ("--ticks", "--seconds") if name in options]
+        return f": did you mean {length_options[0]!r}?" if length_options else ""
+    return (
+        f": did you mean '--set {name}=...'?" if "--set" in options and is_parameter(name) else ""
+    )
 
 
-def assigned(text: str, known: Sequence[str]) -> str:
+def assigned(text: str, options: Sequence[str]) -> str:
     """How a NAME=VALUE that stands alone is given, as a question; "" if it is none."""
     name, equals, value = text.partition("=")
-    option = nearest(f"--{name}", known)
+    option = nearest(f"--{name}", options)
     if not (equals and name and value):
         return ""
     if option and not is_parameter(name):
         return f": did you mean '{option} {value}'?"
-    return f": did you mean '--set {text}'?" if "--set" in known else ""
+    return f": did you mean '--set {text}'?" if "--set" in options else ""
 
 
 def is_parameter(name: str) -> bool:

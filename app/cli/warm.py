@@ -37,16 +37,16 @@ def warm(
     from app.cli.progress import Progress
 
     names = [model(name).name for name in models or rule or MODELS]
-    made = []
+    results = []
     with Progress("compiling", quiet) as progress:
         for place, name in enumerate(names):
             progress.at(place / len(names), text=name)
             before, seconds = compiled(name)
-            made.append({"model": name, "before": before, "seconds": seconds})
+            results.append({"model": name, "before": before, "seconds": seconds})
             if not json_asked:
                 typer.echo(describe_warming(name, before, seconds))
     if json_asked:
-        typer.echo(json.dumps(made))
+        typer.echo(json.dumps(results))
 
 
 def compiled(name: str) -> tuple[bool, float]:
@@ -55,13 +55,13 @@ def compiled(name: str) -> tuple[bool, float]:
     from app.studies.workers.kernels import compile_measures
     from app.viewer.run.kernel_compiler import try_out
 
-    begun = time.perf_counter()
+    started = time.perf_counter()
     flock = Flock(name, agents=3, rng=0)
     before = flock.is_compiled
     try_out(flock)
     flock.warm()
     compile_measures(flock)
-    return before, round(time.perf_counter() - begun, 2)
+    return before, round(time.perf_counter() - started, 2)
 
 
 def describe_warming(model: str, before: bool, seconds: float) -> str:

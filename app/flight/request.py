@@ -49,8 +49,8 @@ def request(frequency: float, twist: float, settings: list[str] | None) -> Fligh
 
     within("--frequency", frequency, *FREQUENCIES, "Hz")
     within("--twist", twist, math.degrees(TWISTS[0]), math.degrees(TWISTS[1]), "deg")
-    given = dict(assignment(setting) for setting in settings or [])
-    craft = checked(Aircraft, given, "--set")
+    values = dict(assignment(setting) for setting in settings or [])
+    craft = checked(Aircraft, values, "--set")
     assert isinstance(craft, Aircraft)
     demand_possible(craft, "--set")
     return FlightRequest(craft, frequency, math.radians(twist))

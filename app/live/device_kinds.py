@@ -48,13 +48,13 @@ def name_of(text: str) -> str:
     return BUILT_IN_NAMES.get(text, text)
 
 
-def same(one: str, other: str) -> bool:
+def same(text: str, other: str) -> bool:
     """Whether two names differ in capitals and spaces only.
 
     >>> same("Second  room", "second room "), same("room 1", "room 2")
     (True, False)
     """
-    return one.casefold().split() == other.casefold().split()
+    return text.casefold().split() == other.casefold().split()
 
 
 def demand_name(name: str, others: Iterable[str]) -> None:

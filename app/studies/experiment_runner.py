@@ -66,14 +66,14 @@ class Result:
 
 def run_trial(trial: Trial, settings: Settings) -> list[Result]:
     """Run a flock to the end of each of its cases."""
-    begun = time.perf_counter()
+    started = time.perf_counter()
     flock = flock_of(trial.cases[0], trial.seed)
     astray: list[str] = []
 
     def look() -> None:
-        found = None if astray else flock.stray()
-        if found is not None:
-            astray.append(str(found))
+        stray_agents = None if astray else flock.stray()
+        if stray_agents is not None:
+            astray.append(str(stray_agents))
 
     results: list[Result] = []
     for case in trial.cases:
@@ -82,8 +82,8 @@ def run_trial(trial: Trial, settings: Settings) -> list[Result]:
         measures = settings.run(flock, look)
         ended = time.perf_counter()
         look()
-        results.append(Result(measures, ended - begun, "".join(astray)))
-        begun = ended
+        results.append(Result(measures, ended - started, "".join(astray)))
+        started = ended
     return results
 
 
@@ -104,7 +104,7 @@ class Trials:
     def run(self, path: int, seed: int) -> Outcome:
         """Make a run; what it gave in its later cases is the rest."""
         results = run_trial(Trial(self.paths[path], seed), self.settings)
-        first, *rest = [outcome_of(one) for one in results]
+        first, *rest = [outcome_of(result) for result in results]
         return first._replace(rest=tuple(rest))
 
 
@@ -124,8 +124,10 @@ def outcome_of(result: Result) -> Outcome:
 
 def result_of(outcome: Outcome, settings: Settings) -> Result:
     """What the store kept as a result."""
-    found = {one.name: outcome.values[column_of(one.name)] for one in settings.measures}
-    measures = {name: math.nan if one == NAN else one for name, one in found.items()}
+    values = {
+        measure.name: outcome.values[column_of(measure.name)] for measure in settings.measures
+    }
+    measures = {name: math.nan if value == NAN else value for name, value in values.items()}
     return Result(measures, outcome.seconds, outcome.astray)
 
 
@@ -148,9 +150,9 @@ def fingerprint(case: Case, settings: Settings) -> str:
     digest.update(json.dumps(flock.parameters.model_dump(), sort_keys=True).encode())
     digest.update(inspect.getsource(type(settings)).encode())
     digest.update(flock.loop.cache_folder.name.encode())
-    seen: set[int] = set()
+    visited: set[int] = set()
     for kernel in settings.measured_by:
-        feed(kernel, digest, seen)
+        feed(kernel, digest, visited)
     for array in flock.engine.surroundings:
         digest.update(np.asarray(array).tobytes())
     digest.update(flock.position.tobytes())
@@ -262,25 +264,25 @@ class RunPlan:
 
     def told(self, words: Callable[[Outcome], str]) -> list[str]:
         """Each run of which there is something to tell, with that."""
-        found: dict[tuple[int, int], str] = {}
+        messages: dict[tuple[int, int], str] = {}
         for number, case in zip(self.numbers, self.experiment.cases, strict=True):
             spec = case.spec
             parameters = json.dumps(spec.parameters, sort_keys=True, separators=(",", ":"))
             for seed in self.seeds:
-                said = words(self.outcomes[number, seed])
-                if said:
+                message = words(self.outcomes[number, seed])
+                if message:
                     run = f"{spec.model}, N = {case.agents}, {parameters}, seed {seed}"
-                    found[number, seed] = f"{run}: {said}"
-        return list(found.values())
+                    messages[number, seed] = f"{run}: {message}"
+        return list(messages.values())
 
     def measured_of(self, case: int, seeds: list[int]) -> MeasuredCase:
         """A case (by its number) with its runs."""
         number = self.numbers[case]
         settings = self.experiment.settings
-        found = [self.outcomes[number, seed] for seed in seeds]
-        results = [result_of(one, settings).measures for one in found]
-        names = [one.name for one in settings.measures]
-        values = {name: [one[name] for one in results] for name in names}
+        outcomes = [self.outcomes[number, seed] for seed in seeds]
+        results = [result_of(outcome, settings).measures for outcome in outcomes]
+        names = [measure.name for measure in settings.measures]
+        values = {name: [result[name] for result in results] for name in names}
         return MeasuredCase(self.experiment.cases[case], values)
 
 
@@ -291,8 +293,8 @@ def cell_of(case: Case, experiment: Experiment) -> tuple[str, str]:
     basis = {"all else": checked_fingerprint(case, experiment)}
     key = canonical({"identity": identity, "basis": basis})
     axes = {"label": case.label, "agents": case.agents, **spec.parameters}
-    kept = {"axes": axes, "identity": identity, "basis": basis}
-    return hashlib.sha256(key.encode()).hexdigest()[:24], canonical(kept)
+    content = {"axes": axes, "identity": identity, "basis": basis}
+    return hashlib.sha256(key.encode()).hexdigest()[:24], canonical(content)
 
 
 def checked_fingerprint(case: Case, experiment: Experiment) -> str:
@@ -313,9 +315,9 @@ def slowness(case: Case) -> float:
     flock.run(1)
     ticks, seconds = 1, 0.0
     while seconds < ENOUGH and ticks < MOST_TICKS:
-        begun = time.perf_counter()
+        started = time.perf_counter()
         flock.run(ticks)
-        seconds = time.perf_counter() - begun
+        seconds = time.perf_counter() - started
         ticks *= 2
     return 2.0 * seconds / guess(ticks, case.agents, len(model(case.spec.model).columns))
 
@@ -364,7 +366,7 @@ def conduct(
             "kind": "paper",
             "title": experiment.title,
             "axes": list(axes),
-            "columns": [column_of(one.name) for one in settings.measures],
+            "columns": [column_of(measure.name) for measure in settings.measures],
         },
         lambda: None,
         workers=workers,

@@ -13,13 +13,13 @@ def line_of(text: str, key: str, table: str = "") -> int | None:
     >>> line_of("model = 'vem'\\n[parameters]\\neta = 9", "eta", "parameters")
     3
     """
-    here = ""
+    current_table = ""
     inline = None
     for number, line in enumerate(text.splitlines(), 1):
         header = re.match(r"\s*\[\[?\s*([^\]]+?)\s*\]", line)
         if header:
-            here = header[1]
-        elif here == table and sets(line, key):
+            current_table = header[1]
+        elif current_table == table and sets(line, key):
             return number
         elif inline is None and table and sets_inline(line, key):
             inline = number
@@ -84,5 +84,5 @@ def about(refusal: str) -> str:
     >>> about("eta = 9 rad is outside [0, 6.28] rad"), about("unknown parameter 'p9' (known: p1)")
     ('eta', 'p9')
     """
-    found = NAMED.match(refusal)
-    return found[found.lastindex or 0] if found else ""
+    match = NAMED.match(refusal)
+    return match[match.lastindex or 0] if match else ""

@@ -221,8 +221,8 @@ class StudyRunner:
     def run(self, tasks: Iterable[Task]) -> bool:
         """Make runs; False if it was stopped, or as many as were allowed are made."""
         room = None if self.limit is None else max(0, self.limit - self.made)
-        found = list(islice(tasks, None if room is None else room + 1))
-        allowed = found[:room]
+        next_tasks = list(islice(tasks, None if room is None else room + 1))
+        allowed = next_tasks[:room]
         if allowed:
             if self.stopped:
                 return False
@@ -232,7 +232,7 @@ class StudyRunner:
                 return False
             self.beat()
             self.store.keep()
-        return len(allowed) == len(found)
+        return len(allowed) == len(next_tasks)
 
     def begun(self) -> RunExecutor:
         """What makes runs: a cluster, processes, or for so little that it is soon done, neither."""
@@ -284,9 +284,9 @@ def executor_of(runner: StudyRunner) -> RunExecutor:
 
 def demand_kind(folder: Path, kind: str) -> None:
     """Refuse a folder that has the runs of a paper for other runs, and others' for a paper."""
-    there = StoreReader(folder).state.get("kind") if readable(folder) else None
-    if there is None or (there == "paper") == (kind == "paper"):
+    stored_kind = StoreReader(folder).state.get("kind") if readable(folder) else None
+    if stored_kind is None or (stored_kind == "paper") == (kind == "paper"):
         return
-    if there == "paper":
+    if stored_kind == "paper":
         raise InputError(f"{str(folder)!r} has the runs of a paper: give the sweep another folder")
     raise InputError(f"{str(folder)!r} has other runs: give the paper another folder")

@@ -102,8 +102,8 @@ def test_counted_successes_are_exact(share):
 def test_a_rare_crash_is_missed_only_where_no_run_shows_it(share):
     for runs in simulation.RUNS:
         unseen = 100.0 * (1.0 - share) ** runs
-        assert simulation.false_rare(share, runs, SAMPLES, known=False) <= at_most(unseen + 1.0)
-        assert simulation.false_rare(share, runs, SAMPLES, known=True) <= at_most(1.0)
+        assert simulation.false_rare(share, runs, SAMPLES, is_known=False) <= at_most(unseen + 1.0)
+        assert simulation.false_rare(share, runs, SAMPLES, is_known=True) <= at_most(1.0)
 
 
 def test_looks_while_runs_come_in():

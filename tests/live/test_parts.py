@@ -158,7 +158,7 @@ def test_a_disk_that_takes_nothing_is_given_up(tmp_path):
 
 
 def test_events_are_read_as_a_list_that_forgets_its_oldest():
-    log = Events(kept=100)
+    log = Events(limit=100)
     every = [Event(k, 0.01 * k, "tune", str(k)) for k in range(1000)]
     for event in every:
         log.add(event)

@@ -67,23 +67,25 @@ def replay(
     from app.live.operating.flock_driver import FlockDriver
     from app.live.recording.recording_replay import replay as replayed
 
-    made = replayed(folder, FlockDriver)
+    result = replayed(folder, FlockDriver)
     if json_asked:
         typer.echo(
             as_json(
                 {
                     "folder": str(folder),
-                    "ticks": made.ticks,
-                    "commands": made.commands,
-                    "same": not made.differs,
-                    "differs": made.differs,
+                    "ticks": result.ticks,
+                    "commands": result.commands,
+                    "same": not result.differs,
+                    "differs": result.differs,
                 }
             )
         )
     else:
-        outcome = f"differs: {made.differs}" if made.differs else "the same to the bit"
-        typer.echo(f"{counted(made.ticks, 'tick')}, {counted(made.commands, 'command')}: {outcome}")
-    if made.differs:
+        outcome = f"differs: {result.differs}" if result.differs else "the same to the bit"
+        typer.echo(
+            f"{counted(result.ticks, 'tick')}, {counted(result.commands, 'command')}: {outcome}"
+        )
+    if result.differs:
         raise typer.Exit(DIFFERS)
 
 
@@ -104,13 +106,13 @@ def recover(
     rows = recovered(folder)
     last = ending(folder)
     if json_asked:
-        made = {"folder": str(folder), "rows": rows, "ending": None}
+        result = {"folder": str(folder), "rows": rows, "ending": None}
         if last is not None:
-            made["ending"] = asdict(last) | {
+            result["ending"] = asdict(last) | {
                 "told_to_stop": last.told_to_stop,
                 "words": last.words(),
             }
-        typer.echo(as_json(made))
+        typer.echo(as_json(result))
     else:
         typer.echo(
             "recovered: " + ", ".join(f"{counted(n, 'row')} of {name}" for name, n in rows.items())

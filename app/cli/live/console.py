@@ -44,10 +44,10 @@ class SessionConsole:
         if trouble and trouble != self.trouble:
             typer.echo(trouble, err=True)
         self.trouble = trouble
-        shown = len(self.session.events)
-        for event in self.session.events[self.shown : shown] if self.verbose else ():
+        event_count = len(self.session.events)
+        for event in self.session.events[self.shown : event_count] if self.verbose else ():
             self.show(event)
-        self.shown = shown
+        self.shown = event_count
 
     def show(self, event: Event) -> None:
         """Print an event."""

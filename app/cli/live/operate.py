@@ -201,18 +201,18 @@ class OperatorConsole:
 
     def summary(self) -> dict[str, Any]:
         """What there is to say in the end; times in s."""
-        made: dict[str, Any] = {
+        result: dict[str, Any] = {
             "seconds": time.monotonic() - self.began,
             "events": len(self.operator.events),
         }
         if self.last is not None:
-            made |= {
+            result |= {
                 "ticks": self.last.tick + 1,
                 "missed": self.last.missed,
                 "period": asdict(self.last.period),
                 "latency": asdict(self.last.latency),
             }
-        return made
+        return result
 
 
 def rewritten(line: str, wide: int) -> int:
@@ -239,15 +239,15 @@ def state_line(status: Status) -> str:
     return f"{status.arm} {state} | {cars} | {times}{' | ' if why else ''}{why}"[:200]
 
 
-def closing(made: dict[str, Any]) -> str:
+def closing(summary: dict[str, Any]) -> str:
     """The summary for people."""
-    line = f"{made['seconds']:.1f} s, {counted(made['events'], 'event')}"
-    if "ticks" in made:
+    line = f"{summary['seconds']:.1f} s, {counted(summary['events'], 'event')}"
+    if "ticks" in summary:
         line += (
-            f", {counted(made['ticks'], 'tick')} of {1000 * made['period']['median']:.2f} ms"
-            f" (one in a hundred {1000 * made['period']['late']:.2f} ms or more),"
-            f" {made['missed']} left out"
+            f", {counted(summary['ticks'], 'tick')} of {1000 * summary['period']['median']:.2f} ms"
+            f" (one in a hundred {1000 * summary['period']['late']:.2f} ms or more),"
+            f" {summary['missed']} left out"
         )
-    if "recording" in made:
-        line += f"; recorded in {made['recording']}"
+    if "recording" in summary:
+        line += f"; recorded in {summary['recording']}"
     return line

@@ -89,7 +89,7 @@ def conduct(
             terminal.operate()
         finally:
             operator.close()
-    made = terminal.summary()
+    summary = terminal.summary()
     if record is not None:
-        made["recording"] = str(record)
-    typer.echo(as_json(made) if json_asked else closing(made))
+        summary["recording"] = str(record)
+    typer.echo(as_json(summary) if json_asked else closing(summary))

@@ -60,10 +60,10 @@ def check(
     sweep, _ = sweep_asked(
         what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, None
     )
-    made = estimate(sweep)
+    result = estimate(sweep)
     warnings = other_worlds(sweep)
     if json_asked:
-        value = made.value | {
+        value = result.value | {
             "title": sweep.title,
             "axes": sweep.axes,
             "columns": sweep.making.columns,
@@ -72,15 +72,15 @@ def check(
         }
         typer.echo(as_json(value))
         return
-    more = f" to {made.most_runs}" if made.most_runs > made.runs else ""
-    least = duration(made.seconds / cores())
+    more = f" to {result.most_runs}" if result.most_runs > result.runs else ""
+    least = duration(result.seconds / cores())
     typer.echo(
-        f"{sweep.title}: {counted(made.cells, 'cell')}, {made.runs}{more} runs of "
+        f"{sweep.title}: {counted(result.cells, 'cell')}, {result.runs}{more} runs of "
         f"{sweep.making.ticks} ticks{' at most' if sweep.making.until else ''}"
     )
     typer.echo(
         f"about {least} on {counted(cores(), 'core')}"
-        f"{' if no run ends before' if sweep.making.until else ''}, {size(made.bytes)} on disk"
+        f"{' if no run ends before' if sweep.making.until else ''}, {size(result.bytes)} on disk"
     )
     typer.echo(f"measured: {', '.join(sweep.making.columns) or 'series only'}")
     for line in warnings:
@@ -109,23 +109,23 @@ def list_sweeps(
     """List sweeps and their progress."""
     from app.studies.sweeps.sweep_table import status_of
 
-    there = sorted(folder.iterdir()) if folder.is_dir() else []
-    found = []
-    for sweep in filter(is_sweep, there):
+    paths = sorted(folder.iterdir()) if folder.is_dir() else []
+    statuses = []
+    for sweep in filter(is_sweep, paths):
         try:
-            found.append(status_of(sweep))
+            statuses.append(status_of(sweep))
         except Exception as error:  # whatever one store holds, the others are listed
             typer.echo(one_line(f"flockscope: {sweep} is left out: {error}"), err=True)
     if json_asked:
-        typer.echo(as_json({"sweeps": found}))
+        typer.echo(as_json({"sweeps": statuses}))
         return
-    if not found:
+    if not statuses:
         typer.echo(f"no sweep in {folder}/")
-    for one in found:
-        name = one_line(Path(one["folder"]).name)
-        broken = one["runs"]["failed"] + one["runs"]["killed"]
+    for status in statuses:
+        name = one_line(Path(status["folder"]).name)
+        broken = status["runs"]["failed"] + status["runs"]["killed"]
         failed = f", {broken} failed" if broken else ""
-        typer.echo(f"{name}: {one['state']}, {one['done']} of {one['of']} runs{failed}")
+        typer.echo(f"{name}: {status['state']}, {status['done']} of {status['of']} runs{failed}")
 
 
 # `flockscope sweep status`: how far a sweep is, also while another process runs it.
@@ -145,16 +145,20 @@ def status(
 def describe_progress(value: dict[str, Any]) -> str:
     """How far it is, for people."""
     counts = value["runs"]
-    said = [f"{value['title']}: {value['state']}, {value['done']} of {value['of']} runs"]
-    parts = [f"{counts[one]} {word}" for one, word in WORDS.items() if counts[one]]
+    lines = [f"{value['title']}: {value['state']}, {value['done']} of {value['of']} runs"]
+    parts = [
+        f"{counts[status_name]} {word}"
+        for status_name, word in WORDS.items()
+        if counts[status_name]
+    ]
     if parts:
-        said.append(", ".join(parts))
+        lines.append(", ".join(parts))
     if value["rate"] is not None:
         time_left = duration(value["seconds_left"])
-        said.append(f"{value['rate']:.3g} runs a second, {time_left} left (pid {value['pid']})")
+        lines.append(f"{value['rate']:.3g} runs a second, {time_left} left (pid {value['pid']})")
     if value["others"]:
-        said.append(f"{value['others']} runs of other cells or versions are kept beside")
-    return "\n".join(said)
+        lines.append(f"{value['others']} runs of other cells or versions are kept beside")
+    return "\n".join(lines)
 
 
 WORDS = {"ok": "ok", "gave-up": "gave up", "failed": "failed", "killed": "killed"}
@@ -245,11 +249,11 @@ def plot(
     if (beta is None) != (nu is None) or (critical is not None and beta is None):
         raise InputError("a collapse takes --beta and --nu, and --critical beside them")
     scaling = None if beta is None or nu is None else Scaling(beta, nu, critical)
-    kept = StoreReader(kept_sweep(name))
-    shown = observable or next(iter(measured(kept)), "picture")
-    path = out or kept.folder / f"{shown.replace('/', '-')}.png"
+    reader = StoreReader(kept_sweep(name))
+    column = observable or next(iter(measured(reader)), "picture")
+    path = out or reader.folder / f"{column.replace('/', '-')}.png"
     draw(
-        kept, path, observable,
+        reader, path, observable,
         kind=kind, x=x, y=y, where=where, snapshots=snapshots, scaling=scaling,
         overwrite=overwrite or out is None,
     )  # fmt: skip
@@ -288,8 +292,8 @@ def export(
         raise InputError(
             "--times cannot be given with --long: seconds are of a run, not of a value"
         )
-    kept = StoreReader(kept_sweep(name))
-    columns = in_long(kept) if long else in_wide(kept, times)
+    reader = StoreReader(kept_sweep(name))
+    columns = in_long(reader) if long else in_wide(reader, times)
     if out is None:
         typer.echo(as_csv(columns), nl=False)
         return

@@ -169,14 +169,14 @@ def run(
     at_least("--over", over, 1)
     at_least("--hold", hold, 1)
     demand_sound(workers, nice, limit)
-    heard = None if quiet else tell
+    listener = None if quiet else tell
     sweep, own = sweep_asked(
-        what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, heard
+        what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, listener
     )
     folder = out or own
-    asked = {"jobs": jobs, "cores": cores, "memory": memory, "walltime": walltime}
-    asked |= {"queue": queue, "account": account}
-    made_on = cluster_asked(sweep, cluster, workers, dry_run, **asked)
+    queue_options = {"jobs": jobs, "cores": cores, "memory": memory, "walltime": walltime}
+    queue_options |= {"queue": queue, "account": account}
+    made_on = cluster_asked(sweep, cluster, workers, dry_run, **queue_options)
     if dry_run and made_on is not None:
         print_job(made_on, quiet)
         return
@@ -224,7 +224,7 @@ def report(
     from app.cli.sweep.show import summary_of
     from app.studies.runs.store_reader import StoreReader
 
-    kept = StoreReader(folder)
+    reader = StoreReader(folder)
     if json_asked:
         value: dict[str, Any] = {
             "folder": str(folder),
@@ -232,13 +232,13 @@ def report(
             "made": done.made,
             "taken": done.taken,
             "whole": done.whole,
-            "runs": kept.counts,
+            "runs": reader.counts,
             "seconds": round(seconds, 3),
             "files": [str(path) for path in files],
         }
         typer.echo(as_json(value))
     else:
-        summary_of(kept)
+        summary_of(reader)
     if quiet:
         return
     if done.made:

@@ -68,8 +68,8 @@ def sweep_asked(
         "--over": over, "--until": until, "--seconds": seconds,
     }  # fmt: skip
     if says_all(what):
-        for name, given in options.items():
-            if given:
+        for name, option_value in options.items():
+            if option_value:
                 raise InputError(f"{name} cannot be given with {what}, which says it already")
         return read_or_kept(what, tell)
     if not vary:
@@ -80,8 +80,8 @@ def sweep_asked(
     demand_one_length(ticks, seconds, least=1)
     ticks = ticks if seconds is None else ticks_of(what, vary, fixed or [], seconds)
     values, places = from_options(what, vary, fixed or [], runs, ticks, observe, over, until, hold)
-    made = sweep_of(values, KeyLocations("the command line", options=places), Path(), tell)
-    return made, RESULTS / "-".join([Path(what).stem, *made.axes])
+    sweep = sweep_of(values, KeyLocations("the command line", options=places), Path(), tell)
+    return sweep, RESULTS / "-".join([Path(what).stem, *sweep.axes])
 
 
 def ticks_of(model: str, vary: list[str], fixed: list[str], seconds: float) -> int | None:
@@ -96,11 +96,15 @@ def ticks_of(model: str, vary: list[str], fixed: list[str], seconds: float) -> i
                 f"--seconds {seconds:g} is not the same ticks in every run with --vary {name}: "
                 "give --ticks"
             )
-    one = find_model(model)
-    given = dict(assignment(setting) for setting in fixed)
-    own = {name: value for name, value in given.items() if name in one.parameters.model_fields}
-    dt = float(one.body.lasts(checked(one.parameters, own, "--set")))
-    return ticks_asked(None, seconds, one.name, one.body.unit, dt)
+    found_model = find_model(model)
+    given_values = dict(assignment(setting) for setting in fixed)
+    own = {
+        name: value
+        for name, value in given_values.items()
+        if name in found_model.parameters.model_fields
+    }
+    dt = float(found_model.body.lasts(checked(found_model.parameters, own, "--set")))
+    return ticks_asked(None, seconds, found_model.name, found_model.body.unit, dt)
 
 
 def says_all(what: str) -> bool:
@@ -135,8 +139,8 @@ def begun_in(folder: Path) -> tuple[dict[str, Any], KeyLocations, Path]:
 
     path = folder / SPEC
     text = read_text(f"sweep {str(path)!r}", path)
-    begun = Path(StoreReader(folder).state.get("from_folder", folder))
-    return toml(text, str(path)), KeyLocations(str(path), text), begun
+    origin = Path(StoreReader(folder).state.get("from_folder", folder))
+    return toml(text, str(path)), KeyLocations(str(path), text), origin
 
 
 def from_options(
@@ -156,12 +160,12 @@ def from_options(
     run: dict[str, Any] = {"model": model, "ticks": 1000 if ticks is None else ticks}
     places = {"model": "MODEL", "ticks": "--ticks", "count": "--runs", "when": "--until"}
     for setting in fixed:
-        name, given = assignment(setting)
+        name, given_value = assignment(setting)
         places[name] = f"--set {setting}"
         if name in RunOptions.model_fields:
-            run[name] = given
+            run[name] = given_value
         else:
-            run.setdefault("parameters", {})[name] = given
+            run.setdefault("parameters", {})[name] = given_value
     axes: dict[str, Any] = {}
     for setting in vary:
         name, axis = axis_of(setting)
@@ -193,13 +197,13 @@ def axis_of(setting: str) -> tuple[str, Any]:
     if not equals or not name or not text:
         raise InputError(f"--vary {setting} is not of the form NAME=FROM:TO:COUNT or NAME=A,B,C")
     if ":" not in text:
-        return name, [value(one) for one in names(text)]
-    found = SPAN.fullmatch(text)
+        return name, [value(part) for part in names(text)]
+    match = SPAN.fullmatch(text)
     try:
-        if found and found[3] is not None:
-            low, high = (numbers("--vary", found[k])[0] for k in (1, 2))
-            made: dict[str, Any] = {"from": low, "to": high, "count": int(found[3])}
-            return name, made | ({"scale": found[4]} if found[4] else {})
+        if match and match[3] is not None:
+            low, high = (numbers("--vary", match[k])[0] for k in (1, 2))
+            axis: dict[str, Any] = {"from": low, "to": high, "count": int(match[3])}
+            return name, axis | ({"scale": match[4]} if match[4] else {})
     except ValueError:
         pass
     raise InputError(f"--vary {setting} is not of the form NAME=FROM:TO:COUNT, with :log if wanted")

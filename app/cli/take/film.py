@@ -52,14 +52,14 @@ def planned(
 
     `speed` ticks are shown in a second, in at most `fps` pictures, unless `every` says otherwise.
     """
-    there = [tick for tick in ticks if first <= tick <= last]
-    if not there:
+    in_range = [tick for tick in ticks if first <= tick <= last]
+    if not in_range:
         raise InputError(f"there is no tick from {first} to {last}")
-    apart = max(1, (there[-1] - there[0]) // max(1, len(there) - 1))
+    apart = max(1, (in_range[-1] - in_range[0]) // max(1, len(in_range) - 1))
     step = max(1, round((every if every else speed / fps) / apart))
     rate = min(MOST_FPS, speed / (step * apart))
-    shown = there[::step]
-    return FilmPlan(shown, rate, there[-1] - shown[-1])
+    chosen_ticks = in_range[::step]
+    return FilmPlan(chosen_ticks, rate, in_range[-1] - chosen_ticks[-1])
 
 
 @with_options
@@ -70,7 +70,7 @@ def film(
     ] = None,
     rule: Rules = None,
     *,
-    asked: Asked,
+    options: Asked,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
@@ -149,10 +149,10 @@ def film(
         demand_no_film(camera, follow, plot)
     else:
         demand_film("flockscope film")
-    wanted = names(plot) if plot else []
+    plot_names = names(plot) if plot else []
     taken_at: Callable[[list[int]], Iterator[Snapshot]]
     if is_recording(spec):
-        recorded = recording_of(spec, asked, settings or [], rule)
+        recorded = recording_of(spec, options, settings or [], rule)
         model, unit = recorded.spec.model, recorded.time_unit
         length = ticks_asked(length, seconds, model, unit, recorded.time_per_tick)
         last = last if length is None else first + length
@@ -160,7 +160,7 @@ def film(
         ticks, dt, taken_at = recorded.ticks.tolist(), recorded.time_per_tick, at_ticks(recorded)
         agents = len(recorded.at(ticks[0]).ids) if is_page else 0
     else:
-        flock = flock_of(spec, asked, settings or [], rule, quiet)
+        flock = flock_of(spec, options, settings or [], rule, quiet)
         model, unit = flock.model.name, flock.model.body.unit
         length = ticks_asked(length, seconds, model, unit, flock.dt)
         last = last if length is None else first + length
@@ -178,7 +178,7 @@ def film(
     asked_of = FilmJob(
         taken_at(plan.ticks), plan, out, size, colour, renderer,
         aim_of(camera, follow, turn, max(plan.fps * apart, 1e-9), span),
-        Plots(wanted, plan.ticks[0] * dt, plan.ticks[-1] * dt) if wanted else None,
+        Plots(plot_names, plan.ticks[0] * dt, plan.ticks[-1] * dt) if plot_names else None,
         overwrite, quiet,
     )  # fmt: skip
     with (
@@ -235,10 +235,10 @@ def write_film(job: FilmJob, went_on: Callable[[int], None]) -> str:
         Encoder(job.out, job.size, job.plan.fps, job.overwrite) as encoder,
     ):
         more = job.size, job.colour, job.aim, job.plots
-        made = pictures(job.taken, *more) if window is None else seen_pictures(
+        images = pictures(job.taken, *more) if window is None else seen_pictures(
             job.taken, window, *more
         )  # fmt: skip
-        for done, picture in enumerate(made, start=1):
+        for done, picture in enumerate(images, start=1):
             encoder.add(picture)
             went_on(done)
     return PLAIN if window is None else BROWSER
@@ -275,9 +275,9 @@ def thinned(plan: FilmPlan, agents: int, every: int | None, quiet: bool) -> Film
 
     apart = -(-agents * len(plan.ticks) // LIGHT)
     if every is None and apart > 1:
-        shown = plan.ticks[::apart]
-        left_out = plan.left_out + plan.ticks[-1] - shown[-1]
-        plan = FilmPlan(shown, plan.fps / apart, left_out)
+        chosen_ticks = plan.ticks[::apart]
+        left_out = plan.left_out + plan.ticks[-1] - chosen_ticks[-1]
+        plan = FilmPlan(chosen_ticks, plan.fps / apart, left_out)
         if not quiet:
             tell(
                 f"flockscope: one of {apart} pictures is taken, so that the file stays small; "

@@ -34,7 +34,7 @@ def picture(
     ] = None,
     rule: Rules = None,
     *,
-    asked: Asked,
+    options: Asked,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
@@ -88,11 +88,11 @@ def picture(
     if camera == "round":
         raise InputError("--camera round is not allowed: a picture stands still")
     aim = aim_of(camera, follow, None, 1.0, 1)
-    now = flock_to_draw(spec, rule, asked, settings or [], tick, quiet)
+    now = flock_to_draw(spec, rule, options, settings or [], tick, quiet)
     from app.viewer.pictures.shot import look_of, shot
 
-    one = shot(now, look_of(now, colour))
-    seen_from = aim.camera(one)
+    frame_shot = shot(now, look_of(now, colour))
+    seen_from = aim.camera(frame_shot)
     if renderer == AUTO and (is_vector or (now.world.dim == 2 and aim.is_from_above)):
         renderer = PLAIN
     with browser(renderer, quiet) as window:
@@ -100,29 +100,35 @@ def picture(
             from app.viewer.pictures.picture_sheet import Sheet
 
             aim.demand_plain(now.world.dim)
-            Sheet(one, size, seen_from).write(out)
+            Sheet(frame_shot, size, seen_from).write(out)
         else:
             from app.viewer.pictures.film_writer import seen_picture
 
             with writing("--out", out, overwrite, ENDINGS) as file:
-                file.write(seen_picture(one, window, size, seen_from))
+                file.write(seen_picture(frame_shot, window, size, seen_from))
     if json_asked:
-        made = {"picture": str(out), "model": now.model.name, "tick": now.tick, "time": now.elapsed,
+        result = {"picture": str(out), "model": now.model.name,
+                  "tick": now.tick, "time": now.elapsed,
                 "renderer": PLAIN if window is None else BROWSER}  # fmt: skip
-        typer.echo(as_json(made))
+        typer.echo(as_json(result))
     if not quiet:
         tell_written(out)
 
 
 def flock_to_draw(
-    spec: str | None, rule: Rules, asked: Asked, settings: list[str], tick: int | None, quiet: bool
+    spec: str | None,
+    rule: Rules,
+    options: Asked,
+    settings: list[str],
+    tick: int | None,
+    quiet: bool,
 ) -> Snapshot:
     """The flock to draw, of a recording or of a run that is made. Raises InputError."""
     if is_recording(spec):
-        return recording_of(spec, asked, settings, rule).at(tick)
-    flock = flock_of(spec, asked, settings, rule, quiet)
-    wanted = TICK if tick is None else tick
-    with Progress(f"{flock.model.name} to tick {wanted}", quiet) as progress:
-        if wanted and not run_ticks(flock, wanted, progress):
+        return recording_of(spec, options, settings, rule).at(tick)
+    flock = flock_of(spec, options, settings, rule, quiet)
+    target_tick = TICK if tick is None else tick
+    with Progress(f"{flock.model.name} to tick {target_tick}", quiet) as progress:
+        if target_tick and not run_ticks(flock, target_tick, progress):
             raise typer.Exit(INTERRUPTED)
     return flock.snapshot(signals=True)

@@ -44,14 +44,14 @@ def recording(
         raise InputError(f"--table {table} is not allowed: {str(file)!r} is one table")
     from agents.recording import Recording
 
-    found = Recording(file)
-    made = found.described()
+    recording = Recording(file)
+    description = recording.described()
     if csv is not None:
-        found.to_csv(csv, overwrite)
+        recording.to_csv(csv, overwrite)
     if json_asked:
-        typer.echo(as_json(made | ({"csv": str(csv)} if csv else {})))
+        typer.echo(as_json(description | ({"csv": str(csv)} if csv else {})))
     else:
-        show(made)
+        show(description)
     tell_written(csv)
 
 
@@ -60,35 +60,36 @@ def tell_out(line: str) -> None:
     typer.echo(visible(line))
 
 
-def show(made: dict[str, Any]) -> None:
+def show(description: dict[str, Any]) -> None:
     """Print for people what a recording of a simulation holds."""
-    first, last = made["first_tick"], made["last_tick"]
-    unit = made["time_unit"]
-    seconds = "" if unit == "ticks" else f" = {made['lasts']:g} {unit}"
-    a_tick = "" if unit == "ticks" else f", {made['time_per_tick']:g} {unit} a tick"
-    size = " x ".join(f"{side:g}" for side in made["size"])
-    length = "" if made["length_unit"] == "length" else f" {made['length_unit']}"
+    first, last = description["first_tick"], description["last_tick"]
+    unit = description["time_unit"]
+    seconds = "" if unit == "ticks" else f" = {description['lasts']:g} {unit}"
+    a_tick = "" if unit == "ticks" else f", {description['time_per_tick']:g} {unit} a tick"
+    size = " x ".join(f"{side:g}" for side in description["size"])
+    length = "" if description["length_unit"] == "length" else f" {description['length_unit']}"
     tell_out(
-        f"{made['title']} ({made['model']}): {counted(made['agents'], 'agent')} in "
-        f"{made['world']} {size}{length}, seed {made['seed']}"
+        f"{description['title']} ({description['model']}): "
+        f"{counted(description['agents'], 'agent')} in "
+        f"{description['world']} {size}{length}, seed {description['seed']}"
     )
     tell_out(
-        f"{counted(made['frames'], 'frame')} of ticks {first} to {last}{seconds}{a_tick}; "
-        f"{counted(made['rows'], 'row')}"
+        f"{counted(description['frames'], 'frame')} of ticks {first} to {last}{seconds}{a_tick}; "
+        f"{counted(description['rows'], 'row')}"
     )
-    least, most = made["ticks_apart"]
+    least, most = description["ticks_apart"]
     if least < most:
         tell_out(f"frames are {least} to {most} ticks apart; the end of a run is always recorded")
-    show_columns(made["columns"])
+    show_columns(description["columns"])
 
 
 def show_columns(columns: dict[str, dict[str, str]]) -> None:
     """Print columns with their units and meanings."""
     wide = max(map(len, columns))
-    units = max(len(one["unit"]) for one in columns.values())
-    for name, one in columns.items():
-        unit = "" if one["unit"] == "1" else one["unit"]
-        tell_out(f"  {name:<{wide}}  {unit:<{units}}  {one['meaning']}")
+    units = max(len(column_types["unit"]) for column_types in columns.values())
+    for name, column_types in columns.items():
+        unit = "" if column_types["unit"] == "1" else column_types["unit"]
+        tell_out(f"  {name:<{wide}}  {unit:<{units}}  {column_types['meaning']}")
 
 
 def of_live_run(
@@ -105,19 +106,19 @@ def of_live_run(
         if table is None:
             raise InputError(f"--csv {csv}: which --table? One of {', '.join(recorded.tables)}")
         recorded.to_csv(table, csv, overwrite)
-    made = about(recorded)
-    shown = [table] if table else list(recorded.tables)
+    description = about(recorded)
+    table_names = [table] if table else list(recorded.tables)
     if json_asked:
-        typer.echo(as_json(made | ({"csv": str(csv)} if csv else {})))
+        typer.echo(as_json(description | ({"csv": str(csv)} if csv else {})))
     else:
         low, high = recorded.lab.area.low, recorded.lab.area.high
         tell_out(
             f"{recorded.lab.title or folder}: {counted(len(recorded.lab.cars), 'car')}, rule "
             f"{recorded.lab.rule}, {high[0] - low[0]:g} x {high[1] - low[1]:g} m, "
-            f"{made['time_per_tick']:g} s a tick"
+            f"{description['time_per_tick']:g} s a tick"
         )
-        for name in shown:
-            typer.echo(f"{name}: {counted(made['tables'][name]['rows'], 'row')}")
+        for name in table_names:
+            typer.echo(f"{name}: {counted(description['tables'][name]['rows'], 'row')}")
             show_columns(columns_of(name))
     tell_written(csv)
 

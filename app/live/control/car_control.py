@@ -123,12 +123,14 @@ class CarControl:
 
     def act(self, now: float, injected: Pose | None) -> ControlStep:
         """End the tick: ask the driver for commands and the safety what may be sent."""
-        wanted: dict[str, Command] = {}
+        commands: dict[str, Command] = {}
         failed = ""
         try:
-            cars = tuple(one for one in self.sightings if one.name in self.safety.cars)
+            cars = tuple(
+                sighting for sighting in self.sightings if sighting.name in self.safety.cars
+            )
             answer = self.driver.drive(now, cars, injected, self.running)
-            wanted = {
+            commands = {
                 name: (float(answer[name][0]), float(answer[name][1]))
                 for name in self.safety.cars
                 if name in answer
@@ -138,9 +140,9 @@ class CarControl:
             self.events.append(Event(self.tick, now, "refused", words))
         except Exception as error:  # whatever a rule does wrong, the cars stop
             failed = " ".join(f"{type(error).__name__}: {error}".split())
-        verdict = self.safety.judge(now, wanted, failed)
+        verdict = self.safety.judge(now, commands, failed)
         self.tell(now, verdict)
-        return ControlStep(wanted, verdict, tuple(self.events), self.companions)
+        return ControlStep(commands, verdict, tuple(self.events), self.companions)
 
     def tell(self, now: float, verdict: SafetyDecision) -> None:
         """Events for what has changed: reasons that began and ended, runs that began and ended."""

@@ -61,11 +61,11 @@ class Injection(StrictTable):
 
     def along(self, seconds: float) -> Pose:
         """Where it is after so many seconds on its circle, eight or route."""
-        gone = self.speed * seconds
+        distance = self.speed * seconds
         if self.path == "route":
-            x, y, yaw = on_route(self.route, gone)
+            x, y, yaw = on_route(self.route, distance)
         else:
-            turned = gone / self.radius
+            turned = distance / self.radius
             if self.path == "circle":
                 x, y, yaw = on_circle(turned + math.radians(self.begins))
             else:
@@ -87,14 +87,14 @@ def on_eight(turned: float) -> tuple[float, float, float]:
     return math.sin(turned), side * (1.0 - math.cos(turned)), side * turned
 
 
-def on_route(route: Sequence[Point], gone: float) -> tuple[float, float, float]:
+def on_route(route: Sequence[Point], distance: float) -> tuple[float, float, float]:
     """x, y (m) and yaw after so many metres round a closed route."""
-    gone %= sum(length for _, _, length in legs(route))
+    distance %= sum(length for _, _, length in legs(route))
     for (x, y), (u, v), length in legs(route):
-        if gone < length:
-            share = gone / length
+        if distance < length:
+            share = distance / length
             return x + share * (u - x), y + share * (v - y), math.atan2(v - y, u - x)
-        gone -= length
+        distance -= length
     return *route[0], math.atan2(route[1][1] - route[0][1], route[1][0] - route[0][0])
 
 

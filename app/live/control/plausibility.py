@@ -117,15 +117,15 @@ class BodyReport:
     @property
     def faults(self) -> list[str]:
         """All that is wrong with it, in words."""
-        found = [self.misread] if self.misread else []
+        faults = [self.misread] if self.misread else []
         if self.jumps:
             worst = max(self.jumps, key=lambda jump: jump.distance)
             times = "once" if len(self.jumps) == 1 else f"{len(self.jumps)} times"
-            found.append(
+            faults.append(
                 f"it jumps {times} as no car can, the furthest {worst.distance:.2f} m in frame "
                 f"{worst.number}"
             )
-        return found
+        return faults
 
 
 def reachable[Seconds: (float, np.ndarray)](
@@ -230,19 +230,19 @@ def find_swaps(
     leap: float,
 ) -> list[Swap]:
     """Pairs of bodies that jump in one frame, each to where the other was."""
-    found = []
+    swaps = []
     numbers = {track.name: {jump.number for jump in jumps[track.name]} for track in tracks}
-    for one, other in combinations(tracks, 2):
-        for number in sorted(numbers[one.name] & numbers[other.name]):
-            k, m = (int(np.searchsorted(track.number, number)) for track in (one, other))
+    for track, other in combinations(tracks, 2):
+        for number in sorted(numbers[track.name] & numbers[other.name]):
+            k, m = (int(np.searchsorted(part.number, number)) for part in (track, other))
             crossed = all(
                 math.dist(came.position[to], left.position[at])
                 <= reachable(float(came.time[to] - left.time[at]), fastest[came.name], leap)
-                for came, to, left, at in ((one, k, other, m - 1), (other, m, one, k - 1))
+                for came, to, left, at in ((track, k, other, m - 1), (other, m, track, k - 1))
             )
             if crossed:
-                found.append(Swap(number, one.name, other.name))
-    return sorted(found)
+                swaps.append(Swap(number, track.name, other.name))
+    return sorted(swaps)
 
 
 def compare_yaw(track: BodyTrack, breaks: set[int]) -> YawAgreement | None:

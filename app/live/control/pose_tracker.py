@@ -89,7 +89,11 @@ class PoseTracker:
         self.frame = frame
         received = min(frame.received, now)
         times = Counter(sighting.name for sighting in frame.sightings)
-        self.why = {self.bodies.get(one.name, ""): one.why for one in frame.sightings if one.why}
+        self.why = {
+            self.bodies.get(sighting.name, ""): sighting.why
+            for sighting in frame.sightings
+            if sighting.why
+        }
         for sighting in frame.sightings:
             pose = sighting.pose
             name = self.bodies.get(sighting.name)
@@ -178,9 +182,9 @@ class PoseTracker:
         )
 
 
-def same(one: MocapFrame, other: MocapFrame) -> bool:
+def same(frame: MocapFrame, other: MocapFrame) -> bool:
     """Whether two frames are the same one: a source that begins again counts from 0."""
-    return one.number == other.number and one.received == other.received
+    return frame.number == other.number and frame.received == other.received
 
 
 def finite(pose: Pose | None) -> TypeGuard[Pose]:

@@ -76,12 +76,12 @@ class Travel:
     def advance(self, now: float) -> None:
         """Bring the commanded travel up to `now`, exactly for a throttle that was constant."""
         step = now - self.now
-        wanted = self.car.speed * self.throttle
+        target_speed = self.car.speed * self.throttle
         decay = math.exp(-step / self.car.lag) if self.car.lag > 0.0 else 0.0
-        far = wanted * step + (self.speed - wanted) * self.car.lag * (1.0 - decay)
+        far = target_speed * step + (self.speed - target_speed) * self.car.lag * (1.0 - decay)
         self.gone += far
         self.path += abs(far)
-        self.speed = wanted + (self.speed - wanted) * decay
+        self.speed = target_speed + (self.speed - target_speed) * decay
         self.now = now
         self.commanded.append((now, self.gone, self.path))
         while self.commanded[0][0] < now - PATIENT * self.window:
@@ -94,16 +94,16 @@ class Travel:
         """
         due, begins = self.now - DELAY, self.now - self.window
         far, newest = 0.0, None
-        for at, gone, path in reversed(self.commanded):
+        for at, distance, path in reversed(self.commanded):
             if at > due:
                 continue
             if newest is None:
-                newest = gone
+                newest = distance
                 if path - self.commanded[0][2] < LEAST:  # it should not have come so far at all
                     return 0.0, begins
             if at < begins and far >= LEAST:
                 break
-            far = max(far, abs(newest - gone))
+            far = max(far, abs(newest - distance))
             since = at
         return (far, min(since, begins)) if newest is not None else (0.0, begins)
 
@@ -137,16 +137,19 @@ class Travel:
             along, across = pose.x - a, pose.y - b
             far = math.hypot(along, across)
             if far >= LEAST:
-                told = self.gone_at(self.now - DELAY) - self.gone_at(at - DELAY)
+                commanded_distance = self.gone_at(self.now - DELAY) - self.gone_at(at - DELAY)
                 ahead = (along * math.cos(pose.yaw) + across * math.sin(pose.yaw)) / far
-                return abs(told) >= SHARE * LEAST and math.copysign(ahead, ahead * told) < AGAINST
+                return (
+                    abs(commanded_distance) >= SHARE * LEAST
+                    and math.copysign(ahead, ahead * commanded_distance) < AGAINST
+                )
         return False
 
     def gone_at(self, time: float) -> float:
         """Where it should have been along its way at a time, m."""
-        for at, gone, _ in reversed(self.commanded):
+        for at, distance, _ in reversed(self.commanded):
             if at <= time:
-                return gone
+                return distance
         return self.commanded[0][1]
 
 

@@ -74,11 +74,11 @@ class RollingCar:
         decay = math.exp(-seconds / self.lag) if self.lag > 0.0 else 0.0
         before = self.speed
         self.speed = self.top * throttle + (self.speed - self.top * throttle) * decay
-        gone = 0.5 * (before + self.speed) * seconds
+        distance = 0.5 * (before + self.speed) * seconds
         length = 0.5 * self.mechanics.circle * math.tan(most)
-        bend = gone * math.tan(self.wheel) / length
-        self.x += gone * math.cos(self.yaw + 0.5 * bend)
-        self.y += gone * math.sin(self.yaw + 0.5 * bend)
+        bend = distance * math.tan(self.wheel) / length
+        self.x += distance * math.cos(self.yaw + 0.5 * bend)
+        self.y += distance * math.sin(self.yaw + 0.5 * bend)
         self.yaw = math.remainder(self.yaw + bend, 2.0 * math.pi)
 
 
@@ -86,8 +86,8 @@ class EmulatedPlant:
     """The cars of a laboratory at their start; a plant as `EmulatedCars` wants it."""
 
     def __init__(self, lab: Lab):
-        known = [field.name for field in fields(Mechanics) if field.name in lab.parameters]
-        mechanics = Mechanics(**{name: float(lab.parameters[name]) for name in known})
+        names = [field.name for field in fields(Mechanics) if field.name in lab.parameters]
+        mechanics = Mechanics(**{name: float(lab.parameters[name]) for name in names})
         self.lock = threading.Lock()
         self.cars: dict[int, RollingCar] = {}
         self.names = {car.address: name for name, car in lab.cars.items()}
@@ -107,8 +107,8 @@ class EmulatedPlant:
                 for address, command in commands.items():
                     self.cars[address].roll(*command, step)
                 left -= step
-            for one, other in combinations(self.cars.values(), 2):
-                self.least = min(self.least, math.hypot(one.x - other.x, one.y - other.y))
+            for car, other in combinations(self.cars.values(), 2):
+                self.least = min(self.least, math.hypot(car.x - other.x, car.y - other.y))
 
     def poses(self) -> dict[str, Pose]:
         """Where the cars are, by name."""
@@ -136,17 +136,17 @@ def starts(lab: Lab) -> list[Pose]:
     ring = 0.8 * plan.radius if round_about else 0.8 * area.inside(*middle)
     way = math.copysign(1.0, plan.speed) if round_about else 1.0
     apart = min(35.0, 300.0 / len(lab.cars))
-    found = []
+    places = []
     for k in range(len(lab.cars)):
         angle = math.radians(plan.begins - way * (50.0 + apart * k))
-        found.append(
+        places.append(
             Pose(
                 middle[0] + ring * math.cos(angle),
                 middle[1] + ring * math.sin(angle),
                 math.remainder(angle + way * 0.5 * math.pi, 2.0 * math.pi),
             )
         )
-    return found
+    return places
 
 
 NOISE_XY, NOISE_YAW = 0.0005, 0.005

@@ -52,11 +52,11 @@ def line_of(text: str, keys: Sequence[str]) -> int | None:
     >>> line_of("title = 'a'\\n[cars.red]\\nspeed = 1", ["cars", "red", "address"])
     2
     """
-    best, found = 0, None
+    best, last_line = 0, None
     for number, path in settings(text):
         if len(path) > best and tuple(keys[: len(path)]) == path:
-            best, found = len(path), number
-    return found
+            best, last_line = len(path), number
+    return last_line
 
 
 def settings(text: str) -> Iterator[tuple[int, KeyPath]]:
@@ -289,10 +289,10 @@ class Lab(StrictTable):
     @property
     def bodies(self) -> dict[str, str]:
         """The tracked bodies that are followed: body -> the name of its car here."""
-        found = {car.body or name: name for name, car in self.cars.items()}
+        names_by_body = {car.body or name: name for name, car in self.cars.items()}
         if self.injected.path == "body":
-            found[self.injected.body] = INJECTED
-        return found
+            names_by_body[self.injected.body] = INJECTED
+        return names_by_body
 
     def safety(self) -> Safety:
         """The safety of this laboratory, unarmed."""
@@ -381,8 +381,10 @@ def refusal(error: ValidationError, text: str, origin: str) -> InputError:
     if isinstance(cause, ValueError):
         return InputError(f"{needed(first)} ({where})")
     value = first["input"]
-    shown = f"{value:g}" if isinstance(value, float) and math.isfinite(value) else shortened(value)
-    return InputError(f"{'.'.join(keys)} = {shown} is not allowed: {needed(first)} ({where})")
+    value_text = (
+        f"{value:g}" if isinstance(value, float) and math.isfinite(value) else shortened(value)
+    )
+    return InputError(f"{'.'.join(keys)} = {value_text} is not allowed: {needed(first)} ({where})")
 
 
 def known_keys(table: Sequence[str]) -> list[str]:

@@ -49,14 +49,14 @@ class CarFirmware:
         """
         if command.mode == EMERGENCY:
             self.latched = "emergency"
-        told = command.commands.get(self.address)
-        if (told is None and command.mode == RUN) or not self.newer(command.seq, now):
+        own_command = command.commands.get(self.address)
+        if (own_command is None and command.mode == RUN) or not self.newer(command.seq, now):
             return
         self.seq, self.heard, self.mode = command.seq, now, command.mode
         if command.mode == STOP:
             self.latched = None
-        if told is not None:
-            self.steer, self.throttle = told
+        if own_command is not None:
+            self.steer, self.throttle = own_command
 
     def newer(self, seq: int, now: float) -> bool:
         """Whether a sequence number comes after that of the newest command."""

@@ -45,11 +45,11 @@ def open_udp(place: LinkAddress) -> UdpLink:
         raise InputError(f"the link {place.text!r} has no port: for example {EXAMPLE}")
     number = place.number("port", port, 1, 65535)
     try:
-        found = socket.getaddrinfo(host.strip("[]"), number, type=socket.SOCK_DGRAM)
+        addresses = socket.getaddrinfo(host.strip("[]"), number, type=socket.SOCK_DGRAM)
     except OSError as error:
         raise InputError(
             f"the link {place.text!r} leads to no address: {host} cannot be found"
             f" ({error.strerror})"
         ) from None
-    family, _, _, _, address = found[0]
+    family, _, _, _, address = addresses[0]
     return UdpLink(place.text, family, address)

@@ -100,23 +100,23 @@ def laboratory(
     """
     choices = Choices.of(example() if file is None else read_lab(file))
     names = {"source": source, "link": link}
-    given = {kind: name for kind, name in names.items() if name is not None}
-    if not given:
+    chosen_names = {kind: name for kind, name in names.items() if name is not None}
+    if not chosen_names:
         return choices
-    made = choices.choosing(**given)
-    if link is not None and made.lab.link != made.links[link]:
+    selection = choices.choosing(**chosen_names)
+    if link is not None and selection.lab.link != selection.links[link]:
         raise InputError(
             f"--link {link!r} is not allowed: emulated cars have a link of their own (--dry sends "
             "nothing)"
         )
-    return made
+    return selection
 
 
 def offered(own: str, others: Mapping[str, str], always: str) -> dict[str, str]:
     """Texts by name: the file's own, its others, and the one that is always there; each once."""
-    found = {name_of(own): own, **others}
-    found.setdefault(BUILT_IN_NAMES[always], always)
-    return found
+    devices = {name_of(own): own, **others}
+    devices.setdefault(BUILT_IN_NAMES[always], always)
+    return devices
 
 
 def shared_parameters(lab: Lab, rule: str) -> dict:

@@ -160,14 +160,14 @@ class RequestForwarder:
         self.stopped = 0
         """The number of the last emergency stop."""
 
-    def ask(self, asked: NumberedRequest) -> None:
+    def ask(self, numbered: NumberedRequest) -> None:
         """Pass on a request, unless it was overtaken."""
-        if asked.request.action == "emergency":
-            self.stopped = max(self.stopped, asked.number)
-        elif asked.request.action in UNDOING and asked.number < self.stopped:
-            self.loop.overtake(asked.request)
+        if numbered.request.action == "emergency":
+            self.stopped = max(self.stopped, numbered.number)
+        elif numbered.request.action in UNDOING and numbered.number < self.stopped:
+            self.loop.overtake(numbered.request)
             return
-        self.loop.ask(asked.request)
+        self.loop.ask(numbered.request)
 
     def ask_all(self, stops: Connection) -> None:
         """Pass on the emergency stops that have come."""
@@ -200,8 +200,12 @@ def attend(line: Connection, stops: Connection, loop: Loop, recorder: LoopRecord
                     if hand is not None:
                         loop.place(*hand)  # the operator has checked that these are numbers
                     count, new = loop.events.since(known)
-                    told = new[:MOST_EVENTS]
-                    line.send(LoopReply(loop.latest, tuple(told), count - len(new) + len(told)))
+                    sent_events = new[:MOST_EVENTS]
+                    line.send(
+                        LoopReply(
+                            loop.latest, tuple(sent_events), count - len(new) + len(sent_events)
+                        )
+                    )
                 case None:
                     why = "the operator says so"
                     break

@@ -41,7 +41,7 @@ class Operator:
     def __init__(self, lab: Lab, opener: Opener, recording: Path | None = None):
         spawn = multiprocessing.get_context("spawn")
         self.recording = recording
-        self.line, theirs = spawn.Pipe(duplex=True)
+        self.line, child_end = spawn.Pipe(duplex=True)
         stops, self.stops = spawn.Pipe(duplex=False)
         """The emergency stop's own way, on which nothing else ever waits."""
         self.lock = threading.Lock()
@@ -62,11 +62,11 @@ class Operator:
         # not a daemon: the loop has a child of its own, its tracking
         self.process = spawn.Process(
             target=serve,
-            args=(lab.to_toml(), opener, recording, theirs, stops),
+            args=(lab.to_toml(), opener, recording, child_end, stops),
             name="flockscope control loop",
         )
         self.process.start()
-        theirs.close()
+        child_end.close()
         stops.close()
         atexit.register(self.close)
         self.begin()
@@ -100,9 +100,9 @@ class Operator:
             return
         if request.action in UNDOING:
             self.stopped = None  # before its number is taken: a stop from now on is a new one
-        asked = NumberedRequest(next(self.numbers), request)
+        numbered = NumberedRequest(next(self.numbers), request)
         with self.lock, suppress(OSError):
-            self.line.send(asked)
+            self.line.send(numbered)
 
     def stop(self, request: OperatorRequest) -> None:
         """Send an emergency stop, unless one has just been sent that nobody has asked to undo."""

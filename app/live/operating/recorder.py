@@ -33,9 +33,9 @@ class RecordRequest:
 class LoopRecorder:
     """The recordings of one loop, one at a time; a context manager that finishes the last."""
 
-    def __init__(self, laboratory: str, kept: RecordingLimits):
+    def __init__(self, laboratory: str, limits: RecordingLimits):
         self.laboratory = laboratory
-        self.kept = kept
+        self.kept = limits
         self.loop: Loop | None = None
         self.journal: RecordingWriter | None = None
         self.asked: queue.SimpleQueue[RecordRequest | None] = queue.SimpleQueue()

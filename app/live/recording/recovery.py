@@ -66,36 +66,36 @@ def recover(folder: str | Path) -> dict[str, int]:
     folder = Path(folder)
     for part in unbegun(folder):
         part.remove()
-    found: dict[str, int] = {}
+    row_counts: dict[str, int] = {}
     for part in parts_of(folder):
         for name, rows in recovered(part).items():
-            found[name] = found.get(name, 0) + rows
-    if not found:
+            row_counts[name] = row_counts.get(name, 0) + rows
+    if not row_counts:
         raise InputError(f"{str(folder)!r} holds nothing to recover")
-    return found
+    return row_counts
 
 
 def recovered(part: RecordingPart) -> dict[str, int]:
     """The rows by table of what was left of a part, of which tables are made. Raises InputError."""
     demand_parquet("a recording of the laboratory")
-    found = {}
+    row_counts = {}
     for name in TABLES:
         stream = part.stream(name)
         if not stream.exists():
             continue
         try:
-            found[name] = finish(stream, part.table(name))
+            row_counts[name] = finish(stream, part.table(name))
         except OSError as error:
             raise InputError(f"{str(stream)!r} cannot be recovered: {error}") from None
-    return found
+    return row_counts
 
 
 def unbegun(folder: Path) -> list[RecordingPart]:
     """Later parts that a kill has left before there was anything in them."""
-    begun = parts_of(folder)
-    if not begun:
+    parts = parts_of(folder)
+    if not parts:
         return []
-    after = part_of(folder, begun[-1].number + 1)
+    after = part_of(folder, parts[-1].number + 1)
     return [after] if after.folder.is_dir() else []
 
 

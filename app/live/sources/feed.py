@@ -203,11 +203,11 @@ class Feed:
         """Start a child that opens the source. Raises OSError if no process can be started."""
         spawn = multiprocessing.get_context("spawn")
         deadline = time.monotonic() + self.timeout
-        line, theirs = spawn.Pipe(duplex=True)
-        with theirs:
+        line, child_end = spawn.Pipe(duplex=True)
+        with child_end:
             process = spawn.Process(
                 target=serve,
-                args=(self.source, theirs, self.timeout),
+                args=(self.source, child_end, self.timeout),
                 name=f"flockscope {self.source.name}",
                 daemon=True,
             )

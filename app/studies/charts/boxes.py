@@ -31,12 +31,12 @@ def came(values: Sequence[float | None]) -> np.ndarray:
 
 def box(axes: Any, x: float, values: Sequence[float | None], colour: str, width: float) -> None:
     """Draw one box at x."""
-    there = came(values)
-    if there.size == 0:
+    present = came(values)
+    if present.size == 0:
         return
     line = {"color": colour, "linewidth": 1.2}
     axes.boxplot(
-        [there],
+        [present],
         positions=[x],
         widths=width,
         whis=WHISKERS,

@@ -117,7 +117,7 @@ def within(tracks: np.ndarray, margin: float) -> tuple[np.ndarray, np.ndarray]:
 
 def extent(world: Any, tracks: np.ndarray, margin: float) -> tuple[np.ndarray, np.ndarray]:
     """The same for positions, all obstacles and the way of a mission."""
-    shapes = [one.footprint().bounds for one in world.obstacles]
+    shapes = [obstacle.footprint().bounds for obstacle in world.obstacles]
     places = [np.array(shape).reshape(2, 2) for shape in shapes]
     if world.mission is not None and world.mission.path is not None:
         places.append(np.array(world.mission.path.waypoints)[:, :2])

@@ -82,9 +82,9 @@ def page_svg(
     for element in root.iter():
         element.tag = element.tag.rpartition("}")[2]
     for name in ("metadata", "defs"):  # its own styles would be those of the whole page
-        for found in root.findall(name):
-            if found.find("style") is not None or name == "metadata":
-                root.remove(found)
+        for node in root.findall(name):
+            if node.find("style") is not None or name == "metadata":
+                root.remove(node)
     for group in list(root.iter("g")):
         name = group.get("id", "")
         if name.startswith(CLASS):
@@ -174,7 +174,7 @@ def short_numbers(text: str) -> str:
     >>> short_numbers("M 42.494537 -0.000001 L 3 4.5")
     'M 42.49 0 L 3 4.5'
     """
-    return re.sub(r"-?\d+\.\d+", lambda found: f"{round(float(found[0]), 2) + 0.0:g}", text)
+    return re.sub(r"-?\d+\.\d+", lambda match: f"{round(float(match[0]), 2) + 0.0:g}", text)
 
 
 def name_ids(root: ElementTree.Element) -> None:

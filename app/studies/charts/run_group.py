@@ -75,8 +75,8 @@ def is_number(value: Any) -> bool:
 
 def values_of(groups: Sequence[CellRuns], axis: str) -> list[Value]:
     """The values that an axis takes, each once: numbers rising, words as they come."""
-    found = list(dict.fromkeys(group.axes[axis] for group in groups if axis in group.axes))
-    return sorted(found) if all(map(is_number, found)) else found
+    values = list(dict.fromkeys(group.axes[axis] for group in groups if axis in group.axes))
+    return sorted(values) if all(map(is_number, values)) else values
 
 
 def varied(groups: Sequence[CellRuns]) -> list[str]:

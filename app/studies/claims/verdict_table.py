@@ -16,20 +16,20 @@ from app.studies.measure import Measure, Number
 def verdicts(experiment: Experiment, measured: list[MeasuredCase]) -> list[Verdict]:
     """A verdict for each row and each measure that the experiment reports, row by row."""
     return [
-        verdict(experiment, one, measure) for one in measured for measure in experiment.measures
+        verdict(experiment, case, measure) for case in measured for measure in experiment.measures
     ]
 
 
-def verdict(experiment: Experiment, one: MeasuredCase, measure: Measure) -> Verdict:
+def verdict(experiment: Experiment, case: MeasuredCase, measure: Measure) -> Verdict:
     """The verdict of a measure of a row."""
-    values = one.values[measure.name]
-    limits = experiment.settings.limits_of(measure, one.values)
+    values = case.values[measure.name]
+    limits = experiment.settings.limits_of(measure, case.values)
     ranges = ranges_of_runs(values, measure, limits)
-    published = one.case.published(measure.name)
+    published = case.case.published(measure.name)
     spared = experiment.not_compared.get(measure.name, "")
     compared = published is not None and not spared
     return Verdict(
-        one.case,
+        case.case,
         measure,
         values,
         ranges,

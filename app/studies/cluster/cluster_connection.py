@@ -67,35 +67,35 @@ def make(beginning: bytes, chunk: bytes, limit: float | None, like: dict[str, st
     """
     demand_like(like)
     worker = get_worker()
-    asked = worker.get_current_task()
+    task_name = worker.get_current_task()
     job = hashlib.sha256(beginning).hexdigest()
-    tasks = [Task(place, seed, one) for place, (one, seed) in enumerate(pickle.loads(chunk))]
-    found: dict[int, Outcome] = {}
+    tasks = [Task(place, seed, run) for place, (run, seed) in enumerate(pickle.loads(chunk))]
+    outcomes: dict[int, Outcome] = {}
 
     def keep(task: Task, outcome: Outcome) -> None:
-        found[task.cell] = outcome
+        outcomes[task.cell] = outcome
 
     processes = take_worker(job, beginning, limit)
-    whole = False
+    is_complete = False
     try:
-        whole = processes.run(tasks, keep, lambda: is_unwanted(worker, asked))
+        is_complete = processes.run(tasks, keep, lambda: is_unwanted(worker, task_name))
     except InputError as refusal:
         raise InputError(f"{refusal} (a worker on {platform.node()})") from None
     finally:
-        if not whole:
+        if not is_complete:
             processes.__exit__()
-    if not whole:
+    if not is_complete:
         raise Reschedule  # whoever still waits for it has it made elsewhere
     with LOCK:
         IDLE.setdefault(job, []).append(processes)
-    return pickle.dumps([found[place] for place in sorted(found)], -1)
+    return pickle.dumps([outcomes[place] for place in sorted(outcomes)], -1)
 
 
 def demand_like(like: Mapping[str, str]) -> None:
     """Refuse to make runs that might give other numbers. Raises InputError."""
     own = versions()
-    unlike = [f"{name} {own.get(name)}, not {one}" for name, one in like.items()
-              if own.get(name) != one]  # fmt: skip
+    unlike = [f"{name} {own.get(name)}, not {value}" for name, value in like.items()
+              if own.get(name) != value]  # fmt: skip
     if unlike:
         raise InputError(
             f"a worker on {platform.node()} has {', '.join(unlike)} as here: its runs might differ"
@@ -172,7 +172,7 @@ def open_cluster(cluster: Cluster, workers: int) -> Iterator[ClusterConnection]:
     hush()
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(SETTINGS))
-        made = ClusterConnection(client=None)  # type: ignore[arg-type]
+        connection = ClusterConnection(client=None)  # type: ignore[arg-type]
         security: Security | None = None
         where: Any = cluster.address
         if cluster.kind == "local":
@@ -180,17 +180,19 @@ def open_cluster(cluster: Cluster, workers: int) -> Iterator[ClusterConnection]:
             where = local_cluster(workers, security)
         elif cluster.queued:
             security = stack.enter_context(keys(shared(cluster)))
-            where = made.queue = queue_of(cluster, security, made.faults)
-            made.jobs = cluster.jobs
+            where = connection.queue = queue_of(cluster, security, connection.faults)
+            connection.jobs = cluster.jobs
         if not cluster.address:
             stack.enter_context(closing(where))
-        made.renew()
+        connection.renew()
         try:
-            made.client = Client(where, timeout=CONNECT, set_as_default=False, security=security)
+            connection.client = Client(
+                where, timeout=CONNECT, set_as_default=False, security=security
+            )
         except (OSError, TimeoutError):
             raise InputError(f"no scheduler of Dask answers at {cluster.address}") from None
-        stack.enter_context(made.client)
-        yield made
+        stack.enter_context(connection.client)
+        yield connection
 
 
 def local_cluster(workers: int, security: Security) -> Any:
@@ -198,10 +200,10 @@ def local_cluster(workers: int, security: Security) -> Any:
     from distributed import Nanny
     from distributed.deploy.spec import SpecCluster, close_clusters
 
-    here: dict[str, Any] = {"host": "127.0.0.1", "protocol": "tls://", "security": security}
+    options: dict[str, Any] = {"host": "127.0.0.1", "protocol": "tls://", "security": security}
     worker = {
         "cls": Nanny,
-        "options": here
+        "options": options
         | {
             "worker_class": SweepWorker,
             "nthreads": 1,
@@ -211,7 +213,7 @@ def local_cluster(workers: int, security: Security) -> Any:
     }
     try:
         return SpecCluster(
-            scheduler={"cls": SweepScheduler, "options": here | {"dashboard": False}},
+            scheduler={"cls": SweepScheduler, "options": options | {"dashboard": False}},
             workers=dict.fromkeys(range(workers), worker),
             worker=worker,
             security=security,
@@ -248,8 +250,8 @@ def queue_of(cluster: Cluster, security: Security, faults: list[str]) -> Any:
             try:
                 await super().start()
             except (RuntimeError, OSError, ValueError) as error:
-                said = str(error).rpartition("stderr:")[2].split()
-                faults.append(f"{self.submit_command}: {' '.join(said)}")
+                words = str(error).rpartition("stderr:")[2].split()
+                faults.append(f"{self.submit_command}: {' '.join(words)}")
                 await ProcessInterface.start(self)
 
     return base(job_cls=Job, scheduler_cls=SweepScheduler, **arguments(cluster, security))
@@ -335,14 +337,14 @@ def keys(folder: Path) -> Iterator[Security]:
     """Fresh keys, which only their owner can read, until it is left. Raises InputError."""
     from distributed import Security
 
-    made = Security.temporary()
+    security = Security.temporary()
     try:
         (folder / "logs").mkdir(parents=True, exist_ok=True)
         place = TemporaryDirectory(prefix="keys-", dir=folder)
         for name, part in KEYS.items():
             path = Path(place.name) / name
             path.touch(mode=0o600)
-            path.write_text(getattr(made, part))
+            path.write_text(getattr(security, part))
     except OSError as error:
         raise InputError(f"{str(folder)!r} cannot be written: {error.strerror or error}") from None
     try:
@@ -360,8 +362,8 @@ def job_script(cluster: Cluster) -> str:
     job = {"slurm": dask_jobqueue.slurm.SLURMJob, "pbs": dask_jobqueue.pbs.PBSJob}[
         cluster.queued or ""
     ]
-    told = arguments(cluster, secured(shared(cluster) / "keys-XXXX"))
+    options = arguments(cluster, secured(shared(cluster) / "keys-XXXX"))
     for name in ("scheduler_options", "silence_logs"):
-        told.pop(name)
+        options.pop(name)
     host, port = "THIS-MACHINE", cluster.port or "PORT"
-    return str(job(f"tls://{host}:{port}", name=f"{JOB}-0", **told).job_script())
+    return str(job(f"tls://{host}:{port}", name=f"{JOB}-0", **options).job_script())

@@ -167,40 +167,40 @@ class ClusterExecutor:
                 self.send(self.suspects.popleft())
             return
         slots = max(1, self.slots)
-        wanted = max(CHUNK, slots / CHUNKS)
+        target = max(CHUNK, slots / CHUNKS)
         while ahead and len(self.chunks) < WINDOW * slots:
             share = -(-len(ahead) // (2 * slots))
-            some = max(1, min(int(wanted / self.seconds), share, LARGEST))
+            some = max(1, min(int(target / self.seconds), share, LARGEST))
             self.send(Chunk(tuple(ahead.popleft() for _ in range(min(some, len(ahead))))))
 
     def send(self, chunk: Chunk) -> None:
         """Send a chunk to whichever worker is free."""
         from app.studies.cluster.cluster_connection import make
 
-        asked = pickle.dumps([(one.payload, one.seed) for one in chunk.tasks], -1)
-        more = self.beginning, asked, self.limit, self.versions
+        payload = pickle.dumps([(task.payload, task.seed) for task in chunk.tasks], -1)
+        more = self.beginning, payload, self.limit, self.versions
         future = self.client.submit(make, *more, pure=False, retries=0)
         self.chunks[future] = chunk
         future.add_done_callback(self.events.put)
 
     def came_back(self) -> list[Future]:
         """The chunks that are over, waited for a moment."""
-        found: list[Future] = []
+        futures: list[Future] = []
         with suppress(queue.Empty):
-            found.append(self.events.get(timeout=BEAT))
+            futures.append(self.events.get(timeout=BEAT))
             while True:
-                found.append(self.events.get_nowait())
-        return found
+                futures.append(self.events.get_nowait())
+        return futures
 
-    def take(self, found: list[Future], keep: Keep) -> None:
+    def take(self, futures: list[Future], keep: Keep) -> None:
         """Keep the runs of chunks that are over, release what Dask has of them; halve what killed.
 
         Raises InputError if a worker cannot make runs, or the scheduler is gone.
         """
-        over = [one for one in (*self.late, *found) if one in self.chunks]
-        if any(one.status == "cancelled" for one in over):
+        over = [future for future in (*self.late, *futures) if future in self.chunks]
+        if any(future.status == "cancelled" for future in over):
             raise self.lost()
-        done = [one for one in over if one.status == "finished"]
+        done = [future for future in over if future.status == "finished"]
         for future, result in self.fetch(done):
             chunk = self.chunks.pop(future)
             future.release()
@@ -212,7 +212,7 @@ class ClusterExecutor:
                 chunk = self.chunks.pop(future)
                 self.broke(chunk, future.exception(), keep)
                 future.release()
-        self.late = [one for one in over if one in self.chunks]
+        self.late = [future for future in over if future in self.chunks]
 
     def fetch(self, done: list[Future]) -> list[tuple[Future, bytes]]:
         """Chunks with their results; of none if one of these is there no more.
@@ -227,7 +227,7 @@ class ClusterExecutor:
             self.client.gather(done, errors="skip", asynchronous=True), loop.asyncio_loop
         )
         while not wait([gathering], BEAT).done:
-            if any(one.status != "finished" for one in done):
+            if any(future.status != "finished" for future in done):
                 gathering.cancel()
                 return []
         try:

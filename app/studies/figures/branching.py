@@ -71,8 +71,8 @@ class BranchingSettings(Settings):
                 pushed += bool(push_on(flock, int(row)).any())
                 all_of_them += 1
         shares = 100.0 * counts / max(1, all_of_them)
-        found: dict[str, Number | None] = dict(zip(BRANCHES, shares.tolist(), strict=True))
-        return found | {"obstacle": 100.0 * pushed / max(1, all_of_them)}
+        values: dict[str, Number | None] = dict(zip(BRANCHES, shares.tolist(), strict=True))
+        return values | {"obstacle": 100.0 * pushed / max(1, all_of_them)}
 
     def prepared(self, flock: Flock) -> Flock:
         """The flock as it is followed: with the block, where there is to be one."""
@@ -120,20 +120,20 @@ MIDDLE, RIGHT, EDGE = (0.0, 2.3), (5.6, 1.6), 7.7
 """The two columns of boxes: middle and half the width; and where ways lead down on the right."""
 
 
-def draw_flowchart(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:  # noqa: ARG001
+def draw_flowchart(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:  # noqa: ARG001
     """Draw the chart of the first row, its ways marked with the means of its runs."""
     label = experiment.cases[0].label
     share = {
-        one.measure.name: one.summary.mean
-        for measure in {one.measure.name for one in made}
-        for one in of(made, measure)
-        if one.case.label == label and one.summary.runs
+        verdict.measure.name: verdict.summary.mean
+        for measure in {verdict.measure.name for verdict in verdicts}
+        for verdict in of(verdicts, measure)
+        if verdict.case.label == label and verdict.summary.runs
     }
     avoids = share.get("obstacle", 0.0) > 0.0
     figure.set_size_inches(10.4, 9.4 if avoids else 8.6)
     axes = figure.subplots()
     draw_chart(axes, share, avoids)
-    runs = max(one.summary.runs for one in made)
+    runs = max(verdict.summary.runs for verdict in verdicts)
     explain(
         figure, [],
         f"per cent: of agents times looks of {runs} runs of {label}, how many went that way; "
@@ -145,15 +145,15 @@ def draw_flowchart(figure: Any, experiment: Experiment, made: list[Verdict], see
 
 def draw_chart(axes: Any, share: dict[str, float], avoids: bool) -> None:
     """Draw boxes from the top down, and ways between them."""
-    seen = 100.0 - share["nobody"]
-    left = seen - share["repelled"]
+    seen_share = 100.0 - share["nobody"]
+    left = seen_share - share["repelled"]
     box(axes, MIDDLE, 0.0, "random places, headings and speeds", FILL, INK)
     down(axes, 0.0)
     box(axes, MIDDLE, -STEP, "look around: who is within $d_a$ and in view?", ASKS, INK)
     down(axes, -STEP)
     steps = [
         ("anyone noticed?", f"no: {share['nobody']:.0f} %", "keep the heading", INK,
-         f"yes: {seen:.0f} %"),
+         f"yes: {seen_share:.0f} %"),
         ("anyone in zor?", f"yes: {share['repelled']:.0f} %", "(3.9) away from them",
          ZONE_COLOURS[0], f"no: {left:.0f} %"),
         ("only in zoo?", f"yes: {share['aligned']:.0f} %", "(3.10) align", ZONE_COLOURS[1],
@@ -249,14 +249,14 @@ def draw_steps(figure: Any, experiment: Experiment, seed: int) -> None:
         flock.run(tick - flock.tick)
         pushes = draw_flock(axes, flock)
         p = polarisation(flock.heading[flock.active])
-        seen = f", {pushes} pushed by an obstacle" if flock.world.is_solid else ""
-        axes.set_title(f"({letter}) tick {tick}: polarisation {p:.2f}{seen}", loc="left")
-    found = [sign(colour, words, ">") for colour, words in zip(COLOURS, WORDS, strict=True)]
+        pushed_text = f", {pushes} pushed by an obstacle" if flock.world.is_solid else ""
+        axes.set_title(f"({letter}) tick {tick}: polarisation {p:.2f}{pushed_text}", loc="left")
+    signs = [sign(colour, words, ">") for colour, words in zip(COLOURS, WORDS, strict=True)]
     if flock.world.is_solid:
-        found.append(stroke(BLOCK_COLOUR, "push of obstacles"))
+        signs.append(stroke(BLOCK_COLOUR, "push of obstacles"))
     explain(
         figure,
-        found,
+        signs,
         f"a run of {case.label}, N = {case.agents}, seed {seed}; the thesis draws a scheme",
     )
 

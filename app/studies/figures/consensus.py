@@ -115,17 +115,17 @@ class ConsensusSettings(Settings):
         """Follow a flock that flies apart, and hold it against what is known beforehand."""
         time, x, v = self.followed(flock, between)
         bound = self.bound(flock, float(x[0]), float(v[0]))
-        found: dict[str, Number | None] = {
+        values: dict[str, Number | None] = {
             "speed": bound.share,
             "left": float(v[-1] / v[0]),
             "kept": (float(v[-1]) + bound.lost(float(x[-1]))) / bound.v0,
         }
         if bound.share >= 1.0:
-            return found | {"late": None, "far": None}
+            return values | {"late": None, "far": None}
         most = bound.differences(time)[1:]
         sure = most > ROUNDING * v[0]
-        found["late"] = float((v[1:][sure] / most[sure]).max())
-        return found | {"far": float(x.max() / bound.furthest)}
+        values["late"] = float((v[1:][sure] / most[sure]).max())
+        return values | {"far": float(x.max() / bound.furthest)}
 
     def followed(
         self, flock: Flock, between: Callable[[], None]
@@ -135,12 +135,12 @@ class ConsensusSettings(Settings):
         Raises InputError if the flock became larger than the reach, which stands for no limit.
         """
         self.set_off(flock)
-        found = [(0.0, *sizes(flock))]
+        rows = [(0.0, *sizes(flock))]
         for look in range(self.looks):
             between()
             flock.run((look + 1) * self.lasts // self.looks - look * self.lasts // self.looks)
-            found.append((flock.tick * flock.dt, *sizes(flock)))
-        time, x, v = np.array(found).T
+            rows.append((flock.tick * flock.dt, *sizes(flock)))
+        time, x, v = np.array(rows).T
         if math.sqrt(2.0) * x.max() > flock.reach:
             raise InputError(
                 f"r = {flock.reach:g} is less than the flock became wide, "
@@ -185,7 +185,7 @@ def draw_consensus(figure: Any, experiment: Experiment, seed: int) -> None:
     assert isinstance(settings, ConsensusSettings)
     figure.set_size_inches(12.4, 5.4)
     pairs, flocks = figure.subplots(1, 2)
-    shown = []
+    lines = []
     for case, colour in zip(experiment.cases, COLOURS * 2, strict=False):
         flock = flock_of(case, seed)
         time, x, v = settings.followed(flock, lambda: None)
@@ -194,7 +194,7 @@ def draw_consensus(figure: Any, experiment: Experiment, seed: int) -> None:
             draw_pair(pairs, case, bound, x, v, colour)
         else:
             draw_flock(flocks, case, bound, time, v, colour)
-        shown.append(case)
+        lines.append(case)
     pairs.set_xscale("log")
     pairs.set_xlabel("distance, of that at the start")
     pairs.set_ylabel("relative speed, of the critical one")
@@ -222,7 +222,7 @@ def draw_pair(
 ) -> None:
     """Two agents, in units of the critical speed, or of their own where there is none."""
     critical = bound.v0 / bound.share if bound.share > 0.0 else bound.v0
-    exact = np.array([bound.v0 - bound.lost(one) for one in x])
+    exact = np.array([bound.v0 - bound.lost(value) for value in x])
     axes.plot(x / x[0], v / critical, color=colour, linewidth=2.0, label=f"$\\beta$ = {case.label}")
     axes.plot(x / x[0], exact / critical, color="black", linewidth=0.9, linestyle=DASHES)
 

@@ -44,14 +44,14 @@ class CrowdingSettings(Settings):
         p: Any = flock.parameters
         between()
         flock.run(self.lasts)
-        seen = []
+        samples = []
         for _ in range(self.looks):
             between()
             flock.run(self.every)
-            seen.append(along(flock))
+            samples.append(along(flock))
         area = float(np.prod(flock.world.size))
         packing = len(flock.ids) * math.pi * p.d**2 / (4.0 * area)
-        speed = float(np.mean(seen)) / p.v0
+        speed = float(np.mean(samples)) / p.v0
         return {"packing": packing, "speed": speed, "slope": (1.0 - speed) / packing}
 
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
@@ -72,12 +72,12 @@ def along(flock: Flock) -> float:
 DOTS, LINE = "#2166ac", "#c0392b"
 
 
-def draw_crowding(figure: Any, made: list[Verdict]) -> None:
+def draw_crowding(figure: Any, verdicts: list[Verdict]) -> None:
     """A dot for each run, and the line of best fit that is 1 where there is room."""
     figure.set_size_inches(7.4, 5.0)
     axes = figure.subplots()
-    x = np.concatenate([came(one.values) for one in of(made, "packing")])
-    y = np.concatenate([came(one.values) for one in of(made, "speed")])
+    x = np.concatenate([came(verdict.values) for verdict in of(verdicts, "packing")])
+    y = np.concatenate([came(verdict.values) for verdict in of(verdicts, "speed")])
     slope = float((x * (1.0 - y)).sum() / (x * x).sum())
     line = np.array([0.0, 1.15 * float(x.max())])
     axes.plot(

@@ -116,19 +116,19 @@ class DetourSettings(Settings):
         """The course of the flock's first agent from tick 0 to the limit."""
         ticks = int(self.ticks(None, flock.dt))
         at = {name: k for k, name in enumerate(flock.model.columns)}
-        position, known = np.empty((ticks, 2)), np.empty((ticks, len(at)))
+        position, positions = np.empty((ticks, 2)), np.empty((ticks, len(at)))
         for tick in range(ticks):
             position[tick] = flock.position[0]
             flock.run(1)
-            known[tick] = flock.arrays.memory[:, 0]
+            positions[tick] = flock.arrays.memory[:, 0]
         points = {
-            name: known[:, [at[f"{name}_x"], at[f"{name}_y"]]]
+            name: positions[:, [at[f"{name}_x"], at[f"{name}_y"]]]
             for name in ("split", "rejoin", "aim")
         }
         return DetourTrack(
             position=position,
-            scenario=known[:, at["scenario"]],
-            phase=known[:, at["phase"]],
+            scenario=positions[:, at["scenario"]],
+            phase=positions[:, at["phase"]],
             goal=flock.goal_at([0])[0],
             **points,
         )
@@ -229,7 +229,7 @@ def coloured(axes: Any, along: np.ndarray, course: DetourTrack) -> None:
     from matplotlib.collections import LineCollection
 
     pieces = np.stack([along[:-1], along[1:]], axis=1)
-    colours = [SCENARIOS.get(one, INK) for one in course.scenario[:-1]]
+    colours = [SCENARIOS.get(code, INK) for code in course.scenario[:-1]]
     axes.add_collection(LineCollection(list(pieces), colors=colours, linewidths=2.2, zorder=4))
 
 
@@ -264,11 +264,11 @@ def points_of(course: DetourTrack) -> list[tuple[np.ndarray, str, str, str, tupl
 
 def spaced(places: np.ndarray) -> list[int]:
     """Which of places (K, 2) are far enough from those before to bear a name of their own."""
-    kept: list[int] = []
+    indices: list[int] = []
     for k, place in enumerate(places):
-        if all(np.linalg.norm(place - places[j]) > APART for j in kept):
-            kept.append(k)
-    return kept
+        if all(np.linalg.norm(place - places[j]) > APART for j in indices):
+            indices.append(k)
+    return indices
 
 
 def draw_distance(axes: Any, course: DetourTrack, dt: float) -> None:
@@ -302,14 +302,14 @@ def signs(course: DetourTrack) -> list[Any]:
     """What is what."""
     from matplotlib.lines import Line2D
 
-    there = set(course.scenario.tolist())
-    found = [
-        Line2D([], [], color=SCENARIOS[one], linewidth=2.4, label=words)
-        for one, words in WORDS.items()
-        if one in there
+    present = set(course.scenario.tolist())
+    handles = [
+        Line2D([], [], color=SCENARIOS[code], linewidth=2.4, label=words)
+        for code, words in WORDS.items()
+        if code in present
     ]
     goal = Line2D([], [], color=GOAL, marker="^", linestyle="none", label="gamma agent")
-    return [*found, goal]
+    return [*handles, goal]
 
 
 def draw_expected(figure: Any, experiment: Experiment, seed: int) -> None:
@@ -412,7 +412,7 @@ def draw_gap(axes: Any, flock: Any, place: np.ndarray, points: np.ndarray, aim: 
     if not 0 <= k + step < len(points):
         return False
     edges = [points[k], points[k + step]][::step]
-    first, last = (np.degrees(np.arctan2(*(one - place)[::-1])) for one in edges)
+    first, last = (np.degrees(np.arctan2(*(edge - place)[::-1])) for edge in edges)
     axes.add_patch(
         Wedge(
             (place[0], place[1]),

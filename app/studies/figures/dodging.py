@@ -236,7 +236,7 @@ def draw_avoidance(figure: Any, experiment: Experiment, seed: int) -> None:
     draw_obstacles(axes, flock.world)
     draw_field(axes, flock, middle)
     flock.run(1)
-    taken = flock.heading[0].copy()
+    heading = flock.heading[0].copy()
     scale = 1.5 / p.v0
     arrow(axes, place, scale * u, NOW, 2.2)
     arrow(axes, place, scale * f, FORCE, 2.2)
@@ -244,7 +244,7 @@ def draw_avoidance(figure: Any, experiment: Experiment, seed: int) -> None:
     for begin in (u, f):
         axes.plot(*np.array([place + scale * begin, place + scale * (u + f)]).T, color=FAINT,
                   linewidth=0.9, linestyle=(0, (3, 3)), zorder=6)  # fmt: skip
-    arrow(axes, place, 1.1 * taken, "#7b5ea7", 1.6, 8.5)
+    arrow(axes, place, 1.1 * heading, "#7b5ea7", 1.6, 8.5)
     word(axes, place + scale * u, "$u$", NOW, (9, -9), 12.0)
     word(axes, place + scale * f, "$f$", FORCE, (-10, 8), 12.0)
     word(axes, place + scale * (u + f), "$u' = f + u$", NEXT, (6, 13), 12.0)
@@ -262,7 +262,7 @@ def draw_avoidance(figure: Any, experiment: Experiment, seed: int) -> None:
             stroke(INK, "way", (0, (1.5, 1.5)), 1.2),
         ],
         f"thesis, v_0 = {p.v0:g}; lines around the block: the potential (4.1), U = "
-        f"{', '.join(f'{one:g}' for one in LEVELS)}; eta = {p.gain:g}, Q* = {p.Q:g} and "
+        f"{', '.join(f'{level:g}' for level in LEVELS)}; eta = {p.gain:g}, Q* = {p.Q:g} and "
         f"m = {p.m:g} are ours:\nthe thesis gives none; f is (4.1) downhill, the print of (4.2) "
         "has it uphill",
     )

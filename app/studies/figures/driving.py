@@ -49,7 +49,7 @@ class Drive:
     def caught(self) -> bool:
         """Whether a predator and another car have stopped each other."""
         prey = self.met[np.ix_(self.hunts, ~self.hunts)], self.met[np.ix_(~self.hunts, self.hunts)]
-        return any(bool(one.any()) for one in prey)
+        return any(bool(position.any()) for position in prey)
 
 
 class DrivingSettings(Settings):
@@ -139,13 +139,13 @@ class DrivingSettings(Settings):
         n = len(flock.ids)
         solid = STOPS in flock.model.signals
         met = np.zeros((n, n), int)
-        kept = [flock.position[None].copy()]
+        positions = [flock.position[None].copy()]
         before = np.zeros(n)
         touched = []
         for look in range(round(self.ticks(None, flock.dt) / self.every)):
             if look % 100 == 0:
                 between()
-            kept.append(flock.trace(self.every))
+            positions.append(flock.trace(self.every))
             if solid and n > 1:
                 stops = flock.signal(STOPS)
                 for row in map(int, np.flatnonzero(stops > before)):
@@ -154,7 +154,9 @@ class DrivingSettings(Settings):
                     met[row, nearest(flock.position, row)] += 1
                 before = stops.copy()
         hunts = flock.ids <= getattr(flock.parameters, "predators", 0.0)
-        return Drive(np.concatenate(kept), met, touched, hunts, len(flock.crashes) if solid else 0)
+        return Drive(
+            np.concatenate(positions), met, touched, hunts, len(flock.crashes) if solid else 0
+        )
 
     def measured(self, flock: Flock, drive: Drive, lap: int) -> dict[str, Number | None]:
         """The measures of a drive whose last `lap` ticks are looked at."""
@@ -266,7 +268,7 @@ BARS = {
 }
 
 
-def draw_driving(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+def draw_driving(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:
     """Draw the run of that seed of the first rows above, the share of runs of all rows below."""
     settings = experiment.settings
     assert isinstance(settings, DrivingSettings)
@@ -277,8 +279,8 @@ def draw_driving(figure: Any, experiment: Experiment, made: list[Verdict], seed:
     for axes, case in zip(panels, cases, strict=True):
         draw_ways(axes, case, settings, seed)
     shares, lags = below.subplots(1, 2, width_ratios=[2.2, 1.0])
-    signs = draw_shares(shares, made)
-    draw_lags(lags, of(made, "lag"))
+    signs = draw_shares(shares, verdicts)
+    draw_lags(lags, of(verdicts, "lag"))
     explain(
         figure,
         signs,
@@ -315,38 +317,42 @@ def draw_ways(axes: Any, case: Case, settings: DrivingSettings, seed: int) -> No
     axes.set_title(f"{case.label}, N = {case.agents}", loc="left")
 
 
-def draw_shares(axes: Any, made: list[Verdict]) -> list[Any]:
+def draw_shares(axes: Any, verdicts: list[Verdict]) -> list[Any]:
     """Draw the share of runs of each row that end well and of each fault; what is what."""
     from matplotlib.patches import Patch
 
-    there = [name for name in BARS if any(one.summary.runs for one in of(made, name))]
-    width = 0.8 / max(1, len(there))
-    for k, name in enumerate(there):
-        points = of(made, name)
+    names = [name for name in BARS if any(verdict.summary.runs for verdict in of(verdicts, name))]
+    width = 0.8 / max(1, len(names))
+    for k, name in enumerate(names):
+        points = of(verdicts, name)
         axes.bar(
-            [x + (k - 0.5 * (len(there) - 1)) * width for x in range(len(points))],
-            [one.summary.mean if one.summary.runs else 0.0 for one in points],
+            [x + (k - 0.5 * (len(names) - 1)) * width for x in range(len(points))],
+            [point.summary.mean if point.summary.runs else 0.0 for point in points],
             width,
             color=BARS[name],
         )
-    rows = of(made, made[0].measure.name)
-    labels = [f"{one.case.label}, N = {one.case.agents}".replace(", ", "\n") for one in rows]
+    rows = of(verdicts, verdicts[0].measure.name)
+    labels = [f"{row.case.label}, N = {row.case.agents}".replace(", ", "\n") for row in rows]
     axes.set_xticks(range(len(rows)), labels, fontsize=8)
     axes.tick_params(axis="x", length=0)
     axes.set_ylim(0.0, 103.0)
     axes.set_ylabel("runs / %")
-    return [Patch(facecolor=BARS[name], label=name) for name in there]
+    return [Patch(facecolor=BARS[name], label=name) for name in names]
 
 
 def draw_lags(axes: Any, points: list[Verdict]) -> None:
     """Draw the lags of the runs that end locked, a dot for each."""
-    for x, one in enumerate(points):
-        values = [value for value in one.values if value is not None]
+    for x, point in enumerate(points):
+        values = [value for value in point.values if value is not None]
         aside = np.random.default_rng(0).uniform(-0.25, 0.25, len(values))
         axes.plot(x + aside, values, ".", color=BARS["locked"], markersize=4, alpha=0.5)
-    axes.set_xticks(range(len(points)), [one.case.label for one in points], rotation=40, fontsize=8)
+    axes.set_xticks(
+        range(len(points)), [point.case.label for point in points], rotation=40, fontsize=8
+    )
     axes.set_xlim(-0.6, len(points) - 0.4)
-    most = max((value for one in points for value in one.values if value is not None), default=0.0)
+    most = max(
+        (value for point in points for value in point.values if value is not None), default=0.0
+    )
     axes.set_ylim(0.0, 90.0 if most < 90.0 else 180.0)
     axes.set_ylabel("lag / deg")
 

@@ -60,7 +60,7 @@ RAMP = ("#2166ac", "#7b4fa3", "#e08214")
 """Colours of headings from that of the information UAV to the opposite one."""
 
 
-def draw_evolution(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+def draw_evolution(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:
     """Draw the first row's run of that seed, and where all runs became consistent."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap, Normalize
@@ -76,7 +76,7 @@ def draw_evolution(figure: Any, experiment: Experiment, made: list[Verdict], see
     curve = right.subplots()
     ramp = LinearSegmentedColormap.from_list("away", RAMP)
     flock = flock_of(case, seed)
-    times = came(of(made, "k_con")[0].values)
+    times = came(of(verdicts, "k_con")[0].values)
     degrees = []
     for k in range(round(max(AFTER * end, times.max(initial=0.0) + 1.0)) + 1):
         if k in instants:

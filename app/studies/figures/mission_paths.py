@@ -110,8 +110,8 @@ def draw_centres(figure: Any, experiment: Experiment, seed: int) -> None:
     flights = draw_flights(panels, experiment, seed)
     end = time_shown(experiment, flights)
     for letter in "ab":
-        said = panels[letter].get_title(loc="left")
-        panels[letter].set_title(f"({letter}) {said}", loc="left")
+        title = panels[letter].get_title(loc="left")
+        panels[letter].set_title(f"({letter}) {title}", loc="left")
     for axis, (letter, name) in enumerate((("c", "x"), ("d", "y"))):
         axes = panels[letter]
         for flight, label, colour in zip(flights, labels, COLOURS, strict=False):
@@ -151,10 +151,10 @@ def time_shown(experiment: Experiment, flights: list[FlownMission]) -> float:
     near = experiment.settings.within  # type: ignore[attr-defined]
     ends = [flight.record.ticks * flight.record.dt for flight in flights]
     settled = [flight.record.settled(near) for flight in flights]
-    there = [time for time in settled if time is not None]
+    times = [time for time in settled if time is not None]
     return (
-        min(max(ends), QUIET * max(there))
-        if len(there) == len(flights) and max(there)
+        min(max(ends), QUIET * max(times))
+        if len(times) == len(flights) and max(times)
         else max(ends)
     )
 

@@ -65,13 +65,13 @@ class PhaseSettings(Settings):
         between()
         flock.run(self.hold if flock.tick else self.settle)
         before = places(flock)
-        seen = []
+        samples = []
         for _ in range(self.looks):
             between()
             flock.run(self.every)
             now = places(flock)
             radius = float(np.sqrt((now**2).sum(axis=1).mean()))
-            seen.append(
+            samples.append(
                 (
                     flock.observe("polarisation"),
                     flock.observe("angular-momentum"),
@@ -80,7 +80,7 @@ class PhaseSettings(Settings):
                 )
             )
             before = now
-        p, m, largest, mixing = (float(mean) for mean in np.mean(seen, axis=0))
+        p, m, largest, mixing = (float(mean) for mean in np.mean(samples, axis=0))
         phase = PHASES.index(self.phase_of(p, m, largest, mixing))
         return {"p": p, "m": m, "largest": largest, "mixing": mixing, "phase": phase}
 
@@ -166,28 +166,28 @@ class PhasePoint:
         return float(self.case.at or 0.0)
 
 
-def spots(made: list[Verdict]) -> list[PhasePoint]:
+def spots(verdicts: list[Verdict]) -> list[PhasePoint]:
     """All places, those of maps and those of ways there and back, in the order of the cases."""
     by_case: dict[int, dict[str, Verdict]] = {}
-    for one in made:
-        by_case.setdefault(id(one.case), {})[one.measure.name] = one
+    for verdict in verdicts:
+        by_case.setdefault(id(verdict.case), {})[verdict.measure.name] = verdict
     return [
         PhasePoint(row["p"].case, row["p"].summary, row["m"].summary, *row["phase"].commonest)
         for row in by_case.values()
     ]
 
 
-def map_of(made: list[Verdict]) -> list[PhasePoint]:
+def map_of(verdicts: list[Verdict]) -> list[PhasePoint]:
     """The places of the map."""
-    return [spot for spot in spots(made) if not spot.case.way]
+    return [spot for spot in spots(verdicts) if not spot.case.way]
 
 
-def ways_of(made: list[Verdict]) -> list[tuple[PhasePoint, PhasePoint]]:
+def ways_of(verdicts: list[Verdict]) -> list[tuple[PhasePoint, PhasePoint]]:
     """The places of the way there, each with the same place on the way back."""
-    found = spots(made)
-    there = [spot for spot in found if spot.case.way == "there"]
-    back = [spot for spot in found if spot.case.way == "back"]
-    return list(zip(there, back[::-1], strict=True))
+    points = spots(verdicts)
+    outward = [spot for spot in points if spot.case.way == "there"]
+    back = [spot for spot in points if spot.case.way == "back"]
+    return list(zip(outward, back[::-1], strict=True))
 
 
 P_COLOURS, M_COLOURS = "Blues", "Purples"
@@ -208,17 +208,23 @@ SURE = 0.8
 """Share of the runs from which on a letter is large."""
 
 
-def draw_phases(figure: Any, made: list[Verdict]) -> None:
+def draw_phases(figure: Any, verdicts: list[Verdict]) -> None:
     """Draw the maps above, the ways there and back below."""
-    found, ways = map_of(made), ways_of(made)
-    rows = [names for names, there in ((["p", "m"], found), (["up", "um"], ways)) if there]
-    figure.set_size_inches(12.4, 1.0 + (4.6 if found else 0.0) + (3.4 if ways else 0.0))
+    points, ways = map_of(verdicts), ways_of(verdicts)
+    rows = [
+        names
+        for names, points_there in ((["p", "m"], points), (["up", "um"], ways))
+        if points_there
+    ]
+    figure.set_size_inches(12.4, 1.0 + (4.6 if points else 0.0) + (3.4 if ways else 0.0))
     heights = [4.6 if "p" in names else 3.4 for names in rows]
     panels = figure.subplot_mosaic(rows, height_ratios=heights)
-    if found:
-        draw_map(figure, panels["p"], found, [s.p.mean for s in found], P_COLOURS, "polarisation p")
+    if points:
         draw_map(
-            figure, panels["m"], found, [s.m.mean for s in found], M_COLOURS, "angular momentum m"
+            figure, panels["p"], points, [s.p.mean for s in points], P_COLOURS, "polarisation p"
+        )
+        draw_map(
+            figure, panels["m"], points, [s.m.mean for s in points], M_COLOURS, "angular momentum m"
         )
     if ways:
         draw_ways(panels["up"], ways, "p")
@@ -228,17 +234,17 @@ def draw_phases(figure: Any, made: list[Verdict]) -> None:
 
 
 def draw_map(
-    figure: Any, axes: Any, found: list[PhasePoint], values: list[float], colours: str, title: str
+    figure: Any, axes: Any, points: list[PhasePoint], values: list[float], colours: str, title: str
 ) -> None:
     """Draw a map as equal squares, whatever the steps between the values."""
     from matplotlib.patches import Rectangle
 
-    xs, ys = sorted({spot.x for spot in found}), sorted({spot.y for spot in found})
+    xs, ys = sorted({spot.x for spot in points}), sorted({spot.y for spot in points})
     grid = np.full((len(ys), len(xs)), np.nan)
-    for spot, value in zip(found, values, strict=True):
+    for spot, value in zip(points, values, strict=True):
         grid[ys.index(spot.y), xs.index(spot.x)] = value
-    shown = axes.pcolormesh(grid, cmap=colours, vmin=0.0, vmax=1.0, edgecolors="white", linewidth=1)
-    for spot, value in zip(found, values, strict=True):
+    mesh = axes.pcolormesh(grid, cmap=colours, vmin=0.0, vmax=1.0, edgecolors="white", linewidth=1)
+    for spot, value in zip(points, values, strict=True):
         letter = LETTERS[spot.phase] if spot.share >= SURE else LETTERS[spot.phase].lower()
         x, y = xs.index(spot.x), ys.index(spot.y)
         if spot.phase == "fragments":
@@ -255,7 +261,7 @@ def draw_map(
             linespacing=1.1,
             color="white" if value > 0.55 else "#2b3138",
         )
-    sweep = found[0].case.own_sweep
+    sweep = points[0].case.own_sweep
     axes.grid(visible=False)
     axes.set_xticks(np.arange(len(xs)) + 0.5, [f"{x:g}" for x in xs])
     axes.set_yticks(np.arange(len(ys)) + 0.5, [f"{y:g}" for y in ys])
@@ -265,7 +271,7 @@ def draw_map(
     axes.set_title(title, loc="left")
     for spine in axes.spines.values():
         spine.set_visible(False)
-    figure.colorbar(shown, ax=axes, fraction=0.03, pad=0.01)
+    figure.colorbar(mesh, ax=axes, fraction=0.03, pad=0.01)
 
 
 def draw_ways(axes: Any, ways: list[tuple[PhasePoint, PhasePoint]], name: str) -> None:

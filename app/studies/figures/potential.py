@@ -71,14 +71,14 @@ class PotentialSettings(Settings):
         between()
         rng = np.random.default_rng(flock.seed)
         r = np.exp(rng.uniform(np.log(self.near), np.log(self.far), self.looks))
-        found = minimize_scalar(tanner_potential, bounds=(self.near, self.far), method="bounded",
+        minimum = minimize_scalar(tanner_potential, bounds=(self.near, self.far), method="bounded",
                                 options={"xatol": 1e-9})  # fmt: skip
-        lowest, slope = float(found.x), tanner_slope(r)
+        lowest, slope = float(minimum.x), tanner_slope(r)
         step = STEP * r
         differences = (tanner_potential(r + step) - tanner_potential(r - step)) / (2.0 * step)
         return {
             "lowest": lowest,
-            "least": float(found.fun),
+            "least": float(minimum.fun),
             "nearer": float(slope[r < lowest].max()),
             "farther": float(slope[r > lowest].min()),
             "pull": float(slope.max()),

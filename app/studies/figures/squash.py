@@ -43,20 +43,20 @@ class SquashSettings(Settings):
         """Measure what one car does to another; the flock needs two."""
         between()
         r = np.geomspace(self.near, self.far, self.looks)
-        found = self.curve(flock, r)
+        squashed = self.curve(flock, r)
         p = flock.parameters
         beta, c, gamma = p.beta, p.C, p.gamma  # type: ignore[attr-defined]
         return {
             "zero": self.zero(flock),
-            "touching": float(found[0]),
-            "distant": float(found[-1]),
+            "touching": float(squashed[0]),
+            "distant": float(squashed[-1]),
             "formula": c * gamma / (1.0 - c),
-            "error": float(np.abs(found - beta * (r / (r + gamma) - c)).max()),
+            "error": float(np.abs(squashed - beta * (r / (r + gamma) - c)).max()),
         }
 
     def curve(self, flock: Flock, r: np.ndarray) -> np.ndarray:
         """sigma at distances (K,) > 0, m: how fast a car goes towards another, over the gain."""
-        return np.array([self.pull(flock, one) for one in r])
+        return np.array([self.pull(flock, distance) for distance in r])
 
     def pull(self, flock: Flock, r: float) -> float:
         """sigma at one distance r, m; above 0 cars attract each other."""

@@ -72,12 +72,12 @@ class TurnSettings(Settings):
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Let one agent turn and see when the others do."""
-        one = self.turned(flock, between)
+        turn = self.turned(flock, between)
         return {
-            "exponent": one.exponent,
-            "speed": one.speed,
-            "ratio": one.speed / one.sound,
-            "order": one.order,
+            "exponent": turn.exponent,
+            "speed": turn.speed,
+            "ratio": turn.speed / turn.sound,
+            "order": turn.order,
         }
 
     def turned(self, flock: Flock, between: Callable[[], None] = lambda: None) -> Turn:
@@ -95,11 +95,11 @@ class TurnSettings(Settings):
         if flock.parameters.T > 0.0:  # type: ignore[attr-defined]
             between()
             flock.run(self.settle)
-            begun = flock.tick
-            kept = [one.copy() for one in (flock.position, flock.heading, flock.arrays.memory)]
+            start_tick = flock.tick
+            saved = [array.copy() for array in (flock.position, flock.heading, flock.arrays.memory)]
             still = self.headings(flock, between)
-            flock.position[:], flock.heading[:], flock.arrays.memory[:] = kept
-            flock.tick = begun
+            flock.position[:], flock.heading[:], flock.arrays.memory[:] = saved
+            flock.tick = start_tick
         away, order = distances(flock, first), float(flock.observe("polarisation"))
         sound, angle = sound_of(flock), math.radians(self.turn)
         ux, uy = flock.heading[first, :2]
@@ -107,10 +107,10 @@ class TurnSettings(Settings):
         flock.heading[first, 1] = math.sin(angle) * ux + math.cos(angle) * uy
         aside = np.zeros(flock.world.dim)
         aside[:2] = -uy, ux
-        gone = (self.headings(flock, between) - still) @ aside
+        deviation = (self.headings(flock, between) - still) @ aside
         ring = np.digitize(away, np.linspace(self.nearest, self.furthest, self.rings + 1)) - 1
         within = [ring == k for k in range(self.rings)]
-        rate = np.diff([gone[:, rows].mean(axis=1) for rows in within], axis=1)
+        rate = np.diff([deviation[:, rows].mean(axis=1) for rows in within], axis=1)
         reached = rate >= 0.5 * rate.max(axis=1, keepdims=True)
         return Turn(
             np.array([away[rows].mean() for rows in within]),
@@ -121,12 +121,12 @@ class TurnSettings(Settings):
 
     def headings(self, flock: Flock, between: Callable[[], None]) -> np.ndarray:
         """Headings at every tick from now on, (T + 1, N, dim)."""
-        seen = [flock.heading.copy()]
+        headings = [flock.heading.copy()]
         for _ in range(round(self.limit / flock.dt)):
             between()
             flock.run(1)
-            seen.append(flock.heading.copy())
-        return np.array(seen)
+            headings.append(flock.heading.copy())
+        return np.array(headings)
 
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
         """All of them, with noise."""
@@ -159,7 +159,7 @@ COLOURS = ("#2166ac", "#5aa9c9", "#1f9d63", "#c0392b", "#0b2545", "#8e44ad", "#b
 LINE = "#3c434b"
 
 
-def draw_turns(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+def draw_turns(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:
     """Draw the run of that seed of each row to the left, the exponents of all runs to the right."""
     settings = experiment.settings
     assert isinstance(settings, TurnSettings)
@@ -184,15 +184,15 @@ def draw_turns(figure: Any, experiment: Experiment, made: list[Verdict], seed: i
     ways.set_xticks([0.1, 1, 10], ["0.1", "1", "10"])
     ways.minorticks_off()
     ways.set_title(f"seed {seed}: rings about the one that turned", loc="left")
-    points = of(made, "exponent")
-    for k, one in enumerate(points):
-        values = [value for value in one.values if value is not None]
+    points = of(verdicts, "exponent")
+    for k, point in enumerate(points):
+        values = [value for value in point.values if value is not None]
         aside = np.random.default_rng(0).uniform(-0.22, 0.22, len(values))
         colour = COLOURS[k % len(COLOURS)]
         exponents.plot(k + aside, values, ".", color=colour, markersize=4, alpha=0.6)
     for level in (0.5, 1.0):
         exponents.axhline(level, color=LINE, linewidth=0.9, linestyle=":")
-    labels = [fill(one.case.label, 10) for one in points]
+    labels = [fill(point.case.label, 10) for point in points]
     exponents.set_xticks(range(len(points)), labels, fontsize=8)
     exponents.set_ylim(0.0, 1.4)
     exponents.set_ylabel("exponent a of distance ~ delay$^a$")

@@ -84,11 +84,11 @@ class ZoningSettings(Settings):
         zone, expected = zones_by_rule(flock, 0, places), zones_by_hand(flock, 0, places)
         inside = np.linalg.norm(places, axis=1) <= flock.reach
         around = [around_of(flock, row) for row in range(len(flock.ids))]
-        branch = np.array([branch_of(one.zone) for one in around])
+        branch = np.array([branch_of(neighbourhood.zone) for neighbourhood in around])
         wishes = [wish_of(flock, row) for row in range(len(flock.ids))]
         off = max(
-            angle_between(wish, expected_wish(one, flock.heading[row]))
-            for row, (wish, one) in enumerate(zip(wishes, around, strict=True))
+            angle_between(wish, expected_wish(neighbourhood, flock.heading[row]))
+            for row, (wish, neighbourhood) in enumerate(zip(wishes, around, strict=True))
         )
         before = flock.heading.copy()
         flock.run(1)
@@ -117,7 +117,7 @@ def zones_by_rule(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
     signals = flock.arrays.memory
     me = as_me(flock, row, signals[:, row].copy())
     other = np.array([row])
-    found = np.full(len(places), -1)
+    zones = np.full(len(places), -1)
     weigh, parameters = flock.model.rule.weigh, flock.context.parameters
     if weigh is None:
         raise InputError(f"{flock.model.name} weighs no others: it has no zones to look at")
@@ -127,8 +127,8 @@ def zones_by_rule(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
         call(flock.model, flock.interpret, weigh, me, near, parameters, weight)
         if weight[0] > 0.0:
             zone = int(np.searchsorted(radii, np.linalg.norm(apart), side="right"))
-            found[k] = min(zone, len(radii) - 1)
-    return found
+            zones[k] = min(zone, len(radii) - 1)
+    return zones
 
 
 def zones_by_hand(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
@@ -136,13 +136,13 @@ def zones_by_hand(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
     shells, view = shells_of(flock), field_of_view(flock)
     d = np.linalg.norm(places, axis=1)
     cosine = np.clip(places @ flock.heading[row] / np.where(d > 0.0, d, 1.0), -1.0, 1.0)
-    seen = np.degrees(np.arccos(cosine)) <= 0.5 * view
-    found = np.full(len(places), -1)
+    in_view = np.degrees(np.arccos(cosine)) <= 0.5 * view
+    zones = np.full(len(places), -1)
     for k in reversed(range(len(shells))):
-        found[(d <= shells[k].radius) & (seen | shells[k].all_round)] = k
+        zones[(d <= shells[k].radius) & (in_view | shells[k].all_round)] = k
         if not shells[k].all_round:  # who is too near to be seen there is not in the next either
-            found[(d <= shells[k].radius) & ~seen] = -1
-    return found
+            zones[(d <= shells[k].radius) & ~in_view] = -1
+    return zones
 
 
 def is_sure(flock: Flock, places: np.ndarray) -> np.ndarray:
@@ -189,17 +189,17 @@ def expected_wish(around: AgentNeighbours, heading: np.ndarray) -> np.ndarray:
 def wish_of(flock: Flock, row: int) -> np.ndarray:
     """The direction that the rule itself wishes for, (dim,); the heading where it has no wish."""
     signals = flock.arrays.memory
-    one = flock.inspect(row)
+    inspection = flock.inspect(row)
     me = as_me(flock, row, signals[:, row].copy())
-    near = as_near(flock, row, one.neighbours, one.separation, signals, NO_POINTS)
+    near = as_near(flock, row, inspection.neighbours, inspection.separation, signals, NO_POINTS)
     decide = flock.model.rule.decide
     if decide is None:
         raise InputError(f"{flock.model.name} decides in pairs: it cannot be asked by itself")
     surroundings, parameters = flock.engine.surroundings, flock.context.parameters
     wish = call(flock.model, flock.interpret, decide, me, near, surroundings, parameters)
-    found = np.array([wish.x, wish.y, wish.z][: flock.world.dim])
-    length = float(np.linalg.norm(found))
-    return found / length if length > 1e-9 else flock.heading[row].copy()
+    direction = np.array([wish.x, wish.y, wish.z][: flock.world.dim])
+    length = float(np.linalg.norm(direction))
+    return direction / length if length > 1e-9 else flock.heading[row].copy()
 
 
 def angle_between(a: np.ndarray, b: np.ndarray) -> float:
@@ -258,8 +258,8 @@ def scheme_caption(experiment: Experiment, seed: int, flock: Any, row: int) -> s
 
 def signs() -> list[Any]:
     """What is what."""
-    found = [sign(colour, name, ">") for colour, name in zip(ZONE_COLOURS, NAMES, strict=True)]
-    return [sign(INK, "the agent", ">"), *found, sign(FAINT, "not noticed", ">", hollow=True)]
+    handles = [sign(colour, name, ">") for colour, name in zip(ZONE_COLOURS, NAMES, strict=True)]
+    return [sign(INK, "the agent", ">"), *handles, sign(FAINT, "not noticed", ">", hollow=True)]
 
 
 def draw_ground(axes: Any, flock: Any, row: int, alpha: float = 1.0) -> None:
@@ -270,9 +270,10 @@ def draw_ground(axes: Any, flock: Any, row: int, alpha: float = 1.0) -> None:
     at = (np.arange(CELLS) + 0.5) / CELLS * 2.0 * half - half
     x, y = np.meshgrid(at, at)
     zone = zones_by_rule(flock, row, np.column_stack([x.ravel(), y.ravel()])).reshape(x.shape)
-    shown = np.where((zone < 0) & (x * x + y * y <= flock.reach**2), 3, zone)
+    colour_index = np.where((zone < 0) & (x * x + y * y <= flock.reach**2), 3, zone)
     axes.imshow(
-        np.ma.masked_less(shown, 0), cmap=ListedColormap([*ZONE_FILLS, BLIND]), vmin=0, vmax=3,
+        np.ma.masked_less(colour_index, 0), vmin=0, vmax=3,
+        cmap=ListedColormap([*ZONE_FILLS, BLIND]),
         extent=(-half, half, -half, half), origin="lower", interpolation="nearest", zorder=0,
         alpha=alpha,
     )  # fmt: skip
@@ -348,9 +349,11 @@ def draw_view(figure: Any, experiment: Experiment, seed: int) -> None:
     half = ROOM * flock.reach
     at = (np.arange(CELLS) + 0.5) / CELLS * 2.0 * half - half
     x, y = np.meshgrid(at, at)
-    seen = zones_by_rule(flock, row, np.column_stack([x.ravel(), y.ravel()])).reshape(x.shape) >= 0
+    in_view = (
+        zones_by_rule(flock, row, np.column_stack([x.ravel(), y.ravel()])).reshape(x.shape) >= 0
+    )
     shade = np.zeros((*x.shape, 4))
-    shade[seen] = (0.74, 0.77, 0.81, 1.0)
+    shade[in_view] = (0.74, 0.77, 0.81, 1.0)
     axes.imshow(shade, extent=(-half, half, -half, half), origin="lower", zorder=0)
     draw_others(axes, flock, row)
     mark_view(axes, flock, row, sight_of(experiment))
@@ -423,13 +426,13 @@ def draw_cases(figure: Any, experiment: Experiment, seed: int) -> None:
     figure.set_size_inches(12.0, 11.4)
     panels = figure.subplots(2, 2).ravel()
     for axes, (branch, letter, words) in zip(panels, CASES, strict=True):
-        found = occasion(experiment, seed, branch)
+        example = occasion(experiment, seed, branch)
         axes.set_title(f"({letter}) {words}", loc="left")
-        if found is None:
+        if example is None:
             bare(axes, np.zeros(2), 1.0)
             word(axes, np.zeros(2), f"in none of {SEEDS} flocks")
             continue
-        draw_case(axes, *found)
+        draw_case(axes, *example)
     explain(
         figure,
         [

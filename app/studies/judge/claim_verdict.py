@@ -110,11 +110,11 @@ def answer_of(values: RunRanges, word: Callable[[float, float], Word], of: int) 
     """The answer that a word makes of the interval of a mean."""
     if values.runs < FEWEST_RUNS:
         return TOO_FEW
-    found, p = decide(lambda confidence: word(*values.interval(confidence)), of)
-    if found != "undecided":
-        return ClaimVerdict(found, p=p)
+    answer, p = decide(lambda confidence: word(*values.interval(confidence)), of)
+    if answer != "undecided":
+        return ClaimVerdict(answer, p=p)
     if values.open_runs:
-        return ClaimVerdict(found, why=values.open_words)
+        return ClaimVerdict(answer, why=values.open_words)
     confidence = 1.0 - (1.0 - CONFIDENCE) / of
 
     def decides(runs: int) -> bool:
@@ -122,7 +122,7 @@ def answer_of(values: RunRanges, word: Callable[[float, float], Word], of: int) 
         return word(float(limits.low), float(limits.high)) != "undecided"
 
     needed = least(decides, values.runs)
-    return ClaimVerdict(found, needed, "all runs are equal" if values.are_equal else "")
+    return ClaimVerdict(answer, needed, "all runs are equal" if values.are_equal else "")
 
 
 def least(decides: Callable[[int], bool], start: int = 2) -> int | None:
@@ -153,10 +153,10 @@ def share_of_runs(good: int, runs: int, share: float, of: int = 1) -> ClaimVerdi
         return ClaimVerdict("does not hold", p=0.0)
     if runs == 0:
         return TOO_FEW
-    found, p = decide(lambda confidence: share_word(good, runs, share, confidence), of)
-    if found != "undecided":
-        return ClaimVerdict(found, p=p)
-    return ClaimVerdict(found, runs_for_share(good / runs, share, of, runs))
+    answer, p = decide(lambda confidence: share_word(good, runs, share, confidence), of)
+    if answer != "undecided":
+        return ClaimVerdict(answer, p=p)
+    return ClaimVerdict(answer, runs_for_share(good / runs, share, of, runs))
 
 
 def share_word(good: int, runs: int, share: float, confidence: float) -> Word:
@@ -173,7 +173,7 @@ def share_word(good: int, runs: int, share: float, confidence: float) -> Word:
     return "does not hold" if not every and limits.high < share else "undecided"
 
 
-def runs_for_share(rate: float, share: float, of: int = 1, made: int = 1) -> int | None:
+def runs_for_share(rate: float, share: float, of: int = 1, runs_made: int = 1) -> int | None:
     """Runs, of which so many are made, with which a share like `rate` is told from `share`, about.
 
     None if no number would.
@@ -183,24 +183,24 @@ def runs_for_share(rate: float, share: float, of: int = 1, made: int = 1) -> int
     def decides(runs: int) -> bool:
         return share_word(round(rate * runs), runs, share, confidence) != "undecided"
 
-    return least(decides, made)
+    return least(decides, runs_made)
 
 
 def all_of(answers: Sequence[ClaimVerdict]) -> ClaimVerdict:
     """The answer to a claim that holds if all of its parts hold."""
-    return join_verdicts(answers, every="holds", one="does not hold")
+    return join_verdicts(answers, every="holds", verdict_word="does not hold")
 
 
 def any_of(answers: Sequence[ClaimVerdict]) -> ClaimVerdict:
     """The answer to a claim that holds if one of its parts holds."""
-    return join_verdicts(answers, every="does not hold", one="holds")
+    return join_verdicts(answers, every="does not hold", verdict_word="holds")
 
 
-def join_verdicts(answers: Sequence[ClaimVerdict], every: Word, one: Word) -> ClaimVerdict:
-    """One answer of several: `one` if a part says so, `every` if all do, else undecided."""
-    parts = [answer for answer in answers if answer.word == one]
+def join_verdicts(answers: Sequence[ClaimVerdict], every: Word, verdict_word: Word) -> ClaimVerdict:
+    """Join answers: `verdict_word` if a part says so, `every` if all do, else undecided."""
+    parts = [answer for answer in answers if answer.word == verdict_word]
     if parts:
-        return ClaimVerdict(one, p=min(answer.p for answer in parts))
+        return ClaimVerdict(verdict_word, p=min(answer.p for answer in parts))
     if all(answer.word == every for answer in answers):
         return ClaimVerdict(every, p=max(answer.p for answer in answers))
     open_ones = [answer for answer in answers if answer.word == "undecided"]

@@ -125,7 +125,7 @@ def subtract_means(a: MeanEstimate, b: MeanEstimate) -> MeanEstimate:
 
 
 def subtract_published(
-    ours: MeanEstimate,
+    estimate: MeanEstimate,
     mean: float | np.ndarray,
     deviation: float | np.ndarray | None = None,
     runs: int | None = None,
@@ -136,18 +136,22 @@ def subtract_published(
     depends on our runs alone. `runs`: how many were published, or `PUBLISHED_RUNS`.
     """
     count = runs or PUBLISHED_RUNS
-    ratio = np.sqrt((ours.freedom + 1.0) / count)
-    error = ours.error * ratio if deviation is None else np.asarray(deviation) / math.sqrt(count)
-    error = np.broadcast_to(error, np.shape(ours.error))
-    freedom = np.full(np.shape(ours.error), max(count - 1.0, 1e-3))
-    skewness = ours.skewness * ratio
-    theirs = MeanEstimate(np.asarray(mean, float), error, freedom, skewness, skewness)
-    difference = subtract_means(ours, theirs)
+    ratio = np.sqrt((estimate.freedom + 1.0) / count)
+    error = (
+        estimate.error * ratio if deviation is None else np.asarray(deviation) / math.sqrt(count)
+    )
+    error = np.broadcast_to(error, np.shape(estimate.error))
+    freedom = np.full(np.shape(estimate.error), max(count - 1.0, 1e-3))
+    skewness = estimate.skewness * ratio
+    other = MeanEstimate(np.asarray(mean, float), error, freedom, skewness, skewness)
+    difference = subtract_means(estimate, other)
     if deviation is not None:
         return difference
     with np.errstate(divide="ignore", invalid="ignore"):
-        lean = np.where(difference.error > 0.0, ours.skewness * ours.error / difference.error, 0.0)
-    return difference._replace(freedom=ours.freedom, lean=lean)
+        lean = np.where(
+            difference.error > 0.0, estimate.skewness * estimate.error / difference.error, 0.0
+        )
+    return difference._replace(freedom=estimate.freedom, lean=lean)
 
 
 def mean_interval(estimate: MeanEstimate, confidence: float = CONFIDENCE) -> ConfidenceInterval:
@@ -167,9 +171,9 @@ def mean_interval(estimate: MeanEstimate, confidence: float = CONFIDENCE) -> Con
     below = np.where(straight, y - b, (np.cbrt(1.0 + 3.0 * a * (y - b)) - 1.0) / a)
     above = np.where(straight, y + b, (1.0 - np.cbrt(1.0 - 3.0 * a * (y + b))) / a)
     below, above = (np.clip(side, y, WIDEST * y) for side in (below, above))
-    known = estimate.error > 0.0
-    low = np.where(known, estimate.mean - below * estimate.error, -np.inf)
-    high = np.where(known, estimate.mean + above * estimate.error, np.inf)
+    has_error = estimate.error > 0.0
+    low = np.where(has_error, estimate.mean - below * estimate.error, -np.inf)
+    high = np.where(has_error, estimate.mean + above * estimate.error, np.inf)
     return ConfidenceInterval(low, high)
 
 
@@ -384,8 +388,10 @@ def largest(values: np.ndarray) -> float:
 
 def ranges_of(values: Sequence[float | None] | np.ndarray, limit: float | None = None) -> RunRanges:
     """Runs of an unbounded measure; None: given up, at least at `limit` where there is one."""
-    least = [(-math.inf if limit is None else limit) if one is None else one for one in values]
-    most = [math.inf if one is None else one for one in values]
+    least = [
+        (-math.inf if limit is None else limit) if value is None else value for value in values
+    ]
+    most = [math.inf if value is None else value for value in values]
     return RunRanges(np.array(least, float), np.array(most, float))
 
 

@@ -84,18 +84,18 @@ class Verdict:
 
     def as_compared(self) -> dict[str, Any]:
         """How it stands beside what was published, as a flat row; None for what is not known."""
-        one = self.comparison
-        low, high = one.interval if one else (None, None)
+        comparison = self.comparison
+        low, high = comparison.interval if comparison else (None, None)
         return {
             "verdict": self.word,
-            "needed": one and one.needed,
-            "because": one and one.why,
-            "p": one and one.p,
-            "difference": one and one.difference,
+            "needed": comparison and comparison.needed,
+            "because": comparison and comparison.why,
+            "p": comparison and comparison.p,
+            "difference": comparison and comparison.difference,
             "difference_low99": low,
             "difference_high99": high,
-            "z": one and one.z,
-            "d": one and one.effect,
+            "z": comparison and comparison.z,
+            "d": comparison and comparison.effect,
             "expected": self.expected.verdict if self.expected else "",
             "why": self.expected.why if self.expected else "",
         }
@@ -106,24 +106,24 @@ def paired(a: Verdict, b: Verdict) -> RunRanges:
     return b.ranges.minus(a.ranges)
 
 
-def of(made: list[Verdict], measure: str) -> list[Verdict]:
+def of(verdicts: list[Verdict], measure: str) -> list[Verdict]:
     """The verdicts on one measure."""
-    return [one for one in made if one.measure.name == measure]
+    return [verdict for verdict in verdicts if verdict.measure.name == measure]
 
 
-def main_ones(made: list[Verdict]) -> list[Verdict]:
+def main_ones(verdicts: list[Verdict]) -> list[Verdict]:
     """The verdicts on the measure that the experiment reports first."""
-    return of(made, made[0].measure.name) if made else []
+    return of(verdicts, verdicts[0].measure.name) if verdicts else []
 
 
-def sweeps_of(made: list[Verdict]) -> list[tuple[PaperSweep, int, list[Verdict]]]:
+def sweeps_of(verdicts: list[Verdict]) -> list[tuple[PaperSweep, int, list[Verdict]]]:
     """The verdicts by sweep and size of flock, in order of the values."""
-    found: dict[tuple[int, int], tuple[PaperSweep, int, list[Verdict]]] = {}
-    for one in made:
-        if one.case.sweep:
-            key = (id(one.case.sweep), one.case.agents)
-            found.setdefault(key, (one.case.sweep, one.case.agents, []))[2].append(one)
-    return list(found.values())
+    sweeps: dict[tuple[int, int], tuple[PaperSweep, int, list[Verdict]]] = {}
+    for verdict in verdicts:
+        if verdict.case.sweep:
+            key = (id(verdict.case.sweep), verdict.case.agents)
+            sweeps.setdefault(key, (verdict.case.sweep, verdict.case.agents, []))[2].append(verdict)
+    return list(sweeps.values())
 
 
 def name(value: object) -> str:

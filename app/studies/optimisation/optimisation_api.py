@@ -53,14 +53,14 @@ class Optimum:
     @property
     def columns(self) -> dict[str, list[Any]]:
         """The default and the best, or the front, on fresh seeds, as lists by column."""
-        made: dict[str, list[Any]] = {}
-        for one in (self.answer.default, *self.answer.best):
-            row: dict[str, Any] = {"what": one.what, **one.point}
-            for name, mean in zip(self.answer.goals, one.means, strict=True):
+        columns: dict[str, list[Any]] = {}
+        for point in (self.answer.default, *self.answer.best):
+            row: dict[str, Any] = {"what": point.what, **point.point}
+            for name, mean in zip(self.answer.goals, point.means, strict=True):
                 row |= {name: mean and mean.value, f"{name} half interval": mean and mean.half}
             for name, value in row.items():
-                made.setdefault(name, []).append(value)
-        return made
+                columns.setdefault(name, []).append(value)
+        return columns
 
     def to_pandas(self) -> Any:
         """The same as `pandas.DataFrame`."""
@@ -136,7 +136,7 @@ def optimise(
             values["search"]["population"] = population
         aims = (("least", least), ("most", most))
         values["objective"] = [{"observable": name, "aim": aim} for aim, name in aims if name]
-        values["constraint"] = [{"says": one} for one in keep]
+        values["constraint"] = [{"says": condition} for condition in keep]
         study = study_of(values, KeyLocations(CALL), Path())
     place = kept_in(folder)
     done = carry_out(study, place, workers=workers, tell=tell)

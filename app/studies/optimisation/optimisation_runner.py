@@ -52,7 +52,7 @@ def optimise(
     goes on after any stop. `retry`: whether runs that failed are made again. `limit`: runs to make
     now. `at` hears of the share that is done, and words. Raises InputError.
     """
-    asked = study.file.search
+    settings = study.file.search
     runs = Evaluations(
         study, folder, workers=workers or cores(), nice=nice, retry=retry, limit=limit, tell=tell
     )
@@ -61,14 +61,14 @@ def optimise(
     with runs:
         try:
             end = search(
-                asked.algorithm,
-                len(asked.axes),
+                settings.algorithm,
+                len(settings.axes),
                 len(study.goals),
                 1 + len(study.limits),
                 course.judge,
-                evaluations=asked.evaluations,
-                population=asked.generation,
-                seed=asked.seed,
+                evaluations=settings.evaluations,
+                population=settings.generation,
+                seed=settings.seed,
             )
             answer = answer_of(study, runs, course.evaluated, end)
             runs.runner.store.tell(runs=len(runs.used))

@@ -127,20 +127,20 @@ def open_database(path: Path) -> sqlite3.Connection:
         with guarded(path), closing(read_only(path)) as judged:
             has_tables(judged, path)
     with guarded(path):
-        made = sqlite3.connect(path, timeout=BUSY, isolation_level=None)
-        mode = made.execute("PRAGMA journal_mode = WAL").fetchone()[0]
+        connection = sqlite3.connect(path, timeout=BUSY, isolation_level=None)
+        mode = connection.execute("PRAGMA journal_mode = WAL").fetchone()[0]
         if mode != "wal":
-            made.close()
+            connection.close()
             raise InputError(
                 f"store of runs {str(path)!r} needs a local disk: this one cannot keep what is "
                 f"written apart from what is read (journal mode {mode})"
             )
-        made.execute("PRAGMA synchronous = NORMAL")
-        if new or not has_tables(made, path):
-            made.execute(f"PRAGMA application_id = {APPLICATION}")
-            made.execute(f"PRAGMA user_version = {FORMAT}")
-            made.executescript(f"BEGIN; {TABLES} COMMIT;")
-        return made
+        connection.execute("PRAGMA synchronous = NORMAL")
+        if new or not has_tables(connection, path):
+            connection.execute(f"PRAGMA application_id = {APPLICATION}")
+            connection.execute(f"PRAGMA user_version = {FORMAT}")
+            connection.executescript(f"BEGIN; {TABLES} COMMIT;")
+        return connection
 
 
 def has_tables(connection: sqlite3.Connection, path: Path) -> bool:
@@ -159,8 +159,10 @@ def has_tables(connection: sqlite3.Connection, path: Path) -> bool:
     if "run" not in names:
         return False
     for name, columns in COLUMNS.items():
-        found = connection.execute(f"PRAGMA table_xinfo({quoted(name)})").fetchall()
-        if not columns <= {row[1] for row in found} or any(row[-1] for row in found):
+        table_columns = connection.execute(f"PRAGMA table_xinfo({quoted(name)})").fetchall()
+        if not columns <= {row[1] for row in table_columns} or any(
+            row[-1] for row in table_columns
+        ):
             raise foreign(path, f"the table {name} has other columns")
     return True
 
@@ -176,20 +178,20 @@ def looked_into(path: Path) -> sqlite3.Connection:
         raise InputError(f"{str(path)!r}: there is no store of runs")
     demand_ours(path)
     with guarded(path, "read"):
-        made = read_only(path)
+        connection = read_only(path)
         try:
-            there = has_tables(made, path)
+            is_store = has_tables(connection, path)
         except sqlite3.OperationalError:  # a folder that may only be read has no room for the WAL
-            made.close()
-            made = sqlite3.connect(f"{path.absolute().as_uri()}?immutable=1", uri=True)
-            there = has_tables(made, path)
+            connection.close()
+            connection = sqlite3.connect(f"{path.absolute().as_uri()}?immutable=1", uri=True)
+            is_store = has_tables(connection, path)
         except BaseException:
-            made.close()
+            connection.close()
             raise
-        if not there:
-            made.close()
+        if not is_store:
+            connection.close()
             raise InputError(f"{str(path)!r}: there is no run in it yet")
-        return made
+        return connection
 
 
 def read_only(path: Path) -> sqlite3.Connection:
@@ -222,10 +224,10 @@ def holds_tables(path: Path) -> bool:
 
     One of ours says nothing yet where a kill came while it was made, or its head is in the WAL.
     """
-    with guarded(path, "read"), closing(read_only(path)) as made:
-        names = {row[0] for row in made.execute("SELECT name FROM sqlite_master")}
-        ours = made.execute("PRAGMA application_id").fetchone()[0] == APPLICATION
-        return bool(names) and not ours
+    with guarded(path, "read"), closing(read_only(path)) as connection:
+        names = {row[0] for row in connection.execute("SELECT name FROM sqlite_master")}
+        is_ours = connection.execute("PRAGMA application_id").fetchone()[0] == APPLICATION
+        return bool(names) and not is_ours
 
 
 def quoted(column: str) -> str:

@@ -89,9 +89,9 @@ class Store:
 
     def _widen(self) -> None:
         """Add the columns that the store does not have."""
-        there = {row[1].lower() for row in self.connection.execute("PRAGMA table_info(run)")}
+        columns = {row[1].lower() for row in self.connection.execute("PRAGMA table_info(run)")}
         for name in self.columns:
-            if name.lower() not in there:
+            if name.lower() not in columns:
                 self.connection.execute(f"ALTER TABLE run ADD COLUMN {quoted(name)}")
 
     def lay_out(self, cells: Sequence[tuple[str, str]]) -> list[int]:
@@ -105,8 +105,8 @@ class Store:
             self.connection.executemany(
                 "INSERT OR IGNORE INTO cell (hash, json) VALUES (?, ?)", cells
             )
-            known = dict(run("SELECT hash, id FROM cell").fetchall())
-            numbers = [known[one] for one, _ in cells]
+            ids = dict(run("SELECT hash, id FROM cell").fetchall())
+            numbers = [ids[cell] for cell, _ in cells]
             run("DELETE FROM plan")
             self.connection.executemany(
                 "INSERT INTO plan (place, cell) VALUES (?, ?)", list(enumerate(numbers, 1))
@@ -118,8 +118,8 @@ class Store:
         """Forget the runs that failed or were killed, so that they are made again; how many."""
         with guarded(self.path):
             marks = ", ".join("?" * len(BROKEN))
-            found = self.connection.execute(f"DELETE FROM run WHERE status IN ({marks})", BROKEN)
-            return found.rowcount
+            cursor = self.connection.execute(f"DELETE FROM run WHERE status IN ({marks})", BROKEN)
+            return cursor.rowcount
 
     @contextmanager
     def _asked(self) -> Iterator[None]:
@@ -134,15 +134,15 @@ class Store:
     def outcomes(self, columns: Sequence[str]) -> dict[tuple[int, int], Outcome]:
         """All runs by cell and seed, with these of their columns and without their series."""
         names = ", ".join(map(quoted, [*FIXED, *columns]))
-        found: dict[tuple[int, int], Outcome] = {}
+        outcomes: dict[tuple[int, int], Outcome] = {}
         with self._asked():
             for row in self.connection.execute(f"SELECT {names} FROM run"):
                 cell, seed, status, reason, seconds, ticks, astray, *values = row
                 measured = dict(zip(columns, values, strict=True))
-                found[cell, seed] = Outcome(
+                outcomes[cell, seed] = Outcome(
                     status, measured, reason or "", seconds, ticks, astray or ""
                 )
-        return found
+        return outcomes
 
     def others(self, cells: Iterable[int]) -> list[tuple[dict, dict, int]]:
         """Identity, basis and number of runs of the cells that are not among these."""
@@ -153,12 +153,14 @@ class Store:
                 "JOIN (SELECT cell AS c, count(*) AS runs FROM run GROUP BY cell) ON c = id"
             ).fetchall()
         try:
-            found = [
-                (demand_cell(json_value(text)), runs) for one, text, runs in rows if one not in mine
+            other_cells = [
+                (demand_cell(json_value(text)), runs) for row, text, runs in rows if row not in mine
             ]
         except StoreContentError as error:
             raise InputError(f"{str(self.path)!r} cannot be gone on with: {error}") from None
-        return [(one.get("identity", {}), one.get("basis", {}), runs) for one, runs in found]
+        return [
+            (cell.get("identity", {}), cell.get("basis", {}), runs) for cell, runs in other_cells
+        ]
 
     def add(self, cell: int, seed: int, outcome: Outcome) -> None:
         """Take a run; it is on the disk after the next commit."""
@@ -169,8 +171,8 @@ class Store:
                 *(outcome.ticks, outcome.astray or None, *values),
             )
         )
-        for name, (ticks, found) in outcome.series.items():
-            blobs = np.asarray(ticks, "<i8").tobytes(), np.asarray(found, "<f8").tobytes()
+        for name, (ticks, entries) in outcome.series.items():
+            blobs = np.asarray(ticks, "<i8").tobytes(), np.asarray(entries, "<f8").tobytes()
             self.series.append((cell, seed, name, *blobs))
 
     def tell(self, **state: Any) -> None:

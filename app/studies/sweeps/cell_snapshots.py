@@ -17,26 +17,27 @@ PART = 0.84
 """Of a cell's width, the rest is its colour."""
 
 
-def draw_snapshots(axes: Any, kept: StoreReader, at: dict[int, tuple[int, int]]) -> None:
+def draw_snapshots(axes: Any, reader: StoreReader, at: dict[int, tuple[int, int]]) -> None:
     """Draw the flock of each cell's first run at its end; `at` is where a cell stands on the map.
 
     It is run again for that. Raises InputError if there are too many, or too long runs.
     """
     first: dict[int, tuple[int, int]] = {}
-    for cell, seed, status, _, _, ticks, _ in kept.runs([]):
+    for cell, seed, status, _, _, ticks, _ in reader.runs([]):
         if status in ("ok", "gave-up") and cell in at:
             first.setdefault(cell, (seed, ticks))
     steps = sum(
-        ticks * kept.cells[cell]["identity"]["spec"]["agents"] for cell, (_, ticks) in first.items()
+        ticks * reader.cells[cell]["identity"]["spec"]["agents"]
+        for cell, (_, ticks) in first.items()
     )
     if len(first) > MOST or steps > MOST_STEPS:
         raise InputError(
             f"the flocks of {len(first)} cells, {steps:.2g} steps of agents, are too much to draw: "
             f"leave cells out with --where, {MOST} and {MOST_STEPS:.2g} are allowed"
         )
-    places = places_of(kept)
+    places = places_of(reader)
     for cell, (seed, ticks) in first.items():
-        flock = Flock(spec_at(kept, places[cell], seed))
+        flock = Flock(spec_at(reader, places[cell], seed))
         flock.run(ticks)
         column, row = at[cell]
         margin = 0.5 * (1.0 - PART)

@@ -71,8 +71,10 @@ class Sweep:
 
     def seed(self, cell: Cell, replicate: int) -> int:
         """The seed of a replicate of a cell, which are counted from 0."""
-        asked = self.file.replicates
-        first = asked.first if asked.seeds == "common" else cell.first_seed + asked.first
+        replicates = self.file.replicates
+        first = (
+            replicates.first if replicates.seeds == "common" else cell.first_seed + replicates.first
+        )
         return first + replicate
 
     def seeds(self, cell: Cell, replicates: int) -> range:
@@ -133,12 +135,12 @@ def sweep_of(
     if faults:
         raise refusal_of(list(faults.values()))
     text = places.text or tomlkit.dumps(values)
-    made = Sweep(file, places, folder, base, making, cells, text)
-    check_precision(made)
+    sweep = Sweep(file, places, folder, base, making, cells, text)
+    check_precision(sweep)
     for record in file.record:
         for cell in cells:
             chosen(record, cell)
-    return made
+    return sweep
 
 
 def explained(refusal: str, design: int, point: Point, number: int, places: KeyLocations) -> str:
@@ -148,8 +150,8 @@ def explained(refusal: str, design: int, point: Point, number: int, places: KeyL
         at = places.of(word, "design.axes", design)
     else:
         at = places.of(word, "run" if word in RunOptions.model_fields else "run.parameters")
-    said = ", ".join(f"{name} = {value!r}" for name, value in point.items())
-    return f"{refusal} ({at}; cell {number}: {said})" if said else f"{refusal} ({at})"
+    point_text = ", ".join(f"{name} = {value!r}" for name, value in point.items())
+    return f"{refusal} ({at}; cell {number}: {point_text})" if point_text else f"{refusal} ({at})"
 
 
 def checked_file[File: StrictTable](
@@ -172,8 +174,8 @@ def checked_file[File: StrictTable](
         design = numbers[0] if keys[:1] == ["design"] and numbers else None
         where = places.of(keys[-1] if keys else "", ".".join(keys[:-1]), design)
         cause = first.get("ctx", {}).get("error")
-        said = str(cause) if isinstance(cause, InputError) else needed(first)
-        raise InputError(": ".join(filter(None, [".".join(keys), f"{said} ({where})"]))) from None
+        reason = str(cause) if isinstance(cause, InputError) else needed(first)
+        raise InputError(": ".join(filter(None, [".".join(keys), f"{reason} ({where})"]))) from None
 
 
 TAGS = ("grid", "list", "csv", "latin-hypercube", "sobol", "saltelli", "morris", "Span")
@@ -230,11 +232,11 @@ def demand_own_names(
 ) -> None:
     """Refuse an axis with the name of another column of the table of runs. Raises InputError."""
     axes = {axis: design for design, point in points for axis in point}
-    taken = next((one for one in axes if one in {*HEADS, *making.names}), None)
-    if taken is not None:
-        where = places.of(taken, "design.axes", axes[taken])
+    clash = next((axis for axis in axes if axis in {*HEADS, *making.names}), None)
+    if clash is not None:
+        where = places.of(clash, "design.axes", axes[clash])
         raise InputError(
-            f"axis {taken!r} is not allowed: the table of runs has another column of that name: "
+            f"axis {clash!r} is not allowed: the table of runs has another column of that name: "
             f"rename the parameter, or the column ({where})"
         )
 
@@ -252,29 +254,30 @@ def making_of(
     file: SweepFile, places: KeyLocations, folder: Path, first: Callable[[], Flock]
 ) -> SweepJob:
     """How runs are made and measured. Raises InputError."""
-    asked = file.observe or usual(file, first)
+    observed = file.observe or usual(file, first)
     measures: list[SweepMeasure] = []
-    for one in asked:
-        key = "measure" if one.measure else "name"
+    for entry in observed:
+        key = "measure" if entry.measure else "name"
         try:
-            measures.append(measure_of(one, folder))
+            measures.append(measure_of(entry, folder))
         except InputError as refusal:
             at = places.of("observe" if "observe" in places.options else key, "observe")
             raise InputError(f"{refusal} ({at})") from None
     twice = [
-        one
-        for one, other in itertools.combinations(measures, 2)
-        if one.column.lower() == other.column.lower()
+        measure
+        for measure, other in itertools.combinations(measures, 2)
+        if measure.column.lower() == other.column.lower()
     ]
     if twice:
         raise InputError(
             f"column {twice[0].column!r} is there twice: give one of them another "
             f"({places.of('column', 'observe')})"
         )
-    for made in measures:
-        if made.over is not None and made.over > file.run.ticks:
+    for measure in measures:
+        if measure.over is not None and measure.over > file.run.ticks:
             raise InputError(
-                f"over = {made.over} is more than ticks = {file.run.ticks}, the ticks that are run "
+                f"over = {measure.over} is more than ticks = {file.run.ticks}, the ticks that are "
+                "run "
                 f"({places.of('over', 'observe')})"
             )
     until = None

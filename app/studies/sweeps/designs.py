@@ -50,10 +50,10 @@ def points_of(design: AnyDesign, folder: Path) -> list[Point]:
             f"where cannot be said of a {design.kind} design, which needs all its cells"
         )
     condition = Condition(design.where, list(points[0]) if points else [])
-    kept = [point for point in points if condition.holds(point)]
-    if not kept:
+    allowed = [point for point in points if condition.holds(point)]
+    if not allowed:
         raise InputError(f"where = {design.where!r} holds for none of {len(points)} cells")
-    return kept
+    return allowed
 
 
 def rounded(point: Point) -> Point:
@@ -118,8 +118,8 @@ def listed(design: ListDesign, folder: Path) -> Iterator[Point]:
 
 def find_file(file: str, folder: Path) -> Path:
     """A file that a sweep names: beside it, or else from where the command is called."""
-    beside = folder / file
-    return beside if beside.exists() else Path(file)
+    in_folder = folder / file
+    return in_folder if in_folder.exists() else Path(file)
 
 
 def read_csv(path: Path) -> list[Point]:

@@ -30,7 +30,7 @@ def half_width(values: Sequence[float], confidence: float = INTERVAL_CONFIDENCE)
     return statistics.half_width(float(np.mean(values)) if len(values) else math.nan, interval)
 
 
-def is_precise(values: Sequence[float], asked: Precision) -> bool:
+def is_precise(values: Sequence[float], precision: Precision) -> bool:
     """Whether the interval of the mean is as narrow as is asked for.
 
     Values that are all equal count as precise from the first look on: a measure without noise would
@@ -38,9 +38,9 @@ def is_precise(values: Sequence[float], asked: Precision) -> bool:
     """
     if len(values) >= FIRST_LOOK and ranges_of(values).are_equal:
         return True
-    width = half_width(values, asked.confidence)
-    scale = abs(float(np.mean(values))) if asked.relative and len(values) else 1.0
-    return width <= asked.within * scale
+    width = half_width(values, precision.confidence)
+    scale = abs(float(np.mean(values))) if precision.relative and len(values) else 1.0
+    return width <= precision.within * scale
 
 
 class Rounds:
@@ -49,10 +49,10 @@ class Rounds:
     So it does not matter in which order runs end, or how often a sweep was stopped.
     """
 
-    def __init__(self, asked: Replicates, cells: Sequence[int]):
-        self.asked = asked
+    def __init__(self, replicates: Replicates, cells: Sequence[int]):
+        self.asked = replicates
         self.cells = list(cells)
-        self.wanted = dict.fromkeys(self.cells, asked.count)
+        self.wanted = dict.fromkeys(self.cells, replicates.count)
 
     @property
     def total(self) -> int:

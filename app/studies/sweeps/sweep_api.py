@@ -65,9 +65,9 @@ def sweep(
         for name, axis in (vary or {}).items()
     }
     design = {"kind": "grid", "where": where, "axes": axes} if vary else None
-    made = requested_sweep(what, design, runs, ticks, observe, until, hold, words, tell)
+    sweep = requested_sweep(what, design, runs, ticks, observe, until, hold, words, tell)
     folder = kept_in(folder)
-    conduct(made, folder, workers=workers or cores(), tell=tell)
+    conduct(sweep, folder, workers=workers or cores(), tell=tell)
     return Results(folder)
 
 
@@ -128,7 +128,7 @@ def values_of(
         values["stop"] = {"when": until, "hold": hold}
     if observe:
         values["observe"] = [
-            {"name": one} if isinstance(one, str) else dict(one) for one in observe
+            {"name": entry} if isinstance(entry, str) else dict(entry) for entry in observe
         ]
     return values
 
@@ -140,8 +140,8 @@ def shared(spec: Spec) -> dict[str, Any]:
             "a sweep needs a world with a name or a file, and random starts: write the world to a "
             "file and name that"
         )
-    kept = spec.model_dump(exclude_none=True, exclude={"seed", "start", "versions", "layout"})
-    return {key: plain(value) for key, value in kept.items()}
+    values = spec.model_dump(exclude_none=True, exclude={"seed", "start", "versions", "layout"})
+    return {key: plain(value) for key, value in values.items()}
 
 
 def bounds(axis: Any) -> Any:
@@ -153,7 +153,7 @@ def bounds(axis: Any) -> Any:
     if isinstance(axis, Mapping):
         return dict(axis)
     values = plain(list(axis))
-    if len(values) == 2 and all(isinstance(one, int | float) for one in values):
+    if len(values) == 2 and all(isinstance(end, int | float) for end in values):
         return {"from": float(values[0]), "to": float(values[1])}
     return values
 
@@ -163,5 +163,5 @@ def plain(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
+        return [plain(item) for item in value]
     return value

@@ -13,20 +13,20 @@ from worlds.input_error import InputError, unknown
 
 
 def groups_of(
-    kept: StoreReader, observable: str | None, where: str = ""
+    reader: StoreReader, observable: str | None, where: str = ""
 ) -> tuple[str, list[CellRuns]]:
     """The observable that is shown, the first by default, and the cells with runs. Or
     InputError."""
-    columns, axes = measured(kept), axes_of(kept)
+    columns, axes = measured(reader), axes_of(reader)
     if not columns:
         raise InputError("there is nothing with one value for each run: export the series instead")
     name = columns[0] if observable is None else observable
     if name not in columns:
-        raise unknown("observable", name, columns, str(kept.folder))
+        raise unknown("observable", name, columns, str(reader.folder))
     condition = Condition(where, axes) if where else None
     values, seeds = defaultdict(list), defaultdict(list)
     gave_up, broken = Counter[int](), Counter[int]()
-    for cell, seed, status, *_, value in kept.runs([name]):
+    for cell, seed, status, *_, value in reader.runs([name]):
         if status in BROKEN:
             broken[cell] += 1
         elif status == "gave-up":
@@ -43,13 +43,13 @@ def groups_of(
             gave_up[number],
             broken[number],
         )
-        for number, cell in kept.cells.items()
+        for number, cell in reader.cells.items()
     ]
-    shown = [
+    drawn_groups = [
         group
         for group in groups
         if group.has_runs and (condition is None or condition.holds(group.axes))
     ]
-    if not shown:
-        raise InputError(f"there is no run to draw yet ({kept.folder})")
-    return name, shown
+    if not drawn_groups:
+        raise InputError(f"there is no run to draw yet ({reader.folder})")
+    return name, drawn_groups

@@ -29,7 +29,7 @@ MOST_PANELS = 12
 
 
 def draw(
-    kept: StoreReader,
+    reader: StoreReader,
     path: Path,
     observable: str | None = None,
     *,
@@ -50,11 +50,11 @@ def draw(
     demand_writable("picture", path, overwrite, ENDINGS)
     if kind is not None and kind not in KINDS:
         raise unknown("kind of picture", kind, KINDS)
-    name, groups = groups_of(kept, observable, where)
+    name, groups = groups_of(reader, observable, where)
     axes = varied(groups)
     for axis in (x, y):
         if axis is not None and axis not in axes:
-            raise unknown("axis", axis, axes, str(kept.folder))
+            raise unknown("axis", axis, axes, str(reader.folder))
     kind = kind or ("map" if snapshots else suited(groups, axes))
     if snapshots and kind != "map":
         raise InputError(f"snapshots are of a map, not of {kind}")
@@ -62,7 +62,7 @@ def draw(
         raise InputError(f"exponents are of scaling, not of {kind}")
     # labels of scaling are mathematics, and have names of users escaped
     with new_figure({} if kind == "scaling" else NAMED) as figure:
-        chart = SweepChart(figure, kept, name, groups)
+        chart = SweepChart(figure, reader, name, groups)
         if kind == "map":
             chart.draw_map(*two(axes, x, y), snapshots)
         elif kind == "lines":
@@ -74,8 +74,8 @@ def draw(
             chart.draw_samples([x] if x else axes)
         else:
             chart.draw_distributions()
-        said = f"{kept.state.get('title', kept.folder.name)}\n{missing(groups)}"
-        figure.suptitle(said, x=0.01, ha="left", wrap=True, parse_math=False)
+        title = f"{reader.state.get('title', reader.folder.name)}\n{missing(groups)}"
+        figure.suptitle(title, x=0.01, ha="left", wrap=True, parse_math=False)
         write_figure(figure, path)
     return kind
 
@@ -119,10 +119,10 @@ class SweepChart:
         self.figure.set_size_inches(1.8 + min(14.0, max(4.0, wide * len(across))), min(14.0, high))
         axes = self.figure.subplots()
         cells = place_cells(self.groups, across, up, x, y)
-        shown = draw_map(axes, cells, across, up, self.bounds)
+        mesh = draw_map(axes, cells, across, up, self.bounds)
         if snapshots:
             draw_snapshots(axes, self.kept, {c.group.number: (c.column, c.row) for c in cells})
-        self.figure.colorbar(shown, ax=axes, label=f"{self.name}, mean")
+        self.figure.colorbar(mesh, ax=axes, label=f"{self.name}, mean")
         signs = axes.get_legend_handles_labels()[0]
         if signs:
             self.figure.legend(handles=signs, loc="outside lower right", ncols=2, fontsize=9)
@@ -143,15 +143,15 @@ class SweepChart:
 
     def draw_samples(self, axes: list[str]) -> None:
         """Draw the mean of each cell over each axis, a panel for each of the first."""
-        shown = axes[:MOST_PANELS]
-        across = min(4, len(shown))
-        rows = -(-len(shown) // across)
+        panel_axes = axes[:MOST_PANELS]
+        across = min(4, len(panel_axes))
+        rows = -(-len(panel_axes) // across)
         self.figure.set_size_inches(1.2 + 2.9 * across, 1.0 + 2.7 * rows)
         panels = self.figure.subplots(rows, across, squeeze=False, sharey=True).ravel()
-        for panel, axis in zip(panels, shown, strict=False):
+        for panel, axis in zip(panels, panel_axes, strict=False):
             draw_sample(panel, self.groups, axis, self.axis_bounds(axis), self.bounds)
             panel.set_xlabel(axis)
-        for panel in panels[len(shown) :]:
+        for panel in panels[len(panel_axes) :]:
             panel.set_visible(False)
         for row in range(rows):
             panels[row * across].set_ylabel(f"{self.name}, mean")
@@ -206,6 +206,6 @@ def missing(groups: list[CellRuns]) -> str:
     """How many runs there are, and how many of them have no value."""
     ok, up = sum(len(group.values) for group in groups), sum(group.gave_up for group in groups)
     broken = sum(group.broken for group in groups)
-    said = f"{counted(ok, 'run')} of {counted(len(groups), 'cell')}"
-    said += f"; {up} gave up and are in no mean" if up else ""
-    return said + (f"; {broken} failed" if broken else "")
+    text = f"{counted(ok, 'run')} of {counted(len(groups), 'cell')}"
+    text += f"; {up} gave up and are in no mean" if up else ""
+    return text + (f"; {broken} failed" if broken else "")

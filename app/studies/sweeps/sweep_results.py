@@ -68,11 +68,11 @@ class Results:
         """A run as a value: `Flock(results.spec(3, 7))` begins it again. Raises InputError."""
         return spec_at(self._kept, place, seed)
 
-    def plot(self, path: str | Path, observable: str | None = None, **asked: Any) -> None:
+    def plot(self, path: str | Path, observable: str | None = None, **options: Any) -> None:
         """Draw the picture of an observable: PNG, SVG or PDF, as `flockscope sweep plot` does."""
         from app.studies.sweeps.sweep_picture import draw
 
-        draw(self._kept, Path(path), observable, **asked)
+        draw(self._kept, Path(path), observable, **options)
 
     def _repr_html_(self) -> str:
         return str(self.to_pandas()._repr_html_())

@@ -46,8 +46,8 @@ class SweepRounds:
                     seed = self.sweep.seed(cell, replicate)
                     if (number, seed) not in self.runner.outcomes:
                         place, folder = self.places[number], self.runner.folder
-                        wanted = self.sweep.wanted(cell, place, replicate, folder)
-                        yield Task(number, seed, wanted)
+                        request = self.sweep.wanted(cell, place, replicate, folder)
+                        yield Task(number, seed, request)
 
     @property
     def is_whole(self) -> bool:
@@ -72,8 +72,12 @@ class SweepRounds:
         """What the precision is asked of, of the first replicates of a cell."""
         (column,) = self.runner.remembered or ("",)
         seeds = self.sweep.seeds(self.cells[number], replicates)
-        found = [self.runner.outcomes.get((number, seed)) for seed in seeds]
-        values = [one.values[column] for one in found if one is not None and one.status == "ok"]
+        outcomes = [self.runner.outcomes.get((number, seed)) for seed in seeds]
+        values = [
+            outcome.values[column]
+            for outcome in outcomes
+            if outcome is not None and outcome.status == "ok"
+        ]
         return [value for value in values if value is not None]
 
     def run(self) -> bool:
@@ -136,14 +140,17 @@ def conduct(
         if tell is not None:
             tell_changes(sweep, runner, numbers, tell)
         rounds = SweepRounds(sweep, runner, numbers)
-        taken, whole = rounds.taken(), rounds.is_whole
-        if not whole:
+        runs_taken, is_complete = rounds.taken(), rounds.is_whole
+        if not is_complete:
             if tell is not None:
-                tell(f"{counted(rounds.rounds.total - taken, 'run')} to make, {taken} are there")
-            whole = rounds.run()
+                tell(
+                    f"{counted(rounds.rounds.total - runs_taken, 'run')} to make, "
+                    f"{runs_taken} are there"
+                )
+            is_complete = rounds.run()
         runner.store.tell(runs=rounds.rounds.total)
         gave_up = runner.statuses["gave-up"]
-        return StudyReport(runner.made, taken, runner.broken, gave_up, whole)
+        return StudyReport(runner.made, runs_taken, runner.broken, gave_up, is_complete)
 
 
 def tell_changes(sweep: Sweep, runner: StudyRunner, numbers: list[int], tell: Tell) -> None:
@@ -152,12 +159,12 @@ def tell_changes(sweep: Sweep, runner: StudyRunner, numbers: list[int], tell: Te
     if not before:
         return
     now = {canonical(cell.identity): cell for cell in sweep.cells}
-    said: dict[str, int] = {}
+    counts: dict[str, int] = {}
     for identity, basis, runs in before:
         cell = now.get(canonical(identity))
         for words in changes(basis, cell.basis) if cell else ():
-            said[words] = said.get(words, 0) + runs
-    for words, runs in said.items():
+            counts[words] = counts.get(words, 0) + runs
+    for words, runs in counts.items():
         tell(
             f"flockscope: {words} since {counted(runs, 'run')} of the same cells: they are kept, "
             "and made anew beside them"
@@ -172,11 +179,11 @@ def prepare(sweep: Sweep, tell: Tell | None) -> None:
         rule = cell.basis[f"the rule of {spec['model']}"]
         late = any(spec[name] for name in ("delay", "jitter", "lost", "place_error"))
         chosen.setdefault(f"{rule} {spec['activation']} {late}", cell)
-    told: set[str] = set()
+    reported: set[str] = set()
     for cell in chosen.values():
         flock = Flock(cell.spec.but(seed=sweep.file.replicates.first))
-        if flock.warning and tell is not None and flock.warning not in told:
-            told.add(flock.warning)
+        if flock.warning and tell is not None and flock.warning not in reported:
+            reported.add(flock.warning)
             tell(f"flockscope: {flock.warning}")
         compile_loop(flock, tell)
         with contextlib.suppress(Exception):  # of a run's own making: the run itself will tell

@@ -76,10 +76,10 @@ class Process:
 
     def is_late(self, now: float, limit: float) -> bool:
         """Whether the run that it is at has taken longer than it may."""
-        begun = self.begun
-        if begun != self.seen:
-            self.seen, self.since = begun, now
-        return begun > self.reported and now - self.since > limit
+        runs_begun = self.begun
+        if runs_begun != self.seen:
+            self.seen, self.since = runs_begun, now
+        return runs_begun > self.reported and now - self.since > limit
 
     def is_silent(self, now: float) -> bool:
         """Whether it has work, and has shown no sign of life for too long."""
@@ -137,11 +137,11 @@ class Processes:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for one in self.processes:
-            one.child.kill()
-        for one in self.processes:
-            one.child.end(0.0)
-            one.started.close()
+        for process in self.processes:
+            process.child.kill()
+        for process in self.processes:
+            process.child.end(0.0)
+            process.started.close()
         self.processes.clear()
 
     def run(self, tasks: Iterable[Task], keep: Keep, beat: Beat = lambda: False) -> bool:
@@ -151,16 +151,16 @@ class Processes:
         """
         ahead = deque(tasks)
         beaten = time.monotonic()
-        while ahead or any(one.waiting for one in self.processes):
+        while ahead or any(process.waiting for process in self.processes):
             while len(self.processes) < min(self.workers, max(1, len(ahead))) and ahead:
                 self.processes.append(self.begin())
             self.hand_out(ahead)
             with suppress(queue.Empty):
-                process, found = self.events.get(timeout=BEAT)
-                self.take(process, found, ahead, keep)
+                process, outcomes = self.events.get(timeout=BEAT)
+                self.take(process, outcomes, ahead, keep)
                 while True:
-                    process, found = self.events.get_nowait()
-                    self.take(process, found, ahead, keep)
+                    process, outcomes = self.events.get_nowait()
+                    self.take(process, outcomes, ahead, keep)
             self.end_late(self.awake.look())
             if time.monotonic() - beaten >= BEAT:
                 beaten = time.monotonic()
@@ -170,19 +170,20 @@ class Processes:
 
     def end_late(self, now: float) -> None:
         """End the processes whose run takes longer than it may, and those that stand still."""
-        for one in self.processes:
-            if not one.overran and one.is_late(now, self.limit):
-                one.overran = True
-                one.child.kill()
-            elif not one.halted and one.is_silent(now):
-                one.halted = True
-                one.child.kill()
-                at, _ = one.left()
+        for process in self.processes:
+            if not process.overran and process.is_late(now, self.limit):
+                process.overran = True
+                process.child.kill()
+            elif not process.halted and process.is_silent(now):
+                process.halted = True
+                process.child.kill()
+                at, _ = process.left()
                 what = "a process that was to make runs"
                 if at is not None:
                     what = f"the process of cell {at.cell}, seed {at.seed}"
                 self.tell(
-                    f"{what} has stood still for {now - (one.lived or 0.0):.0f} s: it is ended, "
+                    f"{what} has stood still for {now - (process.lived or 0.0):.0f} s: it is "
+                    "ended, "
                     "and what it had to do is done by another"
                 )
 
@@ -207,39 +208,39 @@ class Processes:
     def send(self, process: Process, tasks: list[Task]) -> None:
         """Send runs to a process; one that is gone has said so in `events`."""
         process.waiting.extend(tasks)
-        made = process.child.ask(
+        future = process.child.ask(
             "make",
             [(task.payload, task.seed) for task in tasks],
             receive=lambda outcomes: self.events.put((process, outcomes)),
         )
         # Of runs that cannot be reported nothing would come: they count as having killed it.
-        made.add_done_callback(
+        future.add_done_callback(
             lambda done: process.child.kill() if done.exception() is not None else None
         )
 
     def hand_out(self, ahead: deque[Task]) -> None:
         """Give each process as much as keeps it busy for a while, the order kept."""
-        for one in self.processes:
-            busy = len(one.waiting) * self.seconds
-            if not ahead or (one.waiting and busy >= AHEAD):
+        for process in self.processes:
+            busy = len(process.waiting) * self.seconds
+            if not ahead or (process.waiting and busy >= AHEAD):
                 continue
             share = -(-len(ahead) // (2 * self.workers))
-            if not one.waiting:
-                one.heard = self.awake.seconds
+            if not process.waiting:
+                process.heard = self.awake.seconds
             some = max(1, min(int((2.0 * AHEAD - busy) / self.seconds), share, 1000))
-            self.send(one, [ahead.popleft() for _ in range(min(some, len(ahead)))])
+            self.send(process, [ahead.popleft() for _ in range(min(some, len(ahead)))])
 
     def take(
-        self, process: Process, found: list[Outcome] | None, ahead: deque[Task], keep: Keep
+        self, process: Process, outcomes: list[Outcome] | None, ahead: deque[Task], keep: Keep
     ) -> None:
         """Take what a process reports, or that it is gone."""
-        if found is None:
+        if outcomes is None:
             self.bury(process, ahead, keep)
             return
         self.stillborn = 0
         most = self.awake.look() - process.heard + LOOK
         process.heard = self.awake.seconds
-        for outcome in found:
+        for outcome in outcomes:
             task = process.waiting.popleft()
             process.reported += 1
             if outcome.seconds > most:  # the machine was asleep meanwhile

@@ -28,13 +28,14 @@ def polygon(points: Sequence[Sequence[float]]) -> Polygon:
     Raises InputError for fewer than three corners or more than CORNERS.
     """
     corners = [(float(point[0]), float(point[1])) for point in points]
-    kept = [one for one, before in zip(corners, corners[-1:] + corners[:-1], strict=True)
-            if one != before]  # fmt: skip
-    if len(kept) < 3:
-        raise InputError(f"a polygon needs 3 corners or more, {len(kept)} were given")
-    if len(kept) > CORNERS:
-        raise InputError(f"a polygon has {CORNERS} corners at most, {len(kept)} were given")
-    return obstacle({"shape": "polygon", "points": kept})
+    previous = corners[-1:] + corners[:-1]
+    kept_corners = [corner for corner, before in zip(corners, previous, strict=True)
+            if corner != before]  # fmt: skip
+    if len(kept_corners) < 3:
+        raise InputError(f"a polygon needs 3 corners or more, {len(kept_corners)} were given")
+    if len(kept_corners) > CORNERS:
+        raise InputError(f"a polygon has {CORNERS} corners at most, {len(kept_corners)} were given")
+    return obstacle({"shape": "polygon", "points": kept_corners})
 
 
 def demand_fitting(shape: Any, world: World) -> None:

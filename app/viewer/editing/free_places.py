@@ -65,14 +65,14 @@ def on_the_plan(world: World, position: np.ndarray) -> np.ndarray:
     """The nearest free places to (M, 2). Raises InputError."""
     gap = GAP * max(world.size)
     free, places = free_area(world, gap), shapely.points(position)
-    found = nearest(free, places, world)
+    place = nearest(free, places, world)
     for attempt in range(1, len(position) + 1):
-        again = repeated(found)
+        again = repeated(place)
         if not again.any():
-            return found
+            return place
         # Several in one corner: all but the first go a little farther out.
-        found[again] = nearest(free_area(world, gap * (1.0 + attempt)), places[again], world)
-    return found
+        place[again] = nearest(free_area(world, gap * (1.0 + attempt)), places[again], world)
+    return place
 
 
 def free_area(world: World, gap: float) -> shapely.Geometry:
@@ -193,11 +193,11 @@ def obstacle_hit(
     if size == 0.0:
         return None
     way = direction / size
-    found = [
-        (first_meeting(world, one, origin, way, height), number)
-        for number, one in enumerate(world.obstacles)
+    hits = [
+        (first_meeting(world, obstacle, origin, way, height), number)
+        for number, obstacle in enumerate(world.obstacles)
     ]
-    distance, number = min(found, default=(np.inf, 0))
+    distance, number = min(hits, default=(np.inf, 0))
     return number if np.isfinite(distance) else None
 
 

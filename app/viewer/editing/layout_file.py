@@ -50,14 +50,16 @@ def layout_from_browser(
     if len(content) > LARGEST:
         raise too_large(name, content)
     reader = f"{__name__}:layout_as_json"
-    given = json.dumps({key: (options or {})[key] for key in OPTIONS if key in (options or {})})
-    both = given.encode() + b"\n" + content
-    found = json.loads(read_in_sandbox(reader, plain_name(name), both))
-    if "question" in found:
+    options_text = json.dumps(
+        {key: (options or {})[key] for key in OPTIONS if key in (options or {})}
+    )
+    both = options_text.encode() + b"\n" + content
+    parsed = json.loads(read_in_sandbox(reader, plain_name(name), both))
+    if "question" in parsed:
         raise PlanQuestion(
-            found["question"], tuple(PlanChoice(**choice) for choice in found["choices"])
+            parsed["question"], tuple(PlanChoice(**choice) for choice in parsed["choices"])
         )
-    return world_from_layout(found["layout"], found["name"])
+    return world_from_layout(parsed["layout"], parsed["name"])
 
 
 def layout_as_json(name: str, content: bytes) -> bytes:

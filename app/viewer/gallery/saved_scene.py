@@ -75,30 +75,30 @@ class SavedScene:
         usual = model.parameters().model_dump()
         changed = {k: v for k, v in values.get("parameters", {}).items() if usual.get(k) != v}
         plain = at_home(self.spec.model, seed=self.spec.seed).model_dump()
-        kept = {
+        short_values = {
             key: value
             for key, value in values.items()
             if key in ("model", "seed", "layout")
             or (key not in ("parameters", "versions", "start") and plain.get(key) != value)
         }
-        return self.written(kept | ({"parameters": changed} if changed else {}))
+        return self.written(short_values | ({"parameters": changed} if changed else {}))
 
     def written(self, run: Mapping[str, Any]) -> str:
         """The TOML of the scene with these values of its run."""
         words = {"title": self.title, "watch": self.watch, "try": self.tries}
-        said: dict[str, Any] = {key: text for key, text in words.items() if text}
+        fields: dict[str, Any] = {key: text for key, text in words.items() if text}
         if self.speed is not None:
-            said["speed"] = self.speed
+            fields["speed"] = self.speed
         if self.camera:
-            said["camera"] = self.camera
+            fields["camera"] = self.camera
         if self.plots:
-            said["plots"] = list(self.plots)
-        said["run"] = dict(run)
+            fields["plots"] = list(self.plots)
+        fields["run"] = dict(run)
         if self.beside is not None:
-            said["beside"] = {"model": self.beside.model, "parameters": self.beside.parameters}
+            fields["beside"] = {"model": self.beside.model, "parameters": self.beside.parameters}
         if self.look:
-            said["look"] = dict(self.look)
-        return tomlkit.dumps(said)
+            fields["look"] = dict(self.look)
+        return tomlkit.dumps(fields)
 
     @classmethod
     def from_toml(cls, text: str, origin: str) -> SavedScene:
@@ -131,8 +131,8 @@ class SavedScene:
                 look=look_of(table(values, "look"), spec),
             )
         except InputError as refusal:
-            told = str(refusal)
-            raise InputError(told if origin in told else f"{told} ({origin})") from None
+            message = str(refusal)
+            raise InputError(message if origin in message else f"{message} ({origin})") from None
         return scene
 
 
@@ -167,10 +167,10 @@ def text_of(values: Mapping[str, Any], key: str) -> str:
 
 def table(values: Mapping[str, Any], key: str) -> dict[str, Any]:
     """One of the tables of a scene, empty if it is not there. Raises InputError."""
-    found = values.get(key, {})
-    if not isinstance(found, dict):
-        raise InputError(f"{key} = {shortened(found)} is not a table")
-    return found
+    value = values.get(key, {})
+    if not isinstance(value, dict):
+        raise InputError(f"{key} = {shortened(value)} is not a table")
+    return value
 
 
 def run_of(values: dict[str, Any], origin: str) -> CompleteSpec:
@@ -192,9 +192,9 @@ def run_of(values: dict[str, Any], origin: str) -> CompleteSpec:
     if not isinstance(parameters, dict):
         raise InputError(f"parameters = {shortened(parameters)} is not a table")
     checked(model.parameters, parameters, origin)
-    found = at_home(**{**dict(spec), "parameters": parameters})
-    demand_bounded(found)
-    return found
+    complete = at_home(**{**dict(spec), "parameters": parameters})
+    demand_bounded(complete)
+    return complete
 
 
 def demand_bounded(spec: CompleteSpec) -> None:
@@ -252,8 +252,8 @@ def camera_of(value: Any) -> str:
 
 def plots_of(value: Any) -> tuple[str, ...]:
     """What is plotted, as the charts call it. Raises InputError."""
-    right = isinstance(value, list) and all(isinstance(one, str) for one in value)
-    if not right or len(value) > MOST_PLOTS or any(len(one) > LONGEST_NAME for one in value):
+    right = isinstance(value, list) and all(isinstance(item, str) for item in value)
+    if not right or len(value) > MOST_PLOTS or any(len(item) > LONGEST_NAME for item in value):
         raise InputError(f"plots = {shortened(value)} is no list of at most {MOST_PLOTS} names")
     return tuple(value)
 
@@ -303,13 +303,13 @@ def packed(scene: SavedScene) -> str:
     'mine'
     """
     text = zlib.compress(scene.in_short().encode(), 9)
-    made = PACKED + base64.urlsafe_b64encode(text).decode().rstrip("=")
-    if len(made) > LONGEST_ADDRESS:
+    packed_text = PACKED + base64.urlsafe_b64encode(text).decode().rstrip("=")
+    if len(packed_text) > LONGEST_ADDRESS:
         raise InputError(
-            f"the address would have {len(made)} letters, at most {LONGEST_ADDRESS}: "
+            f"the address would have {len(packed_text)} letters, at most {LONGEST_ADDRESS}: "
             "save the scene as a file instead"
         )
-    return made
+    return packed_text
 
 
 def unpacked(text: str) -> SavedScene:
@@ -350,8 +350,8 @@ def command_line(scene: SavedScene) -> str:
     words = [spec.model] + ([] if scene.beside is None else ["--beside", scene.beside.model])
     for name, value in options(spec).items():
         words += [f"--{name.replace('_', '-')}", shell_value(value)]
-    for one in (spec, scene.beside):
-        for name, value in {} if one is None else changed(one):
+    for side in (spec, scene.beside):
+        for name, value in {} if side is None else changed(side):
             words += ["--set", f"{name}={shell_value(value)}"]
     if scene.speed is not None and scene.speed != float("inf"):
         words += ["--speed", shell_value(scene.speed)]
@@ -369,13 +369,13 @@ def python(scene: SavedScene) -> str:
     """
     spec = scene.spec
     if isinstance(spec.world, World):
-        made = 'flock = Flock(Spec.read("spec.toml"))\nflock.run(100)'
+        code = 'flock = Flock(Spec.read("spec.toml"))\nflock.run(100)'
         why = "# its world was changed: download its spec first"
-        return f"{why}\nfrom flockscope import Flock, Spec\n\n{made}"
+        return f"{why}\nfrom flockscope import Flock, Spec\n\n{code}"
     values = {**options(spec), **dict(changed(spec))}
-    given = "".join(f", {name}={value!r}" for name, value in values.items())
-    made = f'flock = Flock("{spec.model}"{given})\nflock.run(100)'
-    return f"from flockscope import Flock\n\n{made}"
+    arguments = "".join(f", {name}={value!r}" for name, value in values.items())
+    code = f'flock = Flock("{spec.model}"{arguments})\nflock.run(100)'
+    return f"from flockscope import Flock\n\n{code}"
 
 
 def options(spec: Spec) -> dict[str, Any]:

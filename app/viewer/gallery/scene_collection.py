@@ -57,7 +57,7 @@ def find_scene(name: str) -> SavedScene:
         return unpacked(name)
     if name.startswith(MODEL):
         model = find_model(name.removeprefix(MODEL))
-        tries = "".join(f"{one.words} {one.see}" for one in model.to_try[:1])
+        tries = "".join(f"{step.words} {step.see}" for step in model.to_try[:1])
         return SavedScene(model.title, at_home(model.name), watch=model.summary, tries=tries)
     if name.startswith(WORLD):
         return in_world(name.removeprefix(WORLD))
@@ -89,7 +89,7 @@ def cards() -> tuple[GalleryCard, ...]:
 
 
 @lru_cache(maxsize=1)
-def cards_with(known: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
+def cards_with(model_set: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
     """The same with these models, all that there are."""
     scenes = [
         GalleryCard(name, GROUPS[0], built_in(name).title, built_in(name).watch, pictured(name))
@@ -97,9 +97,13 @@ def cards_with(known: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
     ]
     models = [
         GalleryCard(
-            MODEL + one.name, group(one), one.title, one.summary, pictured(f"model-{one.name}")
+            MODEL + model.name,
+            group(model),
+            model.title,
+            model.summary,
+            pictured(f"model-{model.name}"),
         )
-        for one in known
+        for model in model_set
     ]
     worlds = [
         GalleryCard(WORLD + name, WORLDS, world_title(name), about(name), pictured(f"world-{name}"))

@@ -81,8 +81,8 @@ class ParameterChanges:
         change = self.found(event)
         if change is not None:
             self.heard.append((change, InputError(event.words) if refused else None))
-        taken: dict[str, Any] = {} if refused else json.loads(event.note)
-        return taken
+        accepted: dict[str, Any] = {} if refused else json.loads(event.note)
+        return accepted
 
     def settle(self) -> None:
         """Answer the changes that have been heard of; by now their values are to be seen."""
@@ -207,9 +207,9 @@ class LoopConnection:
     def poll(self) -> list[Event]:
         """Ask for the newest status; the events that are new."""
         self.newest = self.operator.status()
-        known = len(self.operator.events)
-        events = self.operator.events[self.known : known]
-        self.known = known
+        event_count = len(self.operator.events)
+        events = self.operator.events[self.known : event_count]
+        self.known = event_count
         for event in events:
             self.hear(event)
         self.tuning.give_up()
@@ -220,9 +220,9 @@ class LoopConnection:
         words = notice_of(event, self.armed_by)
         if words:
             self.notify(words)
-        taken = self.tuning.hear(event)
-        if taken:
-            self.values = self.values | taken
+        accepted = self.tuning.hear(event)
+        if accepted:
+            self.values = self.values | accepted
         if event.kind == "arm" and not self.armed_by:
             self.armed_by, self.asked_to_hold = event.cause, False
         elif event.kind in ("disarm", "hold", "emergency", "reset"):

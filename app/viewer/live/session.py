@@ -63,13 +63,13 @@ class ArmingCode:
 
     def tried(self, entered: str) -> Verdict:
         """What is to be said of an entered code; a wrong one is counted for good."""
-        given = entered.strip()
-        if not WRITTEN.fullmatch(given):
+        code = entered.strip()
+        if not WRITTEN.fullmatch(code):
             return "off" if self.off else "no code"
         with self.trying:
             if self.off:
                 return "off"
-            if hmac.compare_digest(given, self.digits):
+            if hmac.compare_digest(code, self.digits):
                 return "right"
             self.left -= 1
             return "wrong"
@@ -175,10 +175,10 @@ class Session(SessionRequests):
     def open_next(self) -> None:
         """Close what is open, and open what was chosen last, if anything was."""
         with self.changing:
-            wanted, self.next = self.next, None
-        if wanted is None:
+            choice, self.next = self.next, None
+        if choice is None:
             return
-        choices, cause = wanted
+        choices, cause = choice
         with suppress(Exception):  # what is wrong with the loop that is left has become a notice
             self.poll()
         self.close_loop()
@@ -212,22 +212,22 @@ class Session(SessionRequests):
         self.change(phase="opening", trouble="", run=self.state.run + 1, **empty)
         self.say("room", f"closed, to show the recording {folder.name}", cause)
         try:
-            shown = RoomReplay(folder, self.state.run)
+            replay = RoomReplay(folder, self.state.run)
         except Exception as error:
             self.trace(error)
             self.fail(describe_error(error))
             return
         while not self.moves.empty():  # what was meant for another one
             self.moves.get_nowait()
-        self.replaying = shown
+        self.replaying = replay
         self.change(phase="replay")
 
-    def replay(self, shown: RoomReplay) -> None:
+    def replay(self, replay: RoomReplay) -> None:
         """Play on the recording that is shown."""
         while not self.moves.empty():
-            self.moves.get_nowait()(shown)
-        self.status, self.frame = shown.play(time.monotonic())
-        self.readings = shown.readings
+            self.moves.get_nowait()(replay)
+        self.status, self.frame = replay.play(time.monotonic())
+        self.readings = replay.readings
 
     def open(self, lab: Lab, cause: str) -> None:
         """Open a laboratory, unless another is chosen or the session closed. Raises InputError."""
@@ -259,11 +259,11 @@ class Session(SessionRequests):
 
     def take_over(self, opening: LoopConnection) -> None:
         """Let everybody ask the loop, once it has been sent an emergency stop that is latched."""
-        given = self.latch
-        if given:
-            opening.operator.ask(OperatorRequest("emergency", given))
+        reason = self.latch
+        if reason:
+            opening.operator.ask(OperatorRequest("emergency", reason))
         self.opening = opening
-        if self.latch != given:  # another one, while nobody was there to hear it
+        if self.latch != reason:  # another one, while nobody was there to hear it
             opening.operator.ask(OperatorRequest("emergency", self.latch))
         if self.closing.is_set():
             self.close_loop()

@@ -91,25 +91,25 @@ def number(name: str, value: object) -> float:
             f"{name} = {shorten_value(value)} is not allowed: it must be a number ({PAGE})"
         )
     try:
-        found = float(value)
+        parsed = float(value)
     except OverflowError:
-        found = math.inf
-    if not math.isfinite(found):
-        raise InputError(f"{name} = {found} is not allowed: it must be finite ({PAGE})")
-    return found
+        parsed = math.inf
+    if not math.isfinite(parsed):
+        raise InputError(f"{name} = {parsed} is not allowed: it must be finite ({PAGE})")
+    return parsed
 
 
 def whole_number(name: str, value: object, most: int) -> int:
     """A whole number from 0 to `most`. Raises InputError."""
-    found = number(name, value)
-    if not found.is_integer() or not 0 <= found <= most:
-        raise InputError(f"{name} = {found:g} is outside 0 to {most}, whole numbers ({PAGE})")
-    return int(found)
+    parsed = number(name, value)
+    if not parsed.is_integer() or not 0 <= parsed <= most:
+        raise InputError(f"{name} = {parsed:g} is outside 0 to {most}, whole numbers ({PAGE})")
+    return int(parsed)
 
 
-def word(kind: str, value: object, known: Iterable[str]) -> str:
+def word(kind: str, value: object, allowed: Iterable[str]) -> str:
     """One of the words that are offered. Raises InputError."""
-    offered = list(known)
+    offered = list(allowed)
     if not isinstance(value, str) or value not in offered:
         raise unknown(kind, value[:LONGEST] if isinstance(value, str) else value, offered, PAGE)
     return value
@@ -117,16 +117,16 @@ def word(kind: str, value: object, known: Iterable[str]) -> str:
 
 def parameter_value(model: Model, values: Mapping[str, Any], name: object, value: object) -> Any:
     """The value that a parameter takes beside those that are set. Raises InputError."""
-    offered = [one for one in model.parameters.model_fields if one not in NOT_SIMULATED]
-    known = word("parameter", name, offered)
-    kind = describe(known, model.parameters.model_fields[known]).kind
+    offered = [field for field in model.parameters.model_fields if field not in NOT_SIMULATED]
+    known_name = word("parameter", name, offered)
+    kind = describe(known_name, model.parameters.model_fields[known_name]).kind
     if kind == "number":
-        value = number(known, value)
+        value = number(known_name, value)
     elif not isinstance(value, bool if kind == "switch" else str):
-        raise InputError(f"{known} = {shorten_value(value)} is not allowed ({PAGE})")
+        raise InputError(f"{known_name} = {shorten_value(value)} is not allowed ({PAGE})")
     elif isinstance(value, str):
         value = value[:LONGEST]
-    return getattr(checked(model.parameters, dict(values) | {known: value}, PAGE), known)
+    return getattr(checked(model.parameters, dict(values) | {known_name: value}, PAGE), known_name)
 
 
 # The handle by which the injected car is dragged, where it is in a person's hand.
@@ -223,10 +223,10 @@ class SessionRequests:
     def ask(self, action: str, cause: str) -> None:
         """Arm, disarm or reset."""
         with self.telling():
-            wanted = ASKED[word("request", action, ASKED)]
-            if wanted == "arm" and self.next is not None:
+            request = ASKED[word("request", action, ASKED)]
+            if request == "arm" and self.next is not None:
                 raise InputError("cannot be armed: another room is about to be opened")
-            self.open_one().operator.ask(OperatorRequest(wanted, cause))
+            self.open_one().operator.ask(OperatorRequest(request, cause))
 
     def emergency(self, cause: str) -> None:
         """Stop the cars now, and latched. While no loop is open the next begins so."""
@@ -244,8 +244,8 @@ class SessionRequests:
         answer: Future = Future()
         try:
             opening = self.open_one()
-            taken = parameter_value(opening.setting.model, opening.values, name, value)
-            change = opening.tuning.begin(name, taken, cause)
+            accepted = parameter_value(opening.setting.model, opening.values, name, value)
+            change = opening.tuning.begin(name, accepted, cause)
             opening.operator.ask(change.request)
             if self.opening is not opening:  # closed meanwhile: nobody would answer
                 opening.tuning.end(CLOSED)
@@ -258,8 +258,8 @@ class SessionRequests:
     def accompany(self, count: int, cause: str) -> None:
         """Have so many simulated cars beside the real ones."""
         with self.telling():
-            found = whole_number("simulated cars", count, self.lab.simulated.most)
-            self.open_one().operator.ask(OperatorRequest("accompany", cause, str(found)))
+            car_count = whole_number("simulated cars", count, self.lab.simulated.most)
+            self.open_one().operator.ask(OperatorRequest("accompany", cause, str(car_count)))
 
     def place(self, x: float, y: float) -> None:
         """Move the injected car of the hand, m; the loop keeps it within the fence."""
@@ -281,20 +281,20 @@ class SessionRequests:
         The names are those of `app.live.operating.lab_choices`. Not while the cars are
         armed. Of several choices at once only the last is opened.
         """
-        asked = {"source": source, "link": link, "rule": rule}
+        names = {"source": source, "link": link, "rule": rule}
         with self.telling():
             self.demand_unarmed("no other room is opened")
             with self.changing:
                 last = self.chosen
-            made = last.choosing(
+            choices = last.choosing(
                 **{
                     kind: word(kind, name, last.offered[kind])
-                    for kind, name in asked.items()
+                    for kind, name in names.items()
                     if name is not None
                 }
             )
             with self.changing:
-                self.chosen, self.next = made, (made, cause)
+                self.chosen, self.next = choices, (choices, cause)
             self.woken.set()
 
     def reopen(self, cause: str) -> None:
@@ -325,7 +325,7 @@ class SessionRequests:
         """Show a time of the recording, s."""
         with self.telling():
             at = number("time", time)
-            self.move(lambda shown: shown.seek(at))
+            self.move(lambda replay: replay.seek(at))
 
     def toggle_replay(self) -> None:
         """Pause the recording, or play it on."""
@@ -335,7 +335,7 @@ class SessionRequests:
         """Play the recording so many times as fast as it was."""
         with self.telling():
             times = number("speed", speed)
-            self.move(lambda shown: setattr(shown, "speed", times))
+            self.move(lambda replay: setattr(replay, "speed", times))
 
     def move(self, what: Callable[[RoomReplay], None]) -> None:
         """Have something done with the recording that is shown, if one is."""
@@ -385,4 +385,4 @@ def new_folder(folder: Path, now: datetime) -> Path:
     """A folder in `folder` that does not exist, named for the time: `2026-11-22-093015`."""
     name = now.strftime("%Y-%m-%d-%H%M%S")
     names = (name if number == 1 else f"{name}-{number}" for number in count(1))
-    return next(folder / one for one in names if not (folder / one).exists())
+    return next(folder / name for name in names if not (folder / name).exists())

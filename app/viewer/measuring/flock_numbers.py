@@ -29,21 +29,21 @@ def numbers(readings: FlockReadings, more: Mapping[str, Number]) -> dict[str, Nu
     """What is known of a flock now, by name; nan for what is not known. `more` is added to it."""
     flock, tick = readings.flock, readings.tick
     model, unit = flock.model, flock.model.body.unit
-    found = {"tick": Number(tick, "ticks")}
+    result = {"tick": Number(tick, "ticks")}
     if unit != "ticks":
-        found["time"] = Number(tick * flock.dt, unit)
-    found["agents"] = Number(len(flock.ids), "agents")
+        result["time"] = Number(tick * flock.dt, unit)
+    result["agents"] = Number(len(flock.ids), "agents")
     for name in OBSERVABLES:
         if name in readings.values:
-            found[observable_words(name)] = observed(name, readings.values[name], model)
-    found |= mission(readings, model.in_units("length")) | dict(more)
+            result[observable_words(name)] = observed(name, readings.values[name], model)
+    result |= mission(readings, model.in_units("length")) | dict(more)
     for layer, count in enumerate(readings.layers.tolist(), start=1):
-        found[f"layer {layer}"] = Number(count, "agents")
+        result[f"layer {layer}"] = Number(count, "agents")
     if readings.unknown:
-        found["in no layer"] = Number(readings.unknown, "agents")
+        result["in no layer"] = Number(readings.unknown, "agents")
     for place, size in enumerate(readings.sizes[:GROUPS].tolist(), start=1):
-        found[f"group {place}"] = Number(size, "agents")
-    return found
+        result[f"group {place}"] = Number(size, "agents")
+    return result
 
 
 def observed(name: str, value: float, model: Model) -> Number:
@@ -59,25 +59,27 @@ def mission(readings: FlockReadings, length: str) -> dict[str, Number]:
         "least-clearance": ("closest to an obstacle so far", length),
         "inside": ("collisions", "agents"),
     }
-    known = readings.values
-    return {words: Number(known[key], unit) for key, (words, unit) in kinds.items() if key in known}
+    values = readings.values
+    return {
+        words: Number(values[key], unit) for key, (words, unit) in kinds.items() if key in values
+    }
 
 
 def rows(flocks: list[dict[str, Number]]) -> list[list[object]]:
     """A table of one flock or two: name, the value of each, unit; nan for what one lacks."""
     names = dict.fromkeys(name for flock in flocks for name in flock)
-    made: list[list[object]] = []
+    result: list[list[object]] = []
     for name in names:
-        known = [flock[name] for flock in flocks if name in flock]
-        units = dict.fromkeys(number.unit for number in known)
+        present = [flock[name] for flock in flocks if name in flock]
+        units = dict.fromkeys(number.unit for number in present)
         values = [flock[name].value if name in flock else math.nan for flock in flocks]
-        made.append([name, *values, " and ".join(units)])
-    return made
+        result.append([name, *values, " and ".join(units)])
+    return result
 
 
 # What formation saves in joules: a share of what an aircraft needs that flies alone.
 
-SAVES = tuple(name for name, one in OBSERVABLES.items() if one.saves_power)
+SAVES = tuple(name for name, observable in OBSERVABLES.items() if observable.saves_power)
 """The observables that say what share of their power, in percent, agents save."""
 STEP = 0.25
 """Speeds are rounded to it, m/s: a trim takes seconds."""
@@ -114,8 +116,8 @@ class EnergySavings:
 
     def saved(self, readings: FlockReadings) -> str:
         """The same in words."""
-        found = self.of(readings)
-        return "–" if found is None else f"{found[0]:.3f} of {found[1]:.2f}"
+        saving = self.of(readings)
+        return "–" if saving is None else f"{saving[0]:.3f} of {saving[1]:.2f}"
 
 
 def trimmed(speed: float) -> float | None:
@@ -159,13 +161,13 @@ class EarlierRuns:
         if not any(len(at) > 1 for at, _ in run.curves.values()):
             return
         run, model = run.ended(), run.conditions.model
-        same = [one for one in self.of(model) if one.history != run.history][: KEPT - 1]
-        others = [one for one in self.kept if one.conditions.model is not model]
+        same = [history for history in self.of(model) if history.history != run.history][: KEPT - 1]
+        others = [history for history in self.kept if history.conditions.model is not model]
         self.kept = [run, *same, *others][: KEPT * MODELS]
 
     def of(self, model: Model) -> list[ObservableHistory]:
         """The kept runs of a model, the latest first."""
-        return [one for one in self.kept if one.conditions.model is model]
+        return [history for history in self.kept if history.conditions.model is model]
 
     def clear(self) -> None:
         """Keep none of them any more."""

@@ -96,16 +96,16 @@ class MinimumDistances:
             return {}
         position = self.flock.position[None]
         self.watch(position)
-        found = {}
+        distances = {}
         if not self.flock.world.images.any():
-            found["least-gap"] = float(np.sqrt(self.pairs.min(initial=np.inf)))
+            distances["least-gap"] = float(np.sqrt(self.pairs.min(initial=np.inf)))
         if self.flock.world.is_solid:
             now = np.full(position.shape[1], np.inf)
             by_axis = np.ascontiguousarray(position.transpose(0, 2, 1))
             least_clearances(by_axis, self.flock.engine.surroundings, now)
-            found["least-clearance"] = float(self.clearance.min(initial=np.inf))
-            found["inside"] = float(np.count_nonzero(now < 0.0))
-        return found
+            distances["least-clearance"] = float(self.clearance.min(initial=np.inf))
+            distances["inside"] = float(np.count_nonzero(now < 0.0))
+        return distances
 
 
 NOBODY = np.zeros(0, int)
@@ -131,11 +131,11 @@ def measure(flock: Snapshot, names: Iterable[str]) -> BackgroundReading:
     """Measure observables, and what else follows from the graph of a flock."""
     values, refusal = {}, None
     for name in names:
-        one = OBSERVABLES[name]
+        observable = OBSERVABLES[name]
         try:
-            if one.needs_links:
+            if observable.needs_links:
                 refuse_too_many_links(flock)
-            values[name] = float(one.measure(flock))
+            values[name] = float(observable.measure(flock))
         except InputError as error:
             refusal = error
     try:
@@ -222,19 +222,19 @@ class FlockReadings:
         """Read what is cheap."""
         flock = self.flock
         self.offered = offered(flock)
-        seen = {name: float(flock.observe(name)) for name in QUICK if name in self.offered}
-        self.note(flock.tick, seen)
+        values = {name: float(flock.observe(name)) for name in QUICK if name in self.offered}
+        self.note(flock.tick, values)
         mission = flock.world.mission
         if mission is not None and mission.goal is not None:
-            seen["through"] = arrived(flock)
+            values["through"] = arrived(flock)
         if flock.can_crash:
             self.crashes = flock.crashes
         for name in COUNTED:
             count = OBSERVABLES[name].events
             if count is not None and name in self.offered:
                 self.events[name] = count(flock)
-                seen[name] = float(len(self.events[name]))
-        self.values = self.values | seen | self.extremes.values()
+                values[name] = float(len(self.events[name]))
+        self.values = self.values | values | self.extremes.values()
         self.tick = flock.tick
 
     def series(self, name: str) -> TimeSeries:
@@ -264,8 +264,8 @@ class FlockReadings:
         It is done on a snapshot, so that the flock can go on meanwhile.
         """
         now = self.flock.snapshot().measurable()
-        wanted = (*STEADY, *sorted(self.watched.difference(STEADY, QUICK, COUNTED)))
-        names = [name for name in wanted if name in self.offered]
+        wanted_names = (*STEADY, *sorted(self.watched.difference(STEADY, QUICK, COUNTED)))
+        names = [name for name in wanted_names if name in self.offered]
 
         def work() -> BackgroundReading:
             with self.slow.measured():
@@ -273,7 +273,7 @@ class FlockReadings:
 
         return work
 
-    def take(self, found: Callable[[], BackgroundReading]) -> None:
+    def take(self, get_reading: Callable[[], BackgroundReading]) -> None:
         """Take what was found; without it nothing old is shown."""
         lasting = (*QUICK, *COUNTED)
         self.values = {
@@ -282,12 +282,12 @@ class FlockReadings:
             if name in lasting or name not in self.offered
         }
         self.sizes, self.layers, self.unknown = NOBODY, NOBODY, 0
-        seen = found()
-        self.values = self.values | seen.values
-        self.sizes, self.layers, self.unknown = seen.sizes, seen.layers, seen.unknown
-        self.note(seen.tick, seen.values)
-        if seen.refusal is not None:
-            raise seen.refusal
+        reading = get_reading()
+        self.values = self.values | reading.values
+        self.sizes, self.layers, self.unknown = reading.sizes, reading.layers, reading.unknown
+        self.note(reading.tick, reading.values)
+        if reading.refusal is not None:
+            raise reading.refusal
 
     def over(self, name: str, last: float = math.inf) -> float:
         """An observable that is measured over a run, over its `last` ticks or all of it."""

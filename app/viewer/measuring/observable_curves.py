@@ -31,9 +31,11 @@ def chart_title(names: tuple[str, ...]) -> str:
 
 def choices(offered: Collection[str]) -> dict[str, tuple[str, ...]]:
     """What can be plotted of a flock that has these observables: words -> names."""
-    pairs = [(one.beside, name) for name, one in OBSERVABLES.items() if one.beside]
+    pairs = [
+        (observable.beside, name) for name, observable in OBSERVABLES.items() if observable.beside
+    ]
     both = [names for names in pairs if all(name in offered for name in names)]
-    return {chart_title(names): names for names in (*both, *((one,) for one in offered), ())}
+    return {chart_title(names): names for names in (*both, *((name,) for name in offered), ())}
 
 
 def points(readings: FlockReadings, name: str, last: float = math.inf) -> Points:
@@ -74,15 +76,15 @@ def together(curves: list[Points], each: list[float]) -> tuple[np.ndarray, ...]:
 
 
 def over_earlier(
-    at: np.ndarray, now: Sequence[np.ndarray], earlier: Sequence[Points], whole: bool
+    at: np.ndarray, now: Sequence[np.ndarray], earlier: Sequence[Points], is_whole: bool
 ) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
     """Curves of now, at ticks `at` (K,), over earlier ones: the ticks of all, and both.
 
-    If `whole`, earlier ones go on to their ends, where those of now are nan; if not, all that is
+    If `is_whole`, earlier ones go on to their ends, where those of now are nan; if not, all that is
     earlier ends with them.
     """
-    seen = [x if whole else x[x <= at[-1]] for x, _ in earlier]
-    ticks = np.unique(np.concatenate([at, *seen]))
+    ticks_shown = [x if is_whole else x[x <= at[-1]] for x, _ in earlier]
+    ticks = np.unique(np.concatenate([at, *ticks_shown]))
 
     def on_all(x: np.ndarray, y: np.ndarray) -> np.ndarray:
         if not len(x):
@@ -125,10 +127,10 @@ class ObservableHistory:
     @classmethod
     def of(cls, readings: FlockReadings, names: Iterable[str] | None = None) -> ObservableHistory:
         """That of a run so far: of some observables, or of all that were measured."""
-        wanted = readings.offered if names is None else names
-        found = {name: recorded(readings, name) for name in wanted if name in OBSERVABLES}
-        known = {name: (at, values) for name, (at, values) in found.items() if len(at)}
-        return cls(readings.conditions, readings.tick, known)
+        wanted_names = readings.offered if names is None else names
+        series = {name: recorded(readings, name) for name in wanted_names if name in OBSERVABLES}
+        finite = {name: (at, values) for name, (at, values) in series.items() if len(at)}
+        return cls(readings.conditions, readings.tick, finite)
 
     @property
     def conditions(self) -> RunConditions:

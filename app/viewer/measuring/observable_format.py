@@ -14,11 +14,15 @@ from worlds.world import World
 UNKNOWN = "–"
 NOTHING, LITTLE, MUCH = 1e-9, 1e-4, 1e7
 """Below the first a number is rounding, beyond the others it is written with its power of ten."""
-QUICK = tuple(name for name, one in OBSERVABLES.items() if one.quick)
+QUICK = tuple(name for name, observable in OBSERVABLES.items() if observable.quick)
 """Measured many times a second, whether shown or not."""
-COUNTED = tuple(name for name, one in OBSERVABLES.items() if one.events is not None)
+COUNTED = tuple(name for name, observable in OBSERVABLES.items() if observable.events is not None)
 """Known to the tick: not measured now and then, but counted."""
-STEADY = tuple(name for name, one in OBSERVABLES.items() if one.card is not None and not one.quick)
+STEADY = tuple(
+    name
+    for name, observable in OBSERVABLES.items()
+    if observable.card is not None and not observable.quick
+)
 """Measured a few times a second, whether shown or not."""
 
 
@@ -37,8 +41,8 @@ def unit(name: str) -> str:
     >>> unit("drag-saved"), unit("groups")
     ('%', '')
     """
-    found = OBSERVABLES[name].unit
-    return found if found in ("%", "length") else ""
+    text = OBSERVABLES[name].unit
+    return text if text in ("%", "length") else ""
 
 
 def scale(name: str) -> Range:
@@ -47,9 +51,9 @@ def scale(name: str) -> Range:
     >>> print(scale("polarisation"), scale("groups"))
     [0, 1] [0, N]
     """
-    found = OBSERVABLES[name].range
-    assert isinstance(found, Range)
-    return found
+    limits = OBSERVABLES[name].range
+    assert isinstance(limits, Range)
+    return limits
 
 
 def format_observable(name: str, value: float | None) -> str:
@@ -95,32 +99,34 @@ def cards(
 
     Of what every flock has, those that are not known yet too.
     """
-    shown = {}
-    for name, one in OBSERVABLES.items():
-        card, value = one.card, values.get(name)
+    texts = {}
+    for name, observable in OBSERVABLES.items():
+        card, value = observable.card, values.get(name)
         if card is None or card.part != part:
             continue
         if model is not None and card.of is not None and not card.of(model):
             continue
-        if value is None and one.applies is not everywhere:
+        if value is None and observable.applies is not everywhere:
             continue
         label = card.label if isinstance(card.label, str) else card.label(world)
-        known = value is not None and math.isfinite(value) and card.form
-        shown[label] = (
-            f"{value:{card.form}}".replace("%", " %") if known else format_observable(name, value)
+        is_known = value is not None and math.isfinite(value) and card.form
+        texts[label] = (
+            f"{value:{card.form}}".replace("%", " %")
+            if is_known
+            else format_observable(name, value)
         )
-    return shown
+    return texts
 
 
 def offered(flock: Any) -> tuple[str, ...]:
     """The observables that are one number at one tick and say something about a flock, in order."""
     return tuple(
         name
-        for name, one in OBSERVABLES.items()
-        if one.over is None and not one.is_table and one.applies(flock)
+        for name, observable in OBSERVABLES.items()
+        if observable.over is None and not observable.is_table and observable.applies(flock)
     )
 
 
 def over_a_run() -> tuple[str, ...]:
     """The observables that are measured over a run."""
-    return tuple(name for name, one in OBSERVABLES.items() if one.over is not None)
+    return tuple(name for name, observable in OBSERVABLES.items() if observable.over is not None)

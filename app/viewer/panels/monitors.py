@@ -28,13 +28,13 @@ def wheel(dim: int) -> str:
     """HTML of the wheel; in space with a bar that says how climbing and diving look."""
     words = "".join(f"<span>{words}</span>" for words in DIRECTIONS)
     round_ = f'<div class="fs-wheel">{words}<i style="background:{all_round()}"></i></div>'
-    beside = '<div class="fs-quiet">as seen from above</div>'
+    caption = '<div class="fs-quiet">as seen from above</div>'
     if dim == 3:
         names = "".join(f"<span>{name}</span>" for name in STEEP)
-        beside += (
+        caption += (
             f'<div class="fs-climb"><i style="background:{upwards()}"></i><div>{names}</div></div>'
         )
-    return f'<div class="fs-headings fs-drawn">{round_}<div>{beside}</div></div>'
+    return f'<div class="fs-headings fs-drawn">{round_}<div>{caption}</div></div>'
 
 
 def all_round() -> str:

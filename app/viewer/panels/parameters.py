@@ -78,9 +78,11 @@ class ParametersPanel:
             if control.disabled != fixed:
                 control.disabled = fixed
         own = declared(MODELS[state.spec.model].parameters)
-        changed = [one for one in own if state.values.get(one.name) != one.default]
+        changed = [
+            parameter for parameter in own if state.values.get(parameter.name) != parameter.default
+        ]
         text = differing(changed, state.values)
-        self.changes = {one.name: one.default for one in changed}
+        self.changes = {parameter.name: parameter.default for parameter in changed}
         self.back.visible = bool(self.changes or self.past) and not fixed
         if text != self.changed.content:
             self.changed.content = text
@@ -150,13 +152,13 @@ class ParametersPanel:
                 self.gui.add_html(block('<div class="fs-quiet">These act on both models.</div>'))
             titles = "Rule", f"Body: {model.body.title}"
             for title, part in zip(titles, sides(model, own), strict=True):
-                if shared := [one for one in part if one.name in both]:
+                if shared := [parameter for parameter in part if parameter.name in both]:
                     self.gui.add_html(block(f'<div class="fs-head">{html.escape(title)}</div>'))
                     self.controls |= self.controls_of(shared, values)
-            if alone := [one for one in own if one.name not in both]:
+            if alone := [parameter for parameter in own if parameter.name not in both]:
                 with self.gui.add_folder(f"Only {model.title}"):
                     self.controls |= self.controls_of(alone, values)
-            if alone := [one for one in others if one.name in beside_values]:
+            if alone := [parameter for parameter in others if parameter.name in beside_values]:
                 with self.gui.add_folder(f"Only {MODELS[beside or name].title}"):
                     self.beside_controls = self.controls_of(alone, beside_values, beside=True)
 
@@ -164,45 +166,50 @@ class ParametersPanel:
         self, some: list[DeclaredParameter], values: dict[str, Any], beside: bool = False
     ) -> dict[str, Any]:
         """The controls of some parameters by name, of the model beside alone if so."""
-        return {one.name: self.control(one, values[one.name], beside) for one in some}
+        return {
+            parameter.name: self.control(parameter, values[parameter.name], beside)
+            for parameter in some
+        }
 
-    def control(self, one: DeclaredParameter, value: Any, beside: bool = False) -> Any:
+    def control(self, parameter: DeclaredParameter, value: Any, beside: bool = False) -> Any:
         """The control of one parameter, of the model beside alone if so."""
-        made = add_control(self.gui, one, value)
-        self.dials.add(one, made)
+        handle = add_control(self.gui, parameter, value)
+        self.dials.add(parameter, handle)
         models = self.models
 
         async def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:
-                value = made.value
-                self.note(one.name, beside)
-                answer = self.simulation.set(one.name, value, beside, models)
+                value = handle.value
+                self.note(parameter.name, beside)
+                answer = self.simulation.set(parameter.name, value, beside, models)
                 answer.add_done_callback(partial(restore, value))
 
         def restore(value: Any, answer: Future) -> None:
-            newer = made.value != value
+            newer = handle.value != value
             if not newer and (answer.exception() is not None or answer.result() != value):
                 state = self.simulation.state
                 values = state.beside_values if beside else state.values
-                made.value = values.get(one.name, value)
+                handle.value = values.get(parameter.name, value)
 
-        made.on_update(changed)
-        return made
+        handle.on_update(changed)
+        return handle
 
 
-def add_control(gui: viser.GuiApi, one: DeclaredParameter, value: Any) -> Any:
+def add_control(gui: viser.GuiApi, parameter: DeclaredParameter, value: Any) -> Any:
     """A switch, a choice, or a slider with a box, which takes all that is allowed."""
-    label, hint = parameter_label(one)
-    if one.kind == "switch":
+    label, hint = parameter_label(parameter)
+    if parameter.kind == "switch":
         return gui.add_checkbox(label, bool(value), hint=hint)
-    if one.kind == "choice":
-        return gui.add_dropdown(label, one.choices, initial_value=value, hint=hint)
-    if not isinstance(one, NumberParameter):
-        raise InputError(f"{one.name} has no range for a slider: declare its low and high")
-    low, high = one.bounds
-    made = gui.add_slider(label, float(low), float(high), step_of(one), float(value), hint=hint)
-    made.precision = decimals(one)
-    return made
+    if parameter.kind == "choice":
+        return gui.add_dropdown(label, parameter.choices, initial_value=value, hint=hint)
+    if not isinstance(parameter, NumberParameter):
+        raise InputError(f"{parameter.name} has no range for a slider: declare its low and high")
+    low, high = parameter.bounds
+    slider = gui.add_slider(
+        label, float(low), float(high), step_of(parameter), float(value), hint=hint
+    )
+    slider.precision = decimals(parameter)
+    return slider
 
 
 def sides(
@@ -210,17 +217,20 @@ def sides(
 ) -> tuple[list[DeclaredParameter], list[DeclaredParameter]]:
     """The parameters of a model's rule, and those of its body."""
     wants = model.rule.parameters.model_fields
-    return [one for one in own if one.name in wants], [one for one in own if one.name not in wants]
+    return [parameter for parameter in own if parameter.name in wants], [
+        parameter for parameter in own if parameter.name not in wants
+    ]
 
 
-def parameter_label(one: DeclaredParameter) -> tuple[str, str]:
+def parameter_label(parameter: DeclaredParameter) -> tuple[str, str]:
     """Label and hint of a parameter: of a number words, symbol and unit, of all else words."""
-    hint = f"{one.description}. {one.allowed[:1].upper()}{one.allowed[1:]}. {one.source}."
-    if one.kind != "number":
-        return one.words, hint
-    hint += f" Double click: back to {in_short(one.default)}."
-    unit = "" if one.unit == "1" else f", {raised_powers(one.unit)}"
-    return f"{one.words} {plain(one.symbol)}{unit}", hint
+    allowed = f"{parameter.allowed[:1].upper()}{parameter.allowed[1:]}"
+    hint = f"{parameter.description}. {allowed}. {parameter.source}."
+    if parameter.kind != "number":
+        return parameter.words, hint
+    hint += f" Double click: back to {in_short(parameter.default)}."
+    unit = "" if parameter.unit == "1" else f", {raised_powers(parameter.unit)}"
+    return f"{parameter.words} {plain(parameter.symbol)}{unit}", hint
 
 
 def raised_powers(unit: str) -> str:
@@ -232,18 +242,18 @@ def raised_powers(unit: str) -> str:
     return re.sub(r"\^(\d)", raised, unit)
 
 
-def raised(found: re.Match[str]) -> str:
+def raised(match: re.Match[str]) -> str:
     """An exponent in a small figure."""
-    return found[1].translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return match[1].translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 def differing(changed: list[DeclaredParameter], values: dict[str, Any]) -> str:
     """What is not at its default, what that is, and what it is now: a line each."""
     rows = {
-        html.escape(f"{one.words} {plain(one.symbol)}"): html.escape(
-            f"{in_short(one.default)} \u2192 {in_short(values[one.name])}"
+        html.escape(f"{parameter.words} {plain(parameter.symbol)}"): html.escape(
+            f"{in_short(parameter.default)} \u2192 {in_short(values[parameter.name])}"
         )
-        for one in changed
+        for parameter in changed
     }
     title = f'<div class="fs-head">Changed: {len(rows)}</div>'
     return block(f'{title}<div class="fs-changed">{table(rows)}</div>') if rows else ""

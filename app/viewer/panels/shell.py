@@ -35,13 +35,13 @@ def cards(values: dict[str, str]) -> str:
 
 def grid(values: dict[str, str], across: int = 3) -> str:
     """A grid of cards, name -> value, so many in a row."""
-    made = "".join(
+    cards = "".join(
         f'<div class="fs-card{" fs-long" if len(value) > ROOM else ""}">'
         f"<span>{name}</span><b>{value}</b></div>"
         for name, value in values.items()
     )
     columns = f' style="grid-template-columns:repeat({across},1fr)"' if across != 3 else ""
-    return f'<div class="fs-cards"{columns}>{made}</div>'
+    return f'<div class="fs-cards"{columns}>{cards}</div>'
 
 
 def key(entries: list[tuple[str, str]], drawn: bool = False, hollow: bool = False) -> str:
@@ -49,17 +49,17 @@ def key(entries: list[tuple[str, str]], drawn: bool = False, hollow: bool = Fals
 
     `hollow`: of outlines.
     """
-    shown = "border:2px solid" if hollow else "background:"
-    made = "".join(
-        f'<span><i style="{shown} {colour}"></i>{label}</span>' for label, colour in entries
+    style = "border:2px solid" if hollow else "background:"
+    marks = "".join(
+        f'<span><i style="{style} {colour}"></i>{label}</span>' for label, colour in entries
     )
-    return f'<div class="fs-key{" fs-drawn" if drawn else ""}">{made}</div>'
+    return f'<div class="fs-key{" fs-drawn" if drawn else ""}">{marks}</div>'
 
 
 def table(rows: dict[str, str]) -> str:
     """A table of two columns."""
-    made = "".join(f"<tr><td>{name}</td><td>{value}</td></tr>" for name, value in rows.items())
-    return f'<table class="fs-table">{made}</table>'
+    html_rows = "".join(f"<tr><td>{name}</td><td>{value}</td></tr>" for name, value in rows.items())
+    return f'<table class="fs-table">{html_rows}</table>'
 
 
 LEFT, RIGHT = 310, 330
@@ -120,8 +120,8 @@ class Sheets:
 
         async def close(_event: viser.GuiEvent) -> None:
             with self.lock:
-                known = self.open.pop(client.client_id, None) is not None
-            if known:
+                was_open = self.open.pop(client.client_id, None) is not None
+            if was_open:
                 await asyncio.sleep(SETTLED)
                 modal.close()
 

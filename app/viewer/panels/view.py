@@ -74,7 +74,7 @@ class ViewPanel:
 
     def fit(self, frame: Frame, numbers: tuple[str, ...] = ()) -> None:
         """Show what applies to a frame; agents can be coloured by these numbers too."""
-        scene = [one for one in (frame, frame.beside) if one is not None]
+        scene = [frame for frame in (frame, frame.beside) if frame is not None]
         look = self.look()
         self.form.fit(look, scene)
         offered = self.form.controls["colour"].offered(scene, look)
@@ -100,29 +100,29 @@ class ViewPanel:
 
     def take(self, look: Mapping[str, Any]) -> None:
         """Show these, by the names of their controls, and all else as usual."""
-        wanted = self.usually(look.get("trails", self.usual.look.trails)) | dict(look)
-        self.colour = wanted["colour"]
+        values = self.usually(look.get("trails", self.usual.look.trails)) | dict(look)
+        self.colour = values["colour"]
         self.offer(tuple(dict.fromkeys([*self.form["colour"].options, self.colour])))
         for name, control in self.form.handles.items():
-            set_value(control, wanted[name])
+            show(control, values[name])
 
     def not_usual(self) -> dict[str, Any]:
         """What is not as usual, by the names of the controls."""
         now = {name: control.value for name, control in self.form.handles.items()}
         now["colour"] = self.colour
         usually = self.usually(now["trails"])
-        return {name: one for name, one in now.items() if one != usually[name]}
+        return {name: value for name, value in now.items() if value != usually[name]}
 
     def usually(self, trails: str) -> dict[str, Any]:
         """What is usual with these trails, by the names of the controls."""
-        known = {name: getattr(self.usual.look, name) for name in self.form.handles}
-        return known | ({"trail_length": self.usual.rising} if trails == RISING else {})
+        values = {name: getattr(self.usual.look, name) for name in self.form.handles}
+        return values | ({"trail_length": self.usual.rising} if trails == RISING else {})
 
     def suit(self, usual: DrawingDefaults) -> None:
         """Take this for usual from now on; what was as usual is so again."""
         if usual != self.usual:
-            kept, self.usual = self.not_usual(), usual
-            self.take(kept)
+            changed, self.usual = self.not_usual(), usual
+            self.take(changed)
 
     def look(self) -> DrawingStyle:
         """The drawing as the controls have it."""

@@ -66,10 +66,12 @@ class CommandQueue:
         """Have the flock stand still before anything else is done; what waits and would move it
         is left out."""
         with self.changed:
-            moving = [one for one in self.waiting if one.key in (GO, STEP)]
-            self.waiting = deque(one for one in self.waiting if one.key not in (GO, STEP))
-            for one in moving:
-                one.answer.set_result(None)
+            moving = [command for command in self.waiting if command.key in (GO, STEP)]
+            self.waiting = deque(
+                command for command in self.waiting if command.key not in (GO, STEP)
+            )
+            for command in moving:
+                command.answer.set_result(None)
             first = self.waiting[0] if self.waiting else None
             if first is not None and first.key == "pause":
                 return first.answer
@@ -84,15 +86,15 @@ class CommandQueue:
         if not key or not self.waiting:
             return None
         near = self.waiting if len(self.waiting) >= MOST else [self.waiting[-1]]
-        return next((one for one in reversed(near) if one.key == key), None)
+        return next((command for command in reversed(near) if command.key == key), None)
 
-    def add(self, one: QueuedCommand) -> Future:
+    def add(self, command: QueuedCommand) -> Future:
         """Let a command wait, one of each key in any case. Raises InputError if too many do."""
-        if len(self.waiting) >= MOST and not one.key:
+        if len(self.waiting) >= MOST and not command.key:
             raise InputError(f"too much at once: {MOST} commands wait already")
-        self.waiting.append(one)
+        self.waiting.append(command)
         self.changed.notify()
-        return one.answer
+        return command.answer
 
     def wake(self) -> None:
         """Let whoever waits for a command go on without one."""
@@ -109,5 +111,5 @@ class CommandQueue:
     def will_run(self, runs: bool) -> bool:
         """Whether the flock runs once all is done that waits, if now it does or not."""
         with self.changed:
-            told = [one.runs for one in self.waiting if one.runs is not None]
-        return told[-1] if told else runs
+            wishes = [command.runs for command in self.waiting if command.runs is not None]
+        return wishes[-1] if wishes else runs

@@ -169,24 +169,24 @@ class Edits:
     def take_over(self, run: FlockRun, spec: CompleteSpec) -> None:
         """Edit the world of a new run; the history goes on where it is the same world."""
         world = run.flock.world
-        known = self.editor is not None and self.editor.world == world
-        if not known:
+        is_same = self.editor is not None and self.editor.world == world
+        if not is_same:
             self.editor = Editor.of(world)
             self.untouched = world
-        if not known or not isinstance(spec.world, World):
+        if not is_same or not isinstance(spec.world, World):
             self.plain = spec
 
 
 def inhabit(run: FlockRun, editor: Editor) -> None:
     """Let a flock go on in another world. Raises InputError, and then changes nothing."""
     world = editor.world
-    freed = [set_free(world, one.flock.position) for one in run.both]
-    for one, position in zip(run.both, freed, strict=True):
-        flock, before = one.flock, one.flock.loop
+    freed = [set_free(world, run.flock.position) for run in run.both]
+    for flock_run, position in zip(run.both, freed, strict=True):
+        flock, before = flock_run.flock, flock_run.flock.loop
         flock.change_world(world)
         if position is not flock.position:
             flock.position[:] = position
-        one.compiled = one.compiled and flock.loop is before
+        flock_run.compiled = flock_run.compiled and flock.loop is before
 
 
 def try_out(spec: Spec, beside: Spec | None, dim: int) -> None:

@@ -65,8 +65,8 @@ def allowed(flock: Flock, name: str, value: Any) -> Any:
     before = radii(flock, now)
     if isinstance(value, bool) or not isinstance(value, int | float):
         return value
-    wanted = now.model_copy(update={name: value})
-    if not before or not in_order(before) or in_order(radii(flock, wanted)):
+    parameters = now.model_copy(update={name: value})
+    if not before or not in_order(before) or in_order(radii(flock, parameters)):
         return value
     for other in sorted(before, key=lambda radius: abs(radius - value)):
         if in_order(radii(flock, now.model_copy(update={name: other}))):
@@ -96,13 +96,13 @@ class FlockRun:
         self,
         flock: Flock,
         number: int,
-        wanted: FrameRequest,
+        request: FrameRequest,
         watched: frozenset[str] = frozenset(),
     ):
         self.flock = flock
         self.number = number
         self.readings = FlockReadings(flock, watched)
-        self.camera = FrameBuilder(flock, number, wanted)
+        self.camera = FrameBuilder(flock, number, request)
         self.compiled = False
         """Whether the flock has run, so that its next tick need not be compiled."""
         self.warned = ""
@@ -130,24 +130,24 @@ class FlockRun:
     @property
     def is_compiled(self) -> bool:
         """Whether the next tick need not be compiled, neither here nor beside."""
-        return all(one.compiled for one in self.both)
+        return all(run.compiled for run in self.both)
 
     @property
     def is_at_hand(self) -> bool:
         """Whether all that it calls has been compiled, or is on disk."""
         return all(
-            one.flock.is_compiled and all(map(is_at_hand, one.readings.extremes.kernels))
-            for one in self.both
+            run.flock.is_compiled and all(map(is_at_hand, run.readings.extremes.kernels))
+            for run in self.both
         )
 
-    def want(self, wanted: FrameRequest) -> None:
+    def want(self, request: FrameRequest) -> None:
         """Change what frames hold beside positions and headings."""
-        self.camera.want(wanted)
+        self.camera.want(request)
 
     def watch(self, names: frozenset[str]) -> None:
         """Change which observables are measured beside those that always are."""
-        for one in self.both:
-            one.readings.watch(names)
+        for run in self.both:
+            run.readings.watch(names)
 
     def allowed(self, name: str, value: Any, beside: bool = False) -> Any:  # noqa: ARG002 - Pair's
         """The value nearest to the wanted one that keeps zones in order. Raises InputError."""
@@ -168,8 +168,8 @@ class FlockRun:
         try:
             change(self)
         finally:
-            for one in self.both:
-                one.readings.note_conditions()
+            for run in self.both:
+                run.readings.note_conditions()
 
     def advance(self, ticks: int) -> None:
         """Run ticks. Raises whatever the rule raises."""
@@ -220,9 +220,9 @@ class FlockRun:
     def spec(self) -> bytes:
         """The run as TOML, with its parameters as they are now and a line on what was changed."""
         changed = self.readings.conditions.changes()
-        told = " ".join(f"# Changed while it ran: {', '.join(changed)}".split())
-        told += ". Here are the last values.\n"
-        return f"{told if changed else ''}{self.flock.spec.to_toml()}".encode()
+        text = " ".join(f"# Changed while it ran: {', '.join(changed)}".split())
+        text += ". Here are the last values.\n"
+        return f"{text if changed else ''}{self.flock.spec.to_toml()}".encode()
 
     def saved(self) -> bytes:
         """The flock's state as a file."""

@@ -30,11 +30,11 @@ class Playback(FlockRun):
         self,
         flock: Flock,
         number: int,
-        wanted: FrameRequest,
+        request: FrameRequest,
         watched: frozenset[str],
         stored: StoredFlock,
     ):
-        super().__init__(flock, number, wanted, watched)
+        super().__init__(flock, number, request, watched)
         self.stored = stored
         self.frames = stored.recording.frames
         self.clock = self.first
@@ -68,8 +68,8 @@ class Playback(FlockRun):
 
     def step(self, frames: int) -> None:
         """Go on by so many of the recorded ticks, at most to the end. Raises InputError."""
-        here = int(np.searchsorted(self.frames.ticks, self.flock.tick))
-        self.show(int(self.frames.ticks[min(here + frames, len(self.frames.ticks) - 1)]))
+        index = int(np.searchsorted(self.frames.ticks, self.flock.tick))
+        self.show(int(self.frames.ticks[min(index + frames, len(self.frames.ticks) - 1)]))
 
     def seek(self, tick: int) -> None:
         """Go to a tick; curves go on from there. Raises InputError."""
@@ -86,7 +86,7 @@ class Playback(FlockRun):
 
 def put(flock: Flock, then: Snapshot) -> None:
     """Have a flock be as in a snapshot of its run; its engine is kept where it can be."""
-    if [one.shape for one in flock.arrays] != [one.shape for one in then.arrays]:
+    if [array.shape for array in flock.arrays] != [array.shape for array in then.arrays]:
         flock.return_to(then)
         return
     for mine, other in zip(flock.arrays, then.arrays, strict=True):
@@ -131,7 +131,7 @@ class FlockRunBuilder:
         beside: Spec | None,
         stored: Beginning | None,
         number: int,
-        wanted: FrameRequest,
+        request: FrameRequest,
         watched: frozenset[str],
     ) -> FlockRun:
         """The run of a flock, and of the one beside it; of a recording that it is played.
@@ -139,9 +139,9 @@ class FlockRunBuilder:
         Raises InputError.
         """
         if isinstance(stored, StoredFlock) and stored.is_played:
-            return Playback(flock, number, wanted, watched, stored)
+            return Playback(flock, number, request, watched, stored)
         if beside is None:
-            return FlockRun(flock, number, wanted, watched)
+            return FlockRun(flock, number, request, watched)
         second = self.build_beside(flock, beside)
         refuse_too_dense(second)
-        return PairedRun(flock, second, number, wanted, watched)
+        return PairedRun(flock, second, number, request, watched)

@@ -86,11 +86,11 @@ class FrameBuilder:
         default_factory=lambda: WorkThrottle(period=1 / 4, share=0.1)
     )
 
-    def want(self, wanted: FrameRequest) -> None:
+    def want(self, request: FrameRequest) -> None:
         """Change what is wanted; it is in the next frame."""
-        if wanted.first != self.wanted.first:
+        if request.first != self.wanted.first:
             self.rate_limit.renew()
-        self.wanted = wanted
+        self.wanted = request
 
     def take(self) -> Frame:
         """A frame of the flock now; layers, groups and links are as last examined."""
@@ -132,16 +132,16 @@ class FrameBuilder:
         self.survey()
         if not (at_once or self.rate_limit.due(time.perf_counter())):
             return
-        wanted, flock = self.wanted, self.flock
+        request, flock = self.wanted, self.flock
         with self.rate_limit.measured():
             self.layer = self.group = self.links = self.measured = None
-            if wanted.layers or wanted.groups or wanted.links or wanted.measured in OF_AGENTS:
+            if request.layers or request.groups or request.links or request.measured in OF_AGENTS:
                 refuse_too_many_links(flock)
             now = flock.snapshot(copy=False)
-            self.layer = now.layers() if wanted.layers else None
-            self.group = now.group_labels() if wanted.groups else None
-            self.links = now.links() if wanted.links else None
-            self.measured = measured(flock, wanted.measured) if wanted.measured else None
+            self.layer = now.layers() if request.layers else None
+            self.group = now.group_labels() if request.groups else None
+            self.links = now.links() if request.links else None
+            self.measured = measured(flock, request.measured) if request.measured else None
 
     def survey(self) -> None:
         """Take the boundary points of a world that is new."""

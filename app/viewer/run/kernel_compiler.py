@@ -159,9 +159,9 @@ def kind(flock: Flock) -> str:
 
 def estimated(kinds: Sequence[str]) -> CompileEstimate:
     """How long it may take to compile all of these, from now on."""
-    taken = [last_time(one) for one in kinds]
-    expected = sum(USUAL if one is None else one for one in taken)
-    return CompileEstimate(time.monotonic(), expected, None not in taken)
+    times = [last_time(kind) for kind in kinds]
+    expected = sum(USUAL if seconds is None else seconds for seconds in times)
+    return CompileEstimate(time.monotonic(), expected, None not in times)
 
 
 def last_time(kind: str) -> float | None:
@@ -176,8 +176,8 @@ def remember(kinds: Sequence[str], seconds: float) -> None:
     """Keep what it took to compile these, shared out evenly, beside the cache, if that can be."""
     each = f"{max(seconds, 0.1) / len(kinds):.1f}"
     with suppress(OSError):
-        for one in kinds:
-            write_owned(each.encode(), cache_base(), "seconds", one)
+        for kind in kinds:
+            write_owned(each.encode(), cache_base(), "seconds", kind)
 
 
 # What moves on the page until a run is compiled: the same run as plain Python.
@@ -193,7 +193,7 @@ LOOKS = 100
 
 def is_quick(run: FlockRun) -> bool:
     """Whether a run may be quick enough in plain Python to be watched."""
-    return sum(len(one.flock.ids) for one in run.both) <= MOST_AGENTS
+    return sum(len(run.flock.ids) for run in run.both) <= MOST_AGENTS
 
 
 class Preview:
@@ -216,16 +216,16 @@ class Preview:
         """Note what a tick has taken, s of CPU."""
         self.slow = self.slow + 1 if seconds > SLOWEST else 0
 
-    def taken_over(self, shown: FlockRun) -> FlockRun:
+    def taken_over(self, run: FlockRun) -> FlockRun:
         """The compiled run, brought to where the preview is."""
-        last = shown.flock.tick
+        last = run.flock.tick
         for tick, change in self.changes:
             self.go_on(tick, last)
             with suppress(InputError):  # as far as rounding makes it another run
                 self.coming.change(change)
         self.go_on(last, last)
-        for one, before in zip(self.coming.both, shown.both, strict=True):
-            one.camera.fastest = before.camera.fastest
+        for flock_run, before in zip(self.coming.both, run.both, strict=True):
+            flock_run.camera.fastest = before.camera.fastest
         return self.coming
 
     def go_on(self, until: int, last: int) -> None:
@@ -233,5 +233,5 @@ class Preview:
         flock = self.coming.flock
         while flock.tick < until:
             self.coming.advance(min(until - flock.tick, 1 + last // LOOKS))
-            for one in self.coming.both:
-                one.attempt(one.readings.look)
+            for run in self.coming.both:
+                run.attempt(run.readings.look)

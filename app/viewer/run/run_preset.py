@@ -44,7 +44,7 @@ def home(world: str | World) -> WorldDefaults:
     return WorldDefaults(own_dim(layout, world), "size" in layout)
 
 
-def at_home(model: str = DEFAULT, **given: Any) -> CompleteSpec:
+def at_home(model: str = DEFAULT, **options: Any) -> CompleteSpec:
     """A run of a model in the world that it is at home in, where nothing else is `given`.
 
     What is None counts as not given; the seed is 1 then. Raises InputError.
@@ -52,8 +52,8 @@ def at_home(model: str = DEFAULT, **given: Any) -> CompleteSpec:
     >>> at_home("hwvem").world, at_home("hwvem", world="open").world
     ('wrap', 'open')
     """
-    said = {name: value for name, value in given.items() if value is not None}
-    return complete_spec(Spec(model, **{"seed": 1, **said}), find_model(model))
+    given_options = {name: value for name, value in options.items() if value is not None}
+    return complete_spec(Spec(model, **{"seed": 1, **given_options}), find_model(model))
 
 
 def lively_speed(spec: Spec) -> float:
@@ -70,8 +70,8 @@ def lively_speed(spec: Spec) -> float:
 def tick_of(spec: Spec) -> float:
     """How long a tick of a run lasts, in its unit of time."""
     model = find_model(spec.model)
-    known = {k: v for k, v in spec.parameters.items() if k in model.parameters.model_fields}
-    return model.body.lasts(model.parameters(**known))
+    parameters = {k: v for k, v in spec.parameters.items() if k in model.parameters.model_fields}
+    return model.body.lasts(model.parameters(**parameters))
 
 
 def usual_of(spec: Spec) -> DrawingDefaults:

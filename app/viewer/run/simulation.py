@@ -185,19 +185,19 @@ class Simulation:
         """Put an agent somewhere and turn it."""
         return self.tell(lambda: self.place_now(row, position, heading), f"place {row}")
 
-    def want(self, wanted: FrameRequest) -> Future:
+    def want(self, request: FrameRequest) -> Future:
         """Say what frames should hold beside positions and headings."""
-        return self.tell(lambda: self.want_now(wanted), "want")
+        return self.tell(lambda: self.want_now(request), "want")
 
     def watch(self, names: Iterable[str]) -> Future:
         """Say which observables should be measured beside those that always are."""
         chosen = frozenset(names)
         return self.tell(lambda: self.watch_now(chosen), "watch")
 
-    def be_seen(self, seen: bool) -> None:
+    def be_seen(self, is_seen: bool) -> None:
         """Say whether anybody looks: what has an allowance takes less if nobody does."""
-        if seen != self.keeping.seen:
-            self.keeping.seen = seen
+        if is_seen != self.keeping.seen:
+            self.keeping.seen = is_seen
             self.tell(self.be_seen_now, "seen")
 
     def look_again(self) -> Future:
@@ -300,11 +300,11 @@ class Simulation:
         # that commands ask for put none off.
         self.next_frame = min(max(self.next_frame, now - 0.5 * apart), now) + apart
         self.warn(self.run)
-        known = len(self.run.troubles)
+        trouble_count = len(self.run.troubles)
         # What measures is compiled with the flock: until then an obstacle is only shown.
         closely = not self.state.running and self.time_line.moved is None
         self.frame = self.run.look(closely, measured=not self.stands)
-        for trouble in self.run.troubles[known:]:
+        for trouble in self.run.troubles[trouble_count:]:
             if not isinstance(trouble, InputError | StrayAgentError):
                 traceback.print_exception(trouble)
             self.notices.put(describe_error(trouble))
@@ -343,8 +343,8 @@ class Simulation:
             twin = self.building.flock(spec.but(seed=flock.seed), stored, interpret=True)
             self.preview = Preview(run)
             self.run = self.new_run(twin, beside, stored)
-            for one in self.run.both:
-                one.measures = False
+            for flock_run in self.run.both:
+                flock_run.measures = False
         self.edits.take_over(self.run, spec)
         self.time_line.forget()
         self.pace.restart()
@@ -373,7 +373,7 @@ class Simulation:
 
     def have_compiled(self, *runs: FlockRun) -> None:
         """Have compiled what runs call, and nothing else, if it is not at hand."""
-        flocks = [one.flock for run in runs for one in run.both]
+        flocks = [flock_run.flock for run in runs for flock_run in run.both]
         if self.preview is None and all(run.is_at_hand for run in runs):
             self.state = replace(self.state, compiling=None)
             return
@@ -454,11 +454,11 @@ class Simulation:
 
     def warn(self, run: FlockRun) -> None:
         """Tell of flocks whose agents go through what is solid, once for each setting."""
-        for one in run.both:
-            words = one.flock.warning
-            if words and words != one.warned:
+        for flock_run in run.both:
+            words = flock_run.flock.warning
+            if words and words != flock_run.warned:
                 self.notices.put(words)
-            one.warned = words
+            flock_run.warned = words
 
     def schedule(
         self, spec: CompleteSpec, beside: Spec | None, stored: Beginning | None = None
@@ -509,15 +509,15 @@ class Simulation:
         run = self.sound_run()
         if models not in (None, self.state.models):
             return value
-        taken = run.allowed(name, value, beside)
-        self.change(lambda run: run.set(name, taken, beside))
-        if taken != value:
+        accepted = run.allowed(name, value, beside)
+        self.change(lambda run: run.set(name, accepted, beside))
+        if accepted != value:
             flock = run.second.flock if beside and run.second is not None else run.flock
-            self.notices.put(stopped(flock, name, taken))
+            self.notices.put(stopped(flock, name, accepted))
         self.pace.doubt()
         self.state = replace(self.state, values=run.values, beside_values=run.beside_values)
         self.stale = True
-        return taken
+        return accepted
 
     def place_now(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
         place = freed(self.sound_run(), position)
@@ -533,8 +533,8 @@ class Simulation:
             self.run.watch(names)
             self.stale = not self.state.error
 
-    def want_now(self, wanted: FrameRequest) -> None:
-        self.wanted = wanted
+    def want_now(self, request: FrameRequest) -> None:
+        self.wanted = request
         if self.run is not None and not self.state.error:
-            self.run.want(wanted)
+            self.run.want(request)
             self.stale = True

@@ -192,8 +192,12 @@ class SimulationLimits:
         if allowance is None:
             return
         allowance.demand_world(run.flock.world)
-        for one in run.both:
-            for limit in (one.readings.quick, one.readings.slow, one.camera.rate_limit):
+        for flock_run in run.both:
+            for limit in (
+                flock_run.readings.quick,
+                flock_run.readings.slow,
+                flock_run.camera.rate_limit,
+            ):
                 limit.period = max(limit.period, allowance.panels)
                 limit.share = MEASURING * allowance.share
 

@@ -37,8 +37,8 @@ class ChangeNotifier(threading.Event):
 
     def set(self) -> None:
         super().set()
-        for one in self.others:
-            one.set()
+        for event in self.others:
+            event.set()
 
 
 @dataclass(frozen=True)

@@ -131,9 +131,9 @@ Beginning = StoredFlock | InMemoryFlock
 
 def anew(spec: CompleteSpec, world: World) -> CompleteSpec:
     """The same run at tick 0; what started from arrays starts at random."""
-    known = spec.layout is None and spec.world in layout_names()
+    is_named = spec.layout is None and spec.world in layout_names()
     alike = len(set(world.size)) == 1
-    if known and alike and world.random is None:
+    if is_named and alike and world.random is None:
         where: dict[str, Any] = {"world": spec.world, "size": float(world.size[0])}
     else:
         where = {"world": world, "size": None}
@@ -168,13 +168,13 @@ def stored(name: str, content: bytes | None = None, path: Path | None = None) ->
         recording = Recording(path or name, content)
         demand_modest(recording, name, content is not None)
         demand_own_world(recording, name)
-        made = StoredFlock(recording, name)
-        demand_playable(made, name)
+        flock = StoredFlock(recording, name)
+        demand_playable(flock, name)
     except InputError:
         raise
     except Exception as error:  # A broken file makes the parsers of others raise whatever they do.
         raise InputError(f"{name} cannot be read: {type(error).__name__}") from None
-    return made
+    return flock
 
 
 def demand_modest(recording: Recording, name: str, whole: bool) -> None:
@@ -211,14 +211,14 @@ def demand_own_world(recording: Recording, name: str) -> None:
         raise InputError(f"{name}: {spec.model} is not defined in {world.dim} dimensions")
 
 
-def demand_playable(made: StoredFlock, name: str) -> None:
+def demand_playable(flock: StoredFlock, name: str) -> None:
     """Raise InputError for a flock that the laboratory does not take."""
-    if made.most > MOST_AGENTS:
+    if flock.most > MOST_AGENTS:
         raise InputError(
-            f"{name} has {made.most} agents: the laboratory takes {MOST_AGENTS} at most"
+            f"{name} has {flock.most} agents: the laboratory takes {MOST_AGENTS} at most"
         )
-    made.flock(Flock, interpret=True)
-    _ = made.spec
+    flock.flock(Flock, interpret=True)
+    _ = flock.spec
 
 
 def rewrite(name: str, content: bytes) -> bytes:
@@ -227,6 +227,6 @@ def rewrite(name: str, content: bytes) -> bytes:
 
     # Not `pq.read_table`: that would see the footer as it came.
     table = stored(name, content).recording.file.read()
-    made = io.BytesIO()
-    pq.write_table(table, made, compression="zstd", row_group_size=REWRITTEN_ROWS)
-    return made.getvalue()
+    buffer = io.BytesIO()
+    pq.write_table(table, buffer, compression="zstd", row_group_size=REWRITTEN_ROWS)
+    return buffer.getvalue()

@@ -57,7 +57,7 @@ class RunCheckpoint:
     @property
     def size(self) -> int:
         """Bytes."""
-        return sum(array.nbytes for one in self.snapshots for array in one.arrays)
+        return sum(array.nbytes for snapshot in self.snapshots for array in snapshot.arrays)
 
 
 @dataclass
@@ -83,7 +83,7 @@ class CheckpointHistory:
 
     def least_missed(self) -> int:
         """Which moment, not the first and not the last, leaves the smallest gap for its age."""
-        ticks = np.array([one.tick for one in self.moments], float)
+        ticks = np.array([moment.tick for moment in self.moments], float)
         gap = ticks[2:] - ticks[:-2]
         return 1 + int(np.argmin(gap / (ticks[-1] - ticks[1:-1])))
 
@@ -102,7 +102,7 @@ class CheckpointHistory:
 
     def before(self, tick: int) -> RunCheckpoint | None:
         """The last moment that is not after a tick, else the first."""
-        earlier = [one for one in self.moments if one.tick <= tick]
+        earlier = [moment for moment in self.moments if moment.tick <= tick]
         return earlier[-1] if earlier else next(iter(self.moments), None)
 
 
@@ -172,9 +172,9 @@ class TimeLine:
             host.state = replace(
                 host.state, running=False, rate=0.0, values=values, beside_values=others
             )
-            for one in run.both:
-                one.readings.notes = self.present is None
-                one.readings.aside.forget()
+            for flock_run in run.both:
+                flock_run.readings.notes = self.present is None
+                flock_run.readings.aside.forget()
         self.moved = time.perf_counter()
         host.stale = True
 
@@ -194,11 +194,11 @@ class TimeLine:
             self.present = None
             self.history.cut(then.tick)
             number = host.state.run + 1
-            for one, least in zip(run.both, then.least, strict=True):
-                one.number = one.camera.run = number
-                one.readings.notes = True
-                one.readings.cut(one.flock.tick)
-                one.readings.extremes.take(least)
+            for flock_run, least in zip(run.both, then.least, strict=True):
+                flock_run.number = flock_run.camera.run = number
+                flock_run.readings.notes = True
+                flock_run.readings.cut(flock_run.flock.tick)
+                flock_run.readings.extremes.take(least)
             host.edits.editor = then.editor
             host.state = replace(
                 host.state,
@@ -254,8 +254,8 @@ class TimeLine:
     def moment(self, run: FlockRun) -> RunCheckpoint:
         """The run as it is."""
         return RunCheckpoint(
-            tuple(one.flock.snapshot() for one in run.both),
-            tuple(one.readings.extremes.least for one in run.both),
+            tuple(run.flock.snapshot() for run in run.both),
+            tuple(run.readings.extremes.least for run in run.both),
             run.owed if isinstance(run, PairedRun) else 0.0,
             self.host.state.spec,
             self.host.edits.editor,
@@ -284,7 +284,7 @@ class TimeLine:
 
 def restore(run: FlockRun, then: RunCheckpoint) -> None:
     """Put the flocks of a run where they were."""
-    for one, snapshot in zip(run.both, then.snapshots, strict=True):
-        one.flock.return_to(snapshot)
+    for flock_run, snapshot in zip(run.both, then.snapshots, strict=True):
+        flock_run.flock.return_to(snapshot)
     if isinstance(run, PairedRun):
         run.owed = then.owed

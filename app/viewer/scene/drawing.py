@@ -176,7 +176,7 @@ class Drawing:
         agents = 0.0
         if self.drawn is not None:
             frame, look = self.drawn
-            agents = sum(load(one, look) for one in (frame, frame.beside) if one is not None)
+            agents = sum(load(frame, look) for frame in (frame, frame.beside) if frame is not None)
         return period(agents, self.browsers(), self.rates.bandwidth, self.rates.fastest)
 
     def draw(self) -> bool:

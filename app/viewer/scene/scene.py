@@ -123,15 +123,19 @@ class ComparisonNodes:
             self.parts = Parts(self.scene, ROOT)
             self.titles = tuple(self._title(name) for name in ("first", "second"))
         aside = offset(first)
-        one, other = self.titles
+        title, other = self.titles
         changes: Changes = [
             (self.frame, "position", aside),
-            (one, "text", first.frame.title),
-            (one, "position", over(first) - aside),
+            (title, "text", first.frame.title),
+            (title, "position", over(first) - aside),
             (other, "text", second.frame.title),
             (other, "position", over(second)),
         ]
-        changes = [one for one in changes if not np.array_equal(getattr(one[0], one[1]), one[2])]
+        changes = [
+            change
+            for change in changes
+            if not np.array_equal(getattr(change[0], change[1]), change[2])
+        ]
         return changes + self.parts.draw_box(second)
 
     def draw_flock(self, second: Picture | None) -> Changes:
@@ -158,12 +162,15 @@ def meant(
     Origin and direction (3,) are of the ray on the display, `near` is the half-width of the cone
     about it (rad). Where it hits nobody it is for the room whose middle it passes more closely.
     """
-    for side, (shown, aside) in enumerate(sights):
-        radius = 0.5 * shown.length * shown.size
-        row = picked(origin - aside, direction, shown.at, radius, near)
+    for side, (flock_picture, aside) in enumerate(sights):
+        radius = 0.5 * flock_picture.length * flock_picture.size
+        row = picked(origin - aside, direction, flock_picture.at, radius, near)
         if row is not None:
             return side, row
-    away = [passes(origin - aside, direction, shown.stage.floor) for shown, aside in sights]
+    away = [
+        passes(origin - aside, direction, flock_picture.stage.floor)
+        for flock_picture, aside in sights
+    ]
     return int(np.argmin(away)), None
 
 
@@ -237,18 +244,20 @@ class Scene:
         Call it from one thread, at most about 30 times a second.
         """
         frame = self._debounce.debounced(frame)
-        shown = picture(frame, look, Stage.of(frame))
+        drawn_picture = picture(frame, look, Stage.of(frame))
         second = frame.beside
         other = None if second is None else picture(second, look, Stage.of(second))
         with self._server.atomic():
-            changes: Changes = self._gizmo.draw(shown) + self.handles.draw(shown)
-            changes += self._parts.draw_box(shown) + self._beside.draw_box(shown, other)
+            changes: Changes = self._gizmo.draw(drawn_picture) + self.handles.draw(drawn_picture)
+            changes += self._parts.draw_box(drawn_picture) + self._beside.draw_box(
+                drawn_picture, other
+            )
             is_open = self._parts.is_open or self._beside.is_open
-            self._fog.draw(shown.stage, is_open, 1 if other is None else 2)
-            changes += self._parts.draw_flock(shown) + self._beside.draw_flock(other)
+            self._fog.draw(drawn_picture.stage, is_open, 1 if other is None else 2)
+            changes += self._parts.draw_flock(drawn_picture) + self._beside.draw_flock(other)
             for handle, name, value in changes:
                 setattr(handle, name, value)
-        self._sights = sights(shown, other)
+        self._sights = sights(drawn_picture, other)
         self._viewpoints.update(self._sights)
 
     def look_through(self) -> None:
@@ -275,8 +284,8 @@ class Scene:
         """Where on the display an agent of the flock `side` was drawn last, (3,); () if nowhere."""
         if row is None or side >= len(self._sights):
             return ()
-        shown, aside = self._sights[side]
-        return tuple((shown.at[row] + aside).tolist()) if row < len(shown.at) else ()
+        picture, aside = self._sights[side]
+        return tuple((picture.at[row] + aside).tolist()) if row < len(picture.at) else ()
 
     def on_clicked(self, callback: Clicked) -> None:
         """Call `callback(row, origin, direction, beside)` when there is a click into the picture.
@@ -333,8 +342,8 @@ class Scene:
         if not self._sights:
             return
         side, row = meant(self._sights, origin, direction, slack(event.client.camera.fov))
-        shown, aside = self._sights[side]
+        picture, aside = self._sights[side]
         for callback in self._clicked:
-            callback(row, shown.stage.unplaced(origin - aside), direction, side == 1)
+            callback(row, picture.stage.unplaced(origin - aside), direction, side == 1)
         for chosen in self._chosen:
             chosen(event.client, row, side == 1)

@@ -62,9 +62,15 @@ def size_bars(sizes: np.ndarray, model: str = "") -> str:
 
     `model` says which of two flocks they are of.
     """
-    shown = sizes[:MOST_BARS].tolist()
-    rest = f"and {len(sizes) - len(shown)} more" if len(sizes) > len(shown) else "agents in each"
-    bars = "".join(bar(str(rank), size, shown[0], BLUE) for rank, size in enumerate(shown, 1))
+    first_bars = sizes[:MOST_BARS].tolist()
+    rest = (
+        f"and {len(sizes) - len(first_bars)} more"
+        if len(sizes) > len(first_bars)
+        else "agents in each"
+    )
+    bars = "".join(
+        bar(str(rank), size, first_bars[0], BLUE) for rank, size in enumerate(first_bars, 1)
+    )
     return (
         f'<div class="fs-head">Groups<span class="fs-quiet">{html.escape(model)} {rest}</span>'
         f'</div><div class="fs-bars">{bars}</div>'
@@ -132,8 +138,8 @@ class CrashLists:
             self.first.refresh(readings.crashes)
             self.second.refresh(None)
             return
-        for one, read in ((self.first, readings), (self.second, beside)):
-            one.refresh(read.crashes, read.flock.model.name)
+        for crash_list, read in ((self.first, readings), (self.second, beside)):
+            crash_list.refresh(read.crashes, read.flock.model.name)
 
 
 class CrashList:
@@ -249,27 +255,27 @@ def contents(
         return alone(state, frame, readings, browsers, more, last)
     models = model, name
     sides = (frame, readings), (second, beside)
-    told, others = (numbers(state, one, read.values, browsers) for one, read in sides)
-    same = (name for name in CLOCK if told.get(name) == others.get(name))
+    texts, others = (numbers(state, frame, read.values, browsers) for frame, read in sides)
+    same = (name for name in CLOCK if texts.get(name) == others.get(name))
     common = (*COMMON, *same)
-    in_common = {name: text for name, text in told.items() if name in common}
+    in_common = {name: text for name, text in texts.items() if name in common}
 
     def table(title: str, first: dict[str, str], second: dict[str, str]) -> str:
         return compared(title, models, first, second)
 
-    tasks = (mission_numbers(one, read.values) for one, read in sides)
+    tasks = (mission_numbers(frame, read.values) for frame, read in sides)
     named = list(zip(models, sides, strict=True))
     return {
         CARDS: grid(in_common, across=2 if len(in_common) == 4 else 3),
         "titles": titled_columns(*models) + keeping_up(frame, second),
-        "compared": table("Flock", without(told, common), without(others, common)),
+        "compared": table("Flock", without(texts, common), without(others, common)),
         "mission": table(mission_title(frame), *tasks),
         "more": table("More", *(more.numbers(read, last) for _, read in sides)),
         "crash-count": "".join(
-            crash_count(read, len(one.ids), model) for model, (one, read) in named
+            crash_count(read, len(frame.ids), model) for model, (frame, read) in named
         ),
         "bars": "".join(
-            all_bars(one, read, SIZES in more.chosen, model) for model, (one, read) in named
+            all_bars(frame, read, SIZES in more.chosen, model) for model, (frame, read) in named
         ),
     }
 
@@ -296,12 +302,12 @@ def alone(
 
 def all_bars(frame: Frame, readings: FlockReadings, sizes: bool, model: str = "") -> str:
     """Bars of the layers of a flock that is led, and of its groups if wanted."""
-    drawn = ""
+    bars_html = ""
     if frame.informed.any():
-        drawn = layer_bars(readings.layers.tolist(), readings.unknown, model)
+        bars_html = layer_bars(readings.layers.tolist(), readings.unknown, model)
     if sizes and len(readings.sizes):
-        drawn += size_bars(readings.sizes, model)
-    return drawn
+        bars_html += size_bars(readings.sizes, model)
+    return bars_html
 
 
 def numbers(
@@ -349,23 +355,23 @@ def mission_title(frame: Frame) -> str:
 def mission_numbers(frame: Frame, values: dict[str, float]) -> dict[str, str]:
     """The cards of a mission, name -> text; only what this world and this flock have."""
     mission = frame.world.mission or Mission()
-    told: dict[str, str] = {}
+    rows: dict[str, str] = {}
     if not mission_title(frame):
-        return told
-    told |= observable_format.cards("way", frame.world, values)
+        return rows
+    rows |= observable_format.cards("way", frame.world, values)
     if mission.path is not None and frame.informed.any():
         count = len(mission.path.waypoints)
-        here = frame.progress.done + 1
-        told["waypoint"] = f"{here} / {count}" if here <= count else "all done"
+        next_goal = frame.progress.done + 1
+        rows["waypoint"] = f"{next_goal} / {count}" if next_goal <= count else "all done"
     if mission.goal is not None and "through" in values:
-        told["arrived"] = f"{100 * values['through']:.0f} %"
-    told |= observable_format.cards("team", frame.world, values)
+        rows["arrived"] = f"{100 * values['through']:.0f} %"
+    rows |= observable_format.cards("team", frame.world, values)
     if "least-gap" in values:
-        told["closest pair"] = observable_format.few(values["least-gap"])
+        rows["closest pair"] = observable_format.few(values["least-gap"])
     if "least-clearance" in values:
-        told["to obstacle"] = observable_format.few(values["least-clearance"])
-        told["collisions"] = f"{values['inside']:.0f}"
-    return told
+        rows["to obstacle"] = observable_format.few(values["least-clearance"])
+        rows["collisions"] = f"{values['inside']:.0f}"
+    return rows
 
 
 def rate_text(rate: float) -> str:

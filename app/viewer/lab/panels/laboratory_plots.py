@@ -82,7 +82,7 @@ class Overlay:
         self.runs, self.last = runs, last
         self.histories = [run.conditions for run in runs]
         self.of = [history.last for history in self.histories]
-        self.each = [self.ratio(one) for one in self.of]
+        self.each = [self.ratio(conditions) for conditions in self.of]
         self.before: list[OverlaidRun] = []
         for now, history in zip(self.of, self.histories, strict=True):
             for age, course in enumerate(earlier.of(now.model)[:most]):
@@ -99,13 +99,13 @@ class Overlay:
         """What an earlier run is called, as no other is."""
         whose = f"{now.model.name}, " if len(self.of) > 1 else ""
         name = f"{whose}{differences or 'the same seed'} (before)"
-        taken = sum(one.label.split(" #")[0] == name for one in self.before)
-        return f"{name} #{taken + 1}" if taken else name
+        count = sum(run.label.split(" #")[0] == name for run in self.before)
+        return f"{name} #{count + 1}" if count else name
 
     @property
     def models(self) -> list[Model]:
         """Those of now."""
-        return [one.model for one in self.of]
+        return [conditions.model for conditions in self.of]
 
     @property
     def clock(self) -> tuple[float, str]:
@@ -124,18 +124,18 @@ class Overlay:
             [points(self.runs[k], name, self.last / self.each[k]) for k, name in pairs],
             [self.each[k] for k, _ in pairs],
         )
-        under = [(one, name) for one in self.before for name in names]
-        found = [self.window(self.scaled(one, name), at[-1]) for one, name in under]
-        at, now, old = over_earlier(at, now, found, whole=np.isinf(self.last))
+        under = [(run, name) for run in self.before for name in names]
+        past_curves = [self.window(self.scaled(run, name), at[-1]) for run, name in under]
+        at, now, old = over_earlier(at, now, past_curves, is_whole=np.isinf(self.last))
         at, now, old = with_ticks(self.all_marks, at, now, old)
         curves: list[ChartCurve] = []
-        for (one, name), values in zip(under, old, strict=True):
+        for (run, name), values in zip(under, old, strict=True):
             if np.isfinite(values).any():
-                colour = f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[one.age]):02x}"
-                label = f"{observable_title(name, self.models)}, {one.short}"
-                where = marks(one.course.history, one.each)
+                colour = f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[run.age]):02x}"
+                label = f"{observable_title(name, self.models)}, {run.short}"
+                where = marks(run.course.history, run.each)
                 curves += [dots(colour, only_at(where, at, values))] * bool(len(where))
-                curves.append(ChartCurve(colour, values, label, DOTS[one.age], THIN))
+                curves.append(ChartCurve(colour, values, label, DOTS[run.age], THIN))
         for (k, name), values in zip(pairs, now, strict=True):
             where = marks(self.histories[k], self.each[k])
             curves.append(dots(COLOURS[names.index(name)], only_at(where, at, values)))
@@ -151,21 +151,21 @@ class Overlay:
     def all_marks(self) -> np.ndarray:
         """The ticks (K,) of the first flock at which something was changed in any run."""
         runs = list(zip(self.histories, self.each, strict=True))
-        runs += [(one.course.history, one.each) for one in self.before]
+        runs += [(run.course.history, run.each) for run in self.before]
         return np.concatenate([marks(history, each) for history, each in runs])
 
-    def scaled(self, one: OverlaidRun, name: str) -> Points:
+    def scaled(self, run: OverlaidRun, name: str) -> Points:
         """How an observable of an earlier run went over the time of the first flock."""
-        at, values = one.course.points(name)
-        return at * one.each, values
+        at, values = run.course.points(name)
+        return at * run.each, values
 
     def window(self, curve: Points, now: float) -> Points:
         """The part of an earlier curve that is shown: of the whole run all of it."""
         at, values = curve
         if np.isinf(self.last):
             return curve
-        seen = (at >= now - self.last) & (at <= now)
-        return at[seen], values[seen]
+        in_window = (at >= now - self.last) & (at <= now)
+        return at[in_window], values[in_window]
 
     def label(self, name: str, k: int) -> str:
         """What a curve of now is: its observable, and of two flocks its model."""
@@ -189,38 +189,38 @@ class Overlay:
         """The key to the curves: of those of now with their values, if `keyed`, then of others."""
         if not names:
             return ""
-        made = ""
+        text = ""
         if keyed:
             entries = []
             for name, colour in zip(names, COLOURS, strict=False):
                 now = " · ".join(format_observable(name, run.values.get(name)) for run in self.runs)
                 entries.append((f"{html.escape(chart_title((name,)))} <b>{now}</b>", colour))
-            made = key(entries)
+            text = key(entries)
         changed = "".join(
-            f'<span><i class="fs-dot"></i>{html.escape(one)}</span>'
-            for one in (self.changes() if changes else ())
+            f'<span><i class="fs-dot"></i>{html.escape(change)}</span>'
+            for change in (self.changes() if changes else ())
         )
-        made += f'<div class="fs-key fs-changed">{changed}</div>' if changed else ""
-        shown = [one for one in self.before if any(len(one.course.points(n)[0]) for n in names)]
+        text += f'<div class="fs-key fs-changed">{changed}</div>' if changed else ""
+        overlaid = [run for run in self.before if any(len(run.course.points(n)[0]) for n in names)]
         lines = "".join(
-            f'<span><i class="fs-line fs-before-{one.age}"></i>{html.escape(one.label)}</span>'
-            for one in shown
+            f'<span><i class="fs-line fs-before-{run.age}"></i>{html.escape(run.label)}</span>'
+            for run in overlaid
         )
-        return f'{made}<div class="fs-key fs-before">{lines}</div>' if lines else made
+        return f'{text}<div class="fs-key fs-before">{lines}</div>' if lines else text
 
     def changes(self) -> list[str]:
         """What was changed in the runs of now, in a few entries; of two runs whose it is."""
-        found = [history.changes() for history in self.histories]
-        told = list(found[0])
-        if len(found) > 1:
-            shared = [one for one in found[0] if one in found[1]]
-            told = shared + [
-                f"{of.model.name}: {one}"
-                for of, changes in zip(self.of, found, strict=True)
-                for one in changes
-                if one not in shared
+        per_history = [history.changes() for history in self.histories]
+        lines = list(per_history[0])
+        if len(per_history) > 1:
+            shared = [line for line in per_history[0] if line in per_history[1]]
+            lines = shared + [
+                f"{of.model.name}: {change}"
+                for of, changes in zip(self.of, per_history, strict=True)
+                for change in changes
+                if change not in shared
             ]
-        return [*told[:TOLD], *["…"] * (len(told) > TOLD)]
+        return [*lines[:TOLD], *["…"] * (len(lines) > TOLD)]
 
     def plotted(self, names: tuple[str, ...]) -> Plotted:
         """What a chart of observables shows, to take home."""
@@ -237,15 +237,15 @@ class Overlay:
                 dots = mark_points(where, at, values, lasts)
                 label = self.label(name, k)
                 lines.append(Line(label, colour, at * lasts, values, dash, marks=dots))
-        for one in self.before:
+        for run in self.before:
             for name in names:
-                at, values = self.window(self.scaled(one, name), now)
-                label = f"{observable_title(name, self.models)}, {one.label}"
-                colour, pen = COLOURS[names.index(name)], (DOTS[one.age], THIN, STRENGTHS[one.age])
-                dots = mark_points(marks(one.course.history, one.each), at, values, lasts)
+                at, values = self.window(self.scaled(run, name), now)
+                label = f"{observable_title(name, self.models)}, {run.label}"
+                colour, pen = COLOURS[names.index(name)], (DOTS[run.age], THIN, STRENGTHS[run.age])
+                dots = mark_points(marks(run.course.history, run.each), at, values, lasts)
                 lines.append(Line(label, colour, at * lasts, values, *pen, marks=dots))
         runs = [*zip(("now", "beside"), courses, strict=False)]
-        runs += [(one.label, one.course) for one in self.before]
+        runs += [(run.label, run.course) for run in self.before]
         return Plotted(
             name=f"{self.name(courses[0].tick)}-{'-'.join(names)}",
             caption=self.caption(courses[0].tick),
@@ -263,21 +263,23 @@ class Overlay:
     def caption(self, tick: int) -> str:
         """Which run it is, in a line; below, what is not at its default, and what was changed."""
         first, *others = self.of
-        beside = "".join(f"; dashed: {one.model.title}" for one in others)
-        line = f"{first.model.title}, {first.agents} agents, seed {first.seed}, tick {tick}{beside}"
+        dashed = "".join(f"; dashed: {conditions.model.title}" for conditions in others)
+        line = f"{first.model.title}, {first.agents} agents, seed {first.seed}, tick {tick}{dashed}"
         own = [history.departures() for history in self.histories]
         more = [
-            ", ".join(one if len(own) == 1 else [f"{of.model.name}: {one[0]}", *one[1:]])
-            for of, one in zip(self.of, own, strict=True)
-            if one
+            ", ".join(
+                changes if len(own) == 1 else [f"{of.model.name}: {changes[0]}", *changes[1:]]
+            )
+            for of, changes in zip(self.of, own, strict=True)
+            if changes
         ]
         return "\n".join(row for text in (line, *more) for row in textwrap.wrap(text, CAPTION))
 
 
 def marks(history: ConditionHistory, each: float) -> np.ndarray:
     """The ticks (K,) at which a run was changed, `each` as many of the first flock's; not all."""
-    found = history.marks
-    return found[thinned(found, MARKS)] * each if len(found) else found
+    marks = history.marks
+    return marks[thinned(marks, MARKS)] * each if len(marks) else marks
 
 
 def with_ticks(
@@ -329,9 +331,9 @@ def briefly(name: str) -> str:
 def limits(names: tuple[str, ...]) -> tuple[float | None, float | None]:
     """The ends of an axis of observables: 0 to 1 for shares, from 0 for counts and lengths."""
     scales = [scale(name) for name in names]
-    if all(one.is_share for one in scales):
+    if all(scale.is_share for scale in scales):
         return SHARE
-    return (0.0, None) if all(one.low == 0.0 for one in scales) else (None, None)
+    return (0.0, None) if all(scale.low == 0.0 for scale in scales) else (None, None)
 
 
 def axis(names: tuple[str, ...]) -> uplot.Scale:
@@ -380,7 +382,7 @@ class LaboratoryPlots:
     @property
     def names(self) -> frozenset[str]:
         """The observables that are plotted."""
-        return frozenset(name for one in self.charts for name in one.names)
+        return frozenset(name for chart in self.charts for name in chart.names)
 
     @property
     def last(self) -> float:
@@ -465,5 +467,5 @@ class ChosenChart:
         if self.choice.label != label:
             self.choice.label = label
         self.overlay = overlay
-        shown = overlay.shown(self.names, not lone, changes)
-        self.plot.show(shown, overlay.head(self.names, keyed=True))
+        content = overlay.shown(self.names, not lone, changes)
+        self.plot.show(content, overlay.head(self.names, keyed=True))

@@ -31,11 +31,11 @@ class MoreNumbers:
         self.joules = EnergySavings()
         self.switches = {}
         with gui.add_folder("More numbers", expand_by_default=False):
-            for name, one in OBSERVABLES.items():
-                everyone = one.card is not None and one.card.of is None
-                if not (everyone or one.events or one.is_table):
+            for name, observable in OBSERVABLES.items():
+                everyone = observable.card is not None and observable.card.of is None
+                if not (everyone or observable.events or observable.is_table):
                     self.switches[name] = gui.add_checkbox(
-                        observable_words(name), False, hint=one.title
+                        observable_words(name), False, hint=observable.title
                     )
             self.switches[SIZES] = gui.add_checkbox(SIZES, False, hint="Groups of each size")
             self.switches[JOULES] = gui.add_checkbox(
@@ -47,17 +47,19 @@ class MoreNumbers:
 
     def offer(self, offered: Iterable[str]) -> None:
         """Show the switches of what these flocks have."""
-        there = {*offered, *over_a_run(), SIZES}
-        if there.intersection(SAVES):
-            there.add(JOULES)
+        names = {*offered, *over_a_run(), SIZES}
+        if names.intersection(SAVES):
+            names.add(JOULES)
         for name, switch in self.switches.items():
-            if switch.visible != (name in there):
-                switch.visible = name in there
+            if switch.visible != (name in names):
+                switch.visible = name in names
 
     @property
     def chosen(self) -> tuple[str, ...]:
         """What is switched on and to be had."""
-        return tuple(name for name, one in self.switches.items() if one.value and one.visible)
+        return tuple(
+            name for name, switch in self.switches.items() if switch.value and switch.visible
+        )
 
     @property
     def names(self) -> frozenset[str]:
@@ -67,28 +69,28 @@ class MoreNumbers:
 
     def numbers(self, readings: FlockReadings, last: float) -> dict[str, str]:
         """The numbers of a flock, name -> text; those over a run are of its `last` ticks."""
-        found = {}
+        rows = {}
         for name in self.chosen:
             if name == JOULES:
-                found["saved J/m"] = self.joules.saved(readings)
+                rows["saved J/m"] = self.joules.saved(readings)
             elif OBSERVABLES[name].over is not None:
-                found[observable_words(name)] = format_observable(name, readings.over(name, last))
+                rows[observable_words(name)] = format_observable(name, readings.over(name, last))
             elif name != SIZES:
-                found[observable_words(name)] = format_observable(name, readings.values.get(name))
-        return found
+                rows[observable_words(name)] = format_observable(name, readings.values.get(name))
+        return rows
 
     def values(self, readings: FlockReadings, last: float) -> dict[str, Number]:
         """The same numbers in full, but for those of one tick, which the readings have."""
-        found = {
+        rows = {
             observable_words(name): observed(name, readings.over(name, last), readings.flock.model)
             for name in self.chosen
             if name in OBSERVABLES and OBSERVABLES[name].over is not None
         }
         saved = self.joules.of(readings) if JOULES in self.chosen else None
         if saved is not None:
-            found["energy saved by formation"] = Number(saved[0], "J/m")
-            found["energy needed alone"] = Number(saved[1], "J/m")
-        return found
+            rows["energy saved by formation"] = Number(saved[0], "J/m")
+            rows["energy needed alone"] = Number(saved[1], "J/m")
+        return rows
 
 
 TABLE, CSV = "Table", "CSV"
@@ -125,12 +127,12 @@ class NumbersTable:
         place.content = block(tabled(self.header, self.rows))
 
     async def pressed(self, event: viser.GuiEvent) -> None:
-        client, wanted = event.client, event.target.value
+        client, file_kind = event.client, event.target.value
         if client is None or not self.runs:
             return
-        if wanted == TABLE:
+        if file_kind == TABLE:
             self.sheets.show(client, "All numbers")
-        elif wanted == CSV:
+        elif file_kind == CSV:
             first = self.runs[0]
             models = "-beside-".join(self.models)
             name = file_stem(f"{models}-seed{first.flock.seed}-tick{first.tick}-numbers")

@@ -113,7 +113,7 @@ def with_answer(
     }
     for role, layers in choice.options.get("roles", {}).items():
         roles.setdefault(role, []).extend(layers)
-    made = {**options, **choice.options, "roles": roles}
+    merged = {**options, **choice.options, "roles": roles}
     if thickness is not None:
-        made["thickness"] = min(max(float(thickness), THINNEST), THICKEST)
-    return made
+        merged["thickness"] = min(max(float(thickness), THINNEST), THICKEST)
+    return merged

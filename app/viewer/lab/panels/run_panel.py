@@ -38,7 +38,7 @@ class RunPanel:
             "Reset begins the same run again.",
         )
         speed = simulation.state.speed
-        self.speeds = {speed_text(one): one for one in sorted({*SPEEDS, speed})}
+        self.speeds = {speed_text(value): value for value in sorted({*SPEEDS, speed})}
         self.speed = gui.add_dropdown(
             "Speed", list(self.speeds), initial_value=speed_text(speed), hint="Ticks per second"
         )
@@ -72,9 +72,9 @@ class RunPanel:
 
     def pace(self, speed: float) -> None:
         """Go to the speed of the list that is nearest to one (ticks per second)."""
-        finite = [one for one in self.speeds.values() if math.isfinite(one)]
-        nearest = min(finite, key=lambda one: abs(math.log(one / speed)))
-        set_value(self.speed, speed_text(nearest))
+        finite = [choice for choice in self.speeds.values() if math.isfinite(choice)]
+        nearest = min(finite, key=lambda choice: abs(math.log(choice / speed)))
+        show(self.speed, speed_text(nearest))
         self.simulation.run_at(nearest)
 
     def change_speed(self, by: int) -> None:
@@ -124,8 +124,10 @@ def status(state: SimulationState, mend: str = "Press Setup.") -> str:
 def story(scene: SavedScene) -> str:
     """What to watch in a scene, and what to try."""
     lines = (("Watch", scene.watch), ("Try", scene.tries))
-    told = "".join(f"<p><b>{name}</b> {html.escape(text)}</p>" for name, text in lines if text)
-    return block(f'<div class="fs-story">{told}</div>') if told else ""
+    paragraphs = "".join(
+        f"<p><b>{name}</b> {html.escape(text)}</p>" for name, text in lines if text
+    )
+    return block(f'<div class="fs-story">{paragraphs}</div>') if paragraphs else ""
 
 
 def compile_bar(compiling: CompileEstimate, preview: bool) -> str:

@@ -73,8 +73,8 @@ class SetupPanel:
     async def model_chosen(self, event: viser.GuiEvent) -> None:
         """A model brings its own number of agents, its dimensions, its world and its options."""
         model = MODELS[model_titled(self.model.value)]
-        for name, one in self.plain.items():
-            set_value(one, control_value(name, by_default(name, model)))
+        for name, control in self.plain.items():
+            show(control, control_value(name, by_default(name, model)))
         if event.client is None:
             return
         if world_title(model.world) in self.worlds:
@@ -115,8 +115,8 @@ class SetupPanel:
     @staticmethod
     def companions(model: str, dim: int) -> tuple[str, ...]:
         """Titles of the models that can fly beside one in so many dimensions, after nobody."""
-        others = (one for name, one in MODELS.items() if name != model)
-        return (NOBODY, *(one.title for one in others if dim in one.dimensions))
+        others = (candidate for name, candidate in MODELS.items() if name != model)
+        return (NOBODY, *(other.title for other in others if dim in other.dimensions))
 
     def chosen(self) -> Pairing:
         """The run as the panel has it, and what is beside it; running seed, no parameters."""
@@ -128,7 +128,7 @@ class SetupPanel:
             size=None if self.size.disabled else self.size.value or None,
             dim=DIMENSIONS[self.dim.value],
             world=self.worlds[self.world.value],
-            **{name: meant(name, one.value, model) for name, one in self.plain.items()},
+            **{name: meant(name, handle.value, model) for name, handle in self.plain.items()},
         )
         return spec, None if self.beside.value == NOBODY else Spec(model_titled(self.beside.value))
 
@@ -185,9 +185,9 @@ class SetupPanel:
         )
 
 
-def differs(one: Pairing, other: Pairing) -> list[str]:
+def differs(pairing: Pairing, other: Pairing) -> list[str]:
     """What differs, as the panel calls it; seeds and parameters are left out."""
-    (spec, beside), (before, beside_before) = one, other
+    (spec, beside), (before, beside_before) = pairing, other
     models = {
         "model": spec.model != before.model,
         "beside": (beside and beside.model) != (beside_before and beside_before.model),
@@ -202,10 +202,10 @@ def differs(one: Pairing, other: Pairing) -> list[str]:
 
 def plain(gui: viser.GuiApi, name: str, value: Any) -> Any:
     """The control of an option that stands by itself."""
-    one = OPTIONS[name]
-    if one.kind in (int, float):
-        return numbered(gui, name, value, one.least, one.most)
-    return handle(gui, offered(name, one.words.values()), control_value(name, value))
+    option = OPTIONS[name]
+    if option.kind in (int, float):
+        return numbered(gui, name, value, option.least, option.most)
+    return handle(gui, offered(name, option.words.values()), control_value(name, value))
 
 
 def offered(name: str, choices: Iterable[str]) -> Control:
@@ -217,10 +217,12 @@ def numbered(
     gui: viser.GuiApi, name: str, value: Any, low: float, high: float, more: str = ""
 ) -> Any:
     """A box for an option that is a number, in [low, high], with `more` to say of it."""
-    one, value = OPTIONS[name], control_value(name, value)
+    option, value = OPTIONS[name], control_value(name, value)
     low, high = min(low, value), max(high, value)
-    made = Control(one.title, one.help + more, low=low, high=high, step=one.step, typed=True)
-    return handle(gui, made, value)
+    control = Control(
+        option.title, option.help + more, low=low, high=high, step=option.step, typed=True
+    )
+    return handle(gui, control, value)
 
 
 def control_value(name: str, value: Any) -> Any:

@@ -71,16 +71,23 @@ class AxisForm:
     def offer(self, model: str) -> None:
         """Let the parameters of a model be chosen, and the number of agents."""
         self.model = model
-        found = numbers(model)
-        self.names = {parameter_label(one)[0]: one.name for one in found} | {"Agents": AGENTS}
-        self.ranges = {one.name: spanned(one) for one in found} | {
+        parameters = numbers(model)
+        self.names = {parameter_label(parameter)[0]: parameter.name for parameter in parameters} | {
+            "Agents": AGENTS
+        }
+        self.ranges = {parameter.name: spanned(parameter) for parameter in parameters} | {
             AGENTS: (max(1.0, MODELS[model].agents / 4), float(MODELS[model].agents * 2))
         }
-        self.steps = {one.name: (step_of(one), decimals(one)) for one in found} | {AGENTS: (1, 0)}
+        self.steps = {
+            parameter.name: (step_of(parameter), decimals(parameter)) for parameter in parameters
+        } | {AGENTS: (1, 0)}
         options = ((NOTHING,) if self.none else ()) + tuple(self.names)
         chosen = self.over.value if self.over.value in options else options[0]
         if not self.none and self.over.value == NOTHING:
-            first = next((one for one in found if one.noise), found[0] if found else None)
+            first = next(
+                (parameter for parameter in parameters if parameter.noise),
+                parameters[0] if parameters else None,
+            )
             chosen = parameter_label(first)[0] if first else options[0]
         self.over.options = options
         set_value(self.over, chosen)
@@ -102,8 +109,8 @@ class AxisForm:
     def propose(self) -> None:
         """The part of an axis that a slider spans."""
         name = self.names.get(self.over.value)
-        for one in (self.low, self.high, self.count, self.log):
-            sight(one, name is not None)
+        for handle in (self.low, self.high, self.count, self.log):
+            sight(handle, name is not None)
         if name is None:
             return
         low, high = allowed(self.model, name)
@@ -125,10 +132,10 @@ class AxisForm:
         return Axis(name, self.low.value, self.high.value, int(self.count.value), self.log.value)
 
 
-def spanned(one: NumberParameter) -> tuple[float, float]:
+def spanned(parameter: NumberParameter) -> tuple[float, float]:
     """What a slider of a number spans, and what is allowed where that is nothing."""
-    low, high = one.proposed
-    return (low, high) if low < high else one.bounds
+    low, high = parameter.proposed
+    return (low, high) if low < high else parameter.bounds
 
 
 @dataclass
@@ -207,19 +214,21 @@ class SweepPanel:
 
     async def stop_or_go(self, event: viser.GuiEvent) -> None:
         """Stop the sweep that is shown, or go on with it."""
-        one = self.sweeps.seen.of(self.which.value)
-        if event.client is None or one is None:
+        sweep = self.sweeps.seen.of(self.which.value)
+        if event.client is None or sweep is None:
             return
-        await self.do(lambda: (self.sweeps.stop if one.runs else self.sweeps.go_on)(one.name))
+        await self.do(lambda: (self.sweeps.stop if sweep.runs else self.sweeps.go_on)(sweep.name))
 
     async def taken(self, event: viser.GuiEvent) -> None:
         """Send a file of the sweep that is shown to the browser that asked."""
         client, kind, name = event.client, event.target.value, self.which.value
         if client is None:
             return
-        made = await self.do(lambda: content(self.sweeps.folder(name), kind, self.sweeps.column))
-        if made is not None:
-            client.send_file_download(*made, save_immediately=True)
+        download = await self.do(
+            lambda: content(self.sweeps.folder(name), kind, self.sweeps.column)
+        )
+        if download is not None:
+            client.send_file_download(*download, save_immediately=True)
 
     async def do[T](self, work: Callable[[], T]) -> T | None:
         """Do something aside, one thing at a time; what is refused is told, and gives None."""
@@ -242,7 +251,7 @@ class SweepPanel:
 
     def asked(self, state: SimulationState) -> SweepRequest:
         """What the form says, around a run."""
-        axes = [one for one in (self.first.axis(), self.second.axis()) if one is not None]
+        axes = [axis for axis in (self.first.axis(), self.second.axis()) if axis is not None]
         return SweepRequest(
             state.again()[0],
             axes,
@@ -270,8 +279,8 @@ class SweepPanel:
         put(self.place, f'<div data-sweeps="{text}" hidden></div>')
         self.follow(self.sweeps.seen)
         try:
-            asked = self.asked(state)
-            grid = asked.grid()
+            request = self.asked(state)
+            grid = request.grid()
         except InputError as refusal:
             put(self.said, block(f'<div class="fs-error">{html.escape(str(refusal))}</div>'))
             sight_of(self.start, True)
@@ -281,9 +290,11 @@ class SweepPanel:
         for values in grid.values():
             cells *= len(values)
         agents = "" if AGENTS in grid else f" of {counted(state.agents, 'agent')}"
-        said = f"{sizes} × {asked.runs} = <b>{counted(cells * asked.runs, 'run')}</b>{agents}; "
-        put(self.said, block(f"{said}all else as it is now."))
-        sight_of(self.start, self.busy or any(one.runs for one in self.sweeps.seen.sweeps))
+        summary = (
+            f"{sizes} × {request.runs} = <b>{counted(cells * request.runs, 'run')}</b>{agents}; "
+        )
+        put(self.said, block(f"{summary}all else as it is now."))
+        sight_of(self.start, self.busy or any(sweep.runs for sweep in self.sweeps.seen.sweeps))
 
     def offer(self, model: str, offered: tuple[str, ...]) -> None:
         """Let be chosen what a model has."""
@@ -297,35 +308,35 @@ class SweepPanel:
         }
         if observed == self.observed or not observed:
             return
-        usual = next((one[0] for one in usual_charts(MODELS[model], offered) if one), "")
+        usual = next((chart[0] for chart in usual_charts(MODELS[model], offered) if chart), "")
         before = self.observable.value if self.observed else observable_words(usual)
         self.observed = observed
         self.observable.options = tuple(observed)
         set_value(self.observable, before if before in observed else next(iter(observed)))
 
-    def follow(self, seen: SweepPanelState) -> None:
+    def follow(self, state: SweepPanelState) -> None:
         """Show the sweeps there are, and one of them."""
-        names = tuple(one.name for one in seen.sweeps) or (NOBODY,)
+        names = tuple(sweep.name for sweep in state.sweeps) or (NOBODY,)
         if tuple(self.which.options) != names:
             self.which.options = names
         chosen = self.sweeps.chosen if self.sweeps.chosen in names else names[0]
         if self.which.value != chosen:
-            set_value(self.which, chosen)
-        one, made = seen.of(chosen), seen.shown
-        put(self.status, block(status(one, seen)))
-        put(self.picture, block(seen.picture) if seen.picture else "")
-        if made is not None:
-            if tuple(self.column.options) != made.columns:
-                self.column.options = made.columns
-            if self.column.value != made.column:
-                set_value(self.column, made.column)
-        sight(self.column, made is not None and len(made.columns) > 1)
-        sight(self.table, made is not None)
-        sight(self.take, made is not None)
-        sight(self.go, one is not None and one.state != "done")
-        if one is not None:
-            self.go.label = "Stop" if one.runs else "Go on"
-            self.go.icon = viser.Icon.PLAYER_STOP if one.runs else viser.Icon.PLAYER_SKIP_FORWARD
+            show(self.which, chosen)
+        sweep, drawing = state.of(chosen), state.shown
+        put(self.status, block(status(sweep, state)))
+        put(self.picture, block(state.picture) if state.picture else "")
+        if drawing is not None:
+            if tuple(self.column.options) != drawing.columns:
+                self.column.options = drawing.columns
+            if self.column.value != drawing.column:
+                show(self.column, drawing.column)
+        sight(self.column, drawing is not None and len(drawing.columns) > 1)
+        sight(self.table, drawing is not None)
+        sight(self.take, drawing is not None)
+        sight(self.go, sweep is not None and sweep.state != "done")
+        if sweep is not None:
+            self.go.label = "Stop" if sweep.runs else "Go on"
+            self.go.icon = viser.Icon.PLAYER_STOP if sweep.runs else viser.Icon.PLAYER_SKIP_FORWARD
 
 
 def put(place: Any, content: str) -> None:
@@ -340,36 +351,38 @@ def sight_of(button: Any, disabled: bool) -> None:
         button.disabled = disabled
 
 
-def status(one: ListedSweep | None, seen: SweepPanelState) -> str:
+def status(sweep: ListedSweep | None, panel_state: SweepPanelState) -> str:
     """How far a sweep is, with a bar; and what has gone wrong."""
-    faults = [seen.fault, *seen.unread[:MOST_FAULTS]]
-    if len(seen.unread) > MOST_FAULTS:
-        faults.append(f"and {len(seen.unread) - MOST_FAULTS} more are not shown")
-    fault = "".join(f'<div class="fs-error">{html.escape(one)}</div>' for one in faults if one)
-    if one is None:
+    faults = [panel_state.fault, *panel_state.unread[:MOST_FAULTS]]
+    if len(panel_state.unread) > MOST_FAULTS:
+        faults.append(f"and {len(panel_state.unread) - MOST_FAULTS} more are not shown")
+    fault = "".join(
+        f'<div class="fs-error">{html.escape(fault)}</div>' for fault in faults if fault
+    )
+    if sweep is None:
         empty = "Runs over values of a parameter, kept in results/. The flock here goes on."
         return fault or f'<div class="fs-quiet">{empty}</div>'
     colour, state = {
         "running": (GREEN, "running"),
         "begins": (ORANGE, "begins"),
         "stopped": (GREY, "stopped"),
-    }.get(one.state, (GREY, "done"))
-    said = f"{one.done:,} of {one.of:,} runs" if one.of else ""
-    if one.runs and seen.said and one.done == 0:
-        said = html.escape(seen.said[:200])
+    }.get(sweep.state, (GREY, "done"))
+    text = f"{sweep.done:,} of {sweep.of:,} runs" if sweep.of else ""
+    if sweep.runs and panel_state.said and sweep.done == 0:
+        text = html.escape(panel_state.said[:200])
     pace = ""
-    if one.runs:
+    if sweep.runs:
         pace = "&nbsp;"  # the line is there before anything is known: nothing moves then
-        if one.left is not None and one.rate:
-            pace = f"{one.rate:.3g} runs a second, {duration(one.left)} left"
+        if sweep.left is not None and sweep.rate:
+            pace = f"{sweep.rate:.3g} runs a second, {duration(sweep.left)} left"
         pace = f'<div class="fs-quiet">{pace}</div>'
-    broken = one.counts.get("failed", 0) + one.counts.get("killed", 0)
-    said += f", {broken} failed" if broken else ""
-    said += f", {one.counts['gave-up']} gave up" if one.counts.get("gave-up") else ""
-    share = 100.0 * one.done / one.of if one.of else 0.0
+    broken = sweep.counts.get("failed", 0) + sweep.counts.get("killed", 0)
+    text += f", {broken} failed" if broken else ""
+    text += f", {sweep.counts['gave-up']} gave up" if sweep.counts.get("gave-up") else ""
+    share = 100.0 * sweep.done / sweep.of if sweep.of else 0.0
     bar = f'<div class="fs-progress"><i style="width:{share:.1f}%"></i></div>'
     dot = f'<span class="fs-dot" style="background:{colour}"></span>'
     return (
-        f'{fault}<div class="fs-status">{dot}<span><b>{state}</b> · {said}</span></div>'
-        f"{pace}{bar if one.runs or one.state == 'stopped' else ''}"
+        f'{fault}<div class="fs-status">{dot}<span><b>{state}</b> · {text}</span></div>'
+        f"{pace}{bar if sweep.runs or sweep.state == 'stopped' else ''}"
     )

@@ -110,7 +110,10 @@ class WorldControls:
 
     def list(self, editor: Editor, selected: int) -> None:
         """The obstacles by number, shape and name."""
-        options = (NONE, *(f"{n} · {one.label}" for n, one in enumerate(editor.world.obstacles, 1)))
+        options = (
+            NONE,
+            *(f"{n} · {obstacle.label}" for n, obstacle in enumerate(editor.world.obstacles, 1)),
+        )
         if tuple(self.which.options) != options:
             self.which.options = options
         keys = editor.now.keys
@@ -139,8 +142,8 @@ def note(editor: Editor, tool: str, obstacle: Any, corners: int) -> str:
     else:
         words = "Click an obstacle to select it."
     changes = f" · {undone} change{'s' * (undone != 1)}" if undone else ""
-    held = f"{count} obstacle{'s' * (count != 1)}{changes}"
-    return f'<div class="fs-quiet">{held}</div><div class="fs-quiet">{words}</div>'
+    count_text = f"{count} obstacle{'s' * (count != 1)}{changes}"
+    return f'<div class="fs-quiet">{count_text}</div><div class="fs-quiet">{words}</div>'
 
 
 CLOSE = 0.02

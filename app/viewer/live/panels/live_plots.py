@@ -116,21 +116,23 @@ class LivePlot:
         The vertical axis begins at 0 if `floor`, and does not go beyond `most`.
         """
         at, _ = clock.arrays(WINDOW)
-        values = {name: one.at(at) for name, one in curves.items()}
-        found = {name: value for name, value in values.items() if np.isfinite(value).any()}
-        self.clock, self.known = clock, {name: curves[name] for name in found}
-        if not found:
+        values = {name: curve.at(at) for name, curve in curves.items()}
+        finite = {name: value for name, value in values.items() if np.isfinite(value).any()}
+        self.clock, self.known = clock, {name: curves[name] for name in finite}
+        if not finite:
             self.plot.show(NOTHING)
             return
-        self.ends = around([np.minimum(value, most) for value in found.values()], floor)
-        entries = [(html.escape(name), curves[name].colour) for name in found]
-        drawn = tuple(
+        self.ends = around([np.minimum(value, most) for value in finite.values()], floor)
+        entries = [(html.escape(name), curves[name].colour) for name in finite]
+        chart_curves = tuple(
             ChartCurve(curves[name].colour, value, f"{name} ({self.unit})", *curves[name].pen)
-            for name, value in found.items()
+            for name, value in finite.items()
         )
         title = f'<div class="fs-head">{html.escape(self.title)}, {self.unit}</div>'
         y = uplot.Scale(range=self.ends)
-        self.plot.show(ChartContents(title + key(entries), at, drawn, self.titles, y), key(entries))
+        self.plot.show(
+            ChartContents(title + key(entries), at, chart_curves, self.titles, y), key(entries)
+        )
 
     def plotted(self) -> Plotted | None:
         """What it shows, to take home: the picture of the last minute, the table of all."""
@@ -143,7 +145,8 @@ class LivePlot:
             titles=self.titles,
             range=self.ends,
             lines=[
-                Line(name, one.colour, at, one.at(at), *one.pen) for name, one in self.known.items()
+                Line(name, curve.colour, at, curve.at(at), *curve.pen)
+                for name, curve in self.known.items()
             ],
             table=self.table,
         )
@@ -151,7 +154,7 @@ class LivePlot:
     def table(self) -> str:
         """All that is kept of its curves, as CSV."""
         at, _ = self.clock.recorded()
-        columns = np.transpose([at, *(one.at(at) for one in self.known.values())])
+        columns = np.transpose([at, *(curve.at(at) for curve in self.known.values())])
         header = [self.titles[0], *(f"{name} ({self.unit})" for name in self.known)]
         return plot_csv(header, columns.tolist())
 
@@ -162,9 +165,9 @@ def at_times(at: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarra
     >>> at_times(np.array([1.0, 2.0, 3.0]), np.array([2.0, 9.0]), np.array([7.0, 8.0]))
     array([nan,  7., nan])
     """
-    found, there = np.full(len(at), np.nan), np.isin(times, at)
-    found[np.searchsorted(at, times[there])] = values[there]
-    return found
+    result, is_there = np.full(len(at), np.nan), np.isin(times, at)
+    result[np.searchsorted(at, times[is_there])] = values[is_there]
+    return result
 
 
 def around(curves: Sequence[np.ndarray], floor: bool) -> tuple[float, float]:
@@ -175,8 +178,8 @@ def around(curves: Sequence[np.ndarray], floor: bool) -> tuple[float, float]:
     >>> around([np.array([-52.0, 34.0])], floor=False)
     (-75.0, 50.0)
     """
-    known = np.concatenate([values[np.isfinite(values)] for values in curves])
-    low, high = min(0.0, known.min()) if floor else known.min(), known.max()
+    finite = np.concatenate([values[np.isfinite(values)] for values in curves])
+    low, high = min(0.0, finite.min()) if floor else finite.min(), finite.max()
     span = max(high - low, 1e-3)
     decade = 10.0 ** np.floor(np.log10(span))
     step = decade * (0.5 if span < 2.5 * decade else 1.0 if span < 5.0 * decade else 2.5)

@@ -40,7 +40,7 @@ FOR_CARS: dict[str, dict[str, Any]] = {
         "hint": "What a car's colour means; its state is the outline around it",
         "choices": (
             OWN,
-            *(name for name, one in COLOURINGS.items() if one.of_cars and name != OWN),
+            *(name for name, colouring in COLOURINGS.items() if colouring.of_cars and name != OWN),
         ),
         "only": {},
     },
@@ -56,8 +56,10 @@ FOR_CARS: dict[str, dict[str, Any]] = {
 }
 """Those controls that mean something for real cars, and what is otherwise about each."""
 CONTROLS = {
-    name: replace(one, **FOR_CARS[name], group=CARS if one.group == AGENTS else one.group)
-    for name, one in ((name, controls_of(DrawingStyle)[name]) for name in FOR_CARS)
+    name: replace(
+        control, **FOR_CARS[name], group=CARS if control.group == AGENTS else control.group
+    )
+    for name, control in ((name, controls_of(DrawingStyle)[name]) for name in FOR_CARS)
 }
 
 

@@ -74,9 +74,9 @@ class RulePanel:
             child.remove()
         self.dials.clear()
         own = [
-            one
-            for one in declared(model.parameters)
-            if one.name not in NOT_SIMULATED and one.name in state.values
+            parameter
+            for parameter in declared(model.parameters)
+            if parameter.name not in NOT_SIMULATED and parameter.name in state.values
         ]
         summary = model.rule.summary
         self.rule.hint = f"{summary} {CHOOSING}"
@@ -89,25 +89,27 @@ class RulePanel:
             for title, part in zip(titles, sides(model, own), strict=True):
                 if part:
                     self.gui.add_html(block(f'<div class="fs-head">{html.escape(title)}</div>'))
-                for one in part:
-                    self.controls[one.name] = self.control(one, state.values[one.name])
+                for parameter in part:
+                    self.controls[parameter.name] = self.control(
+                        parameter, state.values[parameter.name]
+                    )
         self.shown_values = dict(state.values)
 
-    def control(self, one: DeclaredParameter, value: Any) -> Any:
+    def control(self, parameter: DeclaredParameter, value: Any) -> Any:
         """The control of one parameter; it goes back to what the loop has if that refuses."""
-        made = add_control(self.gui, one, value)
-        self.dials.add(one, made)
+        handle = add_control(self.gui, parameter, value)
+        self.dials.add(parameter, handle)
 
         async def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:
-                value = made.value
-                answer = self.session.tune(one.name, value, whose(event))
+                value = handle.value
+                answer = self.session.tune(parameter.name, value, whose(event))
                 answer.add_done_callback(partial(restore, value))
 
         def restore(value: Any, answer: Future) -> None:
             refused = answer.cancelled() or answer.exception() is not None
-            if made.value == value and (refused or answer.result() != value):
-                made.value = self.session.state.values.get(one.name, value)
+            if handle.value == value and (refused or answer.result() != value):
+                handle.value = self.session.state.values.get(parameter.name, value)
 
-        made.on_update(changed)
-        return made
+        handle.on_update(changed)
+        return handle

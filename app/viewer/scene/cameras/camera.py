@@ -83,8 +83,8 @@ def _fitted(
         needed = np.maximum(np.abs(sideways) / aspect, np.abs(upwards - lift)) / tangent
         distance = max(float(np.max(needed + nearer)), 1.0)
         # Perspective shows the near half of the box larger: look at the middle of what is seen.
-        seen = (upwards - lift) / (distance - nearer)
-        lift += 0.5 * distance * (float(np.max(seen)) + float(np.min(seen)))
+        slope = (upwards - lift) / (distance - nearer)
+        lift += 0.5 * distance * (float(np.max(slope)) + float(np.min(slope)))
     target = centre + lift * over
     return CameraView(target + distance * back, target, preset.fov)
 

@@ -72,9 +72,9 @@ class SavedCamera:
         """Whether a person has moved the camera since."""
         if camera_report(camera) is self.told:
             return False
-        there = self.has(camera)
-        self.arrived |= there or time.monotonic() > self.since + ARRIVES
-        return self.arrived and not there
+        is_there = self.has(camera)
+        self.arrived |= is_there or time.monotonic() > self.since + ARRIVES
+        return self.arrived and not is_there
 
 
 def is_at(camera: CameraHandle, position: np.ndarray, target: np.ndarray) -> bool:
@@ -136,15 +136,15 @@ class Viewpoints:
         self._forget(client)
         low, high = scene_corners(self._sights)
         shows = low - ahead * longest(low, high), high + ahead * longest(low, high)
-        (low, high), run = (one.copy() for one in shows), self._sights[0].picture.frame.run
+        (low, high), run = (point.copy() for point in shows), self._sights[0].picture.frame.run
         if name != "top-down":
             high[2] = max(high[2], risen(self._sights[0].picture))
         aspect = _aspect(client)
-        wanted = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
-        told = camera_report(client.camera)
-        stand = SavedCamera(name, wanted, aspect, time.monotonic(), shows, run, told, leans)
+        new_view = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
+        reported = camera_report(client.camera)
+        stand = SavedCamera(name, new_view, aspect, time.monotonic(), shows, run, reported, leans)
         self._keep(self._stands, client, stand)
-        _set(client, wanted)
+        _set(client, new_view)
 
     def follow(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
         """Keep the agent now in `row` of the flock `side` in view, or let go of it with None."""
@@ -212,15 +212,15 @@ class Viewpoints:
     def followed(self) -> list[tuple[ClientHandle, int, int]]:
         """Of whom a camera follows or rides on: the browser, the flock's side, the agent's row."""
         with self._lock:
-            known = self._followed | {
+            agents = self._followed | {
                 number: (ride.side, ride.identity) for number, ride in self._riders.items()
             }
-        clients, found = self._server.get_clients(), []
-        for number, (side, identity) in known.items():
+        clients, followed_agents = self._server.get_clients(), []
+        for number, (side, identity) in agents.items():
             if number in clients and side < len(self._sights):
                 rows = np.flatnonzero(self._sights[side].picture.frame.ids == identity)
-                found += [(clients[number], side, int(row)) for row in rows]
-        return found
+                followed_agents += [(clients[number], side, int(row)) for row in rows]
+        return followed_agents
 
     def _enter(self, clients: list[ClientHandle]) -> None:
         picture = self._sights[0].picture
@@ -290,7 +290,7 @@ class Viewpoints:
         """On the event loop: viser's thread pool may be gone when the server stops."""
         self._forget(client)
 
-    def _keep[T](self, kept: dict[int, T], client: ClientHandle, entry: T) -> None:
+    def _keep[T](self, entries: dict[int, T], client: ClientHandle, entry: T) -> None:
         """Keep something about a browser, unless it has gone meanwhile.
 
         The drawing thread places cameras of browsers that were there a moment ago. After the
@@ -298,17 +298,17 @@ class Viewpoints:
         """
         with self._lock:
             if client.client_id in self._server.get_clients():
-                kept[client.client_id] = entry
+                entries[client.client_id] = entry
 
     def _forget(self, client: ClientHandle) -> None:
         """Neither follow nor ride on anybody any more."""
         with self._lock:
-            for kept in (self._followed, self._riders, self._stands):
-                kept.pop(client.client_id, None)
+            for entries in (self._followed, self._riders, self._stands):
+                entries.pop(client.client_id, None)
 
     def _worth_following(self) -> tuple[int | None, int]:
         """The inspected agent, else the leader, else the first; and which flock it is in."""
-        looked_at = [one.picture.inspected is not None for one in self._sights]
+        looked_at = [sight.picture.inspected is not None for sight in self._sights]
         side = looked_at.index(True) if any(looked_at) else 0
         return _worth_following(self._sights[side].picture), side
 
@@ -329,7 +329,7 @@ def _worth_following(picture: Picture) -> int | None:
 def scene_corners(sights: tuple[Sight, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Corners (3,) of all that the flocks are in, and of the titles over two of them."""
     low, high = zip(*(extent(picture) for picture, _ in sights), strict=True)
-    aside = [one.aside for one in sights]
+    aside = [sight.aside for sight in sights]
     upper = np.max(np.add(high, aside), axis=0)
     if len(sights) > 1:
         stage = sights[0].picture.stage
@@ -358,15 +358,15 @@ def extent(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
 
 def places(picture: Picture) -> np.ndarray:
     """Where the mission takes the flock: start, waypoints and the goal's route, (K, 3)."""
-    frame, found = picture.frame, [np.empty((0, picture.stage.dim))]
+    frame, corner_sets = picture.frame, [np.empty((0, picture.stage.dim))]
     if frame.room is not None:
-        found.append(np.stack(frame.room))
+        corner_sets.append(np.stack(frame.room))
     mission = frame.world.mission
     if mission is not None and mission.path is not None:
-        found.append(np.array(mission.path.waypoints, float))
+        corner_sets.append(np.array(mission.path.waypoints, float))
     if mission is not None and mission.goal is not None:
-        found.append(np.array(mission.goal.route, float))
-    return picture.stage.shown(np.concatenate(found))
+        corner_sets.append(np.array(mission.goal.route, float))
+    return picture.stage.shown(np.concatenate(corner_sets))
 
 
 def _aspect(client: ClientHandle) -> float:
@@ -375,13 +375,13 @@ def _aspect(client: ClientHandle) -> float:
     return float(np.clip(camera.image_width / tall, 0.3, 4.0))
 
 
-def _set(client: ClientHandle, wanted: CameraView) -> None:
+def _set(client: ClientHandle, view: CameraView) -> None:
     with client.atomic():
         client.camera.up_direction = np.array([0.0, 0.0, 1.0])
-        client.camera.fov = wanted.fov
-        client.camera.near = wanted.near
-        client.camera.position = wanted.position
-        client.camera.look_at = wanted.target
+        client.camera.fov = view.fov
+        client.camera.near = view.near
+        client.camera.position = view.position
+        client.camera.look_at = view.target
 
 
 def _glide(client: ClientHandle, picture: Picture, target: np.ndarray, share: float) -> None:

@@ -44,8 +44,8 @@ def rolled(wxyz: np.ndarray, roll: np.ndarray) -> np.ndarray:
     """
     w, x, y, z = np.asarray(wxyz, dtype=float).T
     c, s = np.cos(0.5 * roll), np.sin(0.5 * roll)
-    made = np.column_stack([c * w - s * x, c * x + s * w, c * y + s * z, c * z - s * y])
-    return made.astype(np.float32)
+    rotated = np.column_stack([c * w - s * x, c * x + s * w, c * y + s * z, c * z - s * y])
+    return rotated.astype(np.float32)
 
 
 def nose(wxyz: np.ndarray) -> np.ndarray:

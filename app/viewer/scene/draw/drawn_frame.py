@@ -25,8 +25,8 @@ def rows_of(before: np.ndarray, now: np.ndarray) -> tuple[np.ndarray, np.ndarray
     order = np.argsort(before)
     place = np.minimum(np.searchsorted(before, now, sorter=order), len(before) - 1)
     row = order[place]
-    known = before[row] == now
-    return row[known], known
+    same = before[row] == now
+    return row[same], same
 
 
 POINTS_BEYOND = 10_000
@@ -132,8 +132,8 @@ def agent_length(frame: Frame, stage: Stage) -> float:
     count = len(frame.position)
     if frame.room is None:
         common = dart_length(count, stage.half)
-        kept = KEPT * frame.kept * stage.scale if stage.dim == 3 else np.inf
-        return float(np.clip(kept, 0.5 * common, common))
+        fraction = KEPT * frame.kept * stage.scale if stage.dim == 3 else np.inf
+        return float(np.clip(fraction, 0.5 * common, common))
     half = np.zeros(3)
     half[: stage.dim] = 0.5 * stage.scale * (frame.room[1] - frame.room[0])
     packed = min(CLOSE[stage.dim] * spacing(count, half), frame.reach * stage.scale)
@@ -160,19 +160,19 @@ def picture(frame: Frame, look: DrawingStyle, stage: Stage) -> Picture:
     colour = agent_colours(frame, look)
     down = frame.down
     heading = laid(frame.heading, down)
-    made = Picture(frame, look, stage, at, attitude(heading), colour, length, size)
-    if made.live is not None:
-        lost = made.live.are(LOST)
-        colour[lost] = made.mixed(colour[lost], PALE)
-    if made.inspected is not None and frame.inspected is not None:
-        _single_out(made, frame.inspected)
+    result = Picture(frame, look, stage, at, attitude(heading), colour, length, size)
+    if result.live is not None:
+        lost = result.live.are(LOST)
+        colour[lost] = result.mixed(colour[lost], PALE)
+    if result.inspected is not None and frame.inspected is not None:
+        _single_out(result, frame.inspected)
         if driven:
             size[:] = 1.0
     if stage.dim == 2:
         at[:, 2] = 0.22 * length * size
     else:
         at[down, 2] += LYING * length * size[down]
-    return made
+    return result
 
 
 def laid(heading: np.ndarray, down: np.ndarray) -> np.ndarray:
@@ -184,19 +184,19 @@ def laid(heading: np.ndarray, down: np.ndarray) -> np.ndarray:
     return level
 
 
-def _single_out(made: Picture, inspected: Inspection) -> None:
+def _single_out(picture: Picture, inspected: Inspection) -> None:
     """Enlarge the inspected agent, and its neighbours by weight; dim all others."""
     near = inspected.neighbours
-    dimmed = made.mixed(made.colour, DIMMED)
-    kept = np.zeros(len(made.colour), dtype=bool)
-    kept[near] = True
-    kept[inspected.row] = True
-    kept |= made.frame.informed
-    made.colour[~kept] = dimmed[~kept]
-    if len(inspected.zone) and made.look.zones:
-        made.colour[near] = palette.by_zone(inspected.zone)
-    made.size[near] *= 1.0 + 0.35 * shares(inspected.weights)
-    made.size[inspected.row] *= INSPECTED_SIZE
+    dimmed = picture.mixed(picture.colour, DIMMED)
+    mask = np.zeros(len(picture.colour), dtype=bool)
+    mask[near] = True
+    mask[inspected.row] = True
+    mask |= picture.frame.informed
+    picture.colour[~mask] = dimmed[~mask]
+    if len(inspected.zone) and picture.look.zones:
+        picture.colour[near] = palette.by_zone(inspected.zone)
+    picture.size[near] *= 1.0 + 0.35 * shares(inspected.weights)
+    picture.size[inspected.row] *= INSPECTED_SIZE
 
 
 def shares(weights: np.ndarray) -> np.ndarray:

@@ -33,12 +33,12 @@ def ring(inner: float, corners: int = 96) -> Mesh:
     """A flat ring of outer radius 1 in the plane z = 0, facing up."""
     angle = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
     circle = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(corners)])
-    here = np.arange(corners)
-    after = (here + 1) % corners
+    index = np.arange(corners)
+    after = (index + 1) % corners
     faces = np.concatenate(
         [
-            np.column_stack([here, here + corners, after + corners]),
-            np.column_stack([here, after + corners, after]),
+            np.column_stack([index, index + corners, after + corners]),
+            np.column_stack([index, after + corners, after]),
         ]
     )
     return np.concatenate([inner * circle, circle]), faces
@@ -110,7 +110,7 @@ def dashes(way: np.ndarray, dash: float, gap: float) -> tuple[np.ndarray, np.nda
     >>> dashes(np.array([[0.0, 0, 0], [5.0, 0, 0]]), 1.0, 1.0)[0][:, :, 0].tolist()
     [[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]]
     """
-    made, legs = [np.empty((0, 2, 3))], [np.empty(0, dtype=int)]
+    pieces, legs = [np.empty((0, 2, 3))], [np.empty(0, dtype=int)]
     for leg, (start, end) in enumerate(pairwise(way)):
         length = float(np.linalg.norm(end - start))
         if length == 0.0:
@@ -119,9 +119,9 @@ def dashes(way: np.ndarray, dash: float, gap: float) -> tuple[np.ndarray, np.nda
         stretch = length / (count * (dash + gap) - gap)
         first = np.arange(count) * (dash + gap) * stretch
         share = np.column_stack([first, first + dash * stretch]) / length
-        made.append(start + share[..., None] * (end - start))
+        pieces.append(start + share[..., None] * (end - start))
         legs.append(np.full(count, leg))
-    return np.concatenate(made), np.concatenate(legs)
+    return np.concatenate(pieces), np.concatenate(legs)
 
 
 def dart_length(count: int, half: np.ndarray) -> float:

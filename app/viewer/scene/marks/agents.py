@@ -110,12 +110,12 @@ class FlockMotion:
         """Carry what is known over to the rows of these identities; newcomers fly level."""
         if np.array_equal(ids, self._ids):
             return
-        rows, known = rows_of(self._ids, ids)
+        rows, known_rows = rows_of(self._ids, ids)
         before, lean, effort = self._heading, self._lean, self._effort
         self._heading, self._lean = heading.copy(), np.zeros(len(ids))
         self._effort = efforts(heading)
-        self._heading[known] = before[rows]
-        self._lean[known], self._effort[known] = lean[rows], effort[rows]
+        self._heading[known_rows] = before[rows]
+        self._lean[known_rows], self._effort[known_rows] = lean[rows], effort[rows]
         self._ids = ids.copy()
 
     def _lying(self, picture: Picture, poses: Poses) -> Poses:

@@ -30,10 +30,10 @@ class Fence:
     def draw(self, picture: Picture) -> Changes:
         """Draw it where there is one."""
         corners = fence(picture)
-        drawn = (picture.stage, None if corners is None else tuple(np.concatenate(corners)))
-        if drawn == self._drawn:
+        key = (picture.stage, None if corners is None else tuple(np.concatenate(corners)))
+        if key == self._drawn:
             return []
-        self._drawn = drawn
+        self._drawn = key
         if corners is None:
             return [(self._lines, "visible", False)]
         low, high = (picture.stage.shown(corner) for corner in corners)
@@ -82,10 +82,10 @@ class CaptureArea:
         """Draw it, if there are real cars."""
         live, stage, within = picture.live, picture.stage, fence(picture)
         arm, inside = (None, 0.0) if live is None else (live.arm, live.fence)
-        drawn = stage, arm, inside, within is None
-        if drawn == self._drawn:
+        key = stage, arm, inside, within is None
+        if key == self._drawn:
             return []
-        self._drawn = drawn
+        self._drawn = key
         if self._tint is not None:
             self._tint.remove()
             self._tint = None
@@ -134,7 +134,7 @@ def frame_mesh(half: np.ndarray, low: np.ndarray, high: np.ndarray, height: floa
     inner = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
     corners = np.column_stack([np.concatenate([outer, inner]), np.full(8, height)])
     faces = []
-    for here in range(4):
-        after = (here + 1) % 4
-        faces += [(here, after, 4 + after), (here, 4 + after, 4 + here)]
+    for corner in range(4):
+        after = (corner + 1) % 4
+        faces += [(corner, after, 4 + after), (corner, 4 + after, 4 + corner)]
     return corners, np.array(faces)

@@ -61,9 +61,9 @@ class LiveOutlines:
             rows = live.are(state)
             at = on_floor(picture, picture.frame.position[rows])
             shape = picture.length * outline(cars.width / cars.length)
-            made = turn_segments(shape, picture.frame.heading[rows]) + at[:, None, None, :]
+            outline_lines = turn_segments(shape, picture.frame.heading[rows]) + at[:, None, None, :]
             colour = palette.single(palette.STATES[state])
-            changes += segments(lines, made.reshape(-1, 2, 3), colour)
+            changes += segments(lines, outline_lines.reshape(-1, 2, 3), colour)
         return changes
 
 

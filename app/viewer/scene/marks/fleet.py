@@ -88,12 +88,12 @@ class Fleet:
 
     def draw(self, picture: Picture, rows: np.ndarray | slice) -> Changes:
         """Draw the agents of some rows as cars."""
-        known, live = picture.frame.cars, picture.live
+        cars, live = picture.frame.cars, picture.live
         rows = np.arange(len(picture.at))[rows]
         if live is not None:
             rows = rows[~live.are(SIMULATED)[rows]]
         at = picture.at[rows]
-        if known is None or not len(at):
+        if cars is None or not len(at):
             return self._cars.hide()
         heading = picture.frame.heading[rows]
         length = picture.length * picture.size[rows]
@@ -102,8 +102,8 @@ class Fleet:
         return self._cars.draw(
             road,
             np.arctan2(heading[:, 1], heading[:, 0]),
-            known.steering[rows],
-            np.column_stack([length, length * known.width / known.length]),
+            cars.steering[rows],
+            np.column_stack([length, length * cars.width / cars.length]),
             picture.colour[rows],
             picture.look.shadows and len(at) <= SHADOWS_UP_TO,
             None if live is None else PALE * live.are(LOST)[rows],

@@ -80,10 +80,14 @@ class Halos:
         worn = 0 < len(rows) <= FEW_LEADERS
         flat = picture.stage.dim == 2
         changes: Changes = []
-        for halo, shown in ((self._flat, flat), (self._round, not flat), (self._bubble, not flat)):
-            if worn and shown:
+        for halo, is_shown in (
+            (self._flat, flat),
+            (self._round, not flat),
+            (self._bubble, not flat),
+        ):
+            if worn and is_shown:
                 changes += _around(picture, rows, halo)
-            changes.append((halo, "visible", worn and shown))
+            changes.append((halo, "visible", worn and is_shown))
         return changes
 
 

@@ -148,7 +148,7 @@ class Gizmo:
             return []
         upright = stage.dim == 3 and (obstacle is None or has_heights(obstacle))
         round_one = obstacle is None or obstacle.shape in ("disc", "ring", "sphere")
-        wanted: dict[str, Any] = {
+        options: dict[str, Any] = {
             "active_axes": (True, True, upright),
             "disable_rotations": not self._turns or upright or round_one,
             "position": np.asarray(place, float),
@@ -157,7 +157,7 @@ class Gizmo:
         }
         return [
             (self._handle, name, value)
-            for name, value in wanted.items()
+            for name, value in options.items()
             if not np.array_equal(getattr(self._handle, name), value)
         ]
 
@@ -213,9 +213,9 @@ def outline(picture: Picture, obstacle: Any) -> np.ndarray:
     lines = []
     for ring, height in rings:
         points = shapely.get_coordinates(ring)
-        shown = stage.placed(np.column_stack([points, np.full(len(points), height)]))
-        shown[:, 2] += ABOVE
-        lines.append(np.stack([shown[:-1], shown[1:]], axis=1))
+        placed = stage.placed(np.column_stack([points, np.full(len(points), height)]))
+        placed[:, 2] += ABOVE
+        lines.append(np.stack([placed[:-1], placed[1:]], axis=1))
     return np.concatenate(lines) if lines else np.empty((0, 2, 3))
 
 

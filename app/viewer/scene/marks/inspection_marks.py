@@ -61,18 +61,18 @@ class ReasonMarks:
 
     def draw(self, picture: Picture) -> Changes:
         """Draw what is known of the inspected agent."""
-        row, seen = picture.inspected, picture.frame.inspected
-        if row is None or seen is None:
+        row, inspection = picture.inspected, picture.frame.inspected
+        if row is None or inspection is None:
             nodes = (self._arrows, self._seen, self._aim, self._dots, *self._words.values())
             return [(node, "visible", False) for node in nodes]
         return [
-            *self._draw_forces(picture, row, seen),
-            *self._draw_seen(picture, seen),
-            *self._draw_places(picture, row, seen),
+            *self._draw_forces(picture, row, inspection),
+            *self._draw_seen(picture, inspection),
+            *self._draw_places(picture, row, inspection),
         ]
 
-    def _draw_forces(self, picture: Picture, row: int, seen: Inspection) -> Changes:
-        ends, colour = arrows(seen.forces)
+    def _draw_forces(self, picture: Picture, row: int, inspection: Inspection) -> Changes:
+        ends, colour = arrows(inspection.forces)
         if not len(ends):
             return [(self._arrows, "visible", False)]
         longest = min(LONGEST * picture.stage.side, LENGTHS * picture.length)
@@ -89,19 +89,19 @@ class ReasonMarks:
             (self._arrows, "visible", True),
         ]
 
-    def _draw_seen(self, picture: Picture, seen: Inspection) -> Changes:
-        if not len(seen.points):
+    def _draw_seen(self, picture: Picture, inspection: Inspection) -> Changes:
+        if not len(inspection.points):
             return [(self._seen, "visible", False)]
         stage, world = picture.stage, picture.frame.world
         spacing = world.boundary_spacing * stage.scale
         return [
-            (self._seen, "points", on_rims(picture, seen.points, drawn_height(world))),
+            (self._seen, "points", on_rims(picture, inspection.points, drawn_height(world))),
             (self._seen, "point_size", min(0.0028 * stage.side, 0.35 * spacing)),
             (self._seen, "visible", True),
         ]
 
-    def _draw_places(self, picture: Picture, row: int, seen: Inspection) -> Changes:
-        places = remembered(seen)
+    def _draw_places(self, picture: Picture, row: int, inspection: Inspection) -> Changes:
+        places = remembered(inspection)
         for place in places.keys() - self._words.keys():
             self._words[place] = self._scene.add_label(
                 f"{self._still}/words/{place}",
@@ -117,10 +117,12 @@ class ReasonMarks:
             return [*changes, (self._aim, "visible", False), (self._dots, "visible", False)]
         side = picture.stage.side
         lift = np.array([0.0, 0.0, picture.length])
-        shown = {place: on_floor(picture, at[None])[0] + lift for place, at in places.items()}
-        aim = shown[seen.places[-1]]
+        shown_places = {
+            place: on_floor(picture, at[None])[0] + lift for place, at in places.items()
+        }
+        aim = shown_places[inspection.places[-1]]
         aim[2] = drawn_height(picture.frame.world) * picture.stage.scale + ABOVE
-        for place, at in shown.items():
+        for place, at in shown_places.items():
             changes.append(
                 (self._words[place], "position", at + np.array([0.0, 0.012 * side, 0.0]))
             )
@@ -129,7 +131,7 @@ class ReasonMarks:
         return [
             *changes,
             *segments(self._aim, lines, palette.single(palette.SELECTED)),
-            (self._dots, "points", np.array([*shown.values()], np.float32)),
+            (self._dots, "points", np.array([*shown_places.values()], np.float32)),
             (self._dots, "point_size", 0.004 * side),
             (self._dots, "visible", True),
         ]
@@ -139,15 +141,15 @@ def arrows(forces: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Forces as shares of the strongest, (K, 3), and their colours, (K, 3); weak ones left out."""
     if not forces:
         return np.empty((0, 3)), np.empty((0, 3))
-    given = np.array([*forces.values()], float)
-    length = np.linalg.norm(given, axis=1)
+    vectors = np.array([*forces.values()], float)
+    length = np.linalg.norm(vectors, axis=1)
     strongest = float(length.max())
     if not (np.isfinite(strongest) and strongest > 0.0):
         return np.empty((0, 3)), np.empty((0, 3))
-    ends = np.zeros((len(given), 3))
-    ends[:, : given.shape[1]] = given / strongest
-    kept = length >= WEAKEST * strongest
-    return ends[kept], force_colours(len(given))[kept]
+    ends = np.zeros((len(vectors), 3))
+    ends[:, : vectors.shape[1]] = vectors / strongest
+    is_strong = length >= WEAKEST * strongest
+    return ends[is_strong], force_colours(len(vectors))[is_strong]
 
 
 def force_colours(count: int) -> np.ndarray:
@@ -155,15 +157,15 @@ def force_colours(count: int) -> np.ndarray:
     return palette.FORCES[np.arange(count) % len(palette.FORCES)]
 
 
-def remembered(seen: Inspection) -> dict[str, np.ndarray]:
+def remembered(inspection: Inspection) -> dict[str, np.ndarray]:
     """The places (2,) that an agent has in mind; those that it does not know yet are left out."""
-    found: dict[str, np.ndarray] = {}
-    for place in seen.places if seen.minds else ():
-        at = np.array([seen.signals[f"{place}_x"], seen.signals[f"{place}_y"]])
-        known = at.any() and not any(np.array_equal(at, other) for other in found.values())
-        if known or place in (seen.places[0], seen.places[-1]):
-            found[place] = at
-    return found
+    places: dict[str, np.ndarray] = {}
+    for place in inspection.places if inspection.minds else ():
+        at = np.array([inspection.signals[f"{place}_x"], inspection.signals[f"{place}_y"]])
+        is_new = at.any() and not any(np.array_equal(at, other) for other in places.values())
+        if is_new or place in (inspection.places[0], inspection.places[-1]):
+            places[place] = at
+    return places
 
 
 _CLASSES = ((0.0, 0.34, 1.2), (0.34, 0.67, 2.2), (0.67, 1.01, 3.6))
@@ -210,8 +212,8 @@ class InspectionMarks:
         )
 
     def draw(self, picture: Picture) -> Changes:
-        row, seen = picture.inspected, picture.frame.inspected
-        zoned = picture.look.zones and seen is not None and len(seen.shells) > 0
+        row, inspection = picture.inspected, picture.frame.inspected
+        zoned = picture.look.zones and inspection is not None and len(inspection.shells) > 0
         changes = self._draw_ring(picture, row)
         changes += self._draw_heard(picture, None if zoned else row)
         centre = None if zoned else row
@@ -255,7 +257,7 @@ class InspectionMarks:
         rim = radius * (circle() if flat else great_circles())
         changes = segments(self._rim, rim, palette.single(palette.PLAIN))
         changes.append((self._rim, "position", centre))
-        for node, shown in ((self._disc, flat), (self._ball, not flat)):
-            changes += [(node, "visible", shown), (node, "position", centre)]
+        for node, is_shown in ((self._disc, flat), (self._ball, not flat)):
+            changes += [(node, "visible", is_shown), (node, "position", centre)]
             changes.append((node, "scale", radius))
         return changes

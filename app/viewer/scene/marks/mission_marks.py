@@ -142,10 +142,10 @@ class MissionMarks:
         """Draw what the look asks for."""
         world, look = picture.frame.world, picture.look
         mission = world.mission or Mission()
-        drawn = (world, picture.stage, look.mission, look.start, look.fence, picture.frame.run)
+        key = (world, picture.stage, look.mission, look.start, look.fence, picture.frame.run)
         changes: Changes = []
-        if drawn != self._drawn:
-            self._drawn, self._done = drawn, None
+        if key != self._drawn:
+            self._drawn, self._done = key, None
             changes += self._draw_start(picture) + self._draw_route(picture, mission)
             self._write(picture, world)
         done = picture.frame.progress.done
@@ -300,7 +300,7 @@ def closed_way(points: Any, closed: bool) -> np.ndarray:
 
 def on_floor(picture: Picture, points: np.ndarray) -> np.ndarray:
     """Places (K, dim) on the display, (K, 3); in a flat world just above its floor."""
-    shown = picture.stage.shown(points)
+    placed = picture.stage.shown(points)
     if picture.stage.dim == 2:
-        shown[:, 2] = ABOVE
-    return shown
+        placed[:, 2] = ABOVE
+    return placed

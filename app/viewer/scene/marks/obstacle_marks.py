@@ -56,12 +56,14 @@ class Obstacles:
             if before.height == world.height:
                 return []
             before = None
-        one = None if before is None else the_changed(before.obstacles, world.obstacles)
-        if one is None or one != self._apart:
-            rest = [each for k, each in enumerate(world.obstacles) if k != one]
+        changed_index = None if before is None else the_changed(before.obstacles, world.obstacles)
+        if changed_index is None or changed_index != self._apart:
+            rest = [each for k, each in enumerate(world.obstacles) if k != changed_index]
             self._rest.draw(rest, world, stage)
-        self._one.draw([] if one is None else [world.obstacles[one]], world, stage)
-        self._apart = one
+        self._one.draw(
+            [] if changed_index is None else [world.obstacles[changed_index]], world, stage
+        )
+        self._apart = changed_index
         return []
 
 
@@ -196,6 +198,6 @@ class BoundaryPointMarks:
 
 def on_rims(picture: Picture, points: np.ndarray, height: float) -> np.ndarray:
     """Boundary points (M, 2) on the display, just above what stands `height` tall; (M, 3)."""
-    shown = picture.stage.shown(points)
-    shown[:, 2] = height * picture.stage.scale + 0.01
-    return shown.astype(np.float32)
+    placed = picture.stage.shown(points)
+    placed[:, 2] = height * picture.stage.scale + 0.01
+    return placed.astype(np.float32)

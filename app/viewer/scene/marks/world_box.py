@@ -111,10 +111,10 @@ def sky() -> bytes:
     """The background as PNG; viser would import all of imageio to make it one."""
     steps = np.linspace(0.0, 1.0, 64)[:, None, None]
     rows = palette.SKY_HIGH + steps * (palette.SKY_LOW - palette.SKY_HIGH)
-    made = io.BytesIO()
+    buffer = io.BytesIO()
     image = np.rint(255.0 * np.broadcast_to(rows, (64, 4, 3))).astype(np.uint8)
-    Image.fromarray(image).save(made, "png")
-    return made.getvalue()
+    Image.fromarray(image).save(buffer, "png")
+    return buffer.getvalue()
 
 
 class Fog:

@@ -106,11 +106,11 @@ def outlines(frame: Frame) -> Legend:
     """What the outlines of real cars mean: (state, CSS colour); nothing where there are none."""
     if frame.live is None:
         return []
-    there = frame.live.are(SIMULATED).any()
+    has_simulated = frame.live.are(SIMULATED).any()
     return [
         (state, palette.css(colour))
         for state, colour in palette.STATES.items()
-        if state != SIMULATED or there
+        if state != SIMULATED or has_simulated
     ]
 
 
@@ -128,8 +128,8 @@ def _number_legend(frame: Frame, measured: str) -> Legend:
 def _layer_legend(frame: Frame, _measured: str) -> Legend:
     last = len(palette.LAYERS)
     layers = np.empty(0, int) if frame.layer is None else np.asarray(frame.layer)
-    known = layers[layers <= len(layers)]
-    deepest = min(int(known.max(initial=1)), last)
+    present = layers[layers <= len(layers)]
+    deepest = min(int(present.max(initial=1)), last)
     entries = [("1 information agent", palette.css(palette.LAYERS[0]))]
     for layer in range(2, deepest + 1):
         words = f"layer {layer}" if layer < last else f"layer {last} and farther"

@@ -49,5 +49,5 @@ def chosen(default: Any, *control: Any, **more: Any) -> Any:
 
 def controls_of(declared: type) -> dict[str, Control]:
     """How those fields of a dataclass are chosen that are, by name, in their order."""
-    found = ((one.name, one.metadata.get("control")) for one in fields(declared))
-    return {name: control for name, control in found if control is not None}
+    pairs = ((field.name, field.metadata.get("control")) for field in fields(declared))
+    return {name: control for name, control in pairs if control is not None}

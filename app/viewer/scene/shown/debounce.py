@@ -63,9 +63,9 @@ class Debounce:
         return _Shown(state, age, now, now)
 
 
-def _as_shown(live: Live, shown: list[_Shown]) -> Live:
+def _as_shown(live: Live, frames: list[_Shown]) -> Live:
     return replace(
         live,
-        states=tuple(one.state for one in shown),
-        ages=np.array([one.age for one in shown]),
+        states=tuple(frame.state for frame in frames),
+        ages=np.array([frame.age for frame in frames]),
     )

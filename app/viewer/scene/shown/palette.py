@@ -59,8 +59,8 @@ def attainable(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np
     low, high = np.zeros_like(chroma), chroma.copy()
     for _ in range(20):
         middle = 0.5 * (low + high)
-        shown = _shown(lightness, middle, hue)
-        low, high = np.where(shown, middle, low), np.where(shown, high, middle)
+        visible = _shown(lightness, middle, hue)
+        low, high = np.where(visible, middle, low), np.where(visible, high, middle)
     return np.where(_shown(lightness, chroma, hue), chroma, low)
 
 
@@ -83,7 +83,7 @@ def srgb(css: str) -> np.ndarray:
 
 def css(colour: np.ndarray) -> str:
     """The inverse of `srgb`."""
-    red, green, blue = (round(255.0 * min(max(one, 0.0), 1.0)) for one in colour.tolist())
+    red, green, blue = (round(255.0 * min(max(channel, 0.0), 1.0)) for channel in colour.tolist())
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 
@@ -262,16 +262,16 @@ def by_speed(speed: np.ndarray, full: float) -> np.ndarray:
 
 def by_number(values: np.ndarray) -> np.ndarray:
     """Numbers (N,), NaN or infinite unknown -> colours (N, 3), from the least to the largest."""
-    known = np.isfinite(values)
+    is_known = np.isfinite(values)
     low, high = span(values)
-    colours = by_speed(np.where(known, values, low) - low, high - low)
-    return np.where(known[:, None], colours, UNKNOWN)
+    colours = by_speed(np.where(is_known, values, low) - low, high - low)
+    return np.where(is_known[:, None], colours, UNKNOWN)
 
 
 def span(values: np.ndarray) -> tuple[float, float]:
     """The least and the largest of those numbers that are known; 0 and 0 if none is."""
-    known = values[np.isfinite(values)]
-    return (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
+    finite = values[np.isfinite(values)]
+    return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
 
 
 def by_zone(zone: np.ndarray) -> np.ndarray:
@@ -281,9 +281,9 @@ def by_zone(zone: np.ndarray) -> np.ndarray:
 
 def by_saving(saved: np.ndarray, full: float) -> np.ndarray:
     """Shares (N,) saved, NaN unknown -> colours (N, 3), the last of the table from +-full on."""
-    known = np.isfinite(saved)
-    share = np.clip(np.where(known, saved, 0.0) / full, -1.0, 1.0)
-    return np.where(known[:, None], SAVINGS[np.rint(128.0 * (share + 1.0)).astype(int)], UNKNOWN)
+    is_known = np.isfinite(saved)
+    share = np.clip(np.where(is_known, saved, 0.0) / full, -1.0, 1.0)
+    return np.where(is_known[:, None], SAVINGS[np.rint(128.0 * (share + 1.0)).astype(int)], UNKNOWN)
 
 
 def by_layer(layer: np.ndarray) -> np.ndarray:
@@ -321,24 +321,24 @@ def by_name(names: Sequence[str]) -> dict[str, np.ndarray]:
     >>> [css(one) for one in by_name(["car 2", "red"]).values()]
     ['#016cff', '#e30010']
     """
-    asked: dict[str, str] = {}
+    requested: dict[str, str] = {}
     for name in names:
         words = (OTHER_WORDS.get(word, word) for word in re.findall("[a-z]+", name.lower()))
         colour = next((word for word in words if word in OWN), None)
-        if colour is not None and colour not in asked.values():
-            asked[name] = colour
-    left = [colour for colour in OWN if colour not in asked.values()] or list(OWN)
-    others = [name for name in names if name not in asked]
-    taken = asked | {name: left[k % len(left)] for k, name in enumerate(others)}
-    return {name: OWN[taken[name]] for name in names}
+        if colour is not None and colour not in requested.values():
+            requested[name] = colour
+    left = [colour for colour in OWN if colour not in requested.values()] or list(OWN)
+    others = [name for name in names if name not in requested]
+    assigned = requested | {name: left[k % len(left)] for k, name in enumerate(others)}
+    return {name: OWN[assigned[name]] for name in names}
 
 
 def of_frame(frame: Frame) -> np.ndarray:
     """The own colours (N, 3) of the agents of a frame."""
     if frame.live is None:
         return by_identity(frame.ids)
-    known = by_name(frame.live.roster)
-    return np.array([known[name] for name in frame.live.names]).reshape(-1, 3)
+    colours = by_name(frame.live.roster)
+    return np.array([colours[name] for name in frame.live.names]).reshape(-1, 3)
 
 
 # What to send so that the browser shows the colour that was meant.
@@ -361,9 +361,9 @@ LIGHT = 1.25
 """Light on a facet turned half towards the sun, as a multiple of its own colour."""
 
 
-def _before_aces(shown: np.ndarray) -> np.ndarray:
-    """The linear light that ACES turns into the linear light `shown`, (..., 3)."""
-    y = np.clip(shown @ _BACK.T, 0.0, 0.98)
+def _before_aces(colour: np.ndarray) -> np.ndarray:
+    """The linear light that ACES turns into the linear light `colour`, (..., 3)."""
+    y = np.clip(colour @ _BACK.T, 0.0, 0.98)
     # ACES: y = (v^2 + 0.0245786 v - 0.000090537) / (0.983729 v^2 + 0.432951 v + 0.238081)
     a = 1.0 - 0.983729 * y
     b = 0.0245786 - 0.4329510 * y
