@@ -29,7 +29,7 @@ NAMED = re.compile(r"unknown (?:parameter|key) '([^']*)'|unknown (\w+)|(\w+)")
 
 
 def with_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The command with every option of a run; it is given them as `asked`."""
+    """The command with every option of a run; it is given them as `options`."""
 
     @wraps(command)
     def called(**arguments: Any) -> Any:
@@ -37,14 +37,15 @@ def with_options(command: Callable[..., Any]) -> Callable[..., Any]:
         if options["size"] is not None:
             sides = numbers("--size", options["size"])
             options["size"] = sides[0] if len(sides) == 1 else tuple(sides)
-        return command(asked=options, **arguments)
+        return command(options=options, **arguments)
 
     signature = inspect.signature(command, eval_str=True)
-    options: list[inspect.Parameter] = []
+    declared: list[inspect.Parameter] = []
     for argument in signature.parameters.values():
-        mine = map(parameter, OPTIONS, OPTIONS.values()) if argument.name == "asked" else [argument]
-        options += [own.replace(kind=inspect.Parameter.KEYWORD_ONLY) for own in mine]
-    called.__signature__ = signature.replace(parameters=options)  # type: ignore[attr-defined]
+        is_all = argument.name == "options"
+        mine = map(parameter, OPTIONS, OPTIONS.values()) if is_all else [argument]
+        declared += [own.replace(kind=inspect.Parameter.KEYWORD_ONLY) for own in mine]
+    called.__signature__ = signature.replace(parameters=declared)  # type: ignore[attr-defined]
     return called
 
 

@@ -62,7 +62,7 @@ def draw(
         offered = {
             "figure": figure,
             "experiment": experiment,
-            "made": verdicts,
+            "verdicts": verdicts,
             "main": main_ones(verdicts),
             "seed": seed,
         }
