@@ -14,7 +14,7 @@ import pytest
 from oracles import vicsek_family as family
 
 ROOT = Path(__file__).parents[1]
-sys.path.append(str(ROOT / "benchmarks"))
+sys.path += [str(ROOT / "benchmarks" / folder) for folder in ("engine", "studies")]
 from batch_run import by_mesa, by_sweep  # noqa: E402
 from reference import COMPILER, reference  # noqa: E402
 
@@ -23,7 +23,8 @@ compiler = pytest.mark.skipif(shutil.which(COMPILER) is None, reason=f"no {COMPI
 
 def printed(name, *arguments):
     """What a benchmark prints."""
-    command = [sys.executable, str(ROOT / "benchmarks" / name), *arguments]
+    (path,) = (ROOT / "benchmarks").glob(f"*/{name}")
+    command = [sys.executable, str(path), *arguments]
     return subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout
 
 

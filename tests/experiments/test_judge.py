@@ -23,7 +23,7 @@ from app.studies.judge.judge import (
     typical_spread,
 )
 
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks" / "studies"))
 import judge as simulation
 
 SAMPLES = 4000

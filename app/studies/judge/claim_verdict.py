@@ -1,7 +1,7 @@
 """What runs say of a claim, on one scale: it holds, it does not hold, or more runs would decide.
 
 Each word but "undecided" is wrong in about one case of a hundred, or fewer: `judge.py` says how,
-`benchmarks/judge.py` how often.
+`benchmarks/studies/judge.py` how often.
 """
 
 from __future__ import annotations

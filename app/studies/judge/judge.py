@@ -11,7 +11,7 @@ a sample of them. In this order:
    corrected for skewness, both with fewer degrees of freedom than a normal law would give.
 
 All functions work along the last axis, on one sample (R,) or on many at once (M, R), so that
-`benchmarks/judge.py` can count how often they are wrong. Sources: Johnson 1978 (J. Am. Stat. Assoc.
+`benchmarks/studies/judge.py` can count how often they are wrong. Sources: Johnson 1978 (J. Am. Stat. Assoc.
 73, 536), Hall 1992 (J. R. Stat. Soc. B 54, 221), Welch 1947 (Biometrika 34, 28), Zhou and Dinh 2005
 (Biostatistics 6, 187), Clopper and Pearson 1934 (Biometrika 26, 404), Zou and Donner 2008 (Stat.
 Med. 27, 1693), Manski 1989 (J. Hum. Resour. 24, 343), Holm 1979 (Scand. J. Stat. 6, 65).

@@ -1,6 +1,6 @@
 """What a result costs that a student hands in, and what the end of a class costs.
 
-    uv run python benchmarks/collect.py [--students 40] [--pairs]
+    uv run python benchmarks/pages/collect.py [--students 40] [--pairs]
 
 Vicsek agents: 300, 500 ticks, the polarisation over the last 100, against noise; and HWVEM: ticks
 until all agree. A result is made as by the process that the class has for it: the run, its
@@ -22,7 +22,7 @@ from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from agents import Flock
 from agents.catalogue import MODELS

@@ -1,6 +1,6 @@
 """The first start: of the command, of a model that nobody has compiled, and of a fresh clone.
 
-    uv run python benchmarks/first_start.py [--install] [MODEL ...]
+    uv run python benchmarks/pages/first_start.py [--install] [MODEL ...]
 
 First the CPU seconds of what every command and every script pays, the least of several processes
 that have their .pyc files. Then those that the loop of each model compiles, beside numba's own way,
@@ -28,7 +28,7 @@ import urllib.request
 from collections.abc import Callable
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 ROUNDS = 9
 COMMAND = [sys.executable, "-m", "flockscope"]
 TIMEOUT = 900.0

@@ -1,4 +1,4 @@
-"""What the store of a sweep costs: `python benchmarks/sweep_store.py [--rows 100000]`.
+"""What the store of a sweep costs: `python benchmarks/studies/sweep_store.py [--rows 100000]`.
 
 Writes so many runs of 100 cells with two columns, reads them again, and asks for the status as
 `flockscope sweep status` does. Prints processor time, and bytes on disk.

@@ -1,6 +1,6 @@
 """What a node's first run waits for: kernels compiled there, by another node, or kept from before.
 
-    uv run python benchmarks/cluster_start.py [--model vem] [--nodes 4]
+    uv run python benchmarks/studies/cluster_start.py [--model vem] [--nodes 4]
 
 Each node is a process that begins, makes a run of ten ticks and measures it. `own`: nodes with a
 folder of kernels each, empty; `shared`: one empty folder for all, in which the first compiles while

@@ -1,6 +1,6 @@
 """How fast: agent-steps per second, ours and others', in one run.
 
-    uv run --group bench python benchmarks/speed.py [--quick]
+    uv run --group bench python benchmarks/engine/speed.py [--quick]
 
 The 2-D Vicsek geometry at density 4 and r = 1 in float64. Everybody takes turns, and begins each
 round from the same start. One thread is measured by its CPU time, two by the clock on the wall, and

@@ -1,5 +1,5 @@
 """What it costs to play a recording, and to keep the last minutes of a run: `python
-benchmarks/replay.py [agents] [pictures/s]`.
+benchmarks/pages/replay.py [agents] [pictures/s]`.
 
 A recording of so many agents is played by the laboratory, in this process, with a client that reads
 every picture as fast as it can (a program, not a browser). Then random ticks are sought, and at
@@ -23,7 +23,7 @@ from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.run_preset import at_home
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.stored_flock import StoredFlock, stored
-from benchmarks.stream import Reader
+from benchmarks.pages.stream import Reader
 
 TICKS = 600
 SECONDS = 8.0

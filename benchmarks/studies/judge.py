@@ -4,7 +4,7 @@ Runs are drawn from laws whose mean is known, judged by `app/studies/judge/judge
 counted. Fixed seeds: the same numbers each time. An entry of p % has a standard error of
 sqrt(p (100 - p) / M), with M the samples of a cell.
 
-uv run python benchmarks/judge.py [--samples 20000] [--json]
+uv run python benchmarks/studies/judge.py [--samples 20000] [--json]
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from app.studies.judge.judge import (  # noqa: E402

@@ -1,6 +1,6 @@
 """How soon the laboratory's simulation answers a command while it runs as fast as it can.
 
-    uv run python benchmarks/answer.py [agents ...]
+    uv run python benchmarks/pages/answer.py [agents ...]
 
 And how soon a flock of another model moves once it was chosen, with all kernels on the disk: the
 first time in a process, when they are loaded, and again.

@@ -1,6 +1,6 @@
 """Obstacles: how long a survey takes, and how many questions a second its surroundings answers.
 
-uv run python benchmarks/obstacles.py [--edges 10000] [--reach 6]
+uv run python benchmarks/engine/obstacles.py [--edges 10000] [--reach 6]
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What many laboratories cost in one process.
 
-    python benchmarks/laboratories.py [laboratories] [agents] [ticks/s] [dimension] [alone]
+    python benchmarks/pages/laboratories.py [laboratories] [agents] [ticks/s] [dimension] [alone]
 
 Each has a flock of its own, and what a class allows; all it wants, if `alone`. Prints what it takes
 to start one, to keep one that nobody looks at, and to show one: clients in a process of their own

@@ -1,6 +1,6 @@
 """Today's tree beside another state of it: CPU time of an agent-tick, taking turns.
 
-    uv run python benchmarks/against.py COMMIT [--cases vem couzin-3d] [--rounds 9] [--json]
+    uv run python benchmarks/engine/against.py COMMIT [--cases vem couzin-3d] [--rounds 9] [--json]
 
 COMMIT is checked out into a folder that is removed afterwards; a folder that holds a checkout
 already is used as it is, and what it compiles is kept. Each tree runs in one process of one thread,
@@ -22,7 +22,7 @@ from typing import Any
 from tree import Tree
 from turns import Contestant, quartiles, take_turns
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @contextmanager

@@ -1,6 +1,6 @@
 """What a short run costs beside its ticks: making a flock, a call, a step, and a thousand runs.
 
-    uv run python benchmarks/short_runs.py [--workers 2] [--runs 400]
+    uv run python benchmarks/studies/short_runs.py [--workers 2] [--runs 400]
 
 300 agents of the Vicsek model. Of each figure the least of several rounds, as CPU time and by the
 clock: others on the machine make both longer. A run goes from its seed to its polarisation after

@@ -1,6 +1,6 @@
 """How cost grows: CPU time of an agent-step over agents, density, neighbours and obstacles.
 
-    uv run --group bench python benchmarks/scaling.py [--quick] [--picture scaling.png]
+    uv run --group bench python benchmarks/engine/scaling.py [--quick] [--picture scaling.png]
 
 One thread, least of several rounds in which all who meet the same value take turns. Nobody is run
 where a tick would last longer than `--longest`. Neighbours are those that each density brings: a

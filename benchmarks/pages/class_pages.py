@@ -1,4 +1,4 @@
-"""Students of a class in real browsers, for `benchmarks/classroom.py --browsers N`: by Chromium."""
+"""Students of a class in real browsers, for `classroom.py --browsers N`: by Chromium."""
 
 from __future__ import annotations
 

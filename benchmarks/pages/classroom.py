@@ -1,4 +1,4 @@
-"""What a class costs: `python benchmarks/classroom.py [--students 10 20 40] [--watch]`.
+"""What a class costs: `python benchmarks/pages/classroom.py [--students 10 20 40] [--watch]`.
 
 Starts `flockscope class` with flocks of 300 agents (hwvem), and in a process of its own so many
 students that are programs, not browsers: they enter by the code, connect through the front, read

@@ -1,6 +1,6 @@
 """How much memory: bytes per agent, with agents made on demand and with all of Mesa's.
 
-uv run python benchmarks/memory.py [--agents 1000000]
+uv run python benchmarks/engine/memory.py [--agents 1000000]
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Large flocks among many obstacles: what the obstacles cost, and how many ticks a second are left.
 
-    uv run python benchmarks/crowds.py
+    uv run python benchmarks/engine/crowds.py
 
 Each figure is the median of several rounds in which all contestants take turns.
 """

@@ -1,4 +1,4 @@
-"""What it costs that many watch one run: `python benchmarks/watching.py [agents] [browsers]`.
+"""What it costs that many watch one run: `python benchmarks/pages/watching.py [agents] [browsers]`.
 
 A laboratory and its watching page in a process of their own, and clients that read all they get
 (programs, not browsers), each of which inspects an agent of its own and plots the usual. Prints

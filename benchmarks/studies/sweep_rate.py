@@ -1,6 +1,6 @@
 """Runs a second of a sweep, beside a plain loop over flocks.
 
-    uv run python benchmarks/sweep_rate.py [--workers 2] [--runs 4000]
+    uv run python benchmarks/studies/sweep_rate.py [--workers 2] [--runs 4000]
 
 Three kinds of runs: 50 and 300 agents for 100 ticks, and 1000 agents for 1000. Processor time of a
 run, in the loop and in a sweep with all of its processes; by the clock the sweep is faster by the

@@ -1,6 +1,6 @@
 """Zones in three dimensions: agent-steps a second, and the run of the thesis in seconds.
 
-    uv run python benchmarks/zones.py [--quick] [--agents 100000]
+    uv run python benchmarks/engine/zones.py [--quick] [--agents 100000]
 
 Ratios are to the first line. "Widths of the thesis" are Couzin's zones of the radii and the density
 of the thesis; "measured" is with the formation figure in the same pass. Each figure is the best of

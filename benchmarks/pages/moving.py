@@ -1,4 +1,4 @@
-"""Seconds from the command to a moving flock: `python benchmarks/moving.py [MODEL ...]`.
+"""Seconds from the command to a moving flock: `python benchmarks/pages/moving.py [MODEL ...]`.
 
 `flockscope lab MODEL` is started with an empty cache, and once more with what that has compiled. A
 program stands for the browser: it asks for the page until it is answered, and then reads what a
@@ -28,7 +28,7 @@ import zstandard
 from websockets.sync.client import connect
 
 from agents.catalogue import MODELS
-from benchmarks.stream import CAMERA
+from benchmarks.pages.stream import CAMERA
 
 TIMEOUT = 300.0
 """Longest time until a run is compiled, s."""

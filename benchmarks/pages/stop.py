@@ -5,7 +5,7 @@ Time is that from pressing to the tick of the loop that stops the cars, by the m
 
 With `--cars`: until emulated cars stand, and how far they come meanwhile, whatever fails.
 
-uv run python benchmarks/stop.py [--quick | --cars]
+uv run python benchmarks/pages/stop.py [--quick | --cars]
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import time
 from contextlib import ExitStack
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
 from app.live.control.arm import OperatorRequest  # noqa: E402

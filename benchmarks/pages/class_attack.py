@@ -1,6 +1,6 @@
 """What students wait for their results while others hand in all that takes long.
 
-    uv run python benchmarks/class_attack.py [--dishonest 1 3 10] [--honest 10] [--seconds 20]
+    uv run python benchmarks/pages/class_attack.py [--dishonest 1 3 10] [--honest 10] [--seconds 20]
 
 Starts `flockscope class` with flocks of 300 agents (hwvem) and a question about how many there are.
 Honest students hand in their run every three seconds. Dishonest ones open runs that take as long as
@@ -27,7 +27,7 @@ from pathlib import Path
 import aiohttp
 from classroom import Class, Student, do, teach
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from app.viewer.gallery.saved_scene import SavedScene, packed
 from app.viewer.run.run_preset import at_home

@@ -1,6 +1,6 @@
 """What the same study costs by `mesa.batch_run` and by `flockscope.sweep`, and that it is the same.
 
-    uv run python benchmarks/batch_run.py [--workers 2] [--runs 400]
+    uv run python benchmarks/studies/batch_run.py [--workers 2] [--runs 400]
 
 Runs of the Vicsek model over four strengths of noise, with their polarisation at the end.
 Milliseconds of a core for each run, all processes and their start among them, and seconds by the

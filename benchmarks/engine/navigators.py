@@ -1,6 +1,6 @@
 """How fast flocks find their way: a run of 300 s of Wu et al. 2023, in seconds on one core.
 
-    uv run python benchmarks/navigators.py [--quick]
+    uv run python benchmarks/engine/navigators.py [--quick]
 
 Each figure is the least of several runs from the start, without the time to compile. A tick is one
 look and one decision of every agent; there are n_sub of them in the paper's step of 0.1 s.

@@ -1,4 +1,4 @@
-"""What it costs to stream a flock: `python benchmarks/stream.py [agents] [browsers] [ticks/s]`.
+"""What streaming a flock costs: `python benchmarks/pages/stream.py [agents] [browsers] [ticks/s]`.
 
 Runs the laboratory in a process of its own, with clients that read every frame as fast as they can
 (programs, not browsers, so that their drawing does not count). Prints the frames that arrive and

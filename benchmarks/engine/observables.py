@@ -1,6 +1,6 @@
 """What each observable costs, of 10 000 agents in the plane, in space and in a crowd.
 
-    uv run python benchmarks/observables.py
+    uv run python benchmarks/engine/observables.py
 
 Each figure is the median of several measurements, in milliseconds.
 """
