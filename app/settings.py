@@ -65,7 +65,7 @@ MOST = 10**15
 """The largest count, unless there is a reason for a smaller one."""
 
 
-def at_least(option: str, value: int | None, least: int, most: int = MOST) -> None:
+def check_whole_number(option: str, value: int | None, least: int, most: int = MOST) -> None:
     """Refuse a whole number outside [least, most]. Raises InputError naming the option."""
     if value is None:
         return

@@ -9,14 +9,14 @@ from typing import Annotated
 import typer
 
 from app.cli.terminal import REFUSED
-from app.cli.usage import Rules, by_name, first_of
+from app.cli.usage import Rules, first_of, model_name
 from worlds.input_error import InputError
 
 
 def check(
     model: Annotated[
         str | None,
-        typer.Argument(help="A model, see `flockscope list`, or a FILE.py.", callback=by_name),
+        typer.Argument(help="A model, see `flockscope list`, or a FILE.py.", callback=model_name),
     ] = None,
     rule: Rules = None,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,

@@ -144,12 +144,12 @@ KINDS = {
 }
 
 
-def declared_rows() -> dict[str, Rows]:
+def list_declarations() -> dict[str, Rows]:
     """The rows of all kinds, made from the declarations."""
     return {kind: list_rows() for kind, list_rows in KINDS.items()}
 
 
-def is_current() -> bool:
+def is_list_current() -> bool:
     """Whether no declaration is newer than the rows that are kept."""
     newest = max((file.stat().st_mtime for of in DECLARED for file in ROOT.glob(of)), default=0.0)
     return newest <= LISTED.stat().st_mtime + TOGETHER
@@ -159,8 +159,8 @@ def rows(has_rule_file: bool = False) -> dict[str, Rows]:
     """The rows of all kinds; from the declarations if they are newer than the rows that are kept,
     or if more is `has_rule_file` than is built in."""
     plugged = any(entry_points(group=f"flockscope.{group}") for group in PLUG_INS)
-    if has_rule_file or plugged or not is_current():
-        return declared_rows()
+    if has_rule_file or plugged or not is_list_current():
+        return list_declarations()
     stored: dict[str, Rows] = json.loads(LISTED.read_text(encoding="utf-8"))
     return stored
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.cli.file_argument import is_file
-from app.cli.progress import StopSignals, leave
+from app.cli.progress import StopSignals, exit_process
 from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port
 from app.front.origin import LOOPBACK, parse_allowed_host
 from app.results_folder import RESULTS
@@ -69,7 +69,7 @@ def classroom(
         raise InputError(
             f"{option} is given alone: a certificate needs its key (PEM), and the reverse"
         )
-    path = out or (Path(scene) if scene and scene.endswith(FILE) else usual_place())
+    path = out or (Path(scene) if scene and scene.endswith(FILE) else default_file())
     if path.suffix != FILE:
         raise InputError(f"--out {str(path)!r} is no name of a class's file: it ends in {FILE}")
     if out is not None and str(out) != scene:
@@ -84,7 +84,7 @@ def classroom(
     front = ClassFront(classroom, host, port, names, pair)
     with StopSignals() as stopping:
         asyncio.run(serve(front, keeping, host, stopping, open_browser))
-    leave()
+    exit_process()
 
 
 def open_class(name: str | None, seats: int, workers: int) -> Classroom:
@@ -104,7 +104,7 @@ def open_class(name: str | None, seats: int, workers: int) -> Classroom:
     return Classroom(scene, seats, workers, RESULTS)
 
 
-def usual_place() -> Path:
+def default_file() -> Path:
     """A file that is not there yet, named for the time."""
     now = datetime.now().strftime("%Y-%m-%d-%H%M%S")
     return RESULTS / "classes" / f"{now}{FILE}"
@@ -128,11 +128,11 @@ async def serve(
         while not stopping.asked and not classroom.is_over:
             await asyncio.sleep(LOOK)
             if time.monotonic() >= due:
-                await keep(keeping)
+                await save_regularly(keeping)
                 due = time.monotonic() + EVERY
     finally:
         typer.echo("", err=True)
-        await keep(keeping)
+        await save_regularly(keeping)
         if classroom.is_over:
             keeping.forget_keys()
             await asyncio.sleep(FAREWELL)
@@ -143,7 +143,7 @@ async def serve(
         typer.echo(f"the class {ended} {str(keeping.path)!r}: flockscope class {keeping.path}")
 
 
-async def keep(keeping: ClassKeeper) -> None:
+async def save_regularly(keeping: ClassKeeper) -> None:
     """Keep the class; what cannot be written is said, and tried again later."""
     try:
         await keeping.keep()

@@ -54,7 +54,7 @@ def demand_alone(name: str, others: dict[str, Any]) -> None:
             raise InputError(f"{option} {value} cannot be given with {name}, which says it already")
 
 
-def shown_beside(path: Path) -> str:
+def compared_model(path: Path) -> str:
     """The model that a scene shows beside its own; empty if there is none, or it is a spec."""
     beside = tomllib.loads(path.read_text("utf-8-sig")).get("beside", {})
     return str(beside.get("model", "")) if isinstance(beside, dict) else ""

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, tell_written
+from app.cli.outcome_table import as_json, print_written_files
 from app.cli.progress import Progress
 from app.cli.usage import command_group
-from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, request, within
+from app.flight.request import FREQUENCY, SPEED, TWIST, check_range, check_speed, request
 from app.results_folder import demand_folder, picture_files
 from app.settings import numbers
 from worlds.number_text import counted
@@ -78,7 +78,7 @@ def trim(
     Prints them with power, energy per metre and stability, and draws lift, thrust and power over
     a wing beat.
     """
-    asked_speed("--speed", speed)
+    check_speed("--speed", speed)
     flight_request = request(frequency, twist, settings)
     demand_folder("--out", out, ("beat.csv", *picture_files("beat", pictures)), overwrite)
     from agents.flight.trim import trim as search
@@ -90,13 +90,13 @@ def trim(
             speed,
             frequency=frequency,
             twist=flight_request.twist,
-            at=progress.at,
+            at=progress.update,
         )
         value = as_value(trim)
     files = {"beat": out / "beat.csv"}
     write_sheet(files["beat"], beat_columns(trim.beat, frequency))
     if pictures:
-        from app.flight.flight_pictures import draw_beat, one_beat, paint
+        from app.flight.flight_pictures import draw_beat, single_beat, write_figures
 
         title = (
             f"One wing beat in level flight at {speed:g} m/s, {frequency:g} Hz\n"
@@ -104,14 +104,16 @@ def trim(
             f" {value['energy_per_metre']:.3g} J/m"
         )
         weight = flight_request.aircraft.weight
-        files |= paint(lambda f: draw_beat(f, one_beat(trim.beat), weight), title, out, "beat")
+        files |= write_figures(
+            lambda f: draw_beat(f, single_beat(trim.beat), weight), title, out, "beat"
+        )
     if json_asked:
         value["files"] = {kind: str(path) for kind, path in files.items()}
         typer.echo(as_json(value))
     else:
         typer.echo("\n".join(lines(value)))
     if not quiet:
-        tell_written(*files.values())
+        print_written_files(*files.values())
 
 
 # `flockscope flight sweep`: the level flights over speed, and the U curve.
@@ -134,21 +136,21 @@ def sweep(
 
     A speed at which no level flight is found is named and left out.
     """
-    speeds_asked = sorted({asked_speed("--speeds", value) for value in numbers("--speeds", speeds)})
+    speeds_asked = sorted({check_speed("--speeds", value) for value in numbers("--speeds", speeds)})
     flight_request = request(frequency, twist, settings)
     demand_folder("--out", out, ("sweep.csv", *picture_files("sweep", pictures)), overwrite)
-    from app.flight.trim_report import swept, write_sheet
+    from app.flight.trim_report import sweep_speeds, write_sheet
 
     with Progress("flight sweep", quiet) as progress:
-        rows, missing = swept(flight_request, speeds_asked, progress.at)
+        rows, missing = sweep_speeds(flight_request, speeds_asked, progress.update)
     files = {"sweep": out / "sweep.csv"}
     columns = [name for name in rows[0] if name not in ("multipliers", "stable")]
     write_sheet(files["sweep"], {name: [row[name] for row in rows] for name in columns})
     if pictures:
-        from app.flight.flight_pictures import draw_curve, paint
+        from app.flight.flight_pictures import draw_curve, write_figures
 
         title = f"Level flight over speed: {frequency:g} Hz, R = {twist:g} deg"
-        files |= paint(lambda figure: draw_curve(figure, rows), title, out, "sweep")
+        files |= write_figures(lambda figure: draw_curve(figure, rows), title, out, "sweep")
     if json_asked:
         result: dict[str, Any] = {"rows": rows, "without_flight": missing}
         result["files"] = {kind: str(path) for kind, path in files.items()}
@@ -158,7 +160,7 @@ def sweep(
         for speed in missing:
             typer.echo(f"{speed:8.3g}    no level flight was found")
     if not quiet:
-        tell_written(*files.values())
+        print_written_files(*files.values())
 
 
 def speed_table(rows: list[dict[str, Any]]) -> list[str]:
@@ -205,8 +207,8 @@ def simulate(
 
     Draws the flight over time, and lift, thrust and power averaged over its wing beats.
     """
-    asked_speed("--speed", speed)
-    within("--seconds", seconds, 0.1, LONGEST, "s")
+    check_speed("--speed", speed)
+    check_range("--seconds", seconds, 0.1, LONGEST, "s")
     flight_request = request(frequency, twist, settings)
     demand_folder(
         "--out",
@@ -214,27 +216,27 @@ def simulate(
         ("history.csv", *picture_files("history", pictures), *picture_files("beats", pictures)),
         overwrite,
     )
-    from app.flight.compared_flight import flown, pushes
+    from app.flight.compared_flight import fly_pushed, parse_pushes
     from app.flight.trim_report import beat_columns, write_sheet
 
-    moved = pushes(push or [])
+    moved = parse_pushes(push or [])
     with Progress("flight simulate", quiet) as progress:
-        flight = flown(flight_request, speed, seconds, moved, progress.at)
+        flight = fly_pushed(flight_request, speed, seconds, moved, progress.update)
     files = {"history": out / "history.csv"}
     write_sheet(files["history"], beat_columns(flight.flown, frequency))
     if pictures:
-        from app.flight.flight_pictures import averaged, draw_beat, draw_history, paint
+        from app.flight.flight_pictures import draw_beat, draw_history, mean_beat, write_figures
 
         text = ", ".join(push or []) or "none"
         title = f"A flight from trim at {speed:g} m/s, {frequency:g} Hz; push: {text}"
-        more_files = paint(
+        more_files = write_figures(
             lambda f: draw_history(f, flight.flown, flight.level), title, out, "history"
         )
         files |= {f"history-{kind}": path for kind, path in more_files.items()}
         if flight.beats:
-            mean, weight = averaged(flight.flown, flight.per_beat), flight_request.aircraft.weight
+            mean, weight = mean_beat(flight.flown, flight.per_beat), flight_request.aircraft.weight
             title += f"\nmean of {counted(flight.beats, 'wing beat')}, with their least and largest"
-            more_files = paint(lambda f: draw_beat(f, mean, weight), title, out, "beats")
+            more_files = write_figures(lambda f: draw_beat(f, mean, weight), title, out, "beats")
             files |= {f"beats-{kind}": path for kind, path in more_files.items()}
     value: dict[str, Any] = flight.value()
     if json_asked:
@@ -243,7 +245,7 @@ def simulate(
     else:
         typer.echo("\n".join(flight.lines()))
     if not quiet:
-        tell_written(*files.values())
+        print_written_files(*files.values())
 
 
 # `flockscope flight payload`: speed, power and endurance over the mass that is carried.
@@ -287,32 +289,32 @@ def payload(
     body and changes its mass alone. The battery's own mass is part of the aircraft's.
     """
     grams = sorted(
-        {within("--loads", value, 0.0, HEAVIEST, "g") for value in numbers("--loads", loads)}
+        {check_range("--loads", value, 0.0, HEAVIEST, "g") for value in numbers("--loads", loads)}
     )
     if speed is not None:
-        asked_speed("--speed", speed)
-    within("--battery", battery, 0.01, 1000.0, "Wh")
-    within("--efficiency", efficiency, 0.01, 1.0, "")
+        check_speed("--speed", speed)
+    check_range("--battery", battery, 0.01, 1000.0, "Wh")
+    check_range("--efficiency", efficiency, 0.01, 1.0, "")
     flight_request = request(frequency, twist, settings)
     demand_folder("--out", out, ("payload.csv", *picture_files("payload", pictures)), overwrite)
-    from app.flight.load import Battery, carried, loaded
+    from app.flight.load import Battery, compute_loads, load_aircraft
     from app.flight.trim_report import write_sheet
 
     kilograms = [load / 1000.0 for load in grams]
     for load in kilograms:
-        loaded(flight_request.aircraft, load, "--loads")
+        load_aircraft(flight_request.aircraft, load, "--loads")
     source = Battery(battery, efficiency)
     with Progress("flight payload", quiet) as progress:
-        rows, missing = carried(flight_request, kilograms, source, speed, progress.at)
+        rows, missing = compute_loads(flight_request, kilograms, source, speed, progress.update)
     files = {"payload": out / "payload.csv"}
     columns = [name for name in rows[0] if name not in ("multipliers", "stable")]
     write_sheet(files["payload"], {name: [row[name] for row in rows] for name in columns})
     if pictures:
-        from app.flight.flight_pictures import draw_load, paint
+        from app.flight.flight_pictures import draw_load, write_figures
 
         where = "at the speed of least power" if speed is None else f"at {speed:g} m/s"
         title = f"Level flight {where} over the load: {frequency:g} Hz, R = {twist:g} deg"
-        files |= paint(
+        files |= write_figures(
             lambda f: draw_load(f, rows, describe_battery(source)), title, out, "payload"
         )
     if json_asked:
@@ -330,7 +332,7 @@ def payload(
             typer.echo(f"{1000.0 * load:6.4g}    no level flight was found")
         typer.echo(f"endurance and range: {describe_battery(source)}")
     if not quiet:
-        tell_written(*files.values())
+        print_written_files(*files.values())
 
 
 def describe_battery(battery: Battery) -> str:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from app.settings import at_least
+from app.settings import check_whole_number
 from worlds.input_error import InputError
 
 Ticks = Annotated[int | None, typer.Option("--ticks", help="Ticks that are run. \\[default: 100]")]
@@ -38,7 +38,7 @@ def demand_one_length(
     low = "(" if least else "["
     if seconds is not None and not (0.0 <= seconds < MOST_SECONDS and (seconds or not least)):
         raise InputError(f"--seconds {seconds:g} is outside {low}0, 1e6)")
-    at_least("--ticks", ticks, least)
+    check_whole_number("--ticks", ticks, least)
 
 
 def ticks_asked(

@@ -25,7 +25,7 @@ from worlds.number_text import counted
 Thing = dict[str, Any]
 
 
-def things_called(name: str, rows: dict[str, Rows]) -> dict[str, Any]:
+def find_by_name(name: str, rows: dict[str, Rows]) -> dict[str, Any]:
     """What has that name, by kind: most names are of one kind only.
 
     What is none of the rows may be a model of a file, or of a rule that drives cars.
@@ -156,103 +156,103 @@ def format_details(matches: dict[str, Any]) -> list[str]:
     return lines
 
 
-def about_model(thing: Thing) -> list[str]:
+def describe_model(thing: Thing) -> list[str]:
     """A model and its parameters."""
     dimensions = " and ".join(f"{dim}-D" for dim in thing["dimensions"])
     home = f"{counted(thing['agents'], 'agent')} in {thing['world']}"
     if thing["informed"]:
         home += f", {counted(thing['informed'], 'information agent')} on top"
-    lines = wrapped(f"{thing['name']}: {thing['title']} ({dimensions}; at home: {home})")
-    lines += wrapped(thing["summary"], 2)
-    lines += wrapped(f"It wishes {ARTICLES[thing['wish']]}. Source: {thing['source']}", 2)
+    lines = wrap_text(f"{thing['name']}: {thing['title']} ({dimensions}; at home: {home})")
+    lines += wrap_text(thing["summary"], 2)
+    lines += wrap_text(f"It wishes {ARTICLES[thing['wish']]}. Source: {thing['source']}", 2)
     lines.append("parameters (--set NAME=VALUE):")
     for row in thing["parameters"]:
-        lines += about_value(row)
+        lines += describe_value(row)
     lines += ["try this:"] if thing["tries"] else []
     for row in thing["tries"]:
-        lines += wrapped(f"{row['words']} ({row['changes']})", 2)
-        lines += wrapped(row["see"], 6)
+        lines += wrap_text(f"{row['words']} ({row['changes']})", 2)
+        lines += wrap_text(row["see"], 6)
     return [
         *lines,
         f"Run it: flockscope run {thing['name']}; look at it: flockscope lab {thing['name']}",
     ]
 
 
-def about_value(row: Thing) -> list[str]:
+def describe_value(row: Thing) -> list[str]:
     """A parameter: symbol, default and range, and below it what it means."""
     symbol = f" ({row['symbol']})" if row["symbol"] != row["name"] else ""
-    lines = wrapped(f"{row['name']}{symbol} = {cell(row['default'])} in {row['allowed']}", 2)
-    return lines + wrapped(f"{row['description']} ({row['source']})", 6)
+    lines = wrap_text(f"{row['name']}{symbol} = {cell(row['default'])} in {row['allowed']}", 2)
+    return lines + wrap_text(f"{row['description']} ({row['source']})", 6)
 
 
-def about_world(thing: Thing) -> list[str]:
+def describe_world(thing: Thing) -> list[str]:
     """A world."""
-    lines = wrapped(f"{thing['name']}: {thing['title']}")
+    lines = wrap_text(f"{thing['name']}: {thing['title']}")
     size = thing["size"]
     sides = "as large as asked for" if size is None else cell(size).replace(", ", " x ") + " m"
     solid = counted(thing["obstacles"], "obstacle")
     random_note = ", more drawn from the seed" if thing["random"] else ""
-    lines += wrapped(f"size: {sides}; edges: {cell(thing['edges'])}; {solid}{random_note}", 2)
-    lines += wrapped(f"mission: {cell(thing['mission'])}", 2) if thing["mission"] else []
-    lines += wrapped(f"source: {thing['source']}", 2) if thing["source"] else []
+    lines += wrap_text(f"size: {sides}; edges: {cell(thing['edges'])}; {solid}{random_note}", 2)
+    lines += wrap_text(f"mission: {cell(thing['mission'])}", 2) if thing["mission"] else []
+    lines += wrap_text(f"source: {thing['source']}", 2) if thing["source"] else []
     return [*lines, f"Draw it: flockscope world show {thing['name']}"]
 
 
-def about_observable(thing: Thing) -> list[str]:
+def describe_observable(thing: Thing) -> list[str]:
     """An observable."""
     unit = "" if thing["unit"] == "1" else f" {thing['unit']}"
     kind = "a table" if thing["table"] else f"in {thing['range']}{unit}"
-    lines = wrapped(f"{thing['name']}: {thing['title']} ({kind})")
+    lines = wrap_text(f"{thing['name']}: {thing['title']} ({kind})")
     over = " --over 100" if thing["over_a_run"] else ""
     return [*lines, f"Measure it: flockscope run MODEL --observe {thing['name']}{over}"]
 
 
-def about_paper(thing: Thing) -> list[str]:
+def describe_paper(thing: Thing) -> list[str]:
     """A table or a figure of a paper."""
-    lines = wrapped(f"{thing['name']}: {thing['title']} ({thing['source']})")
-    lines += wrapped(f"models: {cell(thing['models'])}; agents: {cell(thing['agents'])}", 2)
+    lines = wrap_text(f"{thing['name']}: {thing['title']} ({thing['source']})")
+    lines += wrap_text(f"models: {cell(thing['models'])}; agents: {cell(thing['agents'])}", 2)
     rows, runs = counted(thing["rows"], "row"), counted(thing["runs"], "run")
     claims = f", {counted(thing['claims'], 'claim')} to check" if thing["claims"] else ""
-    lines += wrapped(f"{rows} of {runs} each{claims}", 2)
-    lines += wrapped(f"measures: {cell(thing['measures'])}", 2)
+    lines += wrap_text(f"{rows} of {runs} each{claims}", 2)
+    lines += wrap_text(f"measures: {cell(thing['measures'])}", 2)
     for note in thing["notes"].values():
-        lines += wrapped(f"note: {note}", 2)
+        lines += wrap_text(f"note: {note}", 2)
     return [*lines, f"Repeat it: flockscope paper {thing['name']}"]
 
 
-def about_lesson(thing: Thing) -> list[str]:
+def describe_lesson(thing: Thing) -> list[str]:
     """A lesson."""
-    lines = wrapped(
+    lines = wrap_text(
         f"{thing['name']}: {thing['title']} ({thing['model']}, {thing['agents']} agents)"
     )
-    lines += wrapped(thing["watch"], 2)
-    lines += wrapped(f"to try: {thing['try']}", 2)
-    lines += wrapped(f"question: {thing['question']}. {thing['asks']}", 2)
+    lines += wrap_text(thing["watch"], 2)
+    lines += wrap_text(f"to try: {thing['try']}", 2)
+    lines += wrap_text(f"question: {thing['question']}. {thing['asks']}", 2)
     values = f", values {cell(thing['values'])} in turn" if thing["values"] else ", students choose"
-    lines += wrapped(f"measured: {thing['measured']}{values}", 2)
+    lines += wrap_text(f"measured: {thing['measured']}{values}", 2)
     return [*lines, f"Open a class on it: flockscope class {thing['name']}"]
 
 
-def about_parameter(rows: list[Thing]) -> list[str]:
+def describe_parameter(rows: list[Thing]) -> list[str]:
     """The parameters of one name."""
     lines = []
     for row in rows:
-        lines += about_value(row)
-        lines += wrapped(f"of {cell(row['models'])}", 6)
+        lines += describe_value(row)
+        lines += wrap_text(f"of {cell(row['models'])}", 6)
     return lines
 
 
 WORDS: dict[str, Callable[[Any], list[str]]] = {
-    "model": about_model,
-    "world": about_world,
-    "observable": about_observable,
-    "paper": about_paper,
-    "lesson": about_lesson,
-    "parameter": about_parameter,
+    "model": describe_model,
+    "world": describe_world,
+    "observable": describe_observable,
+    "paper": describe_paper,
+    "lesson": describe_lesson,
+    "parameter": describe_parameter,
 }
 
 
-def wrapped(text: str, indent: int = 0) -> list[str]:
+def wrap_text(text: str, indent: int = 0) -> list[str]:
     """A text in lines of WIDE columns."""
     first, rest = " " * indent, " " * (indent + 2)
     return textwrap.wrap(

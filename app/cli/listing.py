@@ -9,15 +9,15 @@ from typing import Annotated
 import typer
 
 from app.cli.choices import KINDS, WIDE, Rows, names, rows, show_tables
-from app.cli.list_details import format_details, things_called
-from app.cli.usage import Rules, by_name
+from app.cli.list_details import find_by_name, format_details
+from app.cli.usage import Rules, model_name
 
 
 def listing(
     what: Annotated[
         str | None,
         typer.Argument(
-            help=f"{', '.join(KINDS)}, or one name: a model, a world ...", callback=by_name
+            help=f"{', '.join(KINDS)}, or one name: a model, a world ...", callback=model_name
         ),
     ] = None,
     rule: Rules = None,
@@ -33,7 +33,7 @@ def listing(
         else:
             show_tables({what: rows_by_kind[what]})
     else:
-        matches = things_called(what, rows_by_kind)
+        matches = find_by_name(what, rows_by_kind)
         if as_json:
             typer.echo(json.dumps(matches))
         else:

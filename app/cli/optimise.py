@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, tell, tell_written
+from app.cli.outcome_table import as_json, print_stderr, print_written_files
 from app.cli.sweep.run import (
     BROKEN,
     AsJson,
@@ -19,8 +19,8 @@ from app.cli.sweep.run import (
     RetryFailed,
     Workers,
     demand_sound,
-    under_way,
-    warn,
+    print_warnings,
+    progress_bar,
 )
 from app.cli.terminal import make_console
 from app.results_folder import PICTURES
@@ -54,7 +54,7 @@ def optimise(
     it. The same call goes on after any stop: the search is begun again and takes what it has seen
     from the store. The exit code is 3 if any run failed.
     """
-    from app.cli.sweep.sweep_choice import begun_in, folder_of, is_sweep
+    from app.cli.sweep.sweep_choice import folder_of, is_sweep, read_sweep_folder
     from app.figure import ENDINGS
     from app.studies.optimisation.optimisation_picture import draw
     from app.studies.optimisation.study import read_study, study_of
@@ -66,7 +66,7 @@ def optimise(
         study, own = read_study(Path(what)), folder_of(Path(what).stem)
     elif is_sweep(folder_of(what)):
         own = folder_of(what)
-        study = study_of(*begun_in(own))
+        study = study_of(*read_sweep_folder(own))
     else:
         raise InputError(f"{what!r} is no FILE.toml and no folder of an optimisation")
     folder = out or own
@@ -74,12 +74,12 @@ def optimise(
         demand_writable("--picture", picture, overwrite, ENDINGS)
     if not quiet:
         for variant in study.variants:
-            warn(variant.sweep)
+            print_warnings(variant.sweep)
     done = carry_out_search(study, folder, workers, nice, retry_failed, limit, quiet)
     for line in done.broken[:FAULTS]:
-        tell(f"flockscope: {line}")
+        print_stderr(f"flockscope: {line}")
     if done.answer is None:
-        tell(f"not all points are evaluated; go on with: flockscope optimise {folder}")
+        print_stderr(f"not all points are evaluated; go on with: flockscope optimise {folder}")
         raise typer.Exit(BROKEN if done.broken else 0)
     names = [f"convergence.{kind}" for kind in PICTURES]
     files = [picture] if picture is not None else [folder / name for name in names]
@@ -87,8 +87,8 @@ def optimise(
         draw(study, done.course, done.answer, path)
     report(study, folder, done, done.answer, files, json_asked)
     if not quiet:
-        tell(f"{done.made} runs made, {done.taken} taken from {folder}")
-        tell_written(*files)
+        print_stderr(f"{done.made} runs made, {done.taken} taken from {folder}")
+        print_written_files(*files)
     if done.broken:
         raise typer.Exit(BROKEN)
 
@@ -105,7 +105,7 @@ def carry_out_search(
     """Carry out the search."""
     from app.studies.optimisation.optimisation_runner import optimise as carry_out
 
-    with under_way(folder, quiet) as progress:
+    with progress_bar(folder, quiet) as progress:
         return carry_out(
             study,
             folder,
@@ -113,8 +113,8 @@ def carry_out_search(
             nice=nice,
             retry=retry,
             limit=limit,
-            tell=None if quiet else tell,
-            at=lambda share, words: progress.at(share, None, words),
+            tell=None if quiet else print_stderr,
+            at=lambda share, words: progress.update(share, None, words),
         )
 
 
@@ -147,7 +147,7 @@ def report(
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from app.cli.sweep.show import plain
+    from app.cli.sweep.show import format_axis_value
 
     table = Table(
         "", *study.default, *answer.goals, box=SIMPLE_HEAD,
@@ -155,7 +155,7 @@ def report(
     )  # fmt: skip
     last = [answer.ties.furthest] if answer.ties and answer.ties.furthest else []
     for point in (answer.default, *answer.best, *last):
-        values = [plain(point.point[name]) for name in study.default]
+        values = [format_axis_value(point.point[name]) for name in study.default]
         table.add_row(
             point.what, *values, *("-" if mean is None else str(mean) for mean in point.means)
         )

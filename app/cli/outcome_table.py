@@ -22,26 +22,26 @@ CELLS = 12
 """Entries of a table that are shown to people."""
 
 
-def tell(line: str) -> None:
+def print_stderr(line: str) -> None:
     """A line on stderr."""
     typer.echo(line, err=True)
 
 
-def tell_written(*files: Path | None) -> None:
+def print_written_files(*files: Path | None) -> None:
     """Name the files that were written on stderr; None is left out."""
     named = [str(path) for path in files if path is not None]
     if named:
-        tell("written: " + ", ".join(named))
+        print_stderr("written: " + ", ".join(named))
 
 
-def plain(value: Any) -> Any:
+def json_value(value: Any) -> Any:
     """A value as JSON has it: NumPy numbers as numbers, what is not finite as null."""
     if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {str(key): json_value(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
+        return [json_value(item) for item in value]
     if hasattr(value, "tolist"):
-        return plain(value.tolist())
+        return json_value(value.tolist())
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
@@ -49,7 +49,7 @@ def plain(value: Any) -> Any:
 
 def as_json(values: Any) -> str:
     """Values as one line of JSON, which any terminal can show: of ASCII, without DEL."""
-    return json.dumps(plain(values), allow_nan=False).replace("\x7f", "\\u007f")
+    return json.dumps(json_value(values), allow_nan=False).replace("\x7f", "\\u007f")
 
 
 def outcome(
@@ -159,13 +159,13 @@ def show_crashes(crashes: list[dict[str, Any]]) -> None:
 def format_value(value: Any) -> str:
     """A measured value for people."""
     if isinstance(value, dict):
-        cells = [f"{key}: {inner(item)}" for key, item in value.items()]
+        cells = [f"{key}: {format_item(item)}" for key, item in value.items()]
         more = [f"and {len(cells) - CELLS} more; --json has all of them"][: len(cells) > CELLS]
         return ", ".join([*cells[:CELLS], *more])
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def inner(value: Any) -> str:
+def format_item(value: Any) -> str:
     """A value within a table for people; a row of a table in brackets."""
     return f"({format_value(value)})" if isinstance(value, dict) else format_value(value)
 
@@ -184,14 +184,14 @@ class StrayAgentCheck:
         self.found: StrayAgents | None = None
         """The first that was seen."""
 
-    def look(self) -> None:
+    def check(self) -> None:
         """Look now; the first time that one is found, tell."""
         if self.found is None:
             self.found = self.flock.stray()
             if self.found is not None:
                 typer.echo(f"flockscope: {self.found}", err=True)
 
-    def leave(self) -> None:
+    def exit_if_found(self) -> None:
         """Stop with ASTRAY if one was found."""
         if self.found is not None:
             raise typer.Exit(ASTRAY)

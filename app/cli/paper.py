@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import ASTRAY, as_json, tell_written
+from app.cli.outcome_table import ASTRAY, as_json, print_written_files
 from app.cli.progress import Progress, StopSignals
 from app.cli.terminal import INTERRUPTED, make_console
 from app.results_folder import demand_folder, picture_files
-from app.settings import at_least, names, whole_numbers
+from app.settings import check_whole_number, names, whole_numbers
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
 
@@ -76,8 +76,8 @@ def paper(
     is named, and its seed left out. The exit code is 4 if an agent of a run was seen inside an
     obstacle or beyond a solid edge, 3 if a run failed.
     """
-    at_least("--seed", seed, 0)
-    at_least("--workers", workers, 1, MOST_WORKERS)
+    check_whole_number("--seed", seed, 0)
+    check_whole_number("--workers", workers, 1, MOST_WORKERS)
     if everything == (name is not None):
         raise InputError("say which paper, or --all: see `flockscope list papers`")
     if everything and (agents or models):
@@ -87,10 +87,11 @@ def paper(
     wholes = [
         find_experiment(paper_name) for paper_name in ([name] if name else experiment_names())
     ]
-    at_least("--runs", runs, min(2, *(experiment.runs for experiment in wholes)), MOST_RUNS)
+    check_whole_number(
+        "--runs", runs, min(2, *(experiment.runs for experiment in wholes)), MOST_RUNS
+    )
     experiments = [
-        experiment.narrowed(names(models), whole_numbers("--agents", agents))
-        for experiment in wholes
+        experiment.select(names(models), whole_numbers("--agents", agents)) for experiment in wholes
     ]
     base = out or Path("results")
     folders = {
@@ -104,7 +105,7 @@ def paper(
         started = time.monotonic()
         count = runs or experiment.runs
         if not quiet:
-            tell_prospects(experiment, count)
+            print_prospects(experiment, count)
         done = carry_out_paper(
             experiment, folders[experiment.name], count, seed, workers, quiet, retry_failed
         )
@@ -116,20 +117,20 @@ def paper(
     astray = [line for outcome in outcomes for line in outcome.done.astray]
     failed = [line for outcome in outcomes for line in outcome.done.failed]
     for line in astray + failed:
-        tell(f"flockscope: {line}")
+        print_stderr(f"flockscope: {line}")
     if astray:
         raise typer.Exit(ASTRAY)
     if failed or (strict and any(outcome.differs for outcome in outcomes)):
         raise typer.Exit(DIFFERS)
 
 
-def tell_prospects(experiment: Experiment, runs: int) -> None:
+def print_prospects(experiment: Experiment, runs: int) -> None:
     """Say which of its claims so many runs can decide."""
-    from app.studies.claims.prospects import prospects
+    from app.studies.claims.prospects import describe_prospects
 
-    text = prospects(experiment, runs)
+    text = describe_prospects(experiment, runs)
     if text:
-        tell(f"{experiment.name}: {text}")
+        print_stderr(f"{experiment.name}: {text}")
 
 
 def demand_results(folder: Path, name: str, pictures: bool, overwrite: bool) -> None:
@@ -153,7 +154,7 @@ def carry_out_paper(
     retry: bool,
 ) -> ExperimentReport:
     """Carry out the experiment; after Ctrl-C tell how to go on."""
-    from app.studies.experiment_runner import conduct
+    from app.studies.experiment_runner import run_experiment
     from app.studies.workers.processes import cores
 
     started = time.monotonic()
@@ -161,23 +162,23 @@ def carry_out_paper(
     stopped = f"flockscope: stopped; finished runs are in {folder / RUNS}; go on with: {again}"
     try:
         with StopSignals(at_once=stopped), Progress(experiment.name, quiet) as progress:
-            done = conduct(
+            done = run_experiment(
                 experiment,
                 folder,
                 runs=runs,
                 seed=seed,
                 workers=workers or cores(),
-                tell=None if quiet else tell,
-                at=progress.at,
+                tell=None if quiet else print_stderr,
+                at=progress.update,
                 retry=retry,
             )
     except KeyboardInterrupt:
-        tell(stopped)
+        print_stderr(stopped)
         raise typer.Exit(INTERRUPTED) from None
     if not quiet:
         spent = duration(time.monotonic() - started)
         runs_text = counted(done.made, "run")
-        tell(f"{runs_text} made in {spent}, {done.taken} taken from {folder / RUNS}")
+        print_stderr(f"{runs_text} made in {spent}, {done.taken} taken from {folder / RUNS}")
     return done
 
 
@@ -251,7 +252,9 @@ def report(outcomes: list[PaperOutcome], everything: bool, json_asked: bool, qui
                 overview([(outcome.experiment, outcome.made, outcome.said) for outcome in outcomes])
             )
     if not quiet:
-        tell_written(*(outcomes[0].files.values() if not everything else folders_of(outcomes)))
+        print_written_files(
+            *(outcomes[0].files.values() if not everything else folders_of(outcomes))
+        )
 
 
 def folders_of(outcomes: list[PaperOutcome]) -> list[Path]:
@@ -259,6 +262,6 @@ def folders_of(outcomes: list[PaperOutcome]) -> list[Path]:
     return list(dict.fromkeys(outcome.files["runs"].parent for outcome in outcomes))
 
 
-def tell(line: str) -> None:
+def print_stderr(line: str) -> None:
     """A line on stderr."""
     typer.echo(line, err=True)

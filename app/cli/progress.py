@@ -42,7 +42,7 @@ class Progress:
         if self.bar is not None:
             self.bar.stop()
 
-    def at(self, share: float, left: float | None = None, text: str = "") -> None:
+    def update(self, share: float, left: float | None = None, text: str = "") -> None:
         """Tell the share done, in [0, 1], and the seconds left, by default in proportion."""
         now = time.monotonic()
         spent = now - self.begun
@@ -102,7 +102,8 @@ class StopSignals:
     def __enter__(self) -> StopSignals:
         try:
             self.before = {
-                signal_number: signal.signal(signal_number, self.take) for signal_number in SIGNALS
+                signal_number: signal.signal(signal_number, self.handle_signal)
+                for signal_number in SIGNALS
             }
         except ValueError:  # only the main thread receives signals
             self.before = {}
@@ -114,7 +115,7 @@ class StopSignals:
             # Another one while the interpreter ends is to end it, without a traceback.
             signal.signal(signal_number, signal.SIG_DFL if interrupted else handler)
 
-    def take(self, _number: int, _frame: FrameType | None) -> None:
+    def handle_signal(self, _number: int, _frame: FrameType | None) -> None:
         """Take a signal."""
         if self.asked and self.at_once:
             restore_cursor = (
@@ -130,7 +131,7 @@ class StopSignals:
             raise KeyboardInterrupt
 
 
-def leave() -> None:
+def exit_process() -> None:
     """End the process, which is done, even while one of its threads compiles.
 
     In the usual farewell LLVM takes away what that thread stands on: it would crash, or hang.
@@ -180,17 +181,17 @@ def run_ticks(
             check()
             if flock.tick > last - over:
                 look()
-            stretch = next_stretch(stretch, time.monotonic() - started)
+            stretch = stretch_length(stretch, time.monotonic() - started)
             if recorder and ((flock.tick - first) % every == 0 or flock.tick == last):
                 write()
                 written = flock.tick
-            progress.at((flock.tick - first) / ticks, text=f"tick {flock.tick}")
+            progress.update((flock.tick - first) / ticks, text=f"tick {flock.tick}")
         if written != flock.tick:
             write()
         return flock.tick == last
 
 
-def next_stretch(stretch: int, seconds: float) -> int:
+def stretch_length(stretch: int, seconds: float) -> int:
     """Ticks of the next stretch, from how long the last one took."""
     if seconds < SHORT:
         return 2 * stretch

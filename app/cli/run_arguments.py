@@ -72,7 +72,7 @@ class Origins(dict[str, str]):
     """Where each value of a run comes from: an option, or a line of a file."""
 
     @contextmanager
-    def named(self) -> Iterator[None]:
+    def naming_origins(self) -> Iterator[None]:
         """Refusals raised within say where the value is from that they are about."""
         try:
             yield
@@ -93,7 +93,7 @@ def requested_run(
 ) -> tuple[Spec, Origins]:
     """The run, and where its values are from. Raises InputError naming what is wrong and where."""
     values, origins = ({}, Origins()) if file is None else read(file)
-    changed, set_options = set_by(settings)
+    changed, set_options = read_settings(settings)
     for key, value in {"model": model, **options}.items():
         if value is not None:
             values[key], origins[key] = value, option_name(key)
@@ -103,9 +103,9 @@ def requested_run(
             "which MODEL? `flockscope list models` names them; or give a FILE of a run"
         )
     layout = values.pop("layout", None)
-    with origins.named():
+    with origins.naming_origins():
         if layout is not None and options.get("world") is None:
-            values["world"] = carried(layout, values, origins["layout"])
+            values["world"] = read_world(layout, values, origins["layout"])
         parameters = {**values.pop("parameters", {}), **changed}
         spec = Spec(**values, parameters=parameters)
         demand_parameters(changed, [find_model(spec.model).parameters])
@@ -117,7 +117,7 @@ def option_name(key: str) -> str:
     return "MODEL" if key == "model" else "--" + key.replace("_", "-")
 
 
-def set_by(settings: list[str]) -> tuple[dict[str, Any], Origins]:
+def read_settings(settings: list[str]) -> tuple[dict[str, Any], Origins]:
     """The parameters of `--set NAME=VALUE`, and where they are from. Raises InputError."""
     parameters = dict(map(assignment, settings))
     return parameters, Origins({name: f"--set {name}" for name in parameters})
@@ -164,7 +164,7 @@ def read(path: Path) -> tuple[dict[str, Any], Origins]:
     return values, origins
 
 
-def carried(layout: Any, values: dict[str, Any], origin: str) -> World:
+def read_world(layout: Any, values: dict[str, Any], origin: str) -> World:
     """The world that a spec carries with it. Raises InputError naming the spec."""
     from worlds.checks import demand_sound
     from worlds.layout import world_from_layout

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, tell, tell_written
+from app.cli.outcome_table import as_json, print_stderr, print_written_files
 from app.cli.sweep.run import (
     BROKEN,
     AsJson,
@@ -20,7 +20,7 @@ from app.cli.sweep.run import (
     Workers,
     carry_out_sweep,
     demand_sound,
-    warn,
+    print_warnings,
 )
 from app.cli.terminal import make_console
 from app.results_folder import PICTURES
@@ -51,16 +51,16 @@ def sensitivity(
     FILE.toml is that of a sweep, with one design of kind saltelli, for Sobol's indices, or morris,
     for elementary effects. What is measured is a mean over seeds that all cells have in common.
     """
-    from app.cli.sweep.sweep_choice import read_or_kept
+    from app.cli.sweep.sweep_choice import read_complete_sweep
     from app.figure import ENDINGS
     from app.studies.runs.store_reader import StoreReader
     from app.studies.sensitivity.sensitivity_api import draw
-    from app.studies.sensitivity.sensitivity_result import analysed, design_of
+    from app.studies.sensitivity.sensitivity_result import analyse, design_of
     from worlds.file_writer import demand_writable
     from worlds.input_error import unknown
 
     demand_sound(workers, nice, limit)
-    sweep, own = read_or_kept(what, None if quiet else tell)
+    sweep, own = read_complete_sweep(what, None if quiet else print_stderr)
     folder = out or own
     design_of(sweep)
     if observable is not None and observable not in sweep.making.columns:
@@ -68,15 +68,17 @@ def sensitivity(
     if picture is not None:
         demand_writable("--picture", picture, overwrite, ENDINGS)
     if not quiet:
-        warn(sweep)
+        print_warnings(sweep)
     done = carry_out_sweep(sweep, folder, workers, nice, retry_failed, limit, quiet)
     if done.broken:
-        tell(f"flockscope: {done.broken} runs failed: flockscope sweep show {folder} names them")
+        print_stderr(
+            f"flockscope: {done.broken} runs failed: flockscope sweep show {folder} names them"
+        )
         raise typer.Exit(BROKEN)
     if not done.whole:
-        tell(f"not all runs are made; go on with: flockscope sensitivity {folder}")
+        print_stderr(f"not all runs are made; go on with: flockscope sensitivity {folder}")
         return
-    sensitivities = analysed(sweep, StoreReader(folder), observable)
+    sensitivities = analyse(sweep, StoreReader(folder), observable)
     names = [f"sensitivity.{kind}" for kind in PICTURES]
     files = [picture] if picture is not None else [folder / name for name in names]
     for path in files:
@@ -94,7 +96,7 @@ def sensitivity(
     else:
         show(sensitivities, sweep.title)
     if not quiet:
-        tell_written(*files)
+        print_written_files(*files)
 
 
 def show(sensitivities: list[Sensitivity], title: str) -> None:

@@ -54,7 +54,7 @@ class CommandGroup(TyperGroup):
         try:
             code = super().main(*args, **{**more, "standalone_mode": False})
         except USAGE_ERROR as error:
-            tell(error)
+            print_usage_error(error)
             code = REFUSED
         except InputError as refusal:  # of an option, before there is a command
             typer.echo(f"flockscope: {one_line(str(refusal))}", err=True)
@@ -83,7 +83,7 @@ def command_group(summary: str, functions: Mapping[str, Callable[..., Any]]) -> 
     return group
 
 
-def tell(error: Any) -> None:
+def print_usage_error(error: Any) -> None:
     """Tell what was typed wrong on stderr."""
     if type(error).__name__ == "NoArgsIsHelpError":
         error.show()
@@ -96,7 +96,7 @@ def tell(error: Any) -> None:
 def describe_usage_error(error: Any) -> str:
     """What was typed wrong: the option, its value, what is allowed."""
     if hasattr(error, "possibilities"):
-        hint = meant_by(error.option_name, options_of(error.ctx))
+        hint = suggest_option(error.option_name, options_of(error.ctx))
         return f"unknown option {shortened(error.option_name)}{hint}"
     if hasattr(error, "param_type"):
         return f"{parameter_name(error.param)} is missing"
@@ -108,7 +108,7 @@ def describe_usage_error(error: Any) -> str:
     extra = re.fullmatch(r"Got unexpected extra arguments?(?:\(s\))? \((.*)\)", error.message)
     if extra is None:
         return error.message
-    hint = "" if error.ctx is None else assigned(extra[1], options_of(error.ctx))
+    hint = "" if error.ctx is None else suggest_assignment(extra[1], options_of(error.ctx))
     return f"unexpected argument {shortened(extra[1])}{hint}"
 
 
@@ -118,7 +118,7 @@ def options_of(ctx: Any) -> list[str]:
     return [name for name in names if name.startswith("-")]
 
 
-def meant_by(option: str, options: Sequence[str]) -> str:
+def suggest_option(option: str, options: Sequence[str]) -> str:
     """What an unknown option was most likely meant to be, as a question; "" if nothing is close."""
     suggested = suggestion(option, options)
     if suggested:
@@ -132,7 +132,7 @@ def meant_by(option: str, options: Sequence[str]) -> str:
     )
 
 
-def assigned(text: str, options: Sequence[str]) -> str:
+def suggest_assignment(text: str, options: Sequence[str]) -> str:
     """How a NAME=VALUE that stands alone is given, as a question; "" if it is none."""
     name, equals, value = text.partition("=")
     option = nearest(f"--{name}", options)
@@ -170,7 +170,7 @@ def parameter_name(param: Any) -> str:
 # The option `--rule FILE.py`: a rule of one's own, wherever a model's name may stand.
 
 
-def bring(files: list[str] | None) -> list[str]:
+def load_rule_files(files: list[str] | None) -> list[str]:
     """Take the rules of files into the catalogue; the names of their models. Raises InputError."""
     if not files:
         return []
@@ -179,10 +179,10 @@ def bring(files: list[str] | None) -> list[str]:
     return [from_file(file).name for file in files]
 
 
-def by_name(model: str | None) -> str | None:
+def model_name(model: str | None) -> str | None:
     """The name of a model; a file has its rule taken into the catalogue for it. Raises
     InputError."""
-    return bring([model])[0] if model is not None and model.endswith(".py") else model
+    return load_rule_files([model])[0] if model is not None and model.endswith(".py") else model
 
 
 def first_of(model: str | None, rules: list[str] | None) -> str | None:
@@ -194,7 +194,7 @@ Rules = Annotated[
     list[str] | None,
     typer.Option(
         "--rule",
-        callback=bring,
+        callback=load_rule_files,
         is_eager=True,
         metavar="FILE.py",
         help="A Python file with a RULE or a MODEL of your own; may be repeated.",

@@ -8,12 +8,12 @@ from typing import Annotated
 
 import typer
 
-from app.cli.usage import Rules, by_name
+from app.cli.usage import Rules, model_name
 
 
-def by_names(models: list[str] | None) -> list[str] | None:
+def model_names(models: list[str] | None) -> list[str] | None:
     """The names of models, those of files among them. Raises InputError."""
-    return [str(by_name(model)) for model in models] if models else None
+    return [str(model_name(model)) for model in models] if models else None
 
 
 def warm(
@@ -22,7 +22,7 @@ def warm(
         typer.Argument(
             metavar="MODEL...",
             help="Models, see `flockscope list`, or files; by default all of them.",
-            callback=by_names,
+            callback=model_names,
         ),
     ] = None,
     rule: Rules = None,
@@ -40,8 +40,8 @@ def warm(
     results = []
     with Progress("compiling", quiet) as progress:
         for place, name in enumerate(names):
-            progress.at(place / len(names), text=name)
-            before, seconds = compiled(name)
+            progress.update(place / len(names), text=name)
+            before, seconds = compile_model(name)
             results.append({"model": name, "before": before, "seconds": seconds})
             if not json_asked:
                 typer.echo(describe_warming(name, before, seconds))
@@ -49,16 +49,16 @@ def warm(
         typer.echo(json.dumps(results))
 
 
-def compiled(name: str) -> tuple[bool, float]:
+def compile_model(name: str) -> tuple[bool, float]:
     """Compile a model's loop and observables: whether its loop was compiled before, and seconds."""
     from agents.flock import Flock
     from app.studies.workers.kernels import compile_measures
-    from app.viewer.run.kernel_compiler import try_out
+    from app.viewer.run.kernel_compiler import call_all
 
     started = time.perf_counter()
     flock = Flock(name, agents=3, rng=0)
     before = flock.is_compiled
-    try_out(flock)
+    call_all(flock)
     flock.warm()
     compile_measures(flock)
     return before, round(time.perf_counter() - started, 2)

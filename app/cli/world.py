@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.choices import show_tables
-from app.cli.outcome_table import as_json, tell_written
+from app.cli.outcome_table import as_json, print_written_files
 from app.cli.terminal import REFUSED
 from app.cli.usage import command_group
-from app.settings import assignment, at_least, names, numbers
+from app.settings import assignment, check_whole_number, names, numbers
 from worlds.file_writer import demand_writable, write_text
 from worlds.input_error import InputError
 from worlds.number_text import counted
@@ -27,7 +27,7 @@ SIDE = 10.0
 """Side of the box of a layout that leaves it open, m."""
 
 
-def given_world(name: str, dim: int | None = None, size: str | None = None, seed: int = 0) -> World:
+def load_world(name: str, dim: int | None = None, size: str | None = None, seed: int = 0) -> World:
     """The world of a built-in name or a layout file, sound or not. Raises InputError.
 
     Without `size` it is the layout's own, else SIDE. Random obstacles are drawn from `seed`.
@@ -36,7 +36,7 @@ def given_world(name: str, dim: int | None = None, size: str | None = None, seed
     from worlds.layout import read_layout, world_from_layout
 
     world = world_from_layout(read_layout(name), name, dim, sides(size), lambda _: SIDE)
-    at_least("--seed", seed, 0)
+    check_whole_number("--seed", seed, 0)
     return draw_obstacles(world, seed)
 
 
@@ -48,7 +48,7 @@ def sides(text: str | None) -> float | tuple[float, ...] | None:
     return lengths[0] if len(lengths) == 1 else tuple(lengths)
 
 
-def edges_asked(text: str) -> str | tuple[str, ...]:
+def parse_edges(text: str) -> str | tuple[str, ...]:
     """One word for all sides, or one per axis."""
     edges = names(text)
     return edges[0] if len(edges) == 1 else tuple(edges)
@@ -91,7 +91,7 @@ def check(
 
     The exit code is 2 if it has an error, and 0 if it has warnings only.
     """
-    world = given_world(name, dim, seed=seed)
+    world = load_world(name, dim, seed=seed)
     from app.worlds.contents import contents
     from worlds.checks import problems
 
@@ -108,12 +108,12 @@ def check(
         for fault in faults:
             typer.echo(f"{fault.severity}: {fault.text}")
         if holds:
-            typer.echo(f"{world.name} is sound: {size_text(world)}, {described(holds)}")
+            typer.echo(f"{world.name} is sound: {size_text(world)}, {describe_contents(holds)}")
     if not sound:
         raise typer.Exit(REFUSED)
 
 
-def described(holds: dict[str, Any]) -> str:
+def describe_contents(holds: dict[str, Any]) -> str:
     """What a world holds, in words."""
     return (
         f"{counted(holds['obstacles'], 'obstacle')}, "
@@ -182,19 +182,19 @@ def make(
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Make a world of random obstacles; the same seed and parameters give the same world."""
-    at_least("--seed", seed, 0)
+    check_whole_number("--seed", seed, 0)
     demand_new("--out", out, overwrite)
     from worlds.generators import generate
 
     values = dict(assignment(setting) for setting in settings or [])
-    world = generate(kind, seed, sides(size) or 0.0, edges_asked(edges), dim, "--set", **values)
+    world = generate(kind, seed, sides(size) or 0.0, parse_edges(edges), dim, "--set", **values)
     write_layout(world, out)
     solid = len(world.obstacles)
     if json_asked:
         typer.echo(as_json({"layout": str(out), "obstacles": solid, "size": world.size}))
     else:
         typer.echo(f"{counted(solid, 'obstacle')} in {size_text(world)}")
-    tell_written(out)
+    print_written_files(out)
 
 
 # `flockscope world show`: the picture of a world.
@@ -219,7 +219,7 @@ def show(
     """Draw a world: obstacles, edges, start, path and goal; in space from above and in front."""
     path = out or Path(f"{Path(name).name.removesuffix('.toml')}.png")
     demand_new("--out", path, overwrite, PICTURES)
-    world = given_world(name, dim, size, seed)
+    world = load_world(name, dim, size, seed)
     if points and world.dim == 3:
         raise InputError("--points is not allowed in space: boundary points are made in the plane")
     from app.worlds.contents import points as boundary_points
@@ -230,7 +230,7 @@ def show(
     draw_world(world, path, boundary_points(world) if points else None)
     if json_asked:
         typer.echo(as_json({"picture": str(path)}))
-    tell_written(path)
+    print_written_files(path)
 
 
 # `flockscope world import`: a layout from a drawing, or from a map of another program.
@@ -345,7 +345,7 @@ def import_drawing(
         if not quiet:
             report(table(rows))
         raise
-    world, mission = world_and_notes(geometry, edges_asked(edges), margin, to_origin)
+    world, mission = world_and_notes(geometry, parse_edges(edges), margin, to_origin)
     write_layout(world, out)
     notes = (*geometry.changes, *mission)
     if not quiet:
@@ -363,7 +363,7 @@ def import_drawing(
     else:
         typer.echo(f"{counted(solid, 'obstacle')} in {size_text(world)}, {free:.6g} m² free")
     if not quiet:
-        tell_written(out)
+        print_written_files(out)
 
 
 def report(lines: Sequence[str]) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from agents.flight.flight_motion import MOVING, THETA, Q, U, W, fly
 from agents.flight.power import FlightHistory, history
 from agents.flight.trim import Trim, trim
-from app.flight.request import FlightRequest, within
+from app.flight.request import FlightRequest, check_range
 from app.settings import assignment
 from worlds.input_error import InputError, unknown
 from worlds.number_text import counted
@@ -24,7 +24,7 @@ PUSHES = {"u": (U, 5.0, "m/s"), "w": (W, 5.0, "m/s"), "q": (Q, 360.0, "deg/s"),
 """What can be pushed: its place in the state, how far either way, and its unit."""
 
 
-def pushes(settings: list[str]) -> dict[int, float]:
+def parse_pushes(settings: list[str]) -> dict[int, float]:
     """Pushes by their place in the state, m/s, rad/s and rad, from `NAME=VALUE`. Raises
     InputError."""
     parsed = {}
@@ -37,7 +37,7 @@ def pushes(settings: list[str]) -> dict[int, float]:
         place, most, unit = PUSHES[name]
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise InputError(f"--push {text}: {value!r} is not a number")
-        within(f"--push {name} =", value, -most, most, unit)
+        check_range(f"--push {name} =", value, -most, most, unit)
         parsed[place] = math.radians(value) if unit.startswith("deg") else float(value)
     return parsed
 
@@ -102,7 +102,7 @@ class ComparedFlight:
         return lines
 
 
-def flown(
+def fly_pushed(
     request: FlightRequest,
     speed: float,
     seconds: float,

@@ -16,7 +16,9 @@ from app.results_folder import PICTURES, make_folder
 LIFT, THRUST, POWER, FAINT, OTHER = "#2166ac", "#2a9d5c", "#c0392b", "#9aa3ad", "#b07d12"
 
 
-def paint(draw: Callable[[Any], None], title: str, folder: Path, name: str) -> dict[str, Path]:
+def write_figures(
+    draw: Callable[[Any], None], title: str, folder: Path, name: str
+) -> dict[str, Path]:
     """Let `draw` fill a figure and write NAME.png and NAME.svg; the files by kind.
 
     Raises InputError if they cannot be written.
@@ -56,14 +58,14 @@ class Beat(NamedTuple):
 NAMES = ("lift", "thrust", "power")
 
 
-def one_beat(beat: Any) -> Beat:
+def single_beat(beat: Any) -> Beat:
     """The only wing beat of a `History`."""
     phase = np.arange(beat.time.size) / beat.time.size
     flap, twist = np.degrees(beat.flap), np.degrees(beat.twist)
     return Beat(phase, flap, twist, beat.lift, beat.thrust, beat.power, {})
 
 
-def averaged(track: Any, per_beat: int) -> Beat:
+def mean_beat(track: Any, per_beat: int) -> Beat:
     """The mean wing beat of a `History` of whole beats with `per_beat` instants each."""
     complete = track.time.size // per_beat * per_beat
 

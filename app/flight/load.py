@@ -31,7 +31,7 @@ class Battery(NamedTuple):
         return self.energy * self.efficiency / power
 
 
-def loaded(aircraft: Aircraft, load: float, origin: str = "") -> Aircraft:
+def load_aircraft(aircraft: Aircraft, load: float, origin: str = "") -> Aircraft:
     """The aircraft with a load, kg, spread over its body. Raises InputError if that is too
     heavy."""
     fields = aircraft.model_dump() | {"mass": aircraft.mass + load}
@@ -47,7 +47,7 @@ def loaded(aircraft: Aircraft, load: float, origin: str = "") -> Aircraft:
     return craft
 
 
-def carried(
+def compute_loads(
     request: FlightRequest,
     loads: list[float],
     battery: Battery,
@@ -62,7 +62,7 @@ def carried(
     near: Trim | None = None
     for done, load in enumerate(loads):
         at(done / len(loads))
-        craft = loaded(request.aircraft, load)
+        craft = load_aircraft(request.aircraft, load)
         trim = (
             cheapest(request, craft, near)
             if speed is None
@@ -72,7 +72,7 @@ def carried(
             missing.append(load)
             continue
         near = trim
-        rows.append(value_of(trim, load, battery))
+        rows.append(load_values(trim, load, battery))
     if not rows:
         raise InputError(
             "no level flight was found with any load of "
@@ -82,7 +82,7 @@ def carried(
     return rows, missing
 
 
-def value_of(trim: Trim, load: float, battery: Battery) -> dict[str, Any]:
+def load_values(trim: Trim, load: float, battery: Battery) -> dict[str, Any]:
     """A flight with a load as JSON has it."""
     hours = battery.hours(trim.power)
     return {

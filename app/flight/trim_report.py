@@ -124,7 +124,7 @@ def lines(value: dict[str, Any]) -> list[str]:
 # Trims over speed.
 
 
-def swept(
+def sweep_speeds(
     request: FlightRequest, speeds: list[float], at: Callable[[float], None]
 ) -> tuple[list[dict[str, Any]], list[float]]:
     """Values of the trims at speeds (m/s, rising), and the speeds without a level flight.

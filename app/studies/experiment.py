@@ -105,13 +105,13 @@ class Experiment:
         groups: list[list[int]] = []
         for k, case in enumerate(self.cases):
             last = self.cases[groups[-1][-1]] if groups else None
-            if last is not None and goes_on(last, case):
+            if last is not None and continues_run(last, case):
                 groups[-1].append(k)
             else:
                 groups.append([k])
         return groups
 
-    def narrowed(self, models: list[str], agents: list[int]) -> Experiment:
+    def select(self, models: list[str], agents: list[int]) -> Experiment:
         """Only some models (or labels) and sizes; empty lists keep all.
 
         Raises InputError for unknown ones.
@@ -134,7 +134,7 @@ class Experiment:
         return replace(self, cases=kept_cases)
 
 
-def goes_on(last: Case, case: Case) -> bool:
+def continues_run(last: Case, case: Case) -> bool:
     """Whether a case is the next of the same run."""
     if case.tick is not None:
         return last.row is case.row and last.tick is not None and last.tick < case.tick
@@ -151,11 +151,11 @@ def flock_of(case: Case, seed: int) -> Flock:
         name = overrides.scene or spec.world
         spec = spec.but(world=world_of(name, spec.dim, is_bare, overrides))
     if overrides.turned:
-        return turned_flock(spec)
+        return make_rotated_flock(spec)
     return Flock(spec, start=overrides.ranks.start(case.agents, seed) if overrides.ranks else None)
 
 
-def turned_flock(spec: Spec) -> Flock:
+def make_rotated_flock(spec: Spec) -> Flock:
     """The flock of one start in a scene that the seed turns. Raises InputError."""
     flock = Flock(spec.but(seed=START))
     rng = np.random.default_rng(spec.seed)

@@ -57,9 +57,9 @@ def search(
     """
     demand_package(algorithm)
     if algorithm == "cma":
-        return by_cma(dimensions, judge, evaluations, population, seed)
+        return search_with_cma(dimensions, judge, evaluations, population, seed)
     shape = dimensions, objectives, constraints
-    return by_pymoo(algorithm, shape, judge, evaluations, population, seed)
+    return search_with_pymoo(algorithm, shape, judge, evaluations, population, seed)
 
 
 def demand_package(algorithm: Algorithm) -> None:
@@ -68,7 +68,7 @@ def demand_package(algorithm: Algorithm) -> None:
     demand(package, f"a search by {TITLES[algorithm]}", "experiments")
 
 
-def by_pymoo(
+def search_with_pymoo(
     algorithm: Algorithm,
     shape: tuple[int, int, int],
     judge: Judge,
@@ -106,7 +106,9 @@ def by_pymoo(
     return "evaluations"
 
 
-def by_cma(dimensions: int, judge: Judge, evaluations: int, population: int, seed: int) -> End:
+def search_with_cma(
+    dimensions: int, judge: Judge, evaluations: int, population: int, seed: int
+) -> End:
     """A search of cma's; points that are not allowed are worse than all others, by how far."""
     import cma
 

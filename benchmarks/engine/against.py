@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @contextmanager
-def other(commit: str) -> Iterator[Tree]:
+def check_out(commit: str) -> Iterator[Tree]:
     """The tree of a commit or of a folder."""
     if Path(commit).is_dir():
         with Tree(Path(commit).resolve()) as tree:
@@ -84,7 +84,7 @@ def main() -> None:
     if not options.json:
         print("CPU time of an agent-tick, ns, least of the rounds (median in brackets)")
         print(f"{'case':18}{'agents':>9}{'then':>20}{'now':>20}{'ratio':>8}   half of the rounds")
-    with other(options.commit) as then, Tree(ROOT) as now:
+    with check_out(options.commit) as then, Tree(ROOT) as now:
         for name in options.cases:
             row = compare(then, now, name, changes, options.rounds)
             rows.append(row)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from crowds import clearing, scattered
+from crowds import grove_in_square, scattered_start
 
 from agents import Flock
 from agents.catalogue import model
@@ -34,7 +34,7 @@ class Case:
         return Flock(self.model, rng=1, **self.makes(self), **self.words)
 
 
-def at_density(dim: int, density: float) -> Callable[[Case], Mapping[str, Any]]:
+def density_box(dim: int, density: float) -> Callable[[Case], Mapping[str, Any]]:
     """A box of `density` agents per unit of area or volume."""
 
     def made(case: Case) -> Mapping[str, Any]:
@@ -43,7 +43,7 @@ def at_density(dim: int, density: float) -> Callable[[Case], Mapping[str, Any]]:
     return made
 
 
-def mixed(case: Case) -> Mapping[str, Any]:
+def mixed_rows(case: Case) -> Mapping[str, Any]:
     """The same box with rows in no order, as agents are after a long run; size for density 4."""
     size = math.sqrt(case.agents / 4.0)
     flock = Flock(case.model, agents=case.agents, size=size, rng=1)
@@ -72,31 +72,31 @@ def lattice(low: float, gap: float) -> Callable[[Case], Mapping[str, Any]]:
     return made
 
 
-def all_over(case: Case) -> Mapping[str, Any]:
+def free_start(case: Case) -> Mapping[str, Any]:
     """A start all over what is free of the model's world, not only where its mission starts."""
     world = home(case.model)
     empty_world = dataclasses.replace(world, mission=None)
-    return {"start": scattered(empty_world, case.agents), "world": world}
+    return {"start": scattered_start(empty_world, case.agents), "world": world}
 
 
 def grove(case: Case) -> Mapping[str, Any]:
     """The clearing of `crowds.py`: 80 discs, 10 240 edges."""
-    world = clearing(40.0, 80, 1.0)
-    return {"start": scattered(world, case.agents), "world": world}
+    world = grove_in_square(40.0, 80, 1.0)
+    return {"start": scattered_start(world, case.agents), "world": world}
 
 
 VICSEK = {"r": 1.0, "v0": 0.03, "eta": 0.3}
 CASES = {
-    "vem": Case("vem", 100_000, 40, at_density(2, 4.0), VICSEK),
-    "vem-mixed": Case("vem", 100_000, 20, mixed, VICSEK),
-    "couzin-3d": Case("couzin", 100_000, 8, at_density(3, 100 / 40.0**3)),
+    "vem": Case("vem", 100_000, 40, density_box(2, 4.0), VICSEK),
+    "vem-mixed": Case("vem", 100_000, 20, mixed_rows, VICSEK),
+    "couzin-3d": Case("couzin", 100_000, 8, density_box(3, 100 / 40.0**3)),
     "hwvem": Case("hwvem", 10_000, 60),
     "hwvem-nav": Case("hwvem-nav", 1_000, 500),
     "hwvem-nav-grove": Case("hwvem-nav", 1_000, 300, grove),
     "boundary-points": Case("boundary-points", 60, 10_000),
     "guarded": Case("guarded", 500, 80),
     "squashing": Case("squashing", 100, 3_000, lattice(-2.5, 0.5)),
-    "reynolds": Case("reynolds", 1_000, 500, all_over),
+    "reynolds": Case("reynolds", 1_000, 500, free_start),
     "olfati-saber": Case("olfati-saber", 1_000, 1_000, lattice(-50.0, 2.0)),
 }
 """By name; densities, sizes and worlds as the other benchmarks have them, else the model's own."""

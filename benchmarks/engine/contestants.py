@@ -17,7 +17,7 @@ from types import ModuleType
 
 import numpy as np
 from reference import COMPILER, reference
-from turns import Flight, Taken, clocked
+from turns import Flight, Taken, time_work
 
 from agents import Flock
 
@@ -41,18 +41,18 @@ def start(n: int, density: float) -> tuple[np.ndarray, np.ndarray]:
     return state.position.copy(), state.heading.copy()
 
 
-def ours(n: int, density: float = DENSITY, threads: int = 1) -> Flight:
+def own_flight(n: int, density: float = DENSITY, threads: int = 1) -> Flight:
     """flockscope, in one compiled call per round."""
 
     def fly(ticks: int) -> Taken:
         state = flock(n, density, threads)
         state.run(1)
-        return clocked(lambda: state.run(ticks))
+        return time_work(lambda: state.run(ticks))
 
     return fly
 
 
-def ours_twice(n: int, density: float = DENSITY) -> Flight:
+def own_flights(n: int, density: float = DENSITY) -> Flight:
     """Two of our flocks of n agents that run at once, each with one thread."""
 
     def fly(ticks: int) -> Taken:
@@ -60,13 +60,13 @@ def ours_twice(n: int, density: float = DENSITY) -> Flight:
         for rival in two:
             rival.run(1)
         with ThreadPoolExecutor(2) as pool:
-            return clocked(lambda: list(pool.map(lambda rival: rival.run(ticks), two)))
+            return time_work(lambda: list(pool.map(lambda rival: rival.run(ticks), two)))
 
     return fly
 
 
 @functools.cache
-def by_hand_or_not() -> Callable[..., None] | None:
+def compile_cpp() -> Callable[..., None] | None:
     """`vicsek.cpp`, compiled once; None, with a word, without a compiler."""
     run = reference()
     if run is None:
@@ -74,16 +74,16 @@ def by_hand_or_not() -> Callable[..., None] | None:
     return run
 
 
-def by_hand(n: int, density: float = DENSITY) -> Flight | None:
+def cpp_flight(n: int, density: float = DENSITY) -> Flight | None:
     """`vicsek.cpp`, in one call per round; None without a compiler."""
-    run = by_hand_or_not()
+    run = compile_cpp()
     if run is None:
         return None
     position, heading = start(n, density)
 
     def fly(ticks: int) -> Taken:
         columns = [np.ascontiguousarray(column) for column in (*position.T, *heading.T)]
-        return clocked(lambda: run(n, side(n, density), R, V0, ETA, 1, ticks, *columns))
+        return time_work(lambda: run(n, side(n, density), R, V0, ETA, 1, ticks, *columns))
 
     return fly
 
@@ -112,7 +112,7 @@ def pyvicsek(n: int, density: float = DENSITY) -> Flight | None:
 
     def fly(ticks: int) -> Taken:
         model.positions, model.velocities = position, V0 * heading
-        return clocked(lambda: repeat(model.step, ticks))
+        return time_work(lambda: repeat(model.step, ticks))
 
     return fly
 
@@ -128,7 +128,7 @@ def mesa_boids(n: int, density: float = DENSITY) -> Flight:
             population_size=n, width=length, height=length, vision=10.0, speed=0.3, rng=1
         )
         model = BoidFlockers(scenario)
-        return clocked(lambda: repeat(model.step, ticks))
+        return time_work(lambda: repeat(model.step, ticks))
 
     return fly
 
@@ -140,7 +140,7 @@ def repeat(step: Callable[[], object], ticks: int) -> None:
 
 
 PEERS = {
-    "C++ by hand": by_hand,
+    "C++ by hand": cpp_flight,
     "pyvicsek (C++)": pyvicsek,
     "Mesa's boid flockers": mesa_boids,
 }

@@ -22,7 +22,7 @@ from worlds.world import World
 ROUNDS = 7
 
 
-def clearing(side: float, discs: int, radius: float) -> World:
+def grove_in_square(side: float, discs: int, radius: float) -> World:
     """An open square with a regular grove of discs, each of 128 edges."""
     rows = math.isqrt(discs - 1) + 1
     gap = side / rows
@@ -31,7 +31,7 @@ def clearing(side: float, discs: int, radius: float) -> World:
     return World("grove", (side, side), ("open", "open"), obstacles=grove)
 
 
-def scattered(world: World, agents: int) -> dict[str, np.ndarray]:
+def scattered_start(world: World, agents: int) -> dict[str, np.ndarray]:
     """A start spread evenly over the free part of a world."""
     flock = Flock("vem", agents=agents, world=world, rng=1)
     return {"position": flock.position.copy(), "heading": flock.heading.copy()}
@@ -46,8 +46,8 @@ def tick_times(flocks: dict[str, Flock], ticks: int) -> dict[str, float]:
 
 def price_of_obstacles() -> None:
     """1 000 navigating UAVs, among 10 000 edges and in the open plane."""
-    world = clearing(side=40.0, discs=80, radius=1.0)
-    start = scattered(world, 1000)
+    world = grove_in_square(side=40.0, discs=80, radius=1.0)
+    start = scattered_start(world, 1000)
     empty = dataclasses.replace(world, name="plain", obstacles=())
     times = tick_times(
         {
@@ -69,7 +69,7 @@ def large_crowd() -> None:
     )
     mission = Mission(goal=Goal(route=((1250.0, 600.0),)))
     world = dataclasses.replace(discs, mission=mission)
-    start = scattered(world, 10_000)
+    start = scattered_start(world, 10_000)
     flocks = {
         f"n_sub = {n_sub}": Flock("boundary-points", start=start, world=world, rng=1, n_sub=n_sub)
         for n_sub in (1, 5)

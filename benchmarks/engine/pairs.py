@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from sweeps import HOMES
-from turns import Contestant, Flight, Taken, clocked, take_turns
+from turns import Contestant, Flight, Taken, take_turns, time_work
 
 from agents import Flock
 
@@ -54,7 +54,7 @@ def from_the_start(make: Callable[[], Flock]) -> Flight:
     def fly(ticks: int) -> Taken:
         flock = make()
         flock.run(1)
-        return clocked(lambda: flock.run(ticks))
+        return time_work(lambda: flock.run(ticks))
 
     return fly
 

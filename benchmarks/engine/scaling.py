@@ -21,7 +21,7 @@ import memory
 from pairs import MODELS, Pairs, pairs
 from scaling_picture import draw
 from sweeps import AMONG, MANY, Point, Sweep, all_sweeps, run
-from turns import watched
+from turns import with_progress
 
 SIZES = (100, 1_000, 10_000, 100_000, 1_000_000, 4_000_000)
 LEAST_HELD, MOST_HELD = 100_000, 1_000_000
@@ -91,7 +91,7 @@ def main() -> None:
         points[name], left_out[name] = run(sweep, rounds, options.turn, options.longest, name)
         if not options.json:
             print(table(sweep, points[name], left_out[name]), end="\n\n", flush=True)
-    rows = [pairs(model, among, rounds) for model in watched(MODELS, "pairs")]
+    rows = [pairs(model, among, rounds) for model in with_progress(MODELS, "pairs")]
     held_agents = max(LEAST_HELD, min(largest, MOST_HELD))
     arrays, members = bytes_per_agent(held_agents)
     if options.picture:

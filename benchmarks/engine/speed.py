@@ -13,7 +13,7 @@ import argparse
 import os
 from dataclasses import dataclass
 
-from contestants import DENSITY, PEERS, R, mesa_boids, ours, ours_twice
+from contestants import DENSITY, PEERS, R, mesa_boids, own_flight, own_flights
 from turns import Contestant, Flight, take_turns
 
 BATCH, BOIDS = 300, 1_000
@@ -69,11 +69,11 @@ def main() -> None:
         return Row(Contestant(name, agents, ticks, flight), threads)
 
     def ourselves(agents: int, threads: int = 1) -> Row:
-        return row("flockscope", ours(agents, threads=threads), agents, threads)
+        return row("flockscope", own_flight(agents, threads=threads), agents, threads)
 
     one, two = ourselves(middle), ourselves(middle, 2)
     small_one, small_two = ourselves(small), ourselves(small, 2)
-    twice = row("flockscope, two runs", ours_twice(middle), 2 * middle, 2)
+    twice = row("flockscope, two runs", own_flights(middle), 2 * middle, 2)
     larges = [] if options.quick else [ourselves(large), ourselves(large, 2)]
     peers = {
         name: row(name, flight, agents)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contestants import DENSITY, ETA, PEERS, V0, R, mesa_boids
-from turns import Contestant, Flight, flight_of, take_turns, watched
+from turns import Contestant, Flight, flight_of, take_turns, with_progress
 
 from agents import Flock
 from worlds.obstacles import Box
@@ -92,7 +92,7 @@ class Point:
     neighbours: float | None
 
 
-def grown(model: str) -> Maker:
+def growing_flocks(model: str) -> Maker:
     """More and more agents at its density."""
 
     def make(agents: float) -> Made:
@@ -101,7 +101,7 @@ def grown(model: str) -> Maker:
     return make
 
 
-def crowded(model: str, agents: int) -> Maker:
+def crowded_flocks(model: str, agents: int) -> Maker:
     """As many agents in a smaller box."""
 
     def make(density: float) -> Made:
@@ -147,12 +147,13 @@ def all_sweeps(agents: Sequence[int], many: int, among: int) -> dict[str, Sweep]
     return {
         "agents": Sweep(
             "agents, at constant density", "agents", agents,
-            {name: grown(name) for name in HOMES} | {name: peer(name) for name in PEERS},
+            {name: growing_flocks(name) for name in HOMES} | {name: peer(name) for name in PEERS},
             lambda value: value,
         ),
         "density": Sweep(
             f"density, {many:,} agents", "times the density", (0.125, 0.25, 0.5, 1, 2, 4, 8),
-            {name: crowded(name, many) for name in HOMES} | {one: peer(one, many) for one in quick},
+            {name: crowded_flocks(name, many) for name in HOMES}
+            | {name: peer(name, many) for name in quick},
             lambda _: many,
         ),
         "obstacles": Sweep(
@@ -163,7 +164,7 @@ def all_sweeps(agents: Sequence[int], many: int, among: int) -> dict[str, Sweep]
     }  # fmt: skip
 
 
-def ready(name: str, built: Made, turn: float) -> Contestant:
+def make_contestant(name: str, built: Made, turn: float) -> Contestant:
     """A contestant whose turn lasts so many seconds, or a tick; what it compiles is compiled."""
     built.flight(1)
     ticks = int(max(1.0, turn / max(built.flight(1).cpu, AGENT_STEP)))
@@ -180,7 +181,9 @@ def run(
     points: list[Point] = []
     left_out: dict[str, str] = {}
     cost: dict[str, float] = {}
-    for value in watched(sweep.values, doing, lambda x: max(turn, AGENT_STEP * sweep.agents(x))):
+    for value in with_progress(
+        sweep.values, doing, lambda x: max(turn, AGENT_STEP * sweep.agents(x))
+    ):
         homes: dict[str, Made] = {}
         for name, make in sweep.makers.items():
             lasts = 1e-9 * cost.get(name, 0.0) * sweep.agents(value)
@@ -189,7 +192,7 @@ def run(
             home = None if name in left_out else make(value)
             if home is not None:
                 homes[name] = home
-        turns = [ready(name, item, turn) for name, item in homes.items()]
+        turns = [make_contestant(name, item, turn) for name, item in homes.items()]
         take_turns(turns, rounds)
         for home in turns:
             cost[home.name] = home.least()

@@ -11,7 +11,7 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 
-from turns import Taken, clocked
+from turns import Taken, time_work
 
 PREPARED = {}
 """In a process of a tree: the case that it flies now, under "case"."""
@@ -44,7 +44,7 @@ def fly(ticks: int) -> Taken:
     """The time of so many ticks of the prepared case after making its flock and a first tick."""
     flock = PREPARED["case"].flock()
     flock.run(1)
-    return clocked(lambda: flock.run(ticks))
+    return time_work(lambda: flock.run(ticks))
 
 
 class Tree(AbstractContextManager["Tree"]):

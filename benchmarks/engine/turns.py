@@ -25,7 +25,7 @@ type Flight = Callable[[int], Taken]
 """Runs so many ticks of a flock and says what they took."""
 
 
-def clocked(work: Callable[[], object]) -> Taken:
+def time_work(work: Callable[[], object]) -> Taken:
     """What a piece of work takes."""
     wall, cpu = time.perf_counter(), time.process_time()
     work()
@@ -36,7 +36,7 @@ def flight_of(flock: Any) -> Flight:
     """A flock that flies on in every turn."""
 
     def fly(ticks: int) -> Taken:
-        return clocked(lambda: flock.run(ticks))
+        return time_work(lambda: flock.run(ticks))
 
     return fly
 
@@ -67,7 +67,7 @@ class Contestant:
         return statistics.median(self.per_step(clock))
 
 
-def watched[Item](
+def with_progress[Item](
     items: Sequence[Item], doing: str, weight: Callable[[Item], float] = lambda _: 1.0
 ) -> Iterator[Item]:
     """The items, with a bar and the time left where people watch; `weight` is each one's share."""
@@ -85,7 +85,7 @@ def take_turns(contestants: Sequence[Contestant], rounds: int, doing: str = "") 
     One more comes first and does not count: it compiles what is not compiled.
     """
     turns = [*contestants] * (rounds + 1)
-    for contestant in watched(turns, doing) if doing else turns:
+    for contestant in with_progress(turns, doing) if doing else turns:
         contestant.taken.append(contestant.flight(contestant.ticks))
     for contestant in contestants:
         del contestant.taken[0]

@@ -47,7 +47,7 @@ def contestants(agents: int) -> list[tuple[str, str, int, dict[str, Any]]]:
     ]
 
 
-def race(agents: int, rounds: int) -> list[tuple[str, int, float]]:
+def race_contestants(agents: int, rounds: int) -> list[tuple[str, int, float]]:
     """Title, threads and agent-steps a second, the best of `rounds`, of all contestants."""
     rivals = contestants(agents)
     turns = []
@@ -82,7 +82,7 @@ def main() -> None:
     rounds = 2 if options.quick else 7
     catalogue.MODELS[BLIND.name] = BLIND
     print(f"{options.agents} agents in three dimensions, best of {rounds} rounds")
-    rates = race(options.agents, rounds)
+    rates = race_contestants(options.agents, rounds)
     first = rates[0][2]
     for title, threads, steps in rates:
         print(f"{title:30}{threads} thread(s){steps / 1e6:8.2f} M/s{steps / first:8.2f}")

@@ -15,7 +15,7 @@ import sys
 import time
 
 from app.viewer.run.frame_builder import FrameRequest
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 
 COMMANDS = 40
@@ -26,9 +26,9 @@ def main(sizes: list[int]) -> None:
     """Measure and print."""
     print(f"{'agents':>8}{'median, ms':>12}{'worst, ms':>12}   of {COMMANDS} changes of eta")
     for agents in sizes:
-        simulation = Simulation(at_home(agents=agents), speed=math.inf, running=True)
+        simulation = Simulation(preset_spec(agents=agents), speed=math.inf, running=True)
         simulation.ready.wait(60)
-        simulation.want(FrameRequest(layers=True)).result(60)
+        simulation.set_request(FrameRequest(layers=True)).result(60)
         time.sleep(2.0)
         took = []
         for k in range(COMMANDS):
@@ -44,16 +44,16 @@ def change_models() -> None:
     """Measure and print how soon another model moves."""
     warm = ["flockscope", "warm", *MODELS, "--quiet"]
     subprocess.run(warm, check=True, stdout=subprocess.DEVNULL)
-    simulation = Simulation(at_home(), speed=math.inf, running=True)
+    simulation = Simulation(preset_spec(), speed=math.inf, running=True)
     simulation.ready.wait(60)
-    simulation.want(FrameRequest(layers=True)).result(60)
+    simulation.set_request(FrameRequest(layers=True)).result(60)
     took: list[list[float]] = [[], []]
     for times in took:
         for model in MODELS:
             started = time.perf_counter()
-            simulation.setup(at_home(model)).result(60)
+            simulation.setup(preset_spec(model)).result(60)
             simulation.go().result(60)
-            while not moves(simulation, model):
+            while not has_run(simulation, model):
                 time.sleep(0.002)
             times.append(1e3 * (time.perf_counter() - started))
             time.sleep(0.5)
@@ -63,7 +63,7 @@ def change_models() -> None:
         print(f"{title:28}{statistics.median(times):12.0f}{max(times):12.0f}")
 
 
-def moves(simulation: Simulation, model: str) -> bool:
+def has_run(simulation: Simulation, model: str) -> bool:
     """Whether a flock of that model has been run."""
     run = simulation.run
     return run is not None and run.flock.spec.model == model and run.flock.tick > 0

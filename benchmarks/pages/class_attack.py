@@ -25,12 +25,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import aiohttp
-from classroom import Class, Student, do, teach
+from classroom import Class, Student, press_control, teach
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from app.viewer.gallery.saved_scene import SavedScene, packed
-from app.viewer.run.run_preset import at_home
+from app.viewer.gallery.saved_scene import SavedScene, pack_scene
+from app.viewer.run.run_preset import preset_spec
 
 AGENTS = 300
 FEWEST = 3
@@ -43,11 +43,11 @@ QUESTION = {
     "measure": {"observe": "polarisation", "over": 100},
     "ticks": 500,
 }
-SLOW = at_home("hwvem", agents=1500, size=8.0)
+SLOW = preset_spec("hwvem", agents=1500, size=8.0)
 LONG = (
-    at_home("squashing-best", agents=500, size=20.0, world="wrap"),
-    at_home("hwvem", agents=2000, size=7.8),
-    at_home("hwvem", agents=2000, size=1.0),
+    preset_spec("squashing-best", agents=500, size=20.0, world="wrap"),
+    preset_spec("hwvem", agents=2000, size=7.8),
+    preset_spec("hwvem", agents=2000, size=1.0),
 )
 WAITS = aiohttp.ClientTimeout(total=300.0)
 
@@ -87,7 +87,7 @@ class Handing(Student):
     async def open(self, session: aiohttp.ClientSession, base: str, spec: object) -> None:
         """Open a run in one's own flock."""
         headers = {"Cookie": self.cookies, "X-Flockscope": "scene"}
-        at = f"{base}/open?sure=1&scene={packed(SavedScene('A run', spec))}"  # type: ignore[arg-type]
+        at = f"{base}/open?sure=1&scene={pack_scene(SavedScene('A run', spec))}"  # type: ignore[arg-type]
         while True:
             async with session.get(at, headers=headers) as answer:
                 if answer.status == 200:
@@ -160,12 +160,12 @@ async def attack(
     """Have all of them hand in for so many seconds."""
     base = classroom.link.rpartition("/")[0]
     cookie = await teach(session, classroom.teachers)
-    await do(session, classroom.link, cookie, {"do": "role", "role": "own"})
+    await press_control(session, classroom.link, cookie, {"do": "role", "role": "own"})
     students = [Handing(number, AGENTS) for number in range(sum(counts))]
     for student in students:
         await student.enter(session, classroom.link)
     tasks = [asyncio.create_task(student.read()) for student in students]
-    await do(session, classroom.link, cookie, {"do": "ask", "question": QUESTION})
+    await press_control(session, classroom.link, cookie, {"do": "ask", "question": QUESTION})
     first, last = counts[0], counts[0] + counts[1]
     while (await students[0].hand_in(session, base))[0] != 200:  # all is compiled then
         await asyncio.sleep(0.5)
@@ -173,7 +173,7 @@ async def attack(
         asyncio.create_task(student.honest(session, base, waits)) for student in students[:first]
     ]
     tasks.append(asyncio.create_task(teacher_waits(session, base, cookie, waits)))
-    await passed(seconds, waits.quiet)
+    await wait_for_results(seconds, waits.quiet)
     for number, student in enumerate(students[first:last]):
         await student.open(session, base, LONG[number % len(LONG)])
         tasks.append(asyncio.create_task(student.other(session, base, waits, "dishonest", 0.2)))
@@ -181,14 +181,14 @@ async def attack(
         await student.open(session, base, SLOW)
         tasks.append(asyncio.create_task(student.other(session, base, waits, "slow", APART)))
     waits.begun = True
-    await passed(seconds, waits.honest)
+    await wait_for_results(seconds, waits.honest)
     for task in tasks:
         task.cancel()
     await asyncio.gather(*tasks, return_exceptions=True)
     await asyncio.gather(*(student.line.close() for student in students))
 
 
-async def passed(seconds: float, results: list[float]) -> None:
+async def wait_for_results(seconds: float, results: list[float]) -> None:
     """Wait so long, and until there are a few results: on a busy machine that is longer."""
     await asyncio.sleep(seconds)
     while len(results) < FEWEST:

@@ -98,7 +98,7 @@ class Student:
                 self.began = self.began or now - self.entered
             if not self.button:
                 self.button = next(
-                    (message["uuid"] for message in told(data)
+                    (message["uuid"] for message in decode_messages(data)
                      if message["type"] == "GuiButtonMessage"
                      and message["props"]["label"] in ("Pause", "Go")), "",
                 )  # fmt: skip
@@ -113,7 +113,9 @@ class Student:
 
     def label(self, data: bytes) -> str:
         """What the button is called from now on; empty if nothing is said of that."""
-        updates = (message for message in told(data) if message.get("uuid") == self.button)
+        updates = (
+            message for message in decode_messages(data) if message.get("uuid") == self.button
+        )
         return next(
             (update["updates"]["label"] for update in updates if "label" in update["updates"]), ""
         )
@@ -133,7 +135,7 @@ class Student:
                 await self.say()
 
 
-def told(data: bytes) -> list[dict[str, Any]]:
+def decode_messages(data: bytes) -> list[dict[str, Any]]:
     """The messages in what viser sends."""
     whole, size = (int.from_bytes(data[at : at + 8], "little") for at in (0, 8))
     plain = unzstd.decompress(data[16 : 16 + size], max_output_size=whole)
@@ -202,7 +204,7 @@ async def teach(session: aiohttp.ClientSession, link: str) -> dict[str, str]:
         }
 
 
-async def do(
+async def press_control(
     session: aiohttp.ClientSession, link: str, cookie: dict[str, str], values: Any
 ) -> None:
     """What the teacher's page asks for."""
@@ -238,18 +240,20 @@ async def measure(
             async with aiohttp.ClientSession(connector=connector, cookie_jar=jar) as session:
                 cookie = await teach(session, classroom.teachers)
                 if not watch:
-                    await do(session, classroom.link, cookie, {"do": "role", "role": "own"})
+                    await press_control(
+                        session, classroom.link, cookie, {"do": "role", "role": "own"}
+                    )
                 async with pages(classroom.link, browsers) as opened:
-                    await measured(
+                    await measure_class(
                         session, classroom, cookie, count, agents, watch, seconds, opened
                     )
             if not watch:
-                await left(classroom, count + browsers, idle)
+                await measure_empty_class(classroom, count + browsers, idle)
         finally:
             classroom.end()
 
 
-async def measured(
+async def measure_class(
     session: aiohttp.ClientSession,
     classroom: Class,
     cookie: dict[str, str],
@@ -328,7 +332,7 @@ async def print_pages(opened: list[Page], rates: list[float], watch: bool) -> No
     print(f"  a button of theirs        {late:8.2f} s at worst of {PRESSES * len(opened)}")
 
 
-async def left(classroom: Class, count: int, idle: float) -> None:
+async def measure_empty_class(classroom: Class, count: int, idle: float) -> None:
     """Measure a class whose students have gone, and print."""
     await asyncio.sleep(SETTLES)
     before = classroom.seconds()

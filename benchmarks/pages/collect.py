@@ -37,18 +37,18 @@ from app.classroom.collect.question_choices import ready_for
 from app.classroom.collect.run_cost import MOST_PAIRS, mean_neighbours
 from app.classroom.student import Role
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from worlds.input_error import InputError
 
 
-def timed[Made](work: Callable[[], Made]) -> tuple[Made, float]:
+def time_call[Made](work: Callable[[], Made]) -> tuple[Made, float]:
     """What a call gives, and the milliseconds that it took."""
     started = time.perf_counter()
     result = work()
     return result, 1e3 * (time.perf_counter() - started)
 
 
-def answered(question: Question, scene: CompleteSpec, students: int) -> Collection:
+def collect_answers(question: Question, scene: CompleteSpec, students: int) -> Collection:
     """A class's results, and what each of them cost, printed."""
     collection = Collection(question)
     warm_up(question, scene)
@@ -56,9 +56,9 @@ def answered(question: Question, scene: CompleteSpec, students: int) -> Collecti
     for number in range(students):
         name = f"Student {number}"
         spec = collection.begins(name, scene)
-        alone.append(timed(lambda spec=spec: run_of(question, spec, spec.seed))[1])
+        alone.append(time_call(lambda spec=spec: run_of(question, spec, spec.seed))[1])
         point: Point
-        point, took = timed(lambda spec=spec, name=name: hand_in(question, name, spec, scene))
+        point, took = time_call(lambda spec=spec, name=name: hand_in(question, name, spec, scene))
         whole.append(took)
         collection.add(point)
     print(
@@ -77,7 +77,7 @@ def time_pairs() -> None:
     """Print what a pair costs in each model, and what the most pairs of a run would then take."""
     slowest = 0.0
     for name, model in MODELS.items():
-        home = at_home(name)
+        home = preset_spec(name)
         reach = getattr(Flock(home).parameters, model.rule.reach or "", None)
         crowded = home if reach is None else home.but(agents=CROWDED, size=2.0 * reach)
         times = []
@@ -85,7 +85,7 @@ def time_pairs() -> None:
             try:
                 flock = Flock(spec)
                 flock.run(TICKS)  # compiles
-                _, took = timed(lambda flock=flock: flock.run(TICKS))
+                _, took = time_call(lambda flock=flock: flock.run(TICKS))
             except InputError:
                 times.append("cannot be crowded: its world has a size of its own")
                 continue
@@ -109,17 +109,17 @@ def main() -> None:
         time_pairs()
         return
     students = options.students
-    vem = at_home("vem", agents=300)
-    led = at_home("hwvem", agents=300)
+    vem = preset_spec("vem", agents=300)
+    led = preset_spec("hwvem", agents=300)
     order = next(item.question for item in ready_for(vem) if item.name == "order-against-noise")
     agree = next(item.question for item in ready_for(led) if item.name == "who-leads")
-    collection = answered(order, vem, students)
-    answered(agree, led, students)
-    json_time, took = timed(lambda: json.dumps(to_json(collection)))
+    collection = collect_answers(order, vem, students)
+    collect_answers(agree, led, students)
+    json_time, took = time_call(lambda: json.dumps(to_json(collection)))
     print(f"the plot of the page: {took:.1f} ms, {len(json_time):,} bytes")
     picture(collection, "png")
     for kind in FORMATS:
-        picture_time, took = timed(lambda kind=kind: picture(collection, kind))
+        picture_time, took = time_call(lambda kind=kind: picture(collection, kind))
         print(f"the picture as {kind}: {took:.0f} ms, {len(picture_time):,} bytes")
     scene = SavedScene("Order", vem)
     names = list(collection.given)
@@ -132,8 +132,8 @@ def main() -> None:
     )
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "class.zip"
-        _, saved = timed(lambda: save(state, path))
-        again, opened = timed(lambda: load(path))
+        _, saved = time_call(lambda: save(state, path))
+        again, opened = time_call(lambda: load(path))
         if again != state:
             raise SystemExit("the class that was opened is not the one that was saved")
         print(

@@ -95,7 +95,7 @@ def print_models(models: list[str]) -> None:
         )
 
 
-def apart(folder: Path) -> dict[str, str]:
+def fresh_environment(folder: Path) -> dict[str, str]:
     """Surroundings of a program in which nothing is installed or compiled yet."""
     own = {"UV_PROJECT_ENVIRONMENT": str(folder / "env"), "FLOCKSCOPE_CACHE": str(folder / "cache")}
     environment = {name: value for name, value in os.environ.items() if name != "VIRTUAL_ENV"}
@@ -107,12 +107,12 @@ def megabytes(*options: str) -> float:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         sync = ["uv", "sync", "--quiet", "--locked", *options]
-        subprocess.run(sync, cwd=ROOT, env=apart(folder), check=True)
+        subprocess.run(sync, cwd=ROOT, env=fresh_environment(folder), check=True)
         files = [path.lstat() for path in (folder / "env").rglob("*")]
         return sum(512 * path.st_blocks for path in files) / 1e6
 
 
-def until_served(clone: Path, surroundings: dict[str, str]) -> None:
+def time_to_page(clone: Path, surroundings: dict[str, str]) -> None:
     """Start README's first command in a clone, read its page, and stop it."""
     words = ["uv", "run", "--quiet", "--no-dev", "flockscope", "lab", "--port", "0", "--no-open"]
     with subprocess.Popen(
@@ -130,7 +130,7 @@ def until_served(clone: Path, surroundings: dict[str, str]) -> None:
             os.killpg(process.pid, signal.SIGKILL)
 
 
-def until_moved(clone: Path, surroundings: dict[str, str]) -> None:
+def time_to_tick(clone: Path, surroundings: dict[str, str]) -> None:
     """Run the flock of README's first command in a clone, without a page, for its first tick."""
     words = ["uv", "run", "--quiet", "--no-dev", "flockscope", "run", "--ticks", "1", "hwvem"]
     subprocess.run(
@@ -145,7 +145,7 @@ def since_cloned(until: Callable[[Path, dict[str, str]], None]) -> float:
         folder, clone = Path(name), Path(name) / "clone"
         started = time.perf_counter()
         subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)
-        until(clone, apart(folder))
+        until(clone, fresh_environment(folder))
         return time.perf_counter() - started
 
 
@@ -161,8 +161,8 @@ def main() -> None:
         for title, options in (("without", ["--no-dev"]), ("with", [])):
             size = megabytes(*options)
             print(f"environment {title} the developers' group: {size:.0f} MB")
-        print(f"from clone to the page of the laboratory: {since_cloned(until_served):.1f} s")
-        print(f"from clone to a flock that has moved: {since_cloned(until_moved):.1f} s")
+        print(f"from clone to the page of the laboratory: {since_cloned(time_to_page):.1f} s")
+        print(f"from clone to a flock that has moved: {since_cloned(time_to_tick):.1f} s")
 
 
 if __name__ == "__main__":

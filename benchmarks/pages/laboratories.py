@@ -36,13 +36,13 @@ def serve(count: int, agents: int, speed: float, dim: int, alone: bool, pipe: Co
     they stand: processor time so far, s; ticks of all; memory in use, MB."""
     from app.viewer.lab.laboratory import Laboratory
     from app.viewer.run.allowance import Allowance
-    from app.viewer.run.run_preset import at_home
+    from app.viewer.run.run_preset import preset_spec
 
     allowance = None if alone else Allowance()
     laboratories = []
     for _ in range(count):
         began, worked = time.perf_counter(), time.process_time()
-        spec = at_home("hwvem", agents=agents, dim=dim, parameters={"eta": 0.3})
+        spec = preset_spec("hwvem", agents=agents, dim=dim, parameters={"eta": 0.3})
         laboratory = Laboratory(spec, port=0, speed=speed, allowance=allowance)
         laboratory.simulation.ready.wait()
         laboratories.append(laboratory)
@@ -107,7 +107,7 @@ async def read(port: int, least: int, counted: list[int], packets: list[bytes] |
             pass
 
 
-def deflated(pictures: list[bytes], takeover: bool) -> float:
+def deflated_size(pictures: list[bytes], takeover: bool) -> float:
     """Bytes of a picture after permessage-deflate at level 1, on the average."""
     if not pictures:
         return 0.0
@@ -138,15 +138,15 @@ def main(
         print(f"  each other, s          {median(wall[1:]):8.3f}  {median(work[1:]):.3f}, median")
         print(f"  all others, s          {sum(wall[1:]):8.2f}")
     time.sleep(SETTLE)
-    worked, ticks, _ = over(parent_end)
+    worked, ticks, _ = measure_all(parent_end)
     print(f"  nobody looks: cores    {worked / count:8.4f}  each; {ticks / count:.1f} ticks/s")
     eyes, far = context.Pipe()
     looker = context.Process(target=look, args=(list(ports), agents, far))
     looker.start()
     time.sleep(2.0 * SETTLE)
-    before = asked(eyes)
-    worked, ticks, last = over(parent_end)
-    after = asked(eyes)
+    before = ask_server(eyes)
+    worked, ticks, last = measure_all(parent_end)
+    after = ask_server(eyes)
     pictures = [b[0] - a[0] for a, b in zip(before, after, strict=True)]
     sent = sum(b[1] - a[1] for a, b in zip(before, after, strict=True))
     rates = sorted(picture / SECONDS for picture in pictures)
@@ -157,7 +157,10 @@ def main(
     eyes.send(False)
     received = eyes.recv()
     raw = sum(map(len, received)) / max(len(received), 1)
-    sizes = [size / agents for size in (raw, deflated(received, False), deflated(received, True))]
+    sizes = [
+        size / agents
+        for size in (raw, deflated_size(received, False), deflated_size(received, True))
+    ]
     print("    bytes of an agent    {:8.1f}  deflated {:.1f}, with takeover {:.1f}".format(*sizes))
     print(f"  memory, MB             {last:8.0f}  {(last - size[0]) / max(count - 1, 1):.1f} each")
     parent_end.send(False)
@@ -165,15 +168,15 @@ def main(
     server.join(10)
 
 
-def over(pipe: Connection) -> tuple[float, float, float]:
+def measure_all(pipe: Connection) -> tuple[float, float, float]:
     """Cores that work for the laboratories, ticks/s of all, and memory, MB."""
-    first, began = asked(pipe), time.perf_counter()
+    first, began = ask_server(pipe), time.perf_counter()
     time.sleep(SECONDS)
-    last, took = asked(pipe), time.perf_counter() - began
+    last, took = ask_server(pipe), time.perf_counter() - began
     return (last[0] - first[0]) / took, (last[1] - first[1]) / took, last[2]
 
 
-def asked(pipe: Connection):  # type: ignore[no-untyped-def]
+def ask_server(pipe: Connection):  # type: ignore[no-untyped-def]
     """What is answered."""
     pipe.send(True)
     return pipe.recv()

@@ -91,7 +91,7 @@ def watch(port: int, process: int, started: float, answered: float) -> Start:
     with connect(f"ws://localhost:{port}", subprotocols=[kind], max_size=None) as page:
         page.send(msgspec.msgpack.encode(CAMERA))
         while time.monotonic() < started + TIMEOUT:
-            for name, updates in told(page.recv(timeout=TIMEOUT)):
+            for name, updates in decode_changes(page.recv(timeout=TIMEOUT)):
                 places = updates.get("batched_positions")
                 if places and began.setdefault(name, places) != places and not moving:
                     moving, worked = time.monotonic() - started, cpu(process)
@@ -102,7 +102,7 @@ def watch(port: int, process: int, started: float, answered: float) -> Start:
     raise TimeoutError("nothing moves")
 
 
-def told(packet: Any) -> Iterator[tuple[str, dict[str, Any]]]:
+def decode_changes(packet: Any) -> Iterator[tuple[str, dict[str, Any]]]:
     """What changes on the page: of what, and to what; arrays as bytes."""
     size = int.from_bytes(packet[8:16], "little")
     plain = zstandard.ZstdDecompressor().decompress(packet[16 : 16 + size])

@@ -20,9 +20,9 @@ import numpy as np
 from agents.flock import Flock
 from agents.record import Recorder
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
-from app.viewer.run.stored_flock import StoredFlock, stored
+from app.viewer.run.stored_flock import StoredFlock, read_stored
 from benchmarks.pages.stream import Reader
 
 TICKS = 600
@@ -43,12 +43,12 @@ def main(agents: int = 500, speed: float = 30.0) -> None:
                 recorder.write()
                 flock.run(1)
         began = time.perf_counter()
-        opened = stored(path.name, path=path)
+        opened = read_stored(path.name, path=path)
         print(f"{agents} agents, {TICKS} ticks, {path.stat().st_size / 1e6:.1f} MB")
         print(f"  opened in, s       {time.perf_counter() - began:8.2f}")
         play(opened, agents, speed)
     for model, count in LIVE:
-        kept(model, count)
+        measure_recording(model, count)
 
 
 def play(opened: StoredFlock, agents: int, speed: float) -> None:
@@ -73,9 +73,9 @@ def play(opened: StoredFlock, agents: int, speed: float) -> None:
     laboratory.close()
 
 
-def kept(model: str, agents: int) -> None:
+def measure_recording(model: str, agents: int) -> None:
     """A live run at full speed, with and without what is kept of it."""
-    simulation = Simulation(at_home(model, agents=agents), speed=math.inf)
+    simulation = Simulation(preset_spec(model, agents=agents), speed=math.inf)
     simulation.ready.wait()
     line, rates = simulation.time_line, {True: [], False: []}  # type: ignore[var-annotated]
     note = line.note
@@ -90,7 +90,7 @@ def kept(model: str, agents: int) -> None:
     simulation.pause().result()
     history = line.history
     began = time.perf_counter()
-    line.moment(simulation.sound_run())
+    line.moment(simulation.require_run())
     copied = 1e6 * (time.perf_counter() - began)
     simulation.close()
     with_it, without = (statistics.median(rates[keeps]) for keeps in (True, False))

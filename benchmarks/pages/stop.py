@@ -60,7 +60,7 @@ for _ in sys.stdin:
 """
 
 
-def patient() -> str:
+def patient_lab() -> str:
     """The example with slow cars that stay armed: no fence is near, and a busy machine may lag."""
     text = FILE.read_text().replace("speed = 1.0", "speed = 0.5")
     for side in ("[-3.05, -3.355]", "[3.05, 3.355]"):
@@ -83,7 +83,7 @@ def program(stack: ExitStack, *arguments: str) -> subprocess.Popen[str]:
     return process
 
 
-def until(happens, within: float) -> None:
+def wait_until(happens, within: float) -> None:
     """Wait until something happens."""
     ends = time.monotonic() + within
     while not happens():
@@ -104,7 +104,7 @@ def arm(page: LivePage) -> None:
         time.sleep(0.05)
         return page.session.status.arm == "armed"
 
-    until(armed, SETTLE)
+    wait_until(armed, SETTLE)
 
 
 def press(page: LivePage, presser: subprocess.Popen[str]) -> float:
@@ -120,11 +120,11 @@ def press(page: LivePage, presser: subprocess.Popen[str]) -> float:
     def stopped():
         return [event for event in page.session.events[event_count:] if event.kind == "emergency"]
 
-    until(stopped, SETTLE)
+    wait_until(stopped, SETTLE)
     return stopped()[0].time - began
 
 
-def measured(page: LivePage, repeats: int, by_message: bool, flooded: bool) -> list[float]:
+def measure_stops(page: LivePage, repeats: int, by_message: bool, flooded: bool) -> list[float]:
     """The times of so many stops."""
     port = page.server.get_port()
     with ExitStack() as stack:
@@ -149,7 +149,7 @@ def overload(stack: ExitStack) -> None:
         program(stack, "-c", "while True: pass")
 
 
-def stranger(stack: ExitStack, server, datagram) -> None:
+def send_strangers(stack: ExitStack, server, datagram) -> None:
     """The stream stops, and somebody sends what `datagram(k)` gives every 50 ms."""
     server.stop()
     over = threading.Event()
@@ -180,7 +180,7 @@ def flip(stack: ExitStack, server) -> None:
     stack.callback(setattr, server, "where", where)
 
 
-def signalled(stack: ExitStack, room, number: int) -> None:
+def signal_loop(stack: ExitStack, room, number: int) -> None:
     """The loop is killed, or stopped for a while."""
     loop = room.operator.process.pid
     os.kill(loop, number)
@@ -195,8 +195,10 @@ CASES = {
         stack.callback(room.server.thaw),
         room.server.freeze(0.0005),
     ),
-    "a stranger's empty datagrams": lambda stack, room: stranger(stack, room.server, lambda _: b""),
-    "old frames are sent again": lambda stack, room: stranger(
+    "a stranger's empty datagrams": lambda stack, room: send_strangers(
+        stack, room.server, lambda _: b""
+    ),
+    "old frames are sent again": lambda stack, room: send_strangers(
         stack, room.server, lambda k, old=list(room.server.sent)[-20:]: old[k % len(old)]
     ),
     "every yaw flips": lambda stack, room: flip(stack, room.server),
@@ -205,8 +207,8 @@ CASES = {
         stack.callback(room.server.go),
         room.server.stop(),
     ),
-    "the loop is stopped (SIGSTOP)": lambda stack, room: signalled(stack, room, signal.SIGSTOP),
-    "the loop is killed (kill -9)": lambda stack, room: signalled(stack, room, signal.SIGKILL),
+    "the loop is stopped (SIGSTOP)": lambda stack, room: signal_loop(stack, room, signal.SIGSTOP),
+    "the loop is killed (kill -9)": lambda stack, room: signal_loop(stack, room, signal.SIGKILL),
 }
 """What fails; the last one ends the room."""
 
@@ -231,18 +233,18 @@ def measure_cars() -> None:
 def main(quick: bool) -> None:
     """Measure and print."""
     repeats = QUICK if quick else REPEATS
-    lab = lab_from_toml(patient(), "the benchmark")
+    lab = lab_from_toml(patient_lab(), "the benchmark")
     page = LivePage(Choices.of(lab).choosing(source="emulated cars"), port=0)
     try:
-        until(
+        wait_until(
             lambda: page.session.status is not None and page.session.state.phase == "open", BEGINS
         )
-        until(lambda: not page.session.status.reasons, BEGINS)
+        wait_until(lambda: not page.session.status.reasons, BEGINS)
         of = f"   of {repeats} stops"
         print(f"{'':24}{'':12}{'median, s':>12}{'worst, s':>12}{of}", flush=True)
         for way, by_message in (("own way", False), ("as viser's message", True)):
             for state, flooded in (("in quiet", False), ("flooded", True)):
-                took = measured(page, repeats, by_message, flooded)
+                took = measure_stops(page, repeats, by_message, flooded)
                 print(
                     f"{way:24}{state:12}{statistics.median(took):12.3f}{max(took):12.3f}",
                     flush=True,

@@ -40,9 +40,9 @@ def serve(agents: int, speed: float, pipe: Connection) -> None:
     Processor times so far, s; the tick; the most memory so far, MB.
     """
     from app.viewer.lab.laboratory import Laboratory
-    from app.viewer.run.run_preset import at_home
+    from app.viewer.run.run_preset import preset_spec
 
-    start = at_home("hwvem", agents=agents, parameters={"eta": 0.3})
+    start = preset_spec("hwvem", agents=agents, parameters={"eta": 0.3})
     laboratory = Laboratory(start, port=0, speed=speed)
     laboratory.simulation.ready.wait()
     clock = time.pthread_getcpuclockid(laboratory.simulation.thread.ident or 0)
@@ -94,10 +94,10 @@ def main(agents: int = 5000, browsers: int = 1, speed: float = 30.0) -> None:
     port = readers[0].socket.remote_address[1]
     readers += [Reader(port, agents) for _ in range(browsers - 1)]
     time.sleep(3.0)
-    first = asked(parent_end)
+    first = ask_server(parent_end)
     counted = [(reader.frames, reader.bytes) for reader in readers]
     time.sleep(SECONDS)
-    last = asked(parent_end)
+    last = ask_server(parent_end)
     frames = [reader.frames - before for reader, (before, _) in zip(readers, counted, strict=True)]
     sent = sum(reader.bytes - before for reader, (_, before) in zip(readers, counted, strict=True))
     total, simulation, ticks, _ = (b - a for a, b in zip(first, last, strict=True))
@@ -112,7 +112,7 @@ def main(agents: int = 5000, browsers: int = 1, speed: float = 30.0) -> None:
     server.join(10)
 
 
-def asked(pipe: Connection) -> tuple[float, float, float, float]:
+def ask_server(pipe: Connection) -> tuple[float, float, float, float]:
     """Processor time of the server, of its simulation (s), ticks run, and memory (MB)."""
     pipe.send(True)
     answer: tuple[float, float, float, float] = pipe.recv()

@@ -34,11 +34,11 @@ SPEED = 15.0
 def serve(agents: int, pipe: Connection) -> None:
     """The laboratory; answers every message of the pipe with processor time, s, and the tick."""
     from app.viewer.lab.laboratory import Laboratory
-    from app.viewer.run.run_preset import at_home
+    from app.viewer.run.run_preset import preset_spec
     from app.viewer.watching.watch_page import WatchPage
     from app.viewer.watching.watcher import AgentSelection
 
-    start = at_home("hwvem", agents=agents, parameters={"eta": 0.3})
+    start = preset_spec("hwvem", agents=agents, parameters={"eta": 0.3})
     laboratory = Laboratory(start, port=0, speed=SPEED)
     watching = WatchPage(laboratory)
     laboratory.simulation.ready.wait()
@@ -80,14 +80,14 @@ class Reader:
                 self.bytes += len(data)
                 self.pictures += len(data) > self.picture
                 if self.looks:
-                    self.panels += for_panels(data)
+                    self.panels += panel_bytes(data)
                     packed = self.packer.compress(data) + self.packer.flush(zlib.Z_SYNC_FLUSH)
                     self.packed += len(packed)
         except ConnectionClosed:
             pass
 
 
-def for_panels(data: bytes) -> int:
+def panel_bytes(data: bytes) -> int:
     """How many bytes of a window of viser's messages are for the panels."""
     packed = int.from_bytes(data[8:16], "little")
     inner = zstandard.ZstdDecompressor().decompress(data[16 : 16 + packed])
@@ -102,18 +102,20 @@ def for_panels(data: bytes) -> int:
         lengths[at]
         for message in window["messages"]
         if message["type"][:3] == "Gui"
-        for at in places(message)
+        for at in buffer_indices(message)
     )
     return round(size * packed / len(inner)) + buffers
 
 
-def places(message: Any) -> list[int]:
+def buffer_indices(message: Any) -> list[int]:
     """The binary buffers that a message refers to."""
     if isinstance(message, dict):
         if "__binary_index" in message:
             return [message["__binary_index"]]
-        return [at for item in message.values() for at in places(item)]
-    return [at for item in message for at in places(item)] if isinstance(message, list) else []
+        return [at for item in message.values() for at in buffer_indices(item)]
+    return (
+        [at for item in message for at in buffer_indices(item)] if isinstance(message, list) else []
+    )
 
 
 def main(agents: int = 1000, browsers: int = 40) -> None:
@@ -123,14 +125,14 @@ def main(agents: int = 1000, browsers: int = 40) -> None:
     server.start()
     port = parent_end.recv()
     time.sleep(3.0)
-    idle = spent(parent_end, 5.0)
+    idle = cores_used(parent_end, 5.0)
     readers = [Reader(port, agents, number == 0) for number in range(browsers)]
     time.sleep(SETTLE)
-    watched, *counts = measured(parent_end, readers)
-    asked(parent_end, "inspect")
+    watched, *counts = measure_readers(parent_end, readers)
+    ask_server(parent_end, "inspect")
     time.sleep(SETTLE)
-    inspected, *more = measured(parent_end, readers)
-    looked_at = asked(parent_end)[2]
+    inspected, *more = measure_readers(parent_end, readers)
+    looked_at = ask_server(parent_end)[2]
     print(f"{agents} agents at {SPEED:g} ticks/s, {browsers} clients")
     print(f"  nobody watches         {idle:6.3f} cores, the run and the laboratory's page")
     for title, cores, (pictures, all_of_it, panels, packed) in (
@@ -146,11 +148,11 @@ def main(agents: int = 1000, browsers: int = 40) -> None:
     server.join(10)
 
 
-def measured(pipe: Connection, readers: list[Reader]) -> tuple[float, ...]:
+def measure_readers(pipe: Connection, readers: list[Reader]) -> tuple[float, ...]:
     """Cores; and of a client pictures/s, Mbit/s, and those of them for the panels."""
     before = [(reader.pictures, reader.bytes) for reader in readers]
     panels, packed = readers[0].panels, readers[0].packed
-    cores = spent(pipe, SECONDS)
+    cores = cores_used(pipe, SECONDS)
     pictures = sum(reader.pictures - was for reader, (was, _) in zip(readers, before, strict=True))
     sent = sum(reader.bytes - was for reader, (_, was) in zip(readers, before, strict=True))
     each = len(readers) * SECONDS
@@ -164,14 +166,14 @@ def measured(pipe: Connection, readers: list[Reader]) -> tuple[float, ...]:
     )
 
 
-def spent(pipe: Connection, seconds: float) -> float:
+def cores_used(pipe: Connection, seconds: float) -> float:
     """The cores that the server takes."""
-    before = asked(pipe)[0]
+    before = ask_server(pipe)[0]
     time.sleep(seconds)
-    return (asked(pipe)[0] - before) / seconds
+    return (ask_server(pipe)[0] - before) / seconds
 
 
-def asked(pipe: Connection, what: str = "") -> tuple[float, int, int]:
+def ask_server(pipe: Connection, what: str = "") -> tuple[float, int, int]:
     """Processor time of the server, s, the tick, and how many agents are looked at."""
     pipe.send(what)
     answer: tuple[float, int, int] = pipe.recv()

@@ -26,7 +26,7 @@ Found = dict[tuple[float, int], float]
 """Noise and seed -> polarisation."""
 
 
-def by_mesa(agents: int, ticks: int, seeds: Iterable[int], workers: int) -> Found:
+def run_with_mesa(agents: int, ticks: int, seeds: Iterable[int], workers: int) -> Found:
     """The study as Mesa makes it."""
     rows = mesa.batch_run(
         Flock,
@@ -39,7 +39,7 @@ def by_mesa(agents: int, ticks: int, seeds: Iterable[int], workers: int) -> Foun
     return {(row["eta"], row["rng"]): row["polarisation"] for row in rows}
 
 
-def by_sweep(agents: int, ticks: int, seeds: Iterable[int], workers: int) -> Found:
+def run_as_sweep(agents: int, ticks: int, seeds: Iterable[int], workers: int) -> Found:
     """The study as a sweep."""
     results = sweep(
         "vem",
@@ -55,17 +55,17 @@ def by_sweep(agents: int, ticks: int, seeds: Iterable[int], workers: int) -> Fou
     return dict(zip(keys, table["polarisation"], strict=True))
 
 
-def spent() -> float:
+def core_seconds() -> float:
     """Seconds of a core so far, of this process and of those that it has ended."""
     uses = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return sum(use.ru_utime + use.ru_stime for use in uses)
 
 
-def measured(make: Callable[..., Found], *arguments: Any) -> tuple[Found, float, float]:
+def measure_study(make: Callable[..., Found], *arguments: Any) -> tuple[Found, float, float]:
     """What it finds, seconds of a core and by the clock."""
-    core, clock = spent(), time.perf_counter()
+    core, clock = core_seconds(), time.perf_counter()
     result = make(*arguments)
-    return result, spent() - core, time.perf_counter() - clock
+    return result, core_seconds() - core, time.perf_counter() - clock
 
 
 def main() -> None:
@@ -82,8 +82,8 @@ def main() -> None:
         runs = len(ETA) * len(seeds)
         rows = []
         founds = []
-        for name, make in (("mesa.batch_run", by_mesa), ("flockscope.sweep", by_sweep)):
-            result, core, clock = measured(make, agents, ticks, seeds, options.workers)
+        for name, make in (("mesa.batch_run", run_with_mesa), ("flockscope.sweep", run_as_sweep)):
+            result, core, clock = measure_study(make, agents, ticks, seeds, options.workers)
             founds.append(result)
             rows.append(f"{name} {1e3 * core / runs:7.2f} ms of a core, {clock:6.2f} s")
         same = "the same numbers" if founds[0] == founds[1] else "OTHER NUMBERS"

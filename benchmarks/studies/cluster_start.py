@@ -27,7 +27,7 @@ flock.observe("polarisation")
 """
 
 
-def begun(model: str, caches: list[Path]) -> tuple[float, float]:
+def measure_start(model: str, caches: list[Path]) -> tuple[float, float]:
     """Processor time of all nodes, and the seconds until the last one has made its run."""
     before, clock = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     command = [sys.executable, "-c", FIRST.format(model=model)]
@@ -54,7 +54,7 @@ def main() -> None:
         own = [Path(folder) / str(node) for node in range(options.nodes)]
         shared = [Path(folder) / "shared"] * options.nodes
         for name, caches in (("own", own), ("shared", shared), ("kept", shared)):
-            spent, clock = begun(options.model, caches)
+            spent, clock = measure_start(options.model, caches)
             each = spent / options.nodes
             print(f"{name:10}{options.nodes:8}{spent:15.1f}{each:12.1f}{clock:14.1f}")
     largest = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1e3

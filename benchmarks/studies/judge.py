@@ -42,7 +42,7 @@ TABLE = 283
 Law = Callable[[np.random.Generator, tuple[int, ...]], np.ndarray]
 
 
-def whole_law(deviation: float) -> Law:
+def whole_number_law(deviation: float) -> Law:
     """Whole numbers near 12.23, less their mean."""
     from scipy.special import ndtr  # not scipy.stats: tests read this file, and it takes a second
 
@@ -72,9 +72,9 @@ MILD: dict[str, Law] = {
     "normal": lambda rng, shape: rng.normal(0.0, 1.0, shape),
     "t of 3": lambda rng, shape: rng.standard_t(3, shape),
     "uniform": lambda rng, shape: rng.uniform(-1.0, 1.0, shape),
-    "whole, sd 0.5": whole_law(0.5),
-    "whole, sd 1": whole_law(1.0),
-    "whole, sd 1.8": whole_law(1.8),
+    "whole, sd 0.5": whole_number_law(0.5),
+    "whole, sd 1": whole_number_law(1.0),
+    "whole, sd 1.8": whole_number_law(1.8),
     "Poisson(3)": lambda rng, shape: rng.poisson(3.0, shape) - 3.0,
 }
 """Laws of which at most 1.5 % of the words may be false."""
@@ -117,19 +117,19 @@ def our_interval(values: np.ndarray, confidence: float = CONFIDENCE) -> Confiden
     return mean_interval(estimate_mean(values), confidence)
 
 
-def excludes(limits: ConfidenceInterval, value: float | np.ndarray = 0.0) -> float:
+def excluded_share(limits: ConfidenceInterval, value: float | np.ndarray = 0.0) -> float:
     """In how many per cent of samples an interval says that a value is not the mean."""
     return 100.0 * float(np.mean((limits.low > value) | (limits.high < value)))
 
 
 def false_words(name: str, runs: int, samples: int = SAMPLES, interval=our_interval) -> float:
     """Per cent of samples of which more, or less, than the true mean is said."""
-    return excludes(interval(draw(name, samples, runs)))
+    return excluded_share(interval(draw(name, samples, runs)))
 
 
 def coverage(name: str, runs: int, samples: int = SAMPLES, interval=our_interval) -> float:
     """Per cent of 95 % intervals that hold the true mean."""
-    return 100.0 - excludes(interval(draw(name, samples, runs), 0.95))
+    return 100.0 - excluded_share(interval(draw(name, samples, runs), 0.95))
 
 
 def effects_seen(
@@ -149,7 +149,7 @@ def effects_seen_between(name: str, runs: int, samples: int = SAMPLES) -> float:
     return 100.0 * float(min(np.mean(limits.low > -shift), np.mean(limits.high < shift)))
 
 
-def within_seen(name: str, runs: int, samples: int = SAMPLES) -> float:
+def agreement_share(name: str, runs: int, samples: int = SAMPLES) -> float:
     """Per cent of samples of which it is said, rightly, that their mean is within a deviation."""
     limits, shift = our_interval(draw(name, samples, runs)), DEVIATION[name]
     return 100.0 * float(np.mean((limits.low > -shift) & (limits.high < shift)))
@@ -159,7 +159,7 @@ def false_between(name: str, runs: int, other: str, other_runs: int, samples: in
     """Per cent of pairs of samples of equal means that are told apart."""
     a = estimate_mean(draw(name, samples, runs))
     b = estimate_mean(draw(other, samples, other_runs, "other"))
-    return excludes(mean_interval(subtract_means(a, b)))
+    return excluded_share(mean_interval(subtract_means(a, b)))
 
 
 def false_published(
@@ -169,7 +169,7 @@ def false_published(
     estimate = estimate_mean(draw(name, samples, runs))
     published_values = draw(name, samples, published, "published")
     spread = published_values.std(axis=-1, ddof=1) if with_spread else None
-    return excludes(
+    return excluded_share(
         mean_interval(
             subtract_published(estimate, published_values.mean(axis=-1), spread, published)
         )
@@ -215,7 +215,7 @@ def false_censored(name: str, runs: int, samples: int, given_up: float = 0.3) ->
     limit = float(np.quantile(draw(name, 200_000, 1, "limit"), 1.0 - given_up))
     open_ = values > limit
     least, most = np.where(open_, limit, values), np.where(open_, np.inf, values)
-    return excludes(bounded_interval(least, most))
+    return excluded_share(bounded_interval(least, most))
 
 
 def false_rare(share: float, runs: int, samples: int, *, is_known: bool) -> float:
@@ -274,7 +274,7 @@ def measure(samples: int = SAMPLES) -> dict[str, dict[str, list[float]]]:
         DEVIATION, lambda n, r: effects_seen_between(n, r, fewer)
     )
     tables["true means that are said to be within 1 sd"] = rows(
-        DEVIATION, lambda n, r: within_seen(n, r, fewer)
+        DEVIATION, lambda n, r: agreement_share(n, r, fewer)
     )
     tables["false words, two samples of equal size"] = rows(
         LAWS, lambda n, r: false_between(n, r, n, r, fewer)

@@ -32,7 +32,7 @@ class Cost(NamedTuple):
         return Cost(self.cpu - share * other.cpu, self.wall - share * other.wall)
 
 
-def least(work: Callable[[], object], times: int) -> Cost:
+def least_cost(work: Callable[[], object], times: int) -> Cost:
     """What one call of `work` costs at least, over rounds of so many calls."""
     rounds = []
     for _ in range(ROUNDS):
@@ -43,24 +43,24 @@ def least(work: Callable[[], object], times: int) -> Cost:
     return Cost(*map(min, zip(*rounds, strict=True)))
 
 
-def new(seed: int = 1) -> Flock:
+def new_flock(seed: int = 1) -> Flock:
     """A flock at tick 0."""
     return Flock("vem", agents=AGENTS, rng=seed)
 
 
 def calls() -> dict[str, Cost]:
     """What making a flock and calling it cost, by what is done."""
-    flock = new()
+    flock = new_flock()
     flock.run(1)
-    tick = least(lambda: flock.run(1), 200)
-    long = least(lambda: flock.run(TICKS), 10)
+    tick = least_cost(lambda: flock.run(1), 200)
+    long = least_cost(lambda: flock.run(TICKS), 10)
     per_tick = long.less(tick, 1.0)
     return {
-        f"making a flock of {AGENTS}": least(new, 20),
-        "making it and its first tick": least(lambda: new().run(1), 20),
+        f"making a flock of {AGENTS}": least_cost(new_flock, 20),
+        "making it and its first tick": least_cost(lambda: new_flock().run(1), 20),
         "run(1) beside the tick itself": tick.less(per_tick, 1.0 / (TICKS - 1)),
         "run(1)": tick,
-        "step() with one observable": least(flock.step, 200),
+        "step() with one observable": least_cost(flock.step, 200),
     }
 
 
@@ -69,7 +69,7 @@ def results(seeds: Sequence[int]) -> tuple[list[float], float]:
     started = time.process_time()
     rows = []
     for seed in seeds:
-        flock = new(seed)
+        flock = new_flock(seed)
         flock.run(TICKS)
         rows.append(flock.observe("polarisation"))
     return rows, time.process_time() - started

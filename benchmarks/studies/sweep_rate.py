@@ -19,14 +19,14 @@ from pathlib import Path
 from agents import Flock
 from app.studies.sweeps.checked_sweep import Sweep
 from app.studies.sweeps.sweep_api import requested_sweep
-from app.studies.sweeps.sweep_runner import conduct
+from app.studies.sweeps.sweep_runner import run_sweep
 
 KINDS = ((50, 100, 1.0), (300, 100, 0.5), (1000, 1000, 0.05))
 """Agents, ticks, and the share of the runs that is asked for."""
 ETA = [0.0, 1.5, 3.0, 4.5]
 
 
-def plain(agents: int, ticks: int, runs: int) -> float:
+def plain_loop(agents: int, ticks: int, runs: int) -> float:
     """Seconds of processor time of a run in a loop."""
     started = time.process_time()
     for seed in range(1, runs // len(ETA) + 1):
@@ -37,7 +37,7 @@ def plain(agents: int, ticks: int, runs: int) -> float:
     return (time.process_time() - started) / runs
 
 
-def swept(sweep: Sweep, workers: int) -> tuple[float, float, int]:
+def measure_sweep(sweep: Sweep, workers: int) -> tuple[float, float, int]:
     """Processor time and runs a second by the clock once all processes run, and bytes on disk."""
     marks: list[tuple[float, float]] = []
 
@@ -47,7 +47,7 @@ def swept(sweep: Sweep, workers: int) -> tuple[float, float, int]:
 
     with tempfile.TemporaryDirectory() as folder:
         before = resource.getrusage(resource.RUSAGE_CHILDREN), time.process_time()
-        done = conduct(sweep, Path(folder), workers=workers, at=at)
+        done = run_sweep(sweep, Path(folder), workers=workers, at=at)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         spent = after.ru_utime + after.ru_stime - before[0].ru_utime - before[0].ru_stime
         spent += time.process_time() - before[1]
@@ -57,11 +57,11 @@ def swept(sweep: Sweep, workers: int) -> tuple[float, float, int]:
     return spent / done.made, rate, size
 
 
-def begun(sweep: Sweep, workers: int) -> float:
+def measure_start(sweep: Sweep, workers: int) -> float:
     """Seconds of processor time that a sweep takes beside its runs: processes that begin."""
     with tempfile.TemporaryDirectory() as folder:
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        conduct(sweep, Path(folder), workers=workers, limit=workers)
+        run_sweep(sweep, Path(folder), workers=workers, limit=workers)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
@@ -80,10 +80,10 @@ def main() -> None:
             "vem", {"kind": "grid", "axes": {"eta": ETA}}, runs // len(ETA), ticks,
             ["polarisation"], "", 1, {"agents": agents}, None,
         )  # fmt: skip
-        plain(agents, ticks, len(ETA))
-        loop = plain(agents, ticks, min(runs, 800))
-        start = begun(sweep, options.workers)
-        cost, rate, size = swept(sweep, options.workers)
+        plain_loop(agents, ticks, len(ETA))
+        loop = plain_loop(agents, ticks, min(runs, 800))
+        start = measure_start(sweep, options.workers)
+        cost, rate, size = measure_sweep(sweep, options.workers)
         cost -= start / runs
         cells = (f"{agents} x {ticks}", runs, f"{1e3 * loop:.3f}", f"{1e3 * cost:.3f}")
         more = f"{100.0 * (cost / loop - 1.0):+.0f} %"

@@ -18,7 +18,12 @@ def test_the_benchmark_prints_the_time_of_a_result():
 
 
 def test_the_benchmark_of_a_class_prints_what_students_get():
-    command = [sys.executable, str(ROOT / "benchmarks" / "pages" / "classroom.py"), "--students", "2"]
+    command = [
+        sys.executable,
+        str(ROOT / "benchmarks" / "pages" / "classroom.py"),
+        "--students",
+        "2",
+    ]
     few = ("--seconds", "4", "--idle", "1")
     said = subprocess.run([*command, *few], check=True, capture_output=True, text=True).stdout
     assert "2 students, flocks of 300 agents" in said
@@ -28,7 +33,12 @@ def test_the_benchmark_of_a_class_prints_what_students_get():
 
 
 def test_the_benchmark_of_an_attack_prints_how_long_the_honest_wait():
-    command = [sys.executable, str(ROOT / "benchmarks" / "pages" / "class_attack.py"), "--honest", "2"]
+    command = [
+        sys.executable,
+        str(ROOT / "benchmarks" / "pages" / "class_attack.py"),
+        "--honest",
+        "2",
+    ]
     few = ("--dishonest", "1", "--seconds", "6")
     said = subprocess.run([*command, *few], check=True, capture_output=True, text=True).stdout
     assert "2 honest, 1 dishonest and one slow student" in said

@@ -113,7 +113,7 @@ def store_of_a_stranger(folder):
     """A sweep with a hostile folder, axis, value, column and reason, and one with such a title."""
     axis, column = NAME + "axis", NAME + "column"
     with Store(folder / "results" / NAME, [column]) as store:
-        [cell] = store.lay_out([("a", json.dumps({"axes": {axis: NAME}}))])
+        [cell] = store.store_plan([("a", json.dumps({"axes": {axis: NAME}}))])
         store.tell(kind="sweep", axes=[axis], columns=[column], runs=2)
         store.add(cell, 1, Outcome("ok", {column: 0.5}))
         store.add(cell, 2, Outcome("failed", {}, NAME))

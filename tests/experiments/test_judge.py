@@ -65,7 +65,7 @@ def test_what_is_there_is_seen(name):
     assert seen(name, 100, 1.0, SAMPLES) >= 95.0
     assert seen(name, 20, 2.0, SAMPLES) >= 80.0
     assert simulation.effects_seen_between(name, 100, SAMPLES) >= 95.0
-    assert simulation.within_seen(name, 100, SAMPLES) >= 95.0
+    assert simulation.agreement_share(name, 100, SAMPLES) >= 95.0
 
 
 @pytest.mark.parametrize("runs", simulation.RUNS)

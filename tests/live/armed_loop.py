@@ -41,7 +41,7 @@ class ArmedLoop:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.loop.leave("the test ends")
+        self.loop.end("the test ends")
         self.thread.join()
 
     def arm(self) -> None:

@@ -55,11 +55,11 @@ def test_undo_and_redo_go_back_and_forth_and_stop_at_the_ends():
     assert editor.undo() is editor
     assert editor.redo() is editor
     one = editor.add(forms.disc((3, 4), 1.0))
-    two = one.move(one.newest, (2.0, 0.0))
+    two = one.move(one.newest_key, (2.0, 0.0))
     assert two.undo().world is one.world
     assert two.undo().undo().world is PLAIN
     assert two.undo().undo().redo().redo().world is two.world
-    other = two.undo().delete(one.newest)
+    other = two.undo().delete(one.newest_key)
     assert other.redo() is other
     assert other.undo().world is one.world
 
@@ -67,13 +67,13 @@ def test_undo_and_redo_go_back_and_forth_and_stop_at_the_ends():
 def test_no_more_than_so_many_steps_are_kept():
     editor = Editor.of(PLAIN).add(forms.disc((3, 4), 1.0))
     for _ in range(STEPS + 5):
-        editor = editor.move(editor.newest, (0.01, 0.0))
+        editor = editor.move(editor.newest_key, (0.01, 0.0))
     assert len(editor.past) == STEPS
 
 
 def test_all_changes_of_a_drag_are_one_step_and_each_begins_where_the_drag_began():
     before = Editor.of(PLAIN).add(forms.disc((3, 4), 1.0))
-    key, editor = before.newest, before
+    key, editor = before.newest_key, before
     for step in range(1, 6):
         editor = editor.move(key, (0.5 * step, 0.0), gesture="drag 1")
     assert editor.now.obstacle(key).centre == (5.5, 4.0)
@@ -85,7 +85,7 @@ def test_all_changes_of_a_drag_are_one_step_and_each_begins_where_the_drag_began
 
 def test_a_drag_that_goes_on_after_undo_begins_again():
     before = Editor.of(PLAIN).add(forms.disc((3, 4), 1.0))
-    key = before.newest
+    key = before.newest_key
     editor = before.move(key, (1.0, 0.0), gesture="drag").undo()
     editor = editor.move(key, (2.0, 0.0), gesture="drag").move(key, (3.0, 0.0), gesture="drag")
     assert editor.now.obstacle(key).centre == (6.0, 4.0)
@@ -108,7 +108,7 @@ def test_two_editors_never_share_a_key():
     other = Editor.of(one.world)
     assert not set(one.now.keys) & set(other.now.keys)
     with pytest.raises(MissingObstacleError):
-        other.move(one.newest, (1.0, 0.0))
+        other.move(one.newest_key, (1.0, 0.0))
 
 
 def test_clearing_takes_everything_away_in_one_step():
@@ -132,7 +132,7 @@ def test_a_move_is_a_turn_about_the_centre_and_a_shift(shape, dx, dy, degrees):
     solid = shape.shape in ("sphere", "prism")
     size, edges = ((40.0,) * 3, ("open",) * 3) if solid else ((40.0,) * 2, ("open",) * 2)
     editor = Editor.of(World("w", size, edges, obstacles=(shape,)))
-    moved = editor.move(editor.newest, (dx, dy), degrees).world.obstacles[0].footprint()
+    moved = editor.move(editor.newest_key, (dx, dy), degrees).world.obstacles[0].footprint()
     expected = affinity.rotate(shape.footprint(), degrees, origin=shape.anchor)
     expected = affinity.translate(expected, dx, dy)
     # A disc keeps its corners where they are, so that its polygon does not turn with it.
@@ -196,13 +196,13 @@ def test_a_corner_clicked_twice_counts_once_and_two_corners_are_no_polygon():
         (lambda e: e.add(rectangle((3, 4), -1.0, 1.0)), "high = .* is not above low"),
         (lambda e: e.add(forms.polygon([(0, 0), (4, 4), (4, 0), (0, 4)])), r"crosses itself at"),
         (lambda e: e.add(forms.polygon([(0, 0), (1, 1), (2, 2)])), "polygon 2 has no area"),
-        (lambda e: e.move(e.newest, (math.nan, 0.0)), "cannot be moved by"),
-        (lambda e: e.move(e.newest, (0.0, 0.0), math.inf), "cannot be moved by"),
-        (lambda e: e.move(e.newest, (1e5, 0.0)), "too far away"),
-        (lambda e: e.move(e.newest, (1e200, 0.0)), "too far away"),
-        (lambda e: e.resize(e.newest, radius=-1.0), "radius = -1 is not allowed"),
-        (lambda e: e.resize(e.newest, radius=math.nan), "radius = nan is not a number"),
-        (lambda e: e.resize(e.newest, width=1.0), "a disc has no width"),
+        (lambda e: e.move(e.newest_key, (math.nan, 0.0)), "cannot be moved by"),
+        (lambda e: e.move(e.newest_key, (0.0, 0.0), math.inf), "cannot be moved by"),
+        (lambda e: e.move(e.newest_key, (1e5, 0.0)), "too far away"),
+        (lambda e: e.move(e.newest_key, (1e200, 0.0)), "too far away"),
+        (lambda e: e.resize(e.newest_key, radius=-1.0), "radius = -1 is not allowed"),
+        (lambda e: e.resize(e.newest_key, radius=math.nan), "radius = nan is not a number"),
+        (lambda e: e.resize(e.newest_key, width=1.0), "a disc has no width"),
         (lambda e: e.move_goal((1.0, 0.0)), "no goal"),
     ],
 )
@@ -218,7 +218,7 @@ def test_there_are_no_more_than_so_many_obstacles():
     editor = Editor.of(World("full", (600.0, 10.0), ("open", "open"), obstacles=discs))
     with pytest.raises(InputError, match="there may be no more"):
         editor.add(forms.disc((3, 4), 1.0))
-    assert len(editor.delete(editor.newest).add(forms.disc((3, 4), 1.0)).world.obstacles) == 500
+    assert len(editor.delete(editor.newest_key).add(forms.disc((3, 4), 1.0)).world.obstacles) == 500
 
 
 MISSION = World(
@@ -247,7 +247,7 @@ def test_what_would_make_the_mission_impossible_is_refused(at, radius, words):
         editor.add(forms.disc(at, radius))
     aside = editor.add(forms.disc((5.0, 8.0), radius))
     with pytest.raises(InputError, match=words):
-        aside.move(aside.newest, (at[0] - 5.0, at[1] - 8.0))
+        aside.move(aside.newest_key, (at[0] - 5.0, at[1] - 8.0))
 
 
 def test_the_goal_is_moved_with_its_route_but_not_into_an_obstacle():

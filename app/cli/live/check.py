@@ -28,7 +28,7 @@ KIND = "recorded:"
 SUFFIXES = (".csv", ".parquet", ".c3d")
 
 
-def names_recording(text: str) -> bool:
+def is_recording_path(text: str) -> bool:
     """Whether an argument names a recording, and not a laboratory's file.
 
     >>> [names_recording(text) for text in ("lab.toml", "poses.csv?up=y", "recorded:trial.c3d")]
@@ -46,13 +46,13 @@ def check_recording(text: str, speed: float | None) -> dict[str, Any]:
     """
     from app.live.control.safety_limits import CarLimits
     from app.live.sources.recorded_source import recording_of
-    from app.live.sources.source_address import parsed
+    from app.live.sources.source_address import parse_address
 
     if speed is not None and not 0.0 < speed <= 10.0:
         raise InputError(f"--speed {speed:g} m/s is outside (0, 10]")
     if Path(text).is_dir():
         return check_live_run(Path(text), speed)
-    recorded = recording_of(parsed(text if text.startswith(KIND) else KIND + text))
+    recorded = recording_of(parse_address(text if text.startswith(KIND) else KIND + text))
     frames = recorded.recording()
     reports, swaps = recorded.judge(frames, speed or CarLimits().speed)
     return summary(text, frames, reports, swaps, recorded)
@@ -198,7 +198,7 @@ def check(
     jumps that no car can make, bodies that change places. Sends nothing to the cars. Exit code 2,
     and one line, if anything is amiss.
     """
-    if names_recording(file):
+    if is_recording_path(file):
         if source is not None or link is not None or not devices:
             raise InputError("--source, --link and --file-only are for a laboratory's file")
         findings = check_recording(file, speed)
@@ -316,7 +316,10 @@ def look_at_source(lab: Lab, source: Source, within: float, findings: dict[str, 
         elif body not in last_seen:
             body_names = ", ".join(map(repr, sorted(last_seen))) or "nobody"
             findings["amiss"].append(f"{name} is not seen: no body {body!r}, only {body_names}")
-        elif name in lab.cars and lab.area.inside(bodies[body]["x"], bodies[body]["y"]) <= 0.0:
+        elif (
+            name in lab.cars
+            and lab.area.distance_inside(bodies[body]["x"], bodies[body]["y"]) <= 0.0
+        ):
             findings["amiss"].append(f"{name} is not within the fence")
 
 

@@ -41,13 +41,15 @@ def emulate(
 
     Loop, safety, frames on the link and the firmware's watchdog are those of real cars.
     """
-    from app.cli.live.run import conduct, driving_seconds
+    from app.cli.live.run import driving_seconds, run_laboratory
     from app.live.device_kinds import SIMULATED
     from app.live.operating.lab_choices import laboratory, open_driven
 
     link = f"{SIMULATED}?port={port}" if port else SIMULATED
-    lab = laboratory(file).lab.altered(str(file or "the example"), source=SIMULATED, link=link)
-    conduct(lab, open_driven, arm, record, driving_seconds(lab, seconds, ticks), json_asked, quiet)
+    lab = laboratory(file).lab.with_values(str(file or "the example"), source=SIMULATED, link=link)
+    run_laboratory(
+        lab, open_driven, arm, record, driving_seconds(lab, seconds, ticks), json_asked, quiet
+    )
 
 
 # `flockscope live replay`: does a recording give the same commands again?
@@ -100,24 +102,24 @@ def recover(
 
     Says what the cars were told last, and whether that was to stop.
     """
-    from app.live.recording.recovery import ending
+    from app.live.recording.recovery import read_end
     from app.live.recording.recovery import recover as recovered
 
     rows = recovered(folder)
-    last = ending(folder)
+    last = read_end(folder)
     if json_asked:
         result = {"folder": str(folder), "rows": rows, "ending": None}
         if last is not None:
             result["ending"] = asdict(last) | {
-                "told_to_stop": last.told_to_stop,
-                "words": last.words(),
+                "told_to_stop": last.is_stop,
+                "words": last.describe(),
             }
         typer.echo(as_json(result))
     else:
         typer.echo(
             "recovered: " + ", ".join(f"{counted(n, 'row')} of {name}" for name, n in rows.items())
         )
-        typer.echo(last.words() if last is not None else "nothing was sent that is recorded")
+        typer.echo(last.describe() if last is not None else "nothing was sent that is recorded")
 
 
 live = command_group(

@@ -6,7 +6,7 @@ import time
 
 import typer
 
-from app.cli.live.operate import actions_of, event_line, watch
+from app.cli.live.operate import actions_of, event_line, handle_keys_until_over
 from app.cli.progress import StopSignals
 from app.live.control.loop_status import Event
 from app.viewer.live.session import Session
@@ -27,9 +27,11 @@ class SessionConsole:
 
     def operate(self) -> None:
         """Until q, Ctrl-C or SIGTERM."""
-        watch(self.obey, self.see, lambda: self.stopping.asked, self.verbose)
+        handle_keys_until_over(
+            self.handle_key, self.print_news, lambda: self.stopping.asked, self.verbose
+        )
 
-    def obey(self, pressed: str) -> None:
+    def handle_key(self, pressed: str) -> None:
         """Ask the session for what was typed."""
         for action in actions_of(pressed):
             if action == "emergency":
@@ -37,7 +39,7 @@ class SessionConsole:
             else:
                 self.session.ask(action, TERMINAL)
 
-    def see(self) -> None:
+    def print_news(self) -> None:
         """Show what is new: events, and why no loop is open."""
         state = self.session.state
         trouble = state.trouble if state.phase == "failed" else ""

@@ -48,8 +48,10 @@ def run(
         raise InputError(f"--dry and --link {link!r} exclude each other")
     lab = laboratory(file, source, link).lab
     if dry:
-        lab = lab.altered("--dry", link="dry")
-    conduct(lab, open_driven, arm, record, driving_seconds(lab, seconds, ticks), json_asked, quiet)
+        lab = lab.with_values("--dry", link="dry")
+    run_laboratory(
+        lab, open_driven, arm, record, driving_seconds(lab, seconds, ticks), json_asked, quiet
+    )
 
 
 def driving_seconds(lab: Lab, seconds: float | None, ticks: int | None) -> float:
@@ -58,7 +60,7 @@ def driving_seconds(lab: Lab, seconds: float | None, ticks: int | None) -> float
     return ticks / lab.rate if ticks else seconds or 0.0
 
 
-def conduct(
+def run_laboratory(
     lab: Lab,
     opener: Opener,
     arm: bool,
@@ -76,7 +78,7 @@ def conduct(
             typer.echo(words, err=True)
 
     report(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
-    from app.cli.live.operate import OperatorConsole, closing
+    from app.cli.live.operate import OperatorConsole, format_summary
     from app.cli.progress import StopSignals
     from app.live.operating.flock_driver import FlockDriver
     from app.live.operating.operator import Operator
@@ -92,4 +94,4 @@ def conduct(
     summary = terminal.summary()
     if record is not None:
         summary["recording"] = str(record)
-    typer.echo(as_json(summary) if json_asked else closing(summary))
+    typer.echo(as_json(summary) if json_asked else format_summary(summary))

@@ -53,7 +53,7 @@ Queue = Annotated[
 Account = Annotated[str, typer.Option(help="Who pays.", rich_help_panel=PANEL)]
 
 
-def cluster_asked(
+def read_cluster_options(
     sweep: Sweep, kind: str, workers: int | None, dry: bool, **options: Any
 ) -> Cluster | None:
     """The cluster of the file with what the options change; None: this machine. Raises

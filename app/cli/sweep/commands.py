@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, tell_written
+from app.cli.outcome_table import as_json, print_written_files
 from app.cli.sweep.run import run
 from app.cli.sweep.show import show
 from app.cli.sweep.sweep_choice import (
@@ -22,14 +22,14 @@ from app.cli.sweep.sweep_choice import (
     Ticks,
     Until,
     Vary,
+    find_sweep_folder,
     is_sweep,
-    kept_sweep,
-    sweep_asked,
+    read_sweep_options,
 )
 from app.cli.terminal import one_line
 from app.cli.usage import command_group
 from app.results_folder import RESULTS
-from app.settings import at_least
+from app.settings import check_whole_number
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
 
@@ -53,15 +53,15 @@ def check(
 
     The first ticks of some cells are timed; nothing is kept.
     """
-    at_least("--runs", runs, 1)
-    from app.studies.sweeps.estimate import estimate, other_worlds
+    check_whole_number("--runs", runs, 1)
+    from app.studies.sweeps.estimate import describe_other_worlds, estimate
     from app.studies.workers.processes import cores
 
-    sweep, _ = sweep_asked(
+    sweep, _ = read_sweep_options(
         what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, None
     )
     result = estimate(sweep)
-    warnings = other_worlds(sweep)
+    warnings = describe_other_worlds(sweep)
     if json_asked:
         value = result.value | {
             "title": sweep.title,
@@ -138,7 +138,7 @@ def status(
     """Show how many runs are done, how long the rest takes, and what failed."""
     from app.studies.sweeps.sweep_table import status_of
 
-    value = status_of(kept_sweep(name))
+    value = status_of(find_sweep_folder(name))
     typer.echo(as_json(value) if json_asked else describe_progress(value))
 
 
@@ -175,15 +175,15 @@ def stop(
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing.")] = False,
 ) -> None:
     """Stop a sweep that another process runs; `flockscope sweep run` goes on with it."""
-    from app.studies.runs.store import is_taken
+    from app.studies.runs.store import is_locked
     from app.studies.study_runner import STOP
 
-    folder = kept_sweep(name)
-    if not is_taken(folder):
+    folder = find_sweep_folder(name)
+    if not is_locked(folder):
         raise InputError(f"no process runs {str(folder)!r}")
     (folder / STOP).touch()
     end = time.monotonic() + TIMEOUT
-    while is_taken(folder):
+    while is_locked(folder):
         if time.monotonic() > end:
             raise InputError(
                 f"{str(folder)!r} has not stopped within {TIMEOUT:g} s: it was asked to"
@@ -244,13 +244,13 @@ def plot(
     from app.studies.charts.scaling import Scaling
     from app.studies.runs.store_reader import StoreReader
     from app.studies.sweeps.sweep_picture import draw
-    from app.studies.sweeps.sweep_table import measured
+    from app.studies.sweeps.sweep_table import measured_columns
 
     if (beta is None) != (nu is None) or (critical is not None and beta is None):
         raise InputError("a collapse takes --beta and --nu, and --critical beside them")
     scaling = None if beta is None or nu is None else Scaling(beta, nu, critical)
-    reader = StoreReader(kept_sweep(name))
-    column = observable or next(iter(measured(reader)), "picture")
+    reader = StoreReader(find_sweep_folder(name))
+    column = observable or next(iter(measured_columns(reader)), "picture")
     path = out or reader.folder / f"{column.replace('/', '-')}.png"
     draw(
         reader, path, observable,
@@ -258,7 +258,7 @@ def plot(
         overwrite=overwrite or out is None,
     )  # fmt: skip
     if not quiet:
-        tell_written(path)
+        print_written_files(path)
 
 
 # `flockscope sweep export`: the runs as CSV or Parquet, in the order of the plan.
@@ -285,21 +285,21 @@ def export(
     """
     from app.studies.runs.store_reader import StoreReader
     from app.studies.sweeps.sweep_table import as_csv, write_table
-    from app.studies.sweeps.sweep_table import long as in_long
-    from app.studies.sweeps.sweep_table import wide as in_wide
+    from app.studies.sweeps.sweep_table import long_table as in_long
+    from app.studies.sweeps.sweep_table import wide_table as in_wide
 
     if long and times:
         raise InputError(
             "--times cannot be given with --long: seconds are of a run, not of a value"
         )
-    reader = StoreReader(kept_sweep(name))
+    reader = StoreReader(find_sweep_folder(name))
     columns = in_long(reader) if long else in_wide(reader, times)
     if out is None:
         typer.echo(as_csv(columns), nl=False)
         return
     write_table(columns, out, overwrite)
     if not quiet:
-        tell_written(out)
+        print_written_files(out)
 
 
 sweep = command_group(

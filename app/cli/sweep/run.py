@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, tell
+from app.cli.outcome_table import as_json, print_stderr
 from app.cli.progress import Progress, StopSignals
 from app.cli.sweep.clusters import (
     Account,
@@ -23,8 +23,8 @@ from app.cli.sweep.clusters import (
     OnCluster,
     Queue,
     Walltime,
-    cluster_asked,
     describe_cluster,
+    read_cluster_options,
 )
 from app.cli.sweep.sweep_choice import (
     Fixed,
@@ -36,10 +36,10 @@ from app.cli.sweep.sweep_choice import (
     Ticks,
     Until,
     Vary,
-    sweep_asked,
+    read_sweep_options,
 )
 from app.cli.terminal import INTERRUPTED
-from app.settings import at_least
+from app.settings import check_whole_number
 from worlds.number_text import counted, duration
 
 if TYPE_CHECKING:
@@ -69,13 +69,13 @@ Quiet = Annotated[bool, typer.Option("--quiet", help="No messages while it runs.
 
 def demand_sound(workers: int | None, nice: int, limit: int | None) -> None:
     """Refuse numbers that cannot be. Raises InputError."""
-    at_least("--workers", workers, 1, MOST_WORKERS)
-    at_least("--nice", nice, 0, 19)
-    at_least("--limit", limit, 1)
+    check_whole_number("--workers", workers, 1, MOST_WORKERS)
+    check_whole_number("--nice", nice, 0, 19)
+    check_whole_number("--limit", limit, 1)
 
 
 @contextmanager
-def under_way(folder: Path, quiet: bool) -> Iterator[Progress]:
+def progress_bar(folder: Path, quiet: bool) -> Iterator[Progress]:
     """A bar while runs are made; after Ctrl-C a line tells how to go on."""
     again = f"flockscope {shlex.join(sys.argv[1:])}"
     stopped = f"flockscope: stopped; finished runs are in {folder}; go on with: {again}"
@@ -83,16 +83,16 @@ def under_way(folder: Path, quiet: bool) -> Iterator[Progress]:
         with StopSignals(at_once=stopped), Progress(folder.name, quiet) as progress:
             yield progress
     except KeyboardInterrupt:
-        tell(stopped)
+        print_stderr(stopped)
         raise typer.Exit(INTERRUPTED) from None
 
 
-def warn(sweep: Sweep) -> None:
+def print_warnings(sweep: Sweep) -> None:
     """Warn of worlds that are not those of the papers."""
-    from app.studies.sweeps.estimate import other_worlds
+    from app.studies.sweeps.estimate import describe_other_worlds
 
-    for line in other_worlds(sweep):
-        tell(f"flockscope: {line}")
+    for line in describe_other_worlds(sweep):
+        print_stderr(f"flockscope: {line}")
 
 
 def carry_out_sweep(
@@ -106,15 +106,15 @@ def carry_out_sweep(
     cluster: Cluster | None = None,
 ) -> StudyReport:
     """Carry out the sweep."""
-    from app.studies.sweeps.sweep_runner import conduct
+    from app.studies.sweeps.sweep_runner import run_sweep
     from app.studies.workers.processes import cores
 
     if cluster is not None and not quiet:
         from app.cli.sweep.clusters import describe_cluster
 
-        tell(describe_cluster(cluster, bool(sweep.file.record)))
-    with under_way(folder, quiet) as progress:
-        return conduct(
+        print_stderr(describe_cluster(cluster, bool(sweep.file.record)))
+    with progress_bar(folder, quiet) as progress:
+        return run_sweep(
             sweep,
             folder,
             workers=workers or cores(),
@@ -122,8 +122,8 @@ def carry_out_sweep(
             retry=retry,
             limit=limit,
             cluster=cluster,
-            tell=None if quiet else tell,
-            at=progress.at,
+            tell=None if quiet else print_stderr,
+            at=progress.update,
         )
 
 
@@ -165,23 +165,23 @@ def run(
 
     The exit code is 3 if any run failed or was killed: `flockscope sweep show` names them.
     """
-    at_least("--runs", runs, 1)
-    at_least("--over", over, 1)
-    at_least("--hold", hold, 1)
+    check_whole_number("--runs", runs, 1)
+    check_whole_number("--over", over, 1)
+    check_whole_number("--hold", hold, 1)
     demand_sound(workers, nice, limit)
-    listener = None if quiet else tell
-    sweep, own = sweep_asked(
+    listener = None if quiet else print_stderr
+    sweep, own = read_sweep_options(
         what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, listener
     )
     folder = out or own
     queue_options = {"jobs": jobs, "cores": cores, "memory": memory, "walltime": walltime}
     queue_options |= {"queue": queue, "account": account}
-    made_on = cluster_asked(sweep, cluster, workers, dry_run, **queue_options)
+    made_on = read_cluster_options(sweep, cluster, workers, dry_run, **queue_options)
     if dry_run and made_on is not None:
         print_job(made_on, quiet)
         return
     if not quiet:
-        warn(sweep)
+        print_warnings(sweep)
     began = time.monotonic()
     done = carry_out_sweep(sweep, folder, workers, nice, retry_failed, limit, quiet, made_on)
     files = draw_all(sweep, folder) if plot and done.made + done.taken else []
@@ -196,7 +196,7 @@ def print_job(cluster: Cluster, quiet: bool) -> None:
 
     typer.echo(job_script(cluster), nl=False)
     if not quiet:
-        tell(f"flockscope: nothing is run; without --dry-run {describe_cluster(cluster)}")
+        print_stderr(f"flockscope: nothing is run; without --dry-run {describe_cluster(cluster)}")
 
 
 def draw_all(sweep: Sweep, folder: Path) -> list[Path]:
@@ -243,13 +243,15 @@ def report(
         return
     if done.made:
         rate = done.made / max(seconds, 1e-9)
-        tell(
+        print_stderr(
             f"{counted(done.made, 'run')} made in {duration(seconds)} ({rate:.3g} a second), "
             f"{done.taken} taken from {folder}"
         )
     else:
-        tell(f"no run made, {done.taken} taken from {folder}")
+        print_stderr(f"no run made, {done.taken} taken from {folder}")
     if not done.whole:
-        tell(f"not all runs are made; go on with: flockscope sweep run {shlex.quote(str(folder))}")
+        print_stderr(
+            f"not all runs are made; go on with: flockscope sweep run {shlex.quote(str(folder))}"
+        )
     if files:
-        tell("written: " + ", ".join(map(str, files)))
+        print_stderr("written: " + ", ".join(map(str, files)))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.outcome_table import as_json
-from app.cli.sweep.sweep_choice import Name, kept_sweep
+from app.cli.sweep.sweep_choice import Name, find_sweep_folder
 from app.cli.terminal import make_console
 from worlds.input_error import InputError
 
@@ -33,7 +33,7 @@ def show(
     from app.studies.runs.store_reader import StoreReader
     from app.studies.sweeps.sweep_table import spec_at
 
-    reader = StoreReader(kept_sweep(name))
+    reader = StoreReader(find_sweep_folder(name))
     if seed is not None:
         if cell is None:
             raise InputError("--seed needs --cell: of which cell is the run?")
@@ -60,7 +60,7 @@ def summary_of(reader: StoreReader) -> None:
 def summaries(reader: StoreReader) -> list[dict[str, Any]]:
     """Each cell with the mean and the interval of what was measured, and runs without a value."""
     from app.studies.sweeps.sweep_groups import groups_of
-    from app.studies.sweeps.sweep_table import measured, places_of
+    from app.studies.sweeps.sweep_table import measured_columns, places_of
 
     places = places_of(reader)
     rows: list[dict[str, Any]] = [
@@ -68,7 +68,7 @@ def summaries(reader: StoreReader) -> list[dict[str, Any]]:
         for number, cell in reader.cells.items()
     ]
     at = dict(zip(reader.cells, rows, strict=True))
-    for column in measured(reader):
+    for column in measured_columns(reader):
         try:
             groups = groups_of(reader, column)[1]
         except InputError:
@@ -99,16 +99,16 @@ def show_cells(reader: StoreReader, rows: list[dict[str, Any]]) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from app.studies.sweeps.sweep_table import axes_of, measured
+    from app.studies.sweeps.sweep_table import axes_of, measured_columns
 
-    axes, columns = axes_of(reader), measured(reader)
+    axes, columns = axes_of(reader), measured_columns(reader)
     extra = [key for key in ("gave_up", "failed") if any(row[key] for row in rows)]
     table = Table(
         "cell", *axes, "runs", *(key.replace("_", " ") for key in extra), *columns,
         title=str(reader.state.get("title", "")), title_justify="left", box=SIMPLE_HEAD,
     )  # fmt: skip
     for row in rows[:MOST]:
-        cells = [str(row["cell"]), *(plain(row["axes"].get(axis)) for axis in axes)]
+        cells = [str(row["cell"]), *(format_axis_value(row["axes"].get(axis)) for axis in axes)]
         cells += [str(row["runs"]), *(str(row[key] or "") for key in extra)]
         cells += [interval(row.get(column)) for column in columns]
         table.add_row(*cells)
@@ -127,7 +127,7 @@ def show_cells(reader: StoreReader, rows: list[dict[str, Any]]) -> None:
         console.print(f"and {len(failures) - FAULTS} more failed runs")
 
 
-def plain(value: Any) -> str:
+def format_axis_value(value: Any) -> str:
     """A value of an axis."""
     if isinstance(value, float):
         return f"{value:.6g}"

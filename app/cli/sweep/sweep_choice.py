@@ -46,7 +46,7 @@ Hold = Annotated[int, typer.Option(help="Ticks for which --until has to hold.")]
 Name = Annotated[str, typer.Argument(help="A sweep in results/, or its folder.")]
 
 
-def sweep_asked(
+def read_sweep_options(
     what: str,
     vary: list[str] | None,
     fixed: list[str] | None,
@@ -67,11 +67,11 @@ def sweep_asked(
         "--vary": vary, "--set": fixed, "--runs": runs, "--ticks": ticks, "--observe": observe,
         "--over": over, "--until": until, "--seconds": seconds,
     }  # fmt: skip
-    if says_all(what):
+    if is_complete_sweep(what):
         for name, option_value in options.items():
             if option_value:
                 raise InputError(f"{name} cannot be given with {what}, which says it already")
-        return read_or_kept(what, tell)
+        return read_complete_sweep(what, tell)
     if not vary:
         raise InputError(
             f"{what!r} is no FILE.toml and no folder of a sweep; for a model give --vary "
@@ -107,16 +107,16 @@ def ticks_of(model: str, vary: list[str], fixed: list[str], seconds: float) -> i
     return ticks_asked(None, seconds, found_model.name, found_model.body.unit, dt)
 
 
-def says_all(what: str) -> bool:
+def is_complete_sweep(what: str) -> bool:
     """Whether this is a file, or the folder of a sweep that was run before."""
     return Path(what).suffix.lower() == ".toml" or is_sweep(folder_of(what))
 
 
-def read_or_kept(what: str, tell: Any) -> tuple[Sweep, Path]:
+def read_complete_sweep(what: str, tell: Any) -> tuple[Sweep, Path]:
     """The sweep of a file or of a folder, and its folder. Raises InputError."""
     from app.studies.sweeps.checked_sweep import read_sweep
 
-    if not says_all(what):
+    if not is_complete_sweep(what):
         raise InputError(f"{what!r} is no FILE.toml and no folder of a sweep")
     if Path(what).suffix.lower() == ".toml":
         return read_sweep(Path(what), tell), RESULTS / Path(what).stem
@@ -127,10 +127,10 @@ def read_stored_sweep(folder: Path, tell: Any) -> Sweep:
     """The sweep of a folder that was run before. Raises InputError."""
     from app.studies.sweeps.checked_sweep import sweep_of
 
-    return sweep_of(*begun_in(folder), tell)
+    return sweep_of(*read_sweep_folder(folder), tell)
 
 
-def begun_in(folder: Path) -> tuple[dict[str, Any], KeyLocations, Path]:
+def read_sweep_folder(folder: Path) -> tuple[dict[str, Any], KeyLocations, Path]:
     """What the file in a folder says, where its keys are, where it was begun. Raises InputError."""
     from app.studies.key_lines import KeyLocations
     from app.studies.runs.store_reader import StoreReader
@@ -221,7 +221,7 @@ def is_sweep(folder: Path) -> bool:
     return (folder / FILE).is_file()
 
 
-def kept_sweep(name: str) -> Path:
+def find_sweep_folder(name: str) -> Path:
     """The folder of a sweep that was run, by name or path. Raises InputError."""
     path = Path(name)
     if path.suffix.lower() == ".toml" and not path.is_dir():

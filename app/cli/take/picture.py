@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.outcome_table import as_json, tell_written
+from app.cli.outcome_table import as_json, print_written_files
 from app.cli.progress import Progress, run_ticks
 from app.cli.run_arguments import Asked, with_options
-from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
+from app.cli.take.renderer import AUTO, BROWSER, PLAIN, browser, camera_request, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
 from app.cli.terminal import INTERRUPTED
 from app.cli.usage import Rules
-from app.settings import at_least
+from app.settings import check_whole_number
 from worlds.file_writer import demand_writable, writing
 from worlds.input_error import InputError
 
@@ -78,7 +78,7 @@ def picture(
 
     What `flockscope run` takes to say which run it is, this takes too.
     """
-    at_least("--tick", tick, 0)
+    check_whole_number("--tick", tick, 0)
     size = pixels(size_text)
     demand_renderer(renderer)
     demand_writable("--out", out, overwrite, ENDINGS)
@@ -87,7 +87,7 @@ def picture(
         raise InputError(f"--renderer browser is not allowed: a browser draws no {out.suffix}")
     if camera == "round":
         raise InputError("--camera round is not allowed: a picture stands still")
-    aim = aim_of(camera, follow, None, 1.0, 1)
+    aim = camera_request(camera, follow, None, 1.0, 1)
     now = flock_to_draw(spec, rule, options, settings or [], tick, quiet)
     from app.viewer.pictures.shot import look_of, shot
 
@@ -112,7 +112,7 @@ def picture(
                 "renderer": PLAIN if window is None else BROWSER}  # fmt: skip
         typer.echo(as_json(result))
     if not quiet:
-        tell_written(out)
+        print_written_files(out)
 
 
 def flock_to_draw(

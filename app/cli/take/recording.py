@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, tell_written
+from app.cli.outcome_table import as_json, print_written_files
 from app.cli.terminal import visible
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError
@@ -38,7 +38,7 @@ def recording(
     if csv is not None:
         demand_writable("--csv", csv, overwrite, (".csv",))
     if file.is_dir():
-        of_live_run(file, table, csv, overwrite, json_asked)
+        show_live_recording(file, table, csv, overwrite, json_asked)
         return
     if table is not None:
         raise InputError(f"--table {table} is not allowed: {str(file)!r} is one table")
@@ -52,10 +52,10 @@ def recording(
         typer.echo(as_json(description | ({"csv": str(csv)} if csv else {})))
     else:
         show(description)
-    tell_written(csv)
+    print_written_files(csv)
 
 
-def tell_out(line: str) -> None:
+def print_stdout(line: str) -> None:
     """A line on stdout with texts of a file in it."""
     typer.echo(visible(line))
 
@@ -68,18 +68,20 @@ def show(description: dict[str, Any]) -> None:
     a_tick = "" if unit == "ticks" else f", {description['time_per_tick']:g} {unit} a tick"
     size = " x ".join(f"{side:g}" for side in description["size"])
     length = "" if description["length_unit"] == "length" else f" {description['length_unit']}"
-    tell_out(
+    print_stdout(
         f"{description['title']} ({description['model']}): "
         f"{counted(description['agents'], 'agent')} in "
         f"{description['world']} {size}{length}, seed {description['seed']}"
     )
-    tell_out(
+    print_stdout(
         f"{counted(description['frames'], 'frame')} of ticks {first} to {last}{seconds}{a_tick}; "
         f"{counted(description['rows'], 'row')}"
     )
     least, most = description["ticks_apart"]
     if least < most:
-        tell_out(f"frames are {least} to {most} ticks apart; the end of a run is always recorded")
+        print_stdout(
+            f"frames are {least} to {most} ticks apart; the end of a run is always recorded"
+        )
     show_columns(description["columns"])
 
 
@@ -89,10 +91,10 @@ def show_columns(columns: dict[str, dict[str, str]]) -> None:
     units = max(len(column_types["unit"]) for column_types in columns.values())
     for name, column_types in columns.items():
         unit = "" if column_types["unit"] == "1" else column_types["unit"]
-        tell_out(f"  {name:<{wide}}  {unit:<{units}}  {column_types['meaning']}")
+        print_stdout(f"  {name:<{wide}}  {unit:<{units}}  {column_types['meaning']}")
 
 
-def of_live_run(
+def show_live_recording(
     folder: Path, table: str | None, csv: Path | None, overwrite: bool, json_asked: bool
 ) -> None:
     """The same of a recording of real cars, a folder of tables. Raises InputError."""
@@ -106,13 +108,13 @@ def of_live_run(
         if table is None:
             raise InputError(f"--csv {csv}: which --table? One of {', '.join(recorded.tables)}")
         recorded.to_csv(table, csv, overwrite)
-    description = about(recorded)
+    description = describe_live_recording(recorded)
     table_names = [table] if table else list(recorded.tables)
     if json_asked:
         typer.echo(as_json(description | ({"csv": str(csv)} if csv else {})))
     else:
         low, high = recorded.lab.area.low, recorded.lab.area.high
-        tell_out(
+        print_stdout(
             f"{recorded.lab.title or folder}: {counted(len(recorded.lab.cars), 'car')}, rule "
             f"{recorded.lab.rule}, {high[0] - low[0]:g} x {high[1] - low[1]:g} m, "
             f"{description['time_per_tick']:g} s a tick"
@@ -120,16 +122,16 @@ def of_live_run(
         for name in table_names:
             typer.echo(f"{name}: {counted(description['tables'][name]['rows'], 'row')}")
             show_columns(columns_of(name))
-    tell_written(csv)
+    print_written_files(csv)
 
 
-def about(recorded: StoredRecording) -> dict[str, Any]:
+def describe_live_recording(recorded: StoredRecording) -> dict[str, Any]:
     """What a recording of real cars holds, as JSON has it."""
-    from app.live.recording.recording_writer import columns_of, described
+    from app.live.recording.recording_writer import columns_of, lab_metadata
 
     return {
         "recording": str(recorded.folder),
-        **described(recorded.lab),
+        **lab_metadata(recorded.lab),
         "began": recorded.began,
         "parts": len(recorded.parts),
         "cars": list(recorded.lab.cars),

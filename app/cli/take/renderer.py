@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from app.cli.outcome_table import tell
+from app.cli.outcome_table import print_stderr
 from worlds.input_error import InputError, unknown
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def browser(name: str, quiet: bool) -> Iterator[Browser | None]:
                 raise
             words = f"{refusal}: drawn by the plain renderer"
     if name == AUTO and not quiet:
-        tell(f"flockscope: {words}")
+        print_stderr(f"flockscope: {words}")
     try:
         yield window
     finally:
@@ -56,7 +56,7 @@ def browser(name: str, quiet: bool) -> Iterator[Browser | None]:
             window.close()
 
 
-def aim_of(
+def camera_request(
     camera: str, follow: int | None, turn: float | None, ticks_a_second: float, ticks: int
 ) -> CameraRequest:
     """Where a camera is to look; going round it does so once in `ticks` unless `turn` (deg/s) says.

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-from app.cli.outcome_table import tell
-from app.cli.run import built
+from app.cli.outcome_table import print_stderr
+from app.cli.run import build_flock
 from app.cli.run_arguments import Asked, option_name
-from app.cli.usage import by_name, first_of
+from app.cli.usage import first_of, model_name
 from app.studies.workers.kernels import compile_loop
 from worlds.input_error import InputError
 
@@ -44,13 +44,13 @@ def flock_of(
     """The flock of a model's name, of a FILE.py or of a spec (TOML), compiled. Raises
     InputError."""
     spec = Path(what) if what is not None and Path(what).suffix.lower() == ".toml" else None
-    model = None if spec else first_of(by_name(what), rule)
+    model = None if spec else first_of(model_name(what), rule)
     if spec is not None and not spec.exists():
         raise InputError(f"spec {str(spec)!r} cannot be read: there is no such file")
-    flock = built(spec, model, options, settings, 1, False, quiet)
+    flock = build_flock(spec, model, options, settings, 1, False, quiet)
     if flock.warning and not quiet:
-        tell(f"flockscope: {flock.warning}")
-    compile_loop(flock, None if quiet else tell)
+        print_stderr(f"flockscope: {flock.warning}")
+    compile_loop(flock, None if quiet else print_stderr)
     return flock
 
 

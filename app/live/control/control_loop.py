@@ -59,7 +59,7 @@ class Journal(Protocol):
         """Take down a tick."""
         ...
 
-    def news(self) -> list[str]:
+    def new_lines(self) -> list[str]:
         """What is new of the recording, each in one line."""
         ...
 
@@ -118,7 +118,7 @@ class Loop:
         """Make a request: it is carried out at the next tick, an emergency stop before all else."""
         self.asked.put(request)
 
-    def overtake(self, request: OperatorRequest) -> None:
+    def note_overtaken(self, request: OperatorRequest) -> None:
         """Note a request that an emergency stop has overtaken; it is not carried out."""
         self.late.put(request)
 
@@ -127,7 +127,7 @@ class Loop:
         NaN."""
         self.injected.place(x, y)
 
-    def leave(self, cause: str) -> None:
+    def end(self, cause: str) -> None:
         """End the loop after this tick."""
         self.leaving = cause
 
@@ -160,11 +160,11 @@ class Loop:
         frames = self.feed.since(self.newest.number if self.newest else -1)
         if frames:
             self.newest = frames[-1]
-        self.watch_the_operator(now)
-        self.control.see(now, self.requests(), self.newest)
+        self.check_operator(now)
+        self.control.begin_tick(now, self.requests(), self.newest)
         control = self.control
-        injected = self.injected.at(now, control.running, control.sightings)
-        step = control.act(now, injected)
+        injected = self.injected.pose_at(now, control.running, control.sightings)
+        step = control.end_tick(now, injected)
         self.send(step.verdict.mode, step.verdict.commands)
         latency = None
         if frames:
@@ -181,7 +181,7 @@ class Loop:
         if control.tick % STATUS_EVERY == 0 or step.events:
             self.latest = self.status(now, injected, step.verdict)
 
-    def watch_the_operator(self, now: float) -> None:
+    def check_operator(self, now: float) -> None:
         """Take the arming away where an operator has long been silent: its process hangs."""
         unattended = self.control.safety.limits.unattended
         armed = self.control.safety.arm.state == "armed"
@@ -247,7 +247,7 @@ class Loop:
                 words = trouble or f"the {kind} works again"
                 events.append(Event(self.control.tick, now, kind, words))
                 self.known[kind] = trouble
-        news = journal.news() if journal is not None else []
+        news = journal.new_lines() if journal is not None else []
         events += [
             Event(self.control.tick, now, "part", words, cause="recording") for words in news
         ]
@@ -276,12 +276,12 @@ class Loop:
             frames += not self.troubles["link"] and self.link.dropped == dropped
             self.wait(self.period)
         self.link.close()
-        end = self.closing_words(frames, latched)
+        end = self.describe_end(frames, latched)
         for left, now in zip(reversed(range(PARTING)), times, strict=True):
             self.record_stop(now, stop_requests, mode, still, "" if left else end)
             stop_requests = []
 
-    def closing_words(self, frames: int, latched: bool) -> str:
+    def describe_end(self, frames: int, latched: bool) -> str:
         """Why the loop ends and what stops the cars, in words."""
         stop = "an emergency stop" if latched else "to stop"
         message = (
@@ -304,9 +304,9 @@ class Loop:
         control = self.control
         injected = None
         try:
-            control.see(now, requests, self.newest)
-            injected = self.injected.at(now, control.running, control.sightings)
-            step = control.act(now, injected)
+            control.begin_tick(now, requests, self.newest)
+            injected = self.injected.pose_at(now, control.running, control.sightings)
+            step = control.end_tick(now, injected)
         except Exception:  # what has failed before may fail again; what was sent is known
             step = ControlStep({}, SafetyDecision(mode, still, ()), ())
         events = step.events

@@ -128,7 +128,7 @@ class BodyReport:
         return faults
 
 
-def reachable[Seconds: (float, np.ndarray)](
+def reachable_distance[Seconds: (float, np.ndarray)](
     seconds: Seconds, fastest: float, leap: float
 ) -> Seconds:
     """How far (m) from where it was a car can be seen after a time >= 0, at twice its top speed.
@@ -219,7 +219,7 @@ def describe_yaw(track: BodyTrack, agreement: YawAgreement | None) -> str:
 def find_jumps(track: BodyTrack, fastest: float, leap: float) -> list[Jump]:
     """Where a body is seen further from where it was last seen than a car can have come."""
     far = np.hypot(*np.diff(track.position, axis=0).T)
-    reach = reachable(np.diff(track.time), fastest, leap)
+    reach = reachable_distance(np.diff(track.time), fastest, leap)
     return [Jump(int(track.number[k + 1]), float(far[k])) for k in np.flatnonzero(far > reach)]
 
 
@@ -237,7 +237,9 @@ def find_swaps(
             k, m = (int(np.searchsorted(part.number, number)) for part in (track, other))
             crossed = all(
                 math.dist(came.position[to], left.position[at])
-                <= reachable(float(came.time[to] - left.time[at]), fastest[came.name], leap)
+                <= reachable_distance(
+                    float(came.time[to] - left.time[at]), fastest[came.name], leap
+                )
                 for came, to, left, at in ((track, k, other, m - 1), (other, m, track, k - 1))
             )
             if crossed:

@@ -102,7 +102,7 @@ class TrackingArea(StrictTable):
                 )
         return self
 
-    def inside(self, x: float, y: float) -> float:
+    def distance_inside(self, x: float, y: float) -> float:
         """How far (m) a point is inside the fence; negative beyond it.
 
         >>> TrackingArea(low=(-2, -2), high=(2, 2)).inside(1.25, 0)

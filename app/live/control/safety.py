@@ -91,7 +91,7 @@ class Safety:
         self.before: float | None = None
         """The time of the last verdict, s."""
 
-    def see(self, now: float, frame: MocapFrame | None) -> tuple[Sighting, ...]:
+    def take_frame(self, now: float, frame: MocapFrame | None) -> tuple[Sighting, ...]:
         """Take the newest frame; the last poses of all bodies seen within `stale` seconds.
 
         While unarmed every pose is accepted, also that of a car that is carried.
@@ -99,15 +99,15 @@ class Safety:
         if self.seen.take(now, frame, believing=self.arm.state != "armed"):
             for name, pose in self.seen.fresh.items():
                 if name in self.travels:
-                    self.travels[name].see(now, pose)
+                    self.travels[name].add_pose(now, pose)
                 if name in self.standstills:
-                    self.standstills[name].see(now, pose)
+                    self.standstills[name].add_pose(now, pose)
         return self.seen.sightings(now, self.limits.stale)
 
     def ask(self, now: float, request: OperatorRequest) -> bool:
         """Carry out a request; whether it changed anything. Raises InputError if it cannot arm."""
-        faults = self.faults(now) + self.jumping(now) if request.action == "arm" else []
-        changed = self.arm.take(request, [fault.words for fault in faults])
+        faults = self.faults(now) + self.jump_reasons(now) if request.action == "arm" else []
+        changed = self.arm.carry_out(request, [fault.words for fault in faults])
         if changed and request.action == "arm":
             for travel in self.travels.values():
                 travel.forget(now)
@@ -116,7 +116,12 @@ class Safety:
 
     def faults(self, now: float) -> list[StopReason]:
         """Why the cars cannot run, as far as their poses show."""
-        return [*self.moving(), *self.unseen(now), *self.leaping(now), *self.beyond()]
+        return [
+            *self.moving_reasons(),
+            *self.unseen_reasons(now),
+            *self.leap_reasons(now),
+            *self.fence_reasons(),
+        ]
 
     def judge(
         self, now: float, commands: Mapping[str, Command], failed: str = ""
@@ -127,13 +132,17 @@ class Safety:
         """
         reasons = self.faults(now)
         reasons += (
-            [StopReason("rule", f"the rule failed: {failed}")] if failed else nonsense(commands)
+            [StopReason("rule", f"the rule failed: {failed}")]
+            if failed
+            else nonfinite_reasons(commands)
         )
         if self.arm.state == "armed":
-            reasons += self.asleep(now) + self.standing(now) + self.turned_round(now)
+            reasons += (
+                self.asleep_reasons(now) + self.stuck_reasons(now) + self.reversed_reasons(now)
+            )
         is_held = self.arm.state == "armed" and any(reason.holds for reason in reasons)
         if is_held:
-            self.arm.take(OperatorRequest("hold", "safety"))
+            self.arm.carry_out(OperatorRequest("hold", "safety"))
         if self.arm.state == "emergency":
             mode = EMERGENCY
         else:
@@ -147,14 +156,14 @@ class Safety:
         self.before = now
         for name, car in self.cars.items():
             steered, _ = self.sent[name]
-            self.sent[name] = limited(car, commands.get(name, (steered, 0.0)), steered, step)
+            self.sent[name] = limit_command(car, commands.get(name, (steered, 0.0)), steered, step)
             self.travels[name].drive(now, self.sent[name][1])
             if self.travels[name].throttle:
                 self.seen.driven.add(name)
             if name in self.standstills:
-                self.standstills[name].tell(now, self.sent[name][1])
+                self.standstills[name].set_throttle(now, self.sent[name][1])
 
-    def moving(self) -> list[StopReason]:
+    def moving_reasons(self) -> list[StopReason]:
         """Cars that move though they are told to stand."""
         return [
             StopReason(
@@ -167,7 +176,7 @@ class Safety:
             if standstill.moves
         ]
 
-    def unseen(self, now: float) -> list[StopReason]:
+    def unseen_reasons(self, now: float) -> list[StopReason]:
         """Cars that were not seen for too long; short gaps pass by themselves."""
         reasons = []
         for name in self.cars:
@@ -181,7 +190,7 @@ class Safety:
                 reasons.append(StopReason("unseen", f"{name} {since}", name, holds=False))
         return reasons
 
-    def asleep(self, now: float) -> list[StopReason]:
+    def asleep_reasons(self, now: float) -> list[StopReason]:
         """Gaps so long that the cars must be armed again."""
         longest = self.limits.long_gap
         reasons = [
@@ -195,7 +204,7 @@ class Safety:
             )
         return reasons
 
-    def leaping(self, now: float) -> list[StopReason]:
+    def leap_reasons(self, now: float) -> list[StopReason]:
         """Cars whose body has for too long been seen where, or turned as, they cannot be."""
         reasons = [
             StopReason(
@@ -213,7 +222,7 @@ class Safety:
         ]
         return [reason for reason in reasons if self.seen.age(reason.car, now) > self.limits.stale]
 
-    def turned_round(self, now: float) -> list[StopReason]:
+    def reversed_reasons(self, now: float) -> list[StopReason]:
         """Cars that have for too long gone against their nose."""
         return [
             StopReason(
@@ -226,7 +235,7 @@ class Safety:
             if travel.against is not None and now - travel.against > self.limits.stale
         ]
 
-    def jumping(self, now: float) -> list[StopReason]:
+    def jump_reasons(self, now: float) -> list[StopReason]:
         """Cars that have lately jumped as no car can, also while unarmed: what sees them errs."""
         return [
             StopReason(
@@ -236,21 +245,21 @@ class Safety:
             if now - at <= STEADY
         ]
 
-    def beyond(self) -> list[StopReason]:
+    def fence_reasons(self) -> list[StopReason]:
         """Cars at the fence or beyond it."""
         reasons = []
         for name in self.cars:
             last = self.seen.last.get(name)
-            if last is not None and self.area.inside(last.pose.x, last.pose.y) <= 0.0:
+            if last is not None and self.area.distance_inside(last.pose.x, last.pose.y) <= 0.0:
                 at = f"({last.pose.x:.2f}, {last.pose.y:.2f}) m"
                 reasons.append(StopReason("fence", f"{name} is at the fence: {at}", name))
         return reasons
 
-    def standing(self, now: float) -> list[StopReason]:
+    def stuck_reasons(self, now: float) -> list[StopReason]:
         """Cars that do not move as commanded."""
         for travel in self.travels.values():
             travel.advance(now)
-        still = [name for name, travel in self.travels.items() if travel.stands()]
+        still = [name for name, travel in self.travels.items() if travel.is_stuck()]
         if len(still) > 1 and len(still) == len(self.cars):
             return [
                 StopReason(
@@ -268,7 +277,7 @@ class Safety:
         ]
 
 
-def nonsense(commands: Mapping[str, Command]) -> list[StopReason]:
+def nonfinite_reasons(commands: Mapping[str, Command]) -> list[StopReason]:
     """Commands that are no finite numbers."""
     return [
         StopReason("rule", f"the rule wants steer = {steer}, throttle = {throttle} of {name}", name)
@@ -277,7 +286,7 @@ def nonsense(commands: Mapping[str, Command]) -> list[StopReason]:
     ]
 
 
-def limited(car: CarLimits, command: Command, steered: float, step: float) -> Command:
+def limit_command(car: CarLimits, command: Command, steered: float, step: float) -> Command:
     """A command within the limits of a car; its steering turns at most `steering_rate` step.
 
     >>> limited(CarLimits(throttle=0.5), (1.0, 2.0), 0.0, 0.01)

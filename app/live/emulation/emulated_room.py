@@ -118,7 +118,7 @@ class EmulatedPlant:
                 for address, car in self.cars.items()
             }
 
-    def fastest(self) -> float:
+    def top_speed(self) -> float:
         """The highest speed of any car, m/s."""
         with self.lock:
             return max(abs(car.speed) for car in self.cars.values())
@@ -133,7 +133,7 @@ def starts(lab: Lab) -> list[Pose]:
     round_about = plan.path == "circle"
     low, high = area.low, area.high
     middle = plan.centre if round_about else (0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]))
-    ring = 0.8 * plan.radius if round_about else 0.8 * area.inside(*middle)
+    ring = 0.8 * plan.radius if round_about else 0.8 * area.distance_inside(*middle)
     way = math.copysign(1.0, plan.speed) if round_about else 1.0
     apart = min(35.0, 300.0 / len(lab.cars))
     places = []
@@ -169,10 +169,11 @@ class EmulatedRoom:
     def sightings(self) -> tuple[Sighting, ...]:
         """Where the cars are, with the tracking's noise."""
         return tuple(
-            seen(self.bodies[name], self.shaken(pose)) for name, pose in self.plant.poses().items()
+            seen(self.bodies[name], self.add_tracking_noise(pose))
+            for name, pose in self.plant.poses().items()
         )
 
-    def shaken(self, pose: Pose) -> Pose:
+    def add_tracking_noise(self, pose: Pose) -> Pose:
         """A pose as the tracking has it."""
         gauss = self.chance.gauss
         return Pose(gauss(pose.x, NOISE_XY), gauss(pose.y, NOISE_XY), gauss(pose.yaw, NOISE_YAW))

@@ -137,9 +137,9 @@ class Decoder:
     def feed(self, data: bytes) -> list[CommandFrame]:
         """The commands that these bytes complete, oldest first."""
         pieces = range(0, len(data), PIECE)
-        return [command for at in pieces for command in self.take(data[at : at + PIECE])]
+        return [command for at in pieces for command in self.decode(data[at : at + PIECE])]
 
-    def take(self, data: bytes) -> list[CommandFrame]:
+    def decode(self, data: bytes) -> list[CommandFrame]:
         """The commands that a few more bytes complete."""
         self.waiting += data
         frames = []

@@ -57,7 +57,7 @@ def open_link(text: str, folder: Path | None = None) -> CarLink:
         raise InputError(f"the link {text!r} has cars to reach only where a laboratory is opened")
     place = known_link(text)
     if place.kind.endswith(FILE):
-        return opener_of((folder or Path()) / place.kind, text)(place)
+        return load_opener((folder or Path()) / place.kind, text)(place)
     return LINKS[place.kind](place)
 
 
@@ -73,7 +73,7 @@ def known_link(text: str) -> LinkAddress:
     return place
 
 
-def opener_of(file: Path, text: str) -> Opener:
+def load_opener(file: Path, text: str) -> Opener:
     """The opener in a Python file. Raises InputError if there is none."""
     if not file.is_file():
         raise InputError(f"there is no file {file} (link {text!r})")

@@ -49,7 +49,9 @@ def demand_allowed(lab: Lab, count: int) -> None:
         raise InputError(f"simulated cars = {count} is not allowed: {bound}")
 
 
-def begins(lab: Lab, number: int, occupied: Iterable[Sequence[float]], size: float) -> Pose:
+def companion_start(
+    lab: Lab, number: int, occupied: Iterable[Sequence[float]], size: float
+) -> Pose:
     """Where simulated car `number` begins: within the fence, clear of the places (m) taken.
 
     It heads along the injected car's circle, or anywhere if that goes no circle. `size` is the
@@ -71,10 +73,10 @@ def begins(lab: Lab, number: int, occupied: Iterable[Sequence[float]], size: flo
             f"is {apart:g} m from every other car"
         )
     x, y = (float(candidate) for candidate in tried[free[0]])
-    return Pose(x, y, along_circle(lab, x, y) if lab.injected.path == "circle" else yaw)
+    return Pose(x, y, circle_yaw(lab, x, y) if lab.injected.path == "circle" else yaw)
 
 
-def begin_more(
+def companion_starts(
     lab: Lab, kept_count: int, count: int, taken_places: Iterable[Sequence[float]], size: float
 ) -> list[Pose]:
     """Where simulated cars `kept_count` + 1 to `count` begin; for the rest see `begins`.
@@ -85,7 +87,7 @@ def begin_more(
     more: list[Pose] = []
     for number in range(kept_count + 1, count + 1):
         try:
-            more.append(begins(lab, number, occupied, size))
+            more.append(companion_start(lab, number, occupied, size))
         except NoFreeSpace as refused:
             raise NoFreeSpace(
                 f"simulated cars = {count} is not allowed: {refused}; {number - 1} would fit"
@@ -94,7 +96,7 @@ def begin_more(
     return more
 
 
-def along_circle(lab: Lab, x: float, y: float) -> float:
+def circle_yaw(lab: Lab, x: float, y: float) -> float:
     """The yaw (rad) at (x, y) of a car that goes round the injected car's circle in its sense."""
     plan = lab.injected
     outwards = math.atan2(y - plan.centre[1], x - plan.centre[0])
@@ -102,7 +104,7 @@ def along_circle(lab: Lab, x: float, y: float) -> float:
     return math.remainder(outwards + sense, 2.0 * math.pi)
 
 
-def resized(arrays: Arrays, kept_count: int, more: Sequence[Pose], model: Model) -> Arrays:
+def resize_arrays(arrays: Arrays, kept_count: int, more: Sequence[Pose], model: Model) -> Arrays:
     """The first `kept_count` rows of a flock with their memory, and rows of cars that begin."""
     n = kept_count + len(more)
     position, heading = np.zeros((n, 2)), np.tile((1.0, 0.0), (n, 1))
@@ -161,7 +163,7 @@ class FlockDriver(Motion):
         self._acted = set()
         self.fixed = NOT_SIMULATED | {"dt": 1.0 / lab.rate}
         fastest = max(car.speed for car in lab.cars.values())
-        self.parameters = self.agreed({"v_max": fastest} | AT_ONCE | dict(lab.parameters))
+        self.parameters = self.check_values({"v_max": fastest} | AT_ONCE | dict(lab.parameters))
         n = len(self.names)
         self.place = np.full((n, 2), np.nan)
         self.nose = np.tile((1.0, 0.0), (n, 1))
@@ -171,10 +173,10 @@ class FlockDriver(Motion):
         self.wanted = lab.simulated.cars
         """How many simulated cars there are to be; they begin once all real ones were seen."""
         self.begin()
-        begin_more(
+        companion_starts(
             lab, 0, lab.simulated.cars, [], self.size
         )  # they must fit an empty room at least
-        self.warm(tell)
+        self.compile(tell)
         self.begin()
 
     def begin(self) -> None:
@@ -184,7 +186,7 @@ class FlockDriver(Motion):
         still = Start(np.zeros((n, 2)), self.nose.copy(), np.zeros(n, bool), np.zeros(n), number)
         self._use(start_arrays(still, self.model, 1))
 
-    def warm(self, tell: Callable[[str], object] | None) -> None:
+    def compile(self, tell: Callable[[str], object] | None) -> None:
         """Compile, which takes up to a minute the first time, so that the loop need not."""
         from numba.core.errors import NumbaError
 
@@ -198,7 +200,7 @@ class FlockDriver(Motion):
                 "declared with"
             ) from None
 
-    def agreed(self, values: Mapping[str, Any]) -> Any:
+    def check_values(self, values: Mapping[str, Any]) -> Any:
         """The parameters of the rule and of the car with these values. Raises InputError."""
         for name in values:
             if name in NOT_SIMULATED:
@@ -212,7 +214,7 @@ class FlockDriver(Motion):
         """Change parameters while it drives. Raises InputError, and then changes nothing."""
         now = self.parameters.model_dump()
         unchanged = {name: value for name, value in now.items() if name not in NOT_SIMULATED}
-        self.parameters = self.agreed(unchanged | dict(values))
+        self.parameters = self.check_values(unchanged | dict(values))
         self.context = self._make_context()
 
     def drive(
@@ -224,24 +226,24 @@ class FlockDriver(Motion):
         is an injected car in the laboratory that is not seen. Raises
         NoFreeSpace, once, if the simulated cars have no space to begin: there are none then.
         """
-        seen_names = [sighting.name for sighting in sightings if self.found(now, sighting)]
+        seen_names = [sighting.name for sighting in sightings if self.place_car(now, sighting)]
         if injected is not None:
             self.target = injected.x, injected.y
-        if not self.is_placed or (injected is None and self.follows):
-            self.stand()
+        if not self.is_placed or (injected is None and self.has_injected_car):
+            self.stop_companions()
             return {}
         if self.wanted != self.simulated:
             wanted_count, self.wanted = (
                 self.wanted,
                 self.simulated,
             )  # what is refused is not tried again
-            self.have(wanted_count)
+            self.set_companion_count(wanted_count)
             self.wanted = wanted_count
         n = len(self.names)
         self.position[:n], self.heading[:n] = self.place, self.nose
         self.speed[:n] = [pace(past, nose) for past, nose in zip(self.past, self.nose, strict=True)]
         self.signal_row(self.vehicle.pace)[:n] = self.speed[:n]
-        if injected is not None and self.follows:
+        if injected is not None and self.has_injected_car:
             self.engine.surroundings.route[0, :2] = injected.x, injected.y
         self.advance_once(running)
         most = math.radians(self.context.parameters.wheel_max)
@@ -261,11 +263,11 @@ class FlockDriver(Motion):
         self.advance(1)
         for column, values in zip(own, before, strict=True):
             column[:] = values
-        self.stand()
+        self.stop_companions()
         # Who does not get on because it may not is not stuck.
         self.signal_row(self.vehicle.stuck)[:] = 0.0
 
-    def stand(self) -> None:
+    def stop_companions(self) -> None:
         """Stop the simulated cars where they are."""
         n = len(self.names)
         self.speed[n:] = self.signal_row(self.vehicle.pace)[n:] = 0.0
@@ -277,7 +279,9 @@ class FlockDriver(Motion):
     @property
     def is_placed(self) -> bool:
         """Whether it is known where everybody is, or was last: each car and the injected one."""
-        return not np.isnan(self.place).any() and not (self.target is None and self.follows)
+        return not np.isnan(self.place).any() and not (
+            self.target is None and self.has_injected_car
+        )
 
     @property
     def simulated(self) -> int:
@@ -309,18 +313,18 @@ class FlockDriver(Motion):
         ones leave first. Raises InputError, and then changes nothing."""
         demand_allowed(self.lab, count)
         if self.is_placed:
-            self.have(count)
+            self.set_companion_count(count)
         self.wanted = count
 
-    def have(self, count: int) -> None:
+    def set_companion_count(self, count: int) -> None:
         """Make it so many simulated cars. Raises NoFreeSpace, and then changes nothing."""
         n = len(self.names)
         kept_count = n + min(count, self.simulated)
         occupied = [*self.place, *self.position[n:kept_count]]
         if self.target is not None:
             occupied.append(self.target)
-        more = begin_more(self.lab, kept_count - n, count, occupied, self.size)
-        self._use(resized(self.arrays, kept_count, more, self.model))
+        more = companion_starts(self.lab, kept_count - n, count, occupied, self.size)
+        self._use(resize_arrays(self.arrays, kept_count, more, self.model))
 
     @property
     def size(self) -> float:
@@ -329,11 +333,11 @@ class FlockDriver(Motion):
         return math.hypot(body.length, body.width)
 
     @property
-    def follows(self) -> bool:
+    def has_injected_car(self) -> bool:
         """Whether there is an injected car in the laboratory."""
         return self.world.mission is not None
 
-    def found(self, now: float, sighting: Sighting) -> bool:
+    def place_car(self, now: float, sighting: Sighting) -> bool:
         """Take down where a car is; whether it is one of ours and seen."""
         pose = sighting.pose
         if sighting.name not in self.names or pose is None or not sighting.valid:

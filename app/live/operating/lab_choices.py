@@ -51,8 +51,8 @@ class Choices:
     @staticmethod
     def of(lab: Lab) -> Choices:
         """What may be chosen in a laboratory; what its file says is chosen."""
-        sources = offered(lab.source, lab.sources, SIMULATED)
-        links = offered(lab.link, lab.links, DRY)
+        sources = merge_devices(lab.source, lab.sources, SIMULATED)
+        links = merge_devices(lab.link, lab.links, DRY)
         rules = tuple(dict.fromkeys([lab.rule, *obedient()]))
         return Choices(
             lab, sources, links, rules, next(iter(sources)), next(iter(links)), lab.rule, lab
@@ -81,7 +81,7 @@ class Choices:
         )
         if source == SIMULATED:
             link = self.file.link if kind_of(self.file.link) == SIMULATED else SIMULATED
-        lab = self.file.altered(
+        lab = self.file.with_values(
             "the choice",
             source=source,
             link=link,
@@ -112,7 +112,7 @@ def laboratory(
     return selection
 
 
-def offered(own: str, others: Mapping[str, str], always: str) -> dict[str, str]:
+def merge_devices(own: str, others: Mapping[str, str], always: str) -> dict[str, str]:
     """Texts by name: the file's own, its others, and the one that is always there; each once."""
     devices = {name_of(own): own, **others}
     devices.setdefault(BUILT_IN_NAMES[always], always)

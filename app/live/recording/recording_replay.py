@@ -19,7 +19,13 @@ from app.live.control.car_control import CarControl, ControlStep
 from app.live.control.pose import Companion, Driver, MocapFrame, Pose, Sighting
 from app.live.laboratory.lab_file import Lab, lab_from_toml
 from app.live.laboratory.recording_parts import RecordingPart, parts_of
-from app.live.recording.recording_writer import LONGEST, TABLES, arrow_type, columns_of, described
+from app.live.recording.recording_writer import (
+    LONGEST,
+    TABLES,
+    arrow_type,
+    columns_of,
+    lab_metadata,
+)
 from worlds.file_writer import writing
 from worlds.input_error import InputError, shortened, unknown
 
@@ -116,7 +122,7 @@ class StoredRecording:
         frame = self.table(name).to_pandas(ignore_metadata=True)
         columns = columns_of(name)
         frame.attrs.update(
-            described(self.lab),
+            lab_metadata(self.lab),
             table=name,
             units={column_name: column["unit"] for column_name, column in columns.items()},
             meanings={column_name: column["meaning"] for column_name, column in columns.items()},
@@ -316,8 +322,8 @@ def steps(recorded: StoredRecording, driver: Driver) -> Iterator[tuple[Tick, Con
                 "`flockscope live lab` shows it"
             )
         newest = tick.frames[-1] if tick.frames else newest
-        control.see(tick.now, tick.requests, newest)
-        yield tick, control.act(tick.now, tick.injected)
+        control.begin_tick(tick.now, tick.requests, newest)
+        yield tick, control.end_tick(tick.now, tick.injected)
 
 
 def replay(folder: str | Path, make: Callable[[Lab], Driver]) -> ReplayResult:

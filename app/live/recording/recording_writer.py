@@ -119,7 +119,7 @@ def units_of(table: str) -> dict[str, str]:
     return {name: unit for name, (unit, _) in COLUMNS[table].items() if unit != "1"}
 
 
-def described(lab: Lab) -> dict[str, Any]:
+def lab_metadata(lab: Lab) -> dict[str, Any]:
     """What a table's metadata says of the room beside the text of its laboratory."""
     area = lab.area
     return {
@@ -322,12 +322,12 @@ class RecordingWriter:
                 "began": time.time(),
                 "began_on_the_clock": time.monotonic(),
                 "versions": versions(),
-                **described(lab_from_toml(self.laboratory, "laboratory")),
+                **lab_metadata(lab_from_toml(self.laboratory, "laboratory")),
             }
             self.begin(self.part)
         except OSError as error:
             raise refused(self.folder, error) from None
-        self.thread = threading.Thread(target=self.keep_writing, name="recording", daemon=True)
+        self.thread = threading.Thread(target=self.write_until_end, name="recording", daemon=True)
         self.thread.start()
         return self
 
@@ -361,7 +361,7 @@ class RecordingWriter:
             return
         self.waiting.put(moment)
 
-    def news(self) -> list[str]:
+    def new_lines(self) -> list[str]:
         """What is new of it, each in one line: parts that begin, and those that are removed."""
         messages = []
         with suppress(queue.Empty):
@@ -369,7 +369,7 @@ class RecordingWriter:
                 messages.append(self.told.get_nowait())
         return messages
 
-    def keep_writing(self) -> None:
+    def write_until_end(self) -> None:
         """Write what waits, until the end."""
         ended = False
         while not ended:
@@ -383,7 +383,7 @@ class RecordingWriter:
                     for name, stream in self.streams.items():
                         stream.write(list(rows(name, some)))
                     if sum(stream.size for stream in self.streams.values()) >= MB * self.kept.part:
-                        self.turn_over()
+                        self.begin_next_part()
             except OSError as error:
                 self.trouble = str(refused(self.folder, error))
                 return
@@ -402,7 +402,7 @@ class RecordingWriter:
                 part.remove()
             raise
 
-    def turn_over(self) -> None:
+    def begin_next_part(self) -> None:
         """Begin the next part; the tables of this one are made meanwhile. Raises OSError."""
         for stream in self.streams.values():
             stream.close()

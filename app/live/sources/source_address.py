@@ -74,7 +74,7 @@ class Address:
             raise InputError(f"{refused} ({self.text})") from None
 
 
-def parsed(text: str) -> Address:
+def parse_address(text: str) -> Address:
     """The parts of a source's text.
 
     Raises InputError if it is not of the form `kind:place?option=value`.

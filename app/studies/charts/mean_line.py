@@ -19,7 +19,7 @@ from app.studies.charts.axis_limits import (
     spans_decades,
 )
 from app.studies.charts.colour_table import CENSORED, COLOURS, FAILED
-from app.studies.charts.run_group import CellRuns, RunGroup, is_number, label, varied
+from app.studies.charts.run_group import CellRuns, RunGroup, is_number, label, varied_axes
 from app.studies.judge.statistics import MeasureSummary
 from app.studies.measure import UNBOUNDED, MeasureBounds
 from worlds.input_error import InputError
@@ -174,7 +174,7 @@ def draw_lines(
 
     `along` and `up` bound the two axes of the chart.
     """
-    others = [axis for axis in varied(groups) if axis != x]
+    others = [axis for axis in varied_axes(groups) if axis != x]
     lines: dict[str, list[CellRuns]] = {}
     for group in groups:
         if x in group.axes:

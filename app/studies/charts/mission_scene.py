@@ -109,7 +109,7 @@ def draw_links(axes: Any, position: np.ndarray, links: np.ndarray) -> None:
     )
 
 
-def within(tracks: np.ndarray, margin: float) -> tuple[np.ndarray, np.ndarray]:
+def bounding_box(tracks: np.ndarray, margin: float) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper corner of the box around positions (..., dim) with a margin, length."""
     flat = tracks.reshape(-1, tracks.shape[-1])[:, :2]
     return flat.min(axis=0) - margin, flat.max(axis=0) + margin
@@ -124,7 +124,7 @@ def extent(world: Any, tracks: np.ndarray, margin: float) -> tuple[np.ndarray, n
     if world.mission is not None and world.mission.goal is not None:
         places.append(np.array(world.mission.goal.route)[:, :2])
     flat = tracks.reshape(-1, tracks.shape[-1])[:, :2]
-    return within(np.concatenate([flat, *places]), margin)
+    return bounding_box(np.concatenate([flat, *places]), margin)
 
 
 def show_box(axes: Any, low: np.ndarray, high: np.ndarray) -> None:

@@ -94,7 +94,12 @@ def page_svg(
     name_ids(root)
     box = root.get("viewBox", "")
     root.attrib.clear()
-    root.attrib |= {"class": "fs-figure", "viewBox": box, "role": "img", "aria-label": plain(label)}
+    root.attrib |= {
+        "class": "fs-figure",
+        "viewBox": box,
+        "role": "img",
+        "aria-label": without_control_characters(label),
+    }
     return ElementTree.tostring(root, encoding="unicode")
 
 
@@ -126,15 +131,15 @@ def linked_shape(shape: ElementTree.Element, link: ShapeLink) -> ElementTree.Ele
     """A shape that can be pressed, by mouse and by key."""
     wrapped = ElementTree.Element("g")
     for name, value in link.data.items():
-        wrapped.set(f"data-{name}", plain(str(value)))
+        wrapped.set(f"data-{name}", without_control_characters(str(value)))
     wrapped.attrib |= {"tabindex": "0", "role": "button"}
     title = ElementTree.SubElement(wrapped, "title")
-    title.text = plain(link.title)
+    title.text = without_control_characters(link.title)
     wrapped.append(shape)
     return wrapped
 
 
-def plain(words: str) -> str:
+def without_control_characters(words: str) -> str:
     """Words without what XML cannot have."""
     return UNFIT.sub("\ufffd", words)
 

@@ -79,7 +79,7 @@ def values_of(groups: Sequence[CellRuns], axis: str) -> list[Value]:
     return sorted(values) if all(map(is_number, values)) else values
 
 
-def varied(groups: Sequence[CellRuns]) -> list[str]:
+def varied_axes(groups: Sequence[CellRuns]) -> list[str]:
     """The axes that take more than one value, the one with most values first."""
     names = list(dict.fromkeys(name for group in groups for name in group.axes))
     counts = {name: len(values_of(groups, name)) for name in names}

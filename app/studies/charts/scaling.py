@@ -21,7 +21,7 @@ from app.studies.charts.mean_line import (
     draw_mean_line,
     fit_axes,
 )
-from app.studies.charts.run_group import CellRuns, is_number, varied
+from app.studies.charts.run_group import CellRuns, is_number, varied_axes
 from app.studies.judge.statistics import MeasureSummary
 from app.studies.measure import UNBOUNDED, MeasureBounds
 from app.studies.runs.store_reader import StoreReader
@@ -87,9 +87,9 @@ def draw_scaling(
         panel.legend(fontsize=8)
 
 
-def by_size(reader: StoreReader, groups: list[CellRuns], x: str) -> Lines:
+def group_by_size(reader: StoreReader, groups: list[CellRuns], x: str) -> Lines:
     """The cells by the number of agents. Raises InputError if something else varies too."""
-    axes = varied(groups)
+    axes = varied_axes(groups)
     if SIZE not in axes or x == SIZE:
         raise InputError(
             f"scaling needs the axis {SIZE!r} with two sizes or more, and another axis"

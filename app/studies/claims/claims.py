@@ -39,14 +39,21 @@ from app.studies.judge.claim_verdict import (
     HOLDS,
     UNDECIDED,
     ClaimVerdict,
-    all_of,
-    by_construction,
+    join_all,
     mean_above,
     mean_within,
     share_of_runs,
+    verdict_by_construction,
 )
 from app.studies.judge.judge import CONFIDENCE, RunRanges, ranges_of, share_interval
-from app.studies.judge.verdict import Verdict, main_ones, name, of, paired, sweeps_of
+from app.studies.judge.verdict import (
+    Verdict,
+    group_by_sweep,
+    main_verdicts,
+    name,
+    paired_differences,
+    verdicts_on,
+)
 from worlds.number_text import counted
 
 # What a paper says in words, and what was measured.
@@ -69,15 +76,15 @@ class Claim:
         return self.answer.word
 
 
-def beside(word: str, expected: ExpectedVerdict | None) -> str:
+def word_and_expected(word: str, expected: ExpectedVerdict | None) -> str:
     """What was found before beside the word that the runs give; nothing where nothing is known."""
     if expected is None:
         return ""
-    now = f"; now: {word}" if is_news(word, expected) else ""
+    now = f"; now: {word}" if differs_from_expected(word, expected) else ""
     return f"expected: {expected.verdict}{now}; {expected.why}"
 
 
-def is_news(word: str, expected: ExpectedVerdict | None) -> bool:
+def differs_from_expected(word: str, expected: ExpectedVerdict | None) -> bool:
     """Whether the runs say something else than what was found before."""
     return expected is not None and word not in ("undecided", expected.verdict)
 
@@ -90,21 +97,21 @@ FLAT = 0.05
 
 def claims(verdicts: list[Verdict], declared_claims: Sequence[Said] = ()) -> list[Claim]:
     """Whether the runs do what the paper says; claims about rows that were not run are left out."""
-    swept = sweeps_of(main_ones(verdicts))
+    swept = group_by_sweep(main_verdicts(verdicts))
     several = len({sweep.model for sweep, _, _ in swept}) > 1
     results = [claim for sweep in swept for claim in sweep_claims(*sweep, several)]
     for declared_claim in declared_claims:
-        points = of(verdicts, declared_claim.measure)
-        for text, answer in said_of(declared_claim, points):
+        points = verdicts_on(verdicts, declared_claim.measure)
+        for text, answer in judge_claim(declared_claim, points):
             if declared_claim.by_construction:
-                answer = by_construction(answer)
+                answer = verdict_by_construction(answer)
             results.append(
                 Claim(text, answer, declared_claim.expected, declared_claim.by_construction)
             )
     return results
 
 
-def said_of(declared: Said, points: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
+def judge_claim(declared: Said, points: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
     """What a claim says of the runs in words, and the answer."""
     if isinstance(declared, OrderClaim):
         sizes: list[int | None] = [*declared.agents] or [None]
@@ -141,17 +148,19 @@ def order_claim(
     if not set(claim.labels) <= set(by_label):
         return []
     rows = [by_label[label] for label in claim.labels]
-    steps = [paired(a, b) for a, b in pairwise(rows)]
+    steps = [paired_differences(a, b) for a, b in pairwise(rows)]
     largest = max(abs(row.summary.mean) for row in rows)
     digits = next((number for below, number in DIGITS if largest < below), 1)
     means = " < ".join(f"{row.case.label} {row.summary.mean:.{digits}f}" for row in rows)
     smallest = min(steps, key=lambda step: float(step.least.mean()))
     size = "" if agents is None else f"N = {agents}, "
-    text = f"{size}{rows[0].measure.symbol}: {means} (least step {spread(smallest, digits)})"
-    return [(text, all_of([mean_above(step, len(steps)) for step in steps]))]
+    text = (
+        f"{size}{rows[0].measure.symbol}: {means} (least step {format_margins(smallest, digits)})"
+    )
+    return [(text, join_all([mean_above(step, len(steps)) for step in steps]))]
 
 
-def spread(margins: RunRanges, digits: int = 1, unit: str = "") -> str:
+def format_margins(margins: RunRanges, digits: int = 1, unit: str = "") -> str:
     """The mean of margins with its interval, in words."""
     low, high = margins.interval()
     span = f"99 %: {low:+.{digits}f} to {high:+.{digits}f}{unit}"
@@ -220,7 +229,7 @@ def every_claim(claim: EveryRunClaim, verdicts: list[Verdict]) -> list[tuple[str
     return [
         (
             f"{text}; at 99 % in {sure:.1%} of all or more",
-            all_of([share_of_runs(*share, claim.share, of) for share in shares]),
+            join_all([share_of_runs(*share, claim.share, of) for share in shares]),
         )
     ]
 
@@ -276,7 +285,7 @@ def faster_claim(claim: FasterClaim, verdicts: list[Verdict]) -> list[tuple[str,
 
 def pairs_claim(claim: FasterClaim, row: Verdict, other: Verdict) -> tuple[str, ClaimVerdict]:
     """The claim for two rows, run by run, by what is left of the slow time less the quick one."""
-    margins = other.ranges.times(1.0 - claim.by).minus(row.ranges)
+    margins = other.ranges.times(1.0 - claim.by).subtract(row.ranges)
     runs, good = margins.runs, int((margins.least > 0.0).sum())
     bad = int((margins.most <= 0.0).sum())
     text = (
@@ -313,14 +322,14 @@ def flat_claim(label: str, first: Verdict, last: Verdict) -> Claim:
     nothing is divided by a mean that may be 0.
     """
     unit = "" if first.unit == "1" else f" {first.unit}"
-    change = spread(paired(first, last), 2, unit)
+    change = format_margins(paired_differences(first, last), 2, unit)
     text = (
         f"{label}: the mean changes by {change}, from {first.summary.mean:.4g}{unit}; published: "
         f"hardly, less than {FLAT:.0%}"
     )
-    above = mean_above(last.ranges.minus(first.ranges.times(1.0 - FLAT)))
-    below = mean_above(first.ranges.times(1.0 + FLAT).minus(last.ranges))
-    return Claim(text, all_of([above, below]))
+    above = mean_above(last.ranges.subtract(first.ranges.times(1.0 - FLAT)))
+    below = mean_above(first.ranges.times(1.0 + FLAT).subtract(last.ranges))
+    return Claim(text, join_all([above, below]))
 
 
 def alike_claim(claim: EqualityClaim, verdicts: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
@@ -329,21 +338,23 @@ def alike_claim(claim: EqualityClaim, verdicts: list[Verdict]) -> list[tuple[str
     if not set(claim.labels) <= set(by_label):
         return []
     first, second = (by_label[label] for label in claim.labels)
-    step = paired(first, second)
+    step = paired_differences(first, second)
     means = f"{first.summary.mean:.3f} and {second.summary.mean:.3f}"
     text = (
         f"{first.measure.symbol} of {claim.labels[0]} and {claim.labels[1]}: {means}, less than "
-        f"{claim.within:g} apart ({spread(step, 3)})"
+        f"{claim.within:g} apart ({format_margins(step, 3)})"
     )
     return [(text, mean_within(step, 0.0, claim.within))]
 
 
 def trend_claim(label: str, sweep: PaperSweep, points: list[Verdict]) -> Claim:
     """Whether the mean rises or falls from the first to the last value as published."""
-    change = paired(points[0], points[-1])
+    change = paired_differences(points[0], points[-1])
     sign = 1.0 if sweep.trend == "rises" else -1.0
     unit = "" if points[0].unit == "1" else f" {points[0].unit}"
-    text = f"{label}: the mean changes by {spread(change, 2, unit)}; published: {sweep.trend}"
+    text = (
+        f"{label}: the mean changes by {format_margins(change, 2, unit)}; published: {sweep.trend}"
+    )
     return Claim(text, mean_above(change.times(sign)))
 
 

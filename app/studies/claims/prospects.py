@@ -19,7 +19,7 @@ from app.studies.judge.judge import FEWEST_RUNS
 from worlds.number_text import counted
 
 
-def prospects(experiment: Experiment, runs: int) -> str:
+def describe_prospects(experiment: Experiment, runs: int) -> str:
     """What so many runs can decide, in a sentence; empty where nothing is to be decided."""
     all_questions = list(questions(experiment))
     few = [(words, needed) for words, needed in all_questions if needed is None or needed > runs]
@@ -46,7 +46,7 @@ def questions(experiment: Experiment) -> Iterator[tuple[str, int | None]]:
             words = experiment.settings.measure(claim.measure).symbol
             labels = getattr(claim, "labels", None)
             name = f"{words} of {', '.join(labels)}" if labels else words
-            yield name, needed_for(experiment, claim, row_count)
+            yield name, runs_needed(experiment, claim, row_count)
     for sweep in {id(case.sweep): case.sweep for case in experiment.cases if case.sweep}.values():
         if sweep.trend:
             yield f"{sweep.parameter} {sweep.trend}", FEWEST_RUNS
@@ -74,7 +74,7 @@ def rows_of(experiment: Experiment, claim: Said) -> int:
     )
 
 
-def needed_for(experiment: Experiment, claim: Said, rows: int) -> int | None:
+def runs_needed(experiment: Experiment, claim: Said, rows: int) -> int | None:
     """Runs with which a claim can be borne out if no run speaks against it."""
     if isinstance(claim, EveryRunClaim):
         if experiment.runs == 1:

@@ -13,8 +13,14 @@ from app.studies.experiment_file import (
     ReachClaim,
     SizeClaim,
 )
-from app.studies.judge.claim_verdict import ClaimVerdict, all_of, any_of, mean_above, share_of_runs
-from app.studies.judge.verdict import Verdict, name, paired, sweeps_of
+from app.studies.judge.claim_verdict import (
+    ClaimVerdict,
+    join_all,
+    join_any,
+    mean_above,
+    share_of_runs,
+)
+from app.studies.judge.verdict import Verdict, group_by_sweep, name, paired_differences
 
 # The bounds that a claim sets to a measure.
 
@@ -53,7 +59,7 @@ def found_claim(claim: PhaseClaim, verdicts: list[Verdict]) -> list[tuple[str, C
         return []
     word = rows[0].measure.words.index(claim.word)
     good = [sum(value == word for value in row.values) for row in rows]
-    matching = sum(row.commonest[0] == claim.word for row in rows)
+    matching = sum(row.commonest_word[0] == claim.word for row in rows)
     most = max(g / len(row.values) for g, row in zip(good, rows, strict=True))
     text = (
         f"{claim.word}: the commonest {claim.measure} in {matching} of {len(rows)} cells, in up to "
@@ -63,7 +69,7 @@ def found_claim(claim: PhaseClaim, verdicts: list[Verdict]) -> list[tuple[str, C
         share_of_runs(g, len(row.values), HALF, len(rows))
         for g, row in zip(good, rows, strict=True)
     ]
-    return [(text, any_of(answers))]
+    return [(text, join_any(answers))]
 
 
 def lag_claim(claim: LagClaim, verdicts: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
@@ -82,9 +88,10 @@ def lag_claim(claim: LagClaim, verdicts: list[Verdict]) -> list[tuple[str, Claim
         f"asked: {claim.by:g} more"
     )
     answers = [
-        mean_above(paired(first, second).plus(-claim.by), len(pairs)) for first, second in pairs
+        mean_above(paired_differences(first, second).add(-claim.by), len(pairs))
+        for first, second in pairs
     ]
-    return [(text, any_of(answers))]
+    return [(text, join_any(answers))]
 
 
 def sizes_claim(claim: SizeClaim, verdicts: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
@@ -99,14 +106,15 @@ def sizes_claim(claim: SizeClaim, verdicts: list[Verdict]) -> list[tuple[str, Cl
     rows = [by_size[agents] for agents in claim.agents]
     sign = 1.0 if claim.trend == "rises" else -1.0
     steps = [
-        b.ranges.minus(a.ranges.times(1.0 + sign * claim.by)).times(sign) for a, b in pairwise(rows)
+        b.ranges.subtract(a.ranges.times(1.0 + sign * claim.by)).times(sign)
+        for a, b in pairwise(rows)
     ]
     sweep = rows[0].case.sweep
     at = f", {sweep.parameter} = {name(claim.value)}" if sweep else ""
     means = ", ".join(f"{row.summary.mean:.4g} at N = {row.case.agents}" for row in rows)
     share = f" by {claim.by:.0%} or more" if claim.by else ""
     text = f"{claim.label}{at}: {rows[0].measure.symbol} {claim.trend} with N{share}: {means}"
-    return [(text, all_of([mean_above(step, len(steps)) for step in steps]))]
+    return [(text, join_all([mean_above(step, len(steps)) for step in steps]))]
 
 
 def reaches_claim(claim: ReachClaim, verdicts: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
@@ -119,7 +127,7 @@ def reaches_claim(claim: ReachClaim, verdicts: list[Verdict]) -> list[tuple[str,
     below = claim.below is not None
     bound = next(value for value in (claim.below, claim.above) if value is not None)
     sign = -1.0 if below else 1.0
-    margins = [row.ranges.plus(-bound).times(sign) for row in rows]
+    margins = [row.ranges.add(-bound).times(sign) for row in rows]
     most = max(zip(margins, rows, strict=True), key=lambda pair: float(pair[0].least.mean()))[1]
     low, high = most.ranges.interval()
     words = f"{'below' if below else 'above'} {bound:g}"
@@ -130,9 +138,9 @@ def reaches_claim(claim: ReachClaim, verdicts: list[Verdict]) -> list[tuple[str,
         f"(99 %: {low:.3f} to {high:.3f})"
     )
     if claim.nowhere:
-        return [(text, all_of([mean_above(margin.times(-1.0), len(rows)) for margin in margins]))]
+        return [(text, join_all([mean_above(margin.times(-1.0), len(rows)) for margin in margins]))]
     answers = [mean_above(margin, len(rows)) for margin in margins]
-    answer = any_of(answers)
+    answer = join_any(answers)
     if answer.word == "undecided":  # one point is enough: that which is nearest to being decided
         likely = zip(margins, answers, strict=True)
         needed = [verdict.needed for margin, verdict in likely if margin.least.mean() > 0.0]
@@ -145,7 +153,7 @@ def endures_claim(
 ) -> list[tuple[str, ClaimVerdict]]:
     """Whether a measure is within bounds in every run of a sweep; from which value on it is not."""
     answers = []
-    for sweep, agents, points in sweeps_of(verdicts):
+    for sweep, agents, points in group_by_sweep(verdicts):
         if sweep.label != label or not all(point.values for point in points):
             continue
         measure = points[0].measure
@@ -167,5 +175,5 @@ def endures_claim(
             text += f"; first fails at {name(points[k].case.value)} ({good[k]} of {runs[k]} runs)"
             text += f", worst {min(g / r for g, r in zip(good, runs, strict=True)):.0%}"
         shares = zip(good, runs, strict=True)
-        answers.append((text, all_of([share_of_runs(*share, 1.0) for share in shares])))
+        answers.append((text, join_all([share_of_runs(*share, 1.0) for share in shares])))
     return answers

@@ -23,7 +23,7 @@ from distributed.core import Status
 from agents.spec import versions
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.runs.database import Outcome
-from app.studies.workers.processes import Processes
+from app.studies.workers.processes import ProcessExecutor
 from app.studies.workers.run_executors import Task
 from worlds.input_error import InputError
 from worlds.plug_ins import demand
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 TIMEOUT = 30.0
 """Seconds after which a process that is asked for nothing ends."""
-IDLE: dict[str, list[Processes]] = {}
+IDLE: dict[str, list[ProcessExecutor]] = {}
 """Processes that wait for the next chunk, by the job that they are for."""
 LOCK = threading.Lock()
 
@@ -109,7 +109,7 @@ def is_unwanted(worker: Worker, chunk: Any) -> bool:
     return ending or task is None or task.state == "cancelled"
 
 
-def take_worker(job: str, beginning: bytes, limit: float | None) -> Processes:
+def take_worker(job: str, beginning: bytes, limit: float | None) -> ProcessExecutor:
     """A process that waits for work of this job, or a new one; those of other jobs are let go."""
     with LOCK:
         for other in IDLE.keys() - {job}:
@@ -117,7 +117,7 @@ def take_worker(job: str, beginning: bytes, limit: float | None) -> Processes:
                 processes.__exit__()
         if IDLE.get(job):
             return IDLE[job].pop()
-    return Processes(pickle.loads(beginning), 1, limit=limit, timeout=TIMEOUT)
+    return ProcessExecutor(pickle.loads(beginning), 1, limit=limit, timeout=TIMEOUT)
 
 
 EXTRA = "cluster"
@@ -169,7 +169,7 @@ def open_cluster(cluster: Cluster, workers: int) -> Iterator[ClusterConnection]:
     import dask
     from distributed import Client, Security
 
-    hush()
+    silence_dask()
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(SETTINGS))
         connection = ClusterConnection(client=None)  # type: ignore[arg-type]
@@ -179,7 +179,7 @@ def open_cluster(cluster: Cluster, workers: int) -> Iterator[ClusterConnection]:
             security = Security.temporary()
             where = local_cluster(workers, security)
         elif cluster.queued:
-            security = stack.enter_context(keys(shared(cluster)))
+            security = stack.enter_context(keys(shared_folder(cluster)))
             where = connection.queue = queue_of(cluster, security, connection.faults)
             connection.jobs = cluster.jobs
         if not cluster.address:
@@ -228,7 +228,7 @@ def local_cluster(workers: int, security: Security) -> Any:
         raise
 
 
-def hush() -> None:
+def silence_dask() -> None:
     """Keep Dask's own lines, tracebacks among them, off the terminal: what matters is told."""
     for name in [*logging.root.manager.loggerDict, "asyncio"]:
         if name.startswith(("distributed", "dask_jobqueue", "asyncio")):
@@ -261,7 +261,7 @@ def arguments(cluster: Cluster, security: Security) -> dict[str, Any]:
     """What dask-jobqueue is told of a cluster."""
 
     lifetime, stagger = cluster.lifetime
-    logs = logs_of(cluster)
+    logs = log_folder(cluster)
     ports = ["--worker-port", cluster.worker_ports, "--nanny-port", cluster.worker_ports]
     scheduler: dict[str, Any] = {"port": cluster.port, "dashboard": False}
     if cluster.interface:
@@ -306,7 +306,7 @@ def environment() -> list[str]:
     return [f"export FLOCKSCOPE_CACHE={shlex.quote(str(Path(cache).absolute()))}"] if cache else []
 
 
-def shared(cluster: Cluster) -> Path:
+def shared_folder(cluster: Cluster) -> Path:
     """The folder that this machine and the nodes see."""
     own = platformdirs.user_data_path("flockscope") / "cluster"
     return (
@@ -314,12 +314,12 @@ def shared(cluster: Cluster) -> Path:
     )
 
 
-def logs_of(cluster: Cluster) -> Path:
+def log_folder(cluster: Cluster) -> Path:
     """Where jobs write what happens to them."""
-    return shared(cluster) / "logs"
+    return shared_folder(cluster) / "logs"
 
 
-def secured(folder: Path) -> Security:
+def make_security(folder: Path) -> Security:
     """The keys in a folder: who has none of them sends no work, and reads none."""
     from distributed import Security
 
@@ -348,7 +348,7 @@ def keys(folder: Path) -> Iterator[Security]:
     except OSError as error:
         raise InputError(f"{str(folder)!r} cannot be written: {error.strerror or error}") from None
     try:
-        yield secured(Path(place.name))
+        yield make_security(Path(place.name))
     finally:
         with suppress(OSError):
             place.cleanup()
@@ -362,7 +362,7 @@ def job_script(cluster: Cluster) -> str:
     job = {"slurm": dask_jobqueue.slurm.SLURMJob, "pbs": dask_jobqueue.pbs.PBSJob}[
         cluster.queued or ""
     ]
-    options = arguments(cluster, secured(shared(cluster) / "keys-XXXX"))
+    options = arguments(cluster, make_security(shared_folder(cluster) / "keys-XXXX"))
     for name in ("scheduler_options", "silence_logs"):
         options.pop(name)
     host, port = "THIS-MACHINE", cluster.port or "PORT"

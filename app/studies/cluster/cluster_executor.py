@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from agents.spec import versions
-from app.studies.cluster.cluster_connection import ClusterConnection, logs_of, open_cluster
+from app.studies.cluster.cluster_connection import ClusterConnection, log_folder, open_cluster
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.runs.database import Outcome
 from app.studies.workers.processes import BEAT, FIRST_GUESS
@@ -119,48 +119,50 @@ class ClusterExecutor:
             now = time.monotonic()
             if now - looked >= 1.0:
                 looked = now
-                self.slots = self.look()
-                self.hint(now)
+                self.slots = self.count_slots()
+                self.warn_without_workers(now)
             if now - renewed >= AGAIN:
                 renewed = now
                 self.opened.renew()
-            self.hand_out(ahead)
-            self.take(self.came_back(), keep)
+            self.submit_chunks(ahead)
+            self.take_results(self.wait_for_chunks(), keep)
             if time.monotonic() - beaten >= BEAT:
                 beaten = time.monotonic()
                 if beat():
                     return False
         return True
 
-    def look(self) -> int:
+    def count_slots(self) -> int:
         """How many runs the workers make at a time now. Raises InputError without a scheduler."""
         if self.client.status != "running":
-            raise self.lost()
+            raise self.scheduler_lost_error()
         try:
             return sum(self.client.nthreads().values())
         except (OSError, TimeoutError):
-            raise self.lost() from None
+            raise self.scheduler_lost_error() from None
 
-    def hint(self, now: float) -> None:
+    def warn_without_workers(self, now: float) -> None:
         """Say once that no worker comes, and what that may come from."""
         if self.slots or self.tell is None:
             self.alone_since = now
         elif self.alone_since is not None and now - self.alone_since >= ALONE:
             self.alone_since = None
-            logs = f"; logs of jobs are in {logs_of(self.cluster)}" if self.cluster.queued else ""
+            logs = (
+                f"; logs of jobs are in {log_folder(self.cluster)}" if self.cluster.queued else ""
+            )
             self.tell(
                 "flockscope: no worker has come yet: jobs wait in the queue, or cannot reach this "
                 f"machine{logs}"
             )
 
-    def lost(self) -> InputError:
+    def scheduler_lost_error(self) -> InputError:
         """What to say when there is no scheduler."""
         return InputError(
             f"the scheduler of Dask for --cluster {self.cluster.kind} is gone: finished runs are "
             "kept, and the same call goes on"
         )
 
-    def hand_out(self, ahead: deque[Task]) -> None:
+    def submit_chunks(self, ahead: deque[Task]) -> None:
         """Keep a few chunks waiting at each worker, the order kept; suspects go alone."""
         if self.suspects:
             if not self.chunks:
@@ -183,7 +185,7 @@ class ClusterExecutor:
         self.chunks[future] = chunk
         future.add_done_callback(self.events.put)
 
-    def came_back(self) -> list[Future]:
+    def wait_for_chunks(self) -> list[Future]:
         """The chunks that are over, waited for a moment."""
         futures: list[Future] = []
         with suppress(queue.Empty):
@@ -192,14 +194,14 @@ class ClusterExecutor:
                 futures.append(self.events.get_nowait())
         return futures
 
-    def take(self, futures: list[Future], keep: Keep) -> None:
+    def take_results(self, futures: list[Future], keep: Keep) -> None:
         """Keep the runs of chunks that are over, release what Dask has of them; halve what killed.
 
         Raises InputError if a worker cannot make runs, or the scheduler is gone.
         """
         over = [future for future in (*self.late, *futures) if future in self.chunks]
         if any(future.status == "cancelled" for future in over):
-            raise self.lost()
+            raise self.scheduler_lost_error()
         done = [future for future in over if future.status == "finished"]
         for future, result in self.fetch(done):
             chunk = self.chunks.pop(future)
@@ -210,7 +212,7 @@ class ClusterExecutor:
         for future in over:
             if future.status == "error":
                 chunk = self.chunks.pop(future)
-                self.broke(chunk, future.exception(), keep)
+                self.handle_failure(chunk, future.exception(), keep)
                 future.release()
         self.late = [future for future in over if future in self.chunks]
 
@@ -233,10 +235,10 @@ class ClusterExecutor:
         try:
             results = gathering.result()
         except (OSError, TimeoutError):
-            raise self.lost() from None
+            raise self.scheduler_lost_error() from None
         return list(zip(done, results, strict=True)) if len(results) == len(done) else []
 
-    def broke(self, chunk: Chunk, error: BaseException | None, keep: Keep) -> None:
+    def handle_failure(self, chunk: Chunk, error: BaseException | None, keep: Keep) -> None:
         """Take a chunk that could not be made. Raises InputError unless workers died of it."""
         from distributed.scheduler import KilledWorker
 

@@ -19,7 +19,7 @@ from types import ModuleType
 from app.figure import new_figure, write_figure
 from app.results_folder import PICTURES
 from app.studies.experiment import Experiment
-from app.studies.judge.verdict import Verdict, main_ones
+from app.studies.judge.verdict import Verdict, main_verdicts
 from app.studies.measure import Settings
 
 
@@ -63,7 +63,7 @@ def draw(
             "figure": figure,
             "experiment": experiment,
             "verdicts": verdicts,
-            "main": main_ones(verdicts),
+            "main": main_verdicts(verdicts),
             "seed": seed,
         }
         function = pictures()[experiment.picture]

@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import Field
 
 from agents.state.start import goal_heading
-from app.studies.charts.boxes import WORDS, box, explain
+from app.studies.charts.boxes import WORDS, box, draw_key
 from app.studies.charts.colour_table import COLOURS, MARKERS
 from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
-from app.studies.judge.verdict import Verdict, name, sweeps_of
+from app.studies.judge.verdict import Verdict, group_by_sweep, name
 from app.studies.measure import COUNT, HALF_TURN, Measure, Number, Settings
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def signs_below(figure: Any, with_published: bool) -> None:
             Patch(facecolor="white", edgecolor=PUBLISHED, label="published quartiles"),
             Line2D([], [], marker="D", color=PUBLISHED, linestyle="none", label="published mean"),
         ]
-    explain(figure, signs, WORDS)
+    draw_key(figure, signs, WORDS)
 
 
 # Convergence times with and without something: pairs of boxes for each size of flock.
@@ -159,7 +159,7 @@ def draw_pairs(figure: Any, main: list[Verdict]) -> None:
         Patch(facecolor=colour[v] + "40", edgecolor=colour[v], label=f"{parameter} {name(v)}")
         for v in values
     ]
-    explain(figure, signs, WORDS)
+    draw_key(figure, signs, WORDS)
 
 
 SYMBOLS = {"p1": "$p_1$", "p2": "$p_2$"}
@@ -171,7 +171,7 @@ def draw_sweeps(figure: Any, main: list[Verdict]) -> None:
     """Draw the panels."""
     from matplotlib.ticker import LogLocator, ScalarFormatter
 
-    swept = sweeps_of(main)
+    swept = group_by_sweep(main)
     sweeps = list({id(sweep): sweep for sweep, _, _ in swept}.values())
     figure.set_size_inches(5.2 * len(sweeps), 4.8)
     panels = figure.subplots(1, len(sweeps), squeeze=False)[0]
@@ -198,7 +198,7 @@ def draw_sweeps(figure: Any, main: list[Verdict]) -> None:
             axes.yaxis.set_major_formatter(ScalarFormatter())
         axes.minorticks_off()
     panels[0].set_ylabel("mean $k_{con}$ / ticks")
-    explain(figure, panels[0].get_legend_handles_labels()[0], INTERVAL_WORDS)
+    draw_key(figure, panels[0].get_legend_handles_labels()[0], INTERVAL_WORDS)
 
 
 def steep(lines: list[tuple[int, list[Verdict]]]) -> bool:

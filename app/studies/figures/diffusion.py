@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 
@@ -115,7 +115,7 @@ def draw_diffusion(figure: Any, experiment: Experiment, seed: int) -> None:
     axes.set_xlabel("time, of that in which a heading is forgotten")
     axes.set_ylabel("mean square displacement / length$^2$")
     axes.legend()
-    explain(figure, [], f"dots: the run of seed {seed}; lines: the closed form")
+    draw_key(figure, [], f"dots: the run of seed {seed}; lines: the closed form")
 
 
 PICTURES = {"diffusion": draw_diffusion}

@@ -8,11 +8,11 @@ from typing import Any
 from agents.catalogue import model as find_model
 from agents.conditions import Conditions
 from agents.spec import OPTIONS
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.colour_table import COLOURS
 from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.experiment_file import PaperSweep
-from app.studies.judge.verdict import Verdict, of, sweeps_of
+from app.studies.judge.verdict import Verdict, group_by_sweep, verdicts_on
 
 WIDTH, HEIGHT = 3.3, 2.7
 LEAST_WIDTH = 7.0
@@ -34,20 +34,20 @@ Kind = tuple[str, str, int]
 def draw_endurance(figure: Any, verdicts: list[Verdict]) -> None:
     """Draw the panels."""
     measures = list(dict.fromkeys(verdict.measure for verdict in verdicts))
-    sweeps = sweeps_of(of(verdicts, measures[0].name))
+    sweeps = group_by_sweep(verdicts_on(verdicts, measures[0].name))
     columns = list(dict.fromkeys(column_of(sweep) for sweep, _, _ in sweeps))
     kinds = list(dict.fromkeys(kind_of(sweep, agents) for sweep, agents, _ in sweeps))
     width = max(LEAST_WIDTH, WIDTH * len(columns) + 0.5)
     figure.set_size_inches(width, HEIGHT * len(measures) + 1.3)
     panels = figure.subplots(len(measures), len(columns), squeeze=False, sharex="col", sharey="row")
     for row, measure in zip(panels, measures, strict=True):
-        for sweep, agents, points in sweeps_of(of(verdicts, measure.name)):
+        for sweep, agents, points in group_by_sweep(verdicts_on(verdicts, measure.name)):
             k = kinds.index(kind_of(sweep, agents))
             axes = row[columns.index(column_of(sweep))]
             draw_line(axes, k - 0.5 * (len(kinds) - 1), COLOURS[k % len(COLOURS)], points)
             unit = points[0].unit
         row[0].set_ylabel(measure.symbol + (f" / {unit}" if unit != "1" else ""))
-        row[0].set_ylim(0.0, top_of(of(verdicts, measure.name)))
+        row[0].set_ylim(0.0, top_of(verdicts_on(verdicts, measure.name)))
         row[0].set_title(measure.title, loc="left", fontsize=10)
     for k, (parameter, around) in enumerate(columns):
         models = [sweep.model for sweep, _, _ in sweeps if column_of(sweep) == (parameter, around)]
@@ -59,7 +59,7 @@ def draw_endurance(figure: Any, verdicts: list[Verdict]) -> None:
                 textcoords="offset points", ha="center", va="bottom", fontsize=9.5,
             )  # fmt: skip
     signs = [sign_of(k, kind, sweeps) for k, kind in enumerate(kinds)]
-    explain(figure, signs, f"mean over the runs that have the measure; {INTERVAL_WORDS}")
+    draw_key(figure, signs, f"mean over the runs that have the measure; {INTERVAL_WORDS}")
 
 
 def column_of(sweep: PaperSweep) -> Column:

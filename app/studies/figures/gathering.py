@@ -12,10 +12,10 @@ from pydantic import Field, field_validator
 from agents.observables.groups import group_labels, group_sizes
 from agents.observables.neighbours import links
 from agents.observables.order import polarisation
-from app.studies.charts.boxes import came, explain
+from app.studies.charts.boxes import draw_key, runs_with_value
 from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.convergence import PUBLISHED
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import PERCENT, RARE, RARE_PERCENT, SUCCESS, Measure, Number, Settings
 from worlds.number_text import counted
 
@@ -247,7 +247,7 @@ def draw_gathering(figure: Any, experiment: Experiment, verdicts: list[Verdict],
     above, below = figure.subfigures(2, 1, height_ratios=[1.0, 1.25])
     panels = above.subplots(1, 3)
     for axes, (measure, title) in zip(panels, CURVES, strict=True):
-        draw_curve(axes, of(verdicts, measure), experiment)
+        draw_curve(axes, verdicts_on(verdicts, measure), experiment)
         axes.set_title(title, loc="left")
         axes.set_xlabel("tick")
         for tick in captions:
@@ -263,7 +263,7 @@ def draw_gathering(figure: Any, experiment: Experiment, verdicts: list[Verdict],
         draw_box(axes, flock)
         title = f"({letter}) tick {tick}: {measure_gathering(settings, flock)}\n{text}"
         axes.set_title(title, loc="left", fontsize=9)
-    explain(
+    draw_key(
         figure,
         signs(panels[0]),
         "above: mean and quartiles of the runs; below: a run of "
@@ -290,7 +290,7 @@ def draw_curve(axes: Any, points: list[Verdict], experiment: Experiment) -> None
             axes.fill_between(ticks, quartiles[:, 0], quartiles[:, 2], color=colour, alpha=0.18)
             axes.plot(
                 ticks,
-                [came(verdict.values).mean() for verdict in mine],
+                [runs_with_value(verdict.values).mean() for verdict in mine],
                 color=colour,
                 linewidth=1.8,
                 label=mine[0].case.label,
@@ -318,7 +318,7 @@ def draw_crashes(figure: Any, verdicts: list[Verdict]) -> None:
     for verdict in verdicts:
         rows.setdefault(id(verdict.case.row), []).append(verdict)
     for x, (row, colour) in enumerate(zip(rows.values(), COLOURS, strict=False)):
-        draw_start(left, x, of(row, "at_0")[-1], colour)
+        draw_start(left, x, verdicts_on(row, "at_0")[-1], colour)
         draw_course(right, row, colour)
     left.set_xticks(range(len(rows)), [row[0].case.label for row in rows.values()])
     left.tick_params(axis="x", length=0)
@@ -334,7 +334,7 @@ def draw_crashes(figure: Any, verdicts: list[Verdict]) -> None:
 
 def draw_start(axes: Any, x: int, verdict: Verdict, colour: str) -> None:
     """Draw the crashes at tick 0: a dot for each run, the mean, and the published runs beside."""
-    values = came(verdict.values)
+    values = runs_with_value(verdict.values)
     aside = np.random.default_rng(0).uniform(-0.6 * WIDTH, 0.6 * WIDTH, values.size)
     axes.plot(x - 0.2 + aside, values, ".", color=colour, markersize=5, alpha=0.5)
     axes.plot([x - 0.2 - WIDTH / 2, x - 0.2 + WIDTH / 2], [values.mean()] * 2, color=colour, lw=2.4)
@@ -348,7 +348,7 @@ def draw_start(axes: Any, x: int, verdict: Verdict, colour: str) -> None:
 
 def draw_course(axes: Any, row: list[Verdict], colour: str) -> None:
     """Draw the mean number of crashes up to each look."""
-    counts = [of(row, measure) for measure in ("at_0", "early", "late")]
+    counts = [verdicts_on(row, measure) for measure in ("at_0", "early", "late")]
     ticks = [verdict.case.tick for verdict in counts[0]]
     total = [sum(value.summary.mean for value in look) for look in zip(*counts, strict=True)]
     axes.plot(ticks, total, color=colour, marker="o", markersize=4, label=row[0].case.label)
@@ -362,7 +362,7 @@ def crash_signs(figure: Any) -> None:
     thesis = Line2D(
         [], [], marker="D", color=PUBLISHED, linestyle="none", label="the thesis's five runs"
     )
-    explain(figure, [*course, thesis], "dots: runs; bars: means")
+    draw_key(figure, [*course, thesis], "dots: runs; bars: means")
 
 
 PICTURES = {"crashes": draw_crashes, "gathering": draw_gathering}

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import came, explain
+from app.studies.charts.boxes import draw_key, runs_with_value
 from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.driving import CARS, INJECTED, STOPS
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import COUNT, SUCCESS, Measure, Number, Settings
 from worlds.input_error import InputError
 
@@ -62,7 +62,7 @@ class HoldingSettings(Settings):
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Drive, and measure the distances. Raises InputError if there is no place to stay near."""
-        away = self.distances(flock, self.driven(flock, between))
+        away = self.distances(flock, self.drive(flock, between))
         late = away[round(self.late / flock.dt) :]
         inside = np.flatnonzero((away <= self.radius).all(axis=1))
         touched = STOPS in flock.model.signals and bool(flock.signal(STOPS).any())
@@ -74,7 +74,7 @@ class HoldingSettings(Settings):
             "collision": 100 * touched,
         }
 
-    def driven(self, flock: Flock, between: Callable[[], None] = lambda: None) -> np.ndarray:
+    def drive(self, flock: Flock, between: Callable[[], None] = lambda: None) -> np.ndarray:
         """Positions at every tick from 0 to the limit, (T + 1, N, 2), m."""
         if flock.world.mission is None or flock.world.mission.goal is None:
             raise InputError(
@@ -107,7 +107,7 @@ def draw_holding(figure: Any, experiment: Experiment, verdicts: list[Verdict], s
     settings, case = experiment.settings, experiment.cases[0]
     assert isinstance(settings, HoldingSettings)
     flock = flock_of(case, seed)
-    position = settings.driven(flock)
+    position = settings.drive(flock)
     away = settings.distances(flock, position)
     figure.set_size_inches(12.8, 5.6)
     above, over_time, runs = figure.subplots(1, 3, width_ratios=[1.0, 1.25, 0.55])
@@ -139,17 +139,17 @@ def draw_holding(figure: Any, experiment: Experiment, verdicts: list[Verdict], s
     over_time.set_xlim(0.0, time[-1])
     over_time.set_xlabel("time / s")
     over_time.set_ylabel("distance to the place / m")
-    draw_runs(runs, of(verdicts, "furthest"))
+    draw_runs(runs, verdicts_on(verdicts, "furthest"))
     for axes in (over_time, runs):
         axes.axhline(settings.radius, color=RADIUS, linewidth=1.6)
         axes.set_ylim(0.0, 1.12 * max(settings.radius, float(away.max())))
-    explain(figure, signs(settings.radius), "")
+    draw_key(figure, signs(settings.radius), "")
 
 
 def draw_runs(axes: Any, points: list[Verdict]) -> None:
     """Draw the largest distance of each run, a dot, by row."""
     for x, point in enumerate(points):
-        values = came(point.values)
+        values = runs_with_value(point.values)
         aside = np.random.default_rng(0).uniform(-0.22, 0.22, values.size)
         axes.plot(x + aside, values, ".", color=CARS[0], markersize=6, alpha=0.55)
     axes.set_xticks(range(len(points)), [f"N = {point.case.agents}" for point in points])

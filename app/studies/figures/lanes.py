@@ -9,11 +9,11 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.lanes import lane_order
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.colour_table import COLOURS
 from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.experiment import Experiment, flock_of
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import Measure, Number, Settings
 
 if TYPE_CHECKING:
@@ -51,13 +51,13 @@ class LaneSettings(Settings):
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Let people walk, then look at them."""
         between()
-        initial_order = self.order(flock, ways_of(flock))
+        initial_order = self.order(flock, walking_directions(flock))
         flock.run(self.settle)
         samples = []
         for _ in range(self.looks):
             between()
             flock.run(self.every)
-            ways = ways_of(flock)
+            ways = walking_directions(flock)
             dealt = [self.order(flock, flock.rng.permutation(ways)) for _ in range(DEALS)]
             progress = flock.speed * (flock.heading[:, 0] * ways)
             samples.append((self.order(flock, ways), np.mean(dealt), progress.mean()))
@@ -81,7 +81,7 @@ class LaneSettings(Settings):
         return self.settle + self.looks * self.every
 
 
-def ways_of(flock: Flock) -> np.ndarray:
+def walking_directions(flock: Flock) -> np.ndarray:
     """Where each of the flock wants to go along the corridor, +1 or -1, (N,)."""
     return flock.signal(WAY)
 
@@ -111,11 +111,11 @@ def draw_lanes(figure: Any, experiment: Experiment, verdicts: list[Verdict], see
     axes.set_ylim(0.0, 1.03)
     axes.set_ylabel("lane order")
     speed.set_ylabel("speed along the own way / % of desired")
-    dots = of(verdicts, "mixed")
+    dots = verdicts_on(verdicts, "mixed")
     sizes = sorted({dot.case.agents for dot in dots})
     means = [np.mean([dot.summary.mean for dot in dots if dot.case.agents == n]) for n in sizes]
     axes.plot(sizes, means, ":", color="#3c434b", linewidth=1.3, label="ways dealt by chance")
-    explain(
+    draw_key(
         figure,
         axes.get_legend_handles_labels()[0],
         f"above: seed {seed}, those who want to go to the right blue; below: mean of all runs, "
@@ -130,7 +130,7 @@ def draw_people(axes: Any, flock: Any, title: str) -> None:
     ux, uy = flock.heading.T
     turn = np.array([[ux, -uy], [uy, ux]]).transpose(2, 0, 1)
     darts = flock.position[:, None] + 0.9 * np.einsum("nij,kj->nki", turn, DART)
-    colours = np.where(ways_of(flock) > 0.0, EAST, WEST)
+    colours = np.where(walking_directions(flock) > 0.0, EAST, WEST)
     axes.add_collection(PolyCollection(darts, facecolors=colours, edgecolors="none"))
     width, height = flock.world.size
     axes.set(xlim=(0.0, width), ylim=(0.0, height), aspect="equal", xticks=[], yticks=[])
@@ -144,7 +144,7 @@ def draw_people(axes: Any, flock: Any, title: str) -> None:
 
 def draw_rows(axes: Any, verdicts: list[Verdict], measure: str) -> None:
     """Draw a measure over the number of people, a line for each label."""
-    rows = of(verdicts, measure)
+    rows = verdicts_on(verdicts, measure)
     for k, label in enumerate(dict.fromkeys(row.case.label for row in rows)):
         line = [row for row in rows if row.case.label == label]
         line.sort(key=lambda verdict: verdict.case.agents)

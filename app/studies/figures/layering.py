@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 
@@ -162,7 +162,7 @@ def draw_layering(figure: Any, experiment: Experiment, seed: int) -> None:
     flock.run(1)
     below = layers[near[second].neighbours] - layers[second]
     draw_synthesis(right, added, below, flock.heading[second])
-    explain(figure, signs(), f"{case.label}, N = {case.agents}, seed {seed}; numbers are layers")
+    draw_key(figure, signs(), f"{case.label}, N = {case.agents}, seed {seed}; numbers are layers")
 
 
 def first_uav(layers: np.ndarray, linked: np.ndarray) -> int:

@@ -121,9 +121,9 @@ class MissionSettings(Settings):
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Fly the mission and measure it."""
         ticks = round(self.limit / flock.dt)
-        return self.measured(fly(flock, ticks, every=ticks, between=between))
+        return self.measure_record(fly(flock, ticks, every=ticks, between=between))
 
-    def measured(self, record: MissionRecord) -> dict[str, Number | None]:
+    def measure_record(self, record: MissionRecord) -> dict[str, Number | None]:
         """The measures of a mission."""
         goal = len(record.away) > 0
         led = bool(record.informed.any())
@@ -177,7 +177,9 @@ class FlownMission(NamedTuple):
     record: MissionRecord
 
 
-def flown(experiment: Experiment, case: Case, seed: int, every: int | None = None) -> FlownMission:
+def fly_mission(
+    experiment: Experiment, case: Case, seed: int, every: int | None = None
+) -> FlownMission:
     """Fly the run of a case with that seed; keep every so many ticks, or about FRAMES in all."""
     settings = experiment.settings
     assert isinstance(settings, MissionSettings)
@@ -198,7 +200,7 @@ PASSAGE = "#c0392b"
 def draw_mission(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the first row's run of that seed."""
     case = experiment.cases[0]
-    flight = flown(experiment, case, seed)
+    flight = fly_mission(experiment, case, seed)
     figure.set_size_inches(12.4, 8.2)
     panels = figure.subplot_mosaic([["all", "all"], ["setup", "detail"]], height_ratios=[1.12, 1.0])
     page, setup, detail = panels["all"], panels["setup"], panels["detail"]
@@ -216,13 +218,13 @@ def draw_mission(figure: Any, experiment: Experiment, seed: int) -> None:
         f"{record.ticks} ticks",
         loc="left",
     )
-    low, high = busiest(flight)
+    low, high = busiest_corner(flight)
     show_box(setup, low, high)
-    mark(page, low, high, PASSAGE)
+    draw_detail_frame(page, low, high, PASSAGE)
     frame(setup, PASSAGE, "the obstacles")
-    row, place = closest(flight)
+    row, place = closest_approach(flight)
     show_box(detail, place - DETAIL, place + DETAIL)
-    mark(page, place - DETAIL, place + DETAIL, NEAR)
+    draw_detail_frame(page, place - DETAIL, place + DETAIL, NEAR)
     frame(detail, NEAR, "an agent avoids an obstacle")
     detail.plot(*record.position[:, row, :2].T, "-", color=NEAR, linewidth=2.0, zorder=4)
     detail.plot(*record.position[:, row, :2].T, ".", color=NEAR, markersize=5, zorder=4.1)
@@ -238,7 +240,7 @@ def colours(flight: FlownMission) -> list[str]:
     ]
 
 
-def busiest(flight: FlownMission) -> tuple[np.ndarray, np.ndarray]:
+def busiest_corner(flight: FlownMission) -> tuple[np.ndarray, np.ndarray]:
     """The corners of a box that holds the largest number of obstacles close to each other."""
     bounds = np.array([obstacle.footprint().bounds for obstacle in flight.flock.world.obstacles])
     centre = (bounds[:, :2] + bounds[:, 2:]) / 2.0
@@ -248,7 +250,7 @@ def busiest(flight: FlownMission) -> tuple[np.ndarray, np.ndarray]:
     return middle - SETUP, middle + SETUP
 
 
-def closest(flight: FlownMission) -> tuple[int, np.ndarray]:
+def closest_approach(flight: FlownMission) -> tuple[int, np.ndarray]:
     """The agent that followed and came closest to an obstacle, and where (2,)."""
     record = flight.record
     ordinary = record.follows & ~record.informed
@@ -258,7 +260,7 @@ def closest(flight: FlownMission) -> tuple[int, np.ndarray]:
     return row, track[clearance(flight.flock.world, track).argmin(), :2]
 
 
-def mark(axes: Any, low: np.ndarray, high: np.ndarray, colour: str) -> None:
+def draw_detail_frame(axes: Any, low: np.ndarray, high: np.ndarray, colour: str) -> None:
     """Draw the frame of a detail."""
     from matplotlib.patches import Rectangle
 
@@ -299,7 +301,7 @@ def draw_snapshots(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the first row's run of that seed."""
     case = experiment.cases[0]
     assert isinstance(experiment.settings, MissionSettings)
-    end = flown(experiment, case, seed).record.ticks
+    end = fly_mission(experiment, case, seed).record.ticks
     figure.set_size_inches(12.4, 10.6)
     figure.get_layout_engine().set(h_pad=0.1)
     panels = figure.subplot_mosaic(

@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from agents.observables.following import least_clearances, nearest_pairs
-from app.studies.charts.boxes import came, explain
+from app.studies.charts.boxes import draw_key, runs_with_value
 from app.studies.experiment import Case, Experiment
 from app.studies.figures.convergence import MEASURED, PUBLISHED, published
-from app.studies.figures.mission import FlownMission, flown
+from app.studies.figures.mission import FlownMission, fly_mission
 from app.studies.figures.mission_paths import COLOURS
-from app.studies.judge.verdict import Verdict, main_ones, of
+from app.studies.judge.verdict import Verdict, main_verdicts, verdicts_on
 
 # Least distance between an agent and anything in each run: a panel per size of flock.
 
@@ -23,7 +23,7 @@ SAFE = 1.0
 
 def draw_distances(figure: Any, verdicts: list[Verdict]) -> None:
     """Draw the panels."""
-    rows = main_ones(verdicts)
+    rows = main_verdicts(verdicts)
     sizes = sorted({row.case.agents for row in rows})
     labels = list(dict.fromkeys(row.case.label for row in rows))
     figure.set_size_inches(3.4 * len(sizes) + 0.8, 4.4)
@@ -68,7 +68,7 @@ class NearestDistances(NamedTuple):
     """Of an agent to the surface of an obstacle."""
 
     @property
-    def anything(self) -> np.ndarray:
+    def least(self) -> np.ndarray:
         """The less of both, (K,)."""
         return np.minimum(self.agent, self.obstacle)
 
@@ -81,16 +81,16 @@ def draw_nearest(figure: Any, experiment: Experiment, verdicts: list[Verdict], s
         1, len(cases) + 1, sharey=True, width_ratios=[1.0] * len(cases) + [0.6]
     )
     for axes, case, colour in zip(panels, cases, COLOURS, strict=False):
-        flight = flown(experiment, case, seed, every=1)
-        found = nearness(flight)
+        flight = fly_mission(experiment, case, seed, every=1)
+        found = measure_nearest(flight)
         time = flight.record.dt * np.arange(len(found.agent))
         for values, style in ((found.agent, "-"), (found.obstacle, (0, (1.2, 1.2)))):
             axes.plot(time, values, color=INK, linewidth=0.8, linestyle=style, alpha=0.75)
-        axes.plot(time, found.anything, color=colour, linewidth=2.4, alpha=0.85)
+        axes.plot(time, found.least, color=colour, linewidth=2.4, alpha=0.85)
         axes.set_xlim(0.0, min(time[-1], SHOWN))
         axes.set_xlabel("time / s")
-        axes.set_title(f"{case.label}: {found.anything.min():.2f} m at least", loc="left")
-    draw_runs(panels[-1], of(verdicts, "d_least"))
+        axes.set_title(f"{case.label}: {found.least.min():.2f} m at least", loc="left")
+    draw_runs(panels[-1], verdicts_on(verdicts, "d_least"))
     for axes in panels:
         axes.axhline(SAFE, color=DANGER, linewidth=1.4)
     panels[0].set_ylim(0.0, 6.0)
@@ -99,14 +99,14 @@ def draw_nearest(figure: Any, experiment: Experiment, verdicts: list[Verdict], s
         "$d_{min}$", (0.98, SAFE), xycoords=("axes fraction", "data"), xytext=(0, 4),
         textcoords="offset points", ha="right", color=DANGER,
     )  # fmt: skip
-    explain(
+    draw_key(
         figure,
         nearest_signs(cases),
         f"left: the run of seed {seed} of each row; right: the least of each run",
     )
 
 
-def nearness(flight: FlownMission) -> NearestDistances:
+def measure_nearest(flight: FlownMission) -> NearestDistances:
     """The least distances at each kept tick of a flight, as its mission's measures have them."""
     n = len(flight.flock.ids)
     trace = np.ascontiguousarray(flight.record.position.transpose(0, 2, 1))
@@ -122,7 +122,7 @@ def nearness(flight: FlownMission) -> NearestDistances:
 def draw_runs(axes: Any, rows: list[Verdict]) -> None:
     """Draw the least distance of each run, a dot, by row."""
     for x, (row, colour) in enumerate(zip(rows, COLOURS, strict=False)):
-        values = came(row.values)
+        values = runs_with_value(row.values)
         aside = np.random.default_rng(0).uniform(-0.22, 0.22, values.size)
         axes.plot(x + aside, values, "o", markersize=4, markeredgewidth=0, alpha=0.6, color=colour)
     axes.set_xticks(range(len(rows)), [row.case.label.replace(" ", "\n") for row in rows])
@@ -153,7 +153,7 @@ WIDTH = 0.36
 
 def draw_success(figure: Any, verdicts: list[Verdict]) -> None:
     """Draw the panels."""
-    rows = main_ones(verdicts)
+    rows = main_verdicts(verdicts)
     sizes = sorted({row.case.agents for row in rows})
     figure.set_size_inches(4.4 * len(sizes) + 0.6, 5.4)
     panels = figure.subplots(1, len(sizes), sharey=True, squeeze=False)[0]
@@ -174,7 +174,7 @@ def draw_success(figure: Any, verdicts: list[Verdict]) -> None:
 
 def draw_row(axes: Any, x: float, verdict: Verdict) -> None:
     """Draw the runs of a row, the box from quartile to quartile, and the mean with its interval."""
-    values = came(verdict.values)
+    values = runs_with_value(verdict.values)
     if values.size == 0:
         return
     half = WIDTH / 2
@@ -202,7 +202,7 @@ def success_signs(figure: Any) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    explain(
+    draw_key(
         figure,
         [
             Patch(facecolor=MEASURED + "30", edgecolor=MEASURED, label="measured quartiles"),
@@ -222,7 +222,7 @@ def draw_turned(figure: Any, verdicts: list[Verdict]) -> None:
     """Draw the main measure of all runs, each row's on a line of its own."""
     rows = [
         verdict
-        for verdict in main_ones(verdicts)
+        for verdict in main_verdicts(verdicts)
         if any(value is not None for value in verdict.values)
     ]
     figure.set_size_inches(7.6, 0.42 * len(rows) + 1.2)

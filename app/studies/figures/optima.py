@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import Measure, Number, Settings
 from app.studies.search import PENALTY, Algorithm, PointScores, search
 
@@ -53,11 +53,11 @@ class SearchSettings(Settings):
             raise ValueError("log: names of the box with values above 0 are needed")
         return self
 
-    def common(self, flock: Flock) -> range:
+    def search_seeds(self, flock: Flock) -> range:
         """The seeds of the search that a flock stands for."""
         return range(APART * flock.seed, APART * flock.seed + self.seeds)
 
-    def unseen(self, flock: Flock) -> range:
+    def fresh_seeds(self, flock: Flock) -> range:
         """Its fresh seeds."""
         first = APART * flock.seed + FRESH
         return range(first, first + self.fresh)
@@ -74,7 +74,7 @@ class SearchSettings(Settings):
         """The values that the flock has by itself."""
         return tuple(float(getattr(flock.parameters, name)) for name in self.box)
 
-    def another(self, flock: Flock, point: Point, seed: int, **more: float) -> Flock:
+    def make_flock(self, flock: Flock, point: Point, seed: int, **more: float) -> Flock:
         """A flock like this one with other parameters and another seed."""
         from agents import Flock as Made
 
@@ -84,14 +84,14 @@ class SearchSettings(Settings):
     def times(self, flock: Flock, point: Point, seeds: range) -> np.ndarray:
         """k_con of a point by seed; a run that is given up has taken all ticks."""
         results = [
-            self.another(flock, point, seed).run_until_consistent(
+            self.make_flock(flock, point, seed).run_until_consistent(
                 self.limit, self.desired, self.hold
             )
             for seed in seeds
         ]
         return np.array([self.limit if k is None else k for k in results], float)
 
-    def searched(
+    def search(
         self,
         algorithm: Algorithm,
         flock: Flock,
@@ -146,11 +146,11 @@ class OptimaSettings(SearchSettings):
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Search twice, and run what is found, and the plateau, with fresh seeds."""
-        fresh, tried = self.unseen(flock), self.common(flock)
+        fresh, tried = self.fresh_seeds(flock), self.search_seeds(flock)
         times = {"default": self.times(flock, self.default(flock), fresh)}
         values: dict[str, Number | None] = {}
         for algorithm in ("ga", "pso"):
-            evaluated = self.searched(
+            evaluated = self.search(
                 algorithm,
                 flock,
                 lambda point: [float(self.times(flock, point, tried).mean())],
@@ -213,13 +213,13 @@ class TradeoffSettings(SearchSettings):
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Search once, and run the front with fresh seeds."""
-        tried, fresh = self.common(flock), self.unseen(flock)
+        tried, fresh = self.search_seeds(flock), self.fresh_seeds(flock)
 
         def worth(point: Point, seeds: range = tried) -> tuple[float, float]:
             time = float(self.times(flock, point, seeds).mean())
             return time, -self.consistency(flock, point, seeds)
 
-        evaluated = self.searched("nsga2", flock, worth, between)
+        evaluated = self.search("nsga2", flock, worth, between)
         front = [
             point for point, value in evaluated.items()
             if not any(all(o <= v for o, v in zip(other, value, strict=True)) and other != value
@@ -250,7 +250,7 @@ class TradeoffSettings(SearchSettings):
         """The mean consistency of a point with noise over the last ticks."""
         consistencies: list[float] = []
         for seed in seeds:
-            other_flock = self.another(flock, point, seed, eta=self.noise)
+            other_flock = self.make_flock(flock, point, seed, eta=self.noise)
             other_flock.run(self.lasts - self.over)
             for _ in range(self.over):
                 other_flock.run(1)
@@ -265,7 +265,7 @@ CALM = {10: "within_10", 12: "within_12", 15: "within_15", 20: "within_20"}
 
 def values(verdicts: list[Verdict], name: str) -> np.ndarray:
     """What was measured in each search; nan where one has none."""
-    (row,) = of(verdicts, name)[:1]
+    (row,) = verdicts_on(verdicts, name)[:1]
     return np.array([np.nan if value is None else value for value in row.values], float)
 
 

@@ -13,10 +13,10 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.neighbours import nearest_neighbour
-from app.studies.charts.boxes import WORDS, box, explain
+from app.studies.charts.boxes import WORDS, box, draw_key
 from app.studies.charts.colour_table import COLOURS, MARKERS, RULER
 from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
-from app.studies.judge.verdict import Verdict, of, sweeps_of
+from app.studies.judge.verdict import Verdict, group_by_sweep, verdicts_on
 from app.studies.measure import SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
@@ -87,12 +87,14 @@ def draw_ordering(figure: Any, verdicts: list[Verdict]) -> None:
     """A panel for each measure and model of the sweeps, and one for the rows."""
     measures = list(dict.fromkeys(verdict.measure.name for verdict in verdicts))
     swept = [
-        (sweep.model, name) for name in measures for sweep, _, _ in sweeps_of(of(verdicts, name))
+        (sweep.model, name)
+        for name in measures
+        for sweep, _, _ in group_by_sweep(verdicts_on(verdicts, name))
     ]
     curves = list(dict.fromkeys(swept))
     rows = [
         verdict
-        for verdict in of(verdicts, measures[0])
+        for verdict in verdicts_on(verdicts, measures[0])
         if verdict.case.row and verdict.case.spec.size
     ]
     number = len(curves) + bool(rows)
@@ -101,23 +103,28 @@ def draw_ordering(figure: Any, verdicts: list[Verdict]) -> None:
     panels = list(figure.subplots(lines, -(-number // lines), squeeze=False).ravel())
     for axes, (model, name) in zip(panels, curves, strict=False):
         draw_sweeps(
-            axes, [verdict for verdict in of(verdicts, name) if verdict.case.spec.model == model]
+            axes,
+            [
+                verdict
+                for verdict in verdicts_on(verdicts, name)
+                if verdict.case.spec.model == model
+            ],
         )
         axes.set_ylabel(SYMBOLS.get(name, name))
         if len({curve for curve, _ in curves}) > 1:
             axes.set_title(model, loc="left")
     if curves:
-        explain(figure, panels[0].get_legend_handles_labels()[0], INTERVAL_WORDS)
+        draw_key(figure, panels[0].get_legend_handles_labels()[0], INTERVAL_WORDS)
     if rows and len({round(density(row), 6) for row in rows}) > 1:
         draw_densities(panels[-1], rows)
     elif rows:
         draw_boxes(panels[-1], rows)
-        explain(figure, [], WORDS)
+        draw_key(figure, [], WORDS)
 
 
 def draw_sweeps(axes: Any, verdicts: list[Verdict]) -> None:
     """A line for each size of flock."""
-    for k, (sweep, agents, points) in enumerate(sweeps_of(verdicts)):
+    for k, (sweep, agents, points) in enumerate(group_by_sweep(verdicts)):
         draw_line(axes, k, [float(p.case.value or 0.0) for p in points], points, f"N = {agents}")
         axes.set_xlabel(SYMBOLS.get(sweep.parameter, sweep.parameter))
     if min(verdict.summary.mean for verdict in verdicts) < 0.0:

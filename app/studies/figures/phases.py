@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from agents.state.start import random_headings
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.experiment import Case
 from app.studies.judge.statistics import MeasureSummary
@@ -61,15 +61,15 @@ class PhaseSettings(Settings):
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Let the group settle, then look at it."""
         if flock.tick == 0:
-            bring_in_sight(flock)
+            place_in_sight(flock)
         between()
         flock.run(self.hold if flock.tick else self.settle)
-        before = places(flock)
+        before = centred_positions(flock)
         samples = []
         for _ in range(self.looks):
             between()
             flock.run(self.every)
-            now = places(flock)
+            now = centred_positions(flock)
             radius = float(np.sqrt((now**2).sum(axis=1).mean()))
             samples.append(
                 (
@@ -102,12 +102,12 @@ class PhaseSettings(Settings):
         return self.settle + self.looks * self.every
 
 
-def places(flock: Flock) -> np.ndarray:
+def centred_positions(flock: Flock) -> np.ndarray:
     """Where the agents are, seen from their centre, (N, dim), length."""
     return flock.position - flock.position.mean(axis=0)
 
 
-def bring_in_sight(flock: Flock) -> None:
+def place_in_sight(flock: Flock) -> None:
     """Place agents anew, within the box, until each detects at least one other, as the paper has.
 
     An agent detects those in its zone of repulsion and those that are in its field of view and no
@@ -166,25 +166,25 @@ class PhasePoint:
         return float(self.case.at or 0.0)
 
 
-def spots(verdicts: list[Verdict]) -> list[PhasePoint]:
+def phase_points(verdicts: list[Verdict]) -> list[PhasePoint]:
     """All places, those of maps and those of ways there and back, in the order of the cases."""
     by_case: dict[int, dict[str, Verdict]] = {}
     for verdict in verdicts:
         by_case.setdefault(id(verdict.case), {})[verdict.measure.name] = verdict
     return [
-        PhasePoint(row["p"].case, row["p"].summary, row["m"].summary, *row["phase"].commonest)
+        PhasePoint(row["p"].case, row["p"].summary, row["m"].summary, *row["phase"].commonest_word)
         for row in by_case.values()
     ]
 
 
-def map_of(verdicts: list[Verdict]) -> list[PhasePoint]:
+def map_points(verdicts: list[Verdict]) -> list[PhasePoint]:
     """The places of the map."""
-    return [spot for spot in spots(verdicts) if not spot.case.way]
+    return [spot for spot in phase_points(verdicts) if not spot.case.way]
 
 
-def ways_of(verdicts: list[Verdict]) -> list[tuple[PhasePoint, PhasePoint]]:
+def way_points(verdicts: list[Verdict]) -> list[tuple[PhasePoint, PhasePoint]]:
     """The places of the way there, each with the same place on the way back."""
-    points = spots(verdicts)
+    points = phase_points(verdicts)
     outward = [spot for spot in points if spot.case.way == "there"]
     back = [spot for spot in points if spot.case.way == "back"]
     return list(zip(outward, back[::-1], strict=True))
@@ -210,7 +210,7 @@ SURE = 0.8
 
 def draw_phases(figure: Any, verdicts: list[Verdict]) -> None:
     """Draw the maps above, the ways there and back below."""
-    points, ways = map_of(verdicts), ways_of(verdicts)
+    points, ways = map_points(verdicts), way_points(verdicts)
     rows = [
         names
         for names, points_there in ((["p", "m"], points), (["up", "um"], ways))
@@ -230,7 +230,7 @@ def draw_phases(figure: Any, verdicts: list[Verdict]) -> None:
         draw_ways(panels["up"], ways, "p")
         draw_ways(panels["um"], ways, "m")
         handles = panels["up"].get_legend_handles_labels()[0]
-        explain(figure, handles, f"{WORDS}; {INTERVAL_WORDS}")
+        draw_key(figure, handles, f"{WORDS}; {INTERVAL_WORDS}")
 
 
 def draw_map(

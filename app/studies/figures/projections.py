@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.mission_scene import draw_obstacles
-from app.studies.charts.scheme_marks import INK, arrow, bare, sign, stroke, word
+from app.studies.charts.scheme_marks import INK, arrow, set_square_view, sign, stroke, write_label
 from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 from worlds.obstacles import Box, Disc
@@ -57,7 +57,7 @@ class ProjectionSettings(Settings):
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Put it down, again and again, and ask the rule each time."""
         between()
-        projections = self.projected(flock)
+        projections = self.find_projections(flock)
         expected = [self.equations(flock, projection) for projection in projections]
         normals = [
             (projection.q - projection.q_hat) / np.linalg.norm(projection.q - projection.q_hat)
@@ -77,12 +77,14 @@ class ProjectionSettings(Settings):
             "printed": max(float(np.linalg.norm(a.p_hat - b.p_hat)) for a, b in pairs),
         }
 
-    def projected(self, flock: Flock) -> list[Projection]:
+    def find_projections(self, flock: Flock) -> list[Projection]:
         """The agent where the flock's seed puts it down, with its beta agents."""
         rng = np.random.default_rng(flock.seed)
-        return [self.ask(flock, *self.placed(flock, rng)) for _ in range(self.looks)]
+        return [self.ask(flock, *self.random_placement(flock, rng)) for _ in range(self.looks)]
 
-    def placed(self, flock: Flock, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    def random_placement(
+        self, flock: Flock, rng: np.random.Generator
+    ) -> tuple[np.ndarray, np.ndarray]:
         """A random place beside the obstacle and a random velocity, (2,) each."""
         r = flock.parameters.r  # type: ignore[attr-defined]
         away = rng.uniform(0.5, (1.0 - BORDER) * r)
@@ -105,7 +107,7 @@ class ProjectionSettings(Settings):
         flock.position[0], flock.heading[0], flock.speed[0] = q, p / speed, speed
         at = nearest_surface(flock.engine.surroundings, float(q[0]), float(q[1]), 0.0)
         q_hat = np.array([at.x, at.y])
-        b = heed(flock, float(np.linalg.norm(q_hat - q)))
+        b = expected_weight(flock, float(np.linalg.norm(q_hat - q)))
         gain = flock.parameters.c2b * b  # type: ignore[attr-defined]
         return Projection(q, p, q_hat, p + flock.inspect(0).forces["beta consensus"] / gain)
 
@@ -144,7 +146,7 @@ def obstacle_of(world: World, beside: str):
     return next(obstacle for obstacle in world.obstacles if isinstance(obstacle, shape))
 
 
-def heed(flock: Flock, distance: float) -> float:
+def expected_weight(flock: Flock, distance: float) -> float:
     """b_ik = rho_h(|q_hat - q|_sigma / r_alpha) of (10), counted apart from the rule."""
     p = flock.parameters
 
@@ -173,11 +175,11 @@ def draw_projections(figure: Any, experiment: Experiment, seed: int) -> None:
     for axes, (beside, (letter, words)) in zip(panels, letters.items(), strict=True):
         mine = settings.model_copy(update={"beside": beside})
         flock = flock_of(experiment.cases[0], seed)
-        projections = mine.projected(flock)
-        projection = max(projections, key=lambda each: suits(each, flock, mine))
+        projections = mine.find_projections(flock)
+        projection = max(projections, key=lambda each: drawing_score(each, flock, mine))
         draw_one(axes, flock, mine, projection)
         axes.set_title(f"({letter}) {words}", loc="left")
-    explain(
+    draw_key(
         figure,
         [
             sign(ALPHA, "agent, q, and its velocity p"),
@@ -191,7 +193,7 @@ def draw_projections(figure: Any, experiment: Experiment, seed: int) -> None:
     )
 
 
-def suits(projection: Projection, flock: Any, settings: ProjectionSettings) -> float:
+def drawing_score(projection: Projection, flock: Any, settings: ProjectionSettings) -> float:
     """How well an occasion can be drawn: not too near, and its velocity slants to the surface."""
     r = flock.parameters.r
     x0, _, x1, _ = obstacle_of(flock.world, settings.beside).footprint().bounds
@@ -237,21 +239,21 @@ def draw_one(axes: Any, flock: Any, settings: ProjectionSettings, projection: Pr
                   linewidth=0.9, linestyle=(0, (1, 2)),
                   zorder=4)  # fmt: skip
         axes.plot(*y, "+", color=INK, markersize=10, zorder=6)
-        word(axes, y, "$y_k$", shift=(14, -10))
+        write_label(axes, y, "$y_k$", shift=(14, -10))
         arrow(axes, projection.q_hat, SCALE * printed, PRINTED, 1.6, 9.0, (0, (4, 2)))
     axes.plot(*projection.q, "o", color=ALPHA, markersize=11, zorder=9, markeredgecolor="white")
     axes.plot(*projection.q_hat, "o", color=BETA, markersize=10, zorder=9, markeredgecolor="white")
     tip = projection.q + SCALE * projection.p
-    word(axes, tip, "$p_i$", ALPHA, tuple(12.0 * np.sign(projection.p)))
-    word(axes, projection.q_hat + SCALE * projection.p_hat, "$\\hat p_{i,k}$", MOVES,
+    write_label(axes, tip, "$p_i$", ALPHA, tuple(12.0 * np.sign(projection.p)))
+    write_label(axes, projection.q_hat + SCALE * projection.p_hat, "$\\hat p_{i,k}$", MOVES,
          tuple(14.0 * np.sign(projection.p_hat)))  # fmt: skip
     out = (projection.q - projection.q_hat) / np.linalg.norm(projection.q - projection.q_hat)
-    word(axes, projection.q, "$q_i$", ALPHA, tuple(16.0 * out))
+    write_label(axes, projection.q, "$q_i$", ALPHA, tuple(16.0 * out))
     side = np.array([-out[1], out[0]])
     side *= -np.sign(side @ projection.p_hat)
-    word(axes, projection.q_hat, "$\\hat q_{i,k}$", BETA, tuple(20.0 * side + 8.0 * out))
+    write_label(axes, projection.q_hat, "$\\hat q_{i,k}$", BETA, tuple(20.0 * side + 8.0 * out))
     shift, half = (4.0, 1.5 * r) if settings.beside == "disc" else (1.0, 1.25 * r)
-    bare(axes, projection.q - shift * out, half)
+    set_square_view(axes, projection.q - shift * out, half)
 
 
 PICTURES = {"projections": draw_projections}

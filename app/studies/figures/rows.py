@@ -6,7 +6,7 @@ from typing import Any
 
 from app.studies.charts.boxes import WORDS, box
 from app.studies.charts.colour_table import COLOURS
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 
 WIDTH, HEIGHT = 4.6, 4.4
 
@@ -17,7 +17,7 @@ def draw_rows(figure: Any, verdicts: list[Verdict]) -> None:
     figure.set_size_inches(WIDTH * len(measures), HEIGHT)
     panels = figure.subplots(1, len(measures), squeeze=False)[0]
     for axes, measure in zip(panels, measures, strict=True):
-        rows = of(verdicts, measure.name)
+        rows = verdicts_on(verdicts, measure.name)
         for x, row in enumerate(rows):
             box(axes, x, row.values, COLOURS[x % len(COLOURS)], 0.4)
         unit = "" if rows[0].unit == "1" else f" / {rows[0].unit}"

@@ -9,10 +9,10 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.neighbours import nearest_neighbour
-from app.studies.charts.boxes import came, explain
+from app.studies.charts.boxes import draw_key, runs_with_value
 from app.studies.experiment import Experiment, flock_of
-from app.studies.figures.phases import map_of
-from app.studies.judge.verdict import Verdict, of
+from app.studies.figures.phases import map_points
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
@@ -146,7 +146,7 @@ def draw_gallery(figure: Any, experiment: Experiment, verdicts: list[Verdict], s
 
     settings = experiment.settings
     assert isinstance(settings, SwarmingSettings)
-    points = map_of(verdicts)
+    points = map_points(verdicts)
     xs, ys = sorted({spot.x for spot in points}), sorted({spot.y for spot in points})
     figure.set_size_inches(2.5 * len(xs) + 0.6, 2.75 * len(ys) + 0.8)
     grid = figure.subplots(len(ys), len(xs), squeeze=False)
@@ -177,7 +177,7 @@ def draw_gallery(figure: Any, experiment: Experiment, verdicts: list[Verdict], s
             axes.set_ylabel(f"$C$ = {spot.y:g}")
         if spot.y == ys[0]:
             axes.set_xlabel(f"$l$ = {spot.x:g}")
-    explain(
+    draw_key(
         figure,
         [],
         "blue: H-stable (C l^2 > 1), red: catastrophic; above each the shape of most runs with "
@@ -197,18 +197,20 @@ def draw_growth(figure: Any, verdicts: list[Verdict]) -> None:
     figure.set_size_inches(4.6 * len(names) + 0.4, 4.4)
     for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
         for label, colour in zip(labels, COLOURS * len(labels), strict=False):
-            rows = [verdict for verdict in of(verdicts, name) if verdict.case.label == label]
+            rows = [
+                verdict for verdict in verdicts_on(verdicts, name) if verdict.case.label == label
+            ]
             n = np.array([row.case.agents for row in rows])
             mean = np.array([row.summary.mean for row in rows])
             slope = np.polyfit(np.log(n), np.log(mean), 1)[0]
             words = f"{label}: $N^{{{slope:.2f}}}$"
             axes.plot(n, mean, "o-", color=colour, linewidth=1.8, markersize=5, label=words)
             for row in rows:
-                present = came(row.values)
+                present = runs_with_value(row.values)
                 axes.plot(
                     np.full(present.size, row.case.agents), present, ".", color=colour, alpha=0.3
                 )
-        first = of(verdicts, name)[0]
+        first = verdicts_on(verdicts, name)[0]
         unit = "" if first.unit == "1" else f" / {first.unit}"
         axes.set_xscale("log")
         axes.set_yscale("log")
@@ -219,7 +221,7 @@ def draw_growth(figure: Any, verdicts: list[Verdict]) -> None:
         axes.set_ylabel(f"{first.measure.symbol}{unit}")
         axes.set_title(first.measure.title, loc="left")
         axes.legend()
-    explain(figure, [], "circles: means, dots: runs; the power is that of the line of best fit")
+    draw_key(figure, [], "circles: means, dots: runs; the power is that of the line of best fit")
 
 
 PICTURES = {"growth": draw_growth, "gallery": draw_gallery}

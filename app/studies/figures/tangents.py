@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.mission_scene import draw_obstacles, show_box
 from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.layering import between_angles
@@ -47,22 +47,22 @@ class Probes(NamedTuple):
     """Whether it is a corner, which has no tangent, (K,) bool."""
 
     @property
-    def away(self) -> np.ndarray:
+    def distances(self) -> np.ndarray:
         """Distance to the nearest point, (K,), length."""
         return np.linalg.norm(self.nearest - self.position, axis=1)
 
     @property
-    def ahead(self) -> np.ndarray:
+    def angles_ahead(self) -> np.ndarray:
         """Angle of the nearest point from the heading that it had, (K,), deg."""
         return np.degrees(between_angles(self.before, self.nearest - self.position))
 
     @property
-    def turned(self) -> np.ndarray:
+    def turn_angles(self) -> np.ndarray:
         """Angle from the old heading to the new one, (K,), deg."""
         return np.degrees(between_angles(self.before, self.after))
 
     @property
-    def off(self) -> np.ndarray:
+    def tangent_errors(self) -> np.ndarray:
         """Angle of the new heading from the tangent at the nearest point, either way, (K,), deg."""
         normal = self.nearest - self.position
         tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
@@ -91,19 +91,21 @@ class TangentSettings(Settings):
         """Put it down, again and again, each time for a tick."""
         between()
         p = flock.parameters
-        probes = self.probed(flock)
+        probes = self.probe_flock(flock)
         reach, angle = p.r_avoid, np.degrees(p.theta_obstruct)  # type: ignore[attr-defined]
-        sure = (np.abs(probes.away - reach) > SURE[0]) & (np.abs(probes.ahead - angle) > SURE[1])
-        acts = (probes.away < reach) & (probes.ahead < angle) & ~probes.corner
+        sure = (np.abs(probes.distances - reach) > SURE[0]) & (
+            np.abs(probes.angles_ahead - angle) > SURE[1]
+        )
+        acts = (probes.distances < reach) & (probes.angles_ahead < angle) & ~probes.corner
         return {
             "avoids": int((acts & sure).sum()),
-            "off": float(probes.off[acts & sure].max(initial=0.0)),
-            "turned": float(probes.turned[acts & sure].max(initial=0.0)),
+            "off": float(probes.tangent_errors[acts & sure].max(initial=0.0)),
+            "turned": float(probes.turn_angles[acts & sure].max(initial=0.0)),
             "corners": int((probes.corner & sure).sum()),
-            "kept": float(probes.turned[~acts & sure].max(initial=0.0)),
+            "kept": float(probes.turn_angles[~acts & sure].max(initial=0.0)),
         }
 
-    def probed(self, flock: Flock) -> Probes:
+    def probe_flock(self, flock: Flock) -> Probes:
         """What a flock of one UAV does, put down where the flock's seed says."""
         rng = np.random.default_rng(flock.seed)
         around = AROUND * flock.parameters.r_avoid  # type: ignore[attr-defined]
@@ -185,7 +187,7 @@ def draw_tangents(figure: Any, experiment: Experiment, seed: int) -> None:
     settings = experiment.settings
     assert isinstance(settings, TangentSettings)
     flock = flock_of(experiment.cases[0], seed)
-    probes = settings.probed(flock)
+    probes = settings.probe_flock(flock)
     figure.set_size_inches(12.8, 5.4)
     panels = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 1.0])
     discs = [obstacle for obstacle in flock.world.obstacles if obstacle.shape == "disc"]
@@ -201,23 +203,23 @@ def draw_tangents(figure: Any, experiment: Experiment, seed: int) -> None:
         middle = 0.5 * np.array([x0 + x1, y0 + y1])
         half = 0.5 * max(x1 - x0, y1 - y0) + MARGIN
         show_box(axes, middle - half, middle + half)
-        bare(axes)
+        remove_axes(axes)
         axes.set_title(words, loc="left")
-    explain(
+    draw_key(
         figure, signs(), f"a UAV put down {settings.looks} times near the obstacles, seed {seed}"
     )
 
 
-def chosen(probes: Probes, shape: Any, reach: float) -> int:
+def choose_probe(probes: Probes, shape: Any, reach: float) -> int:
     """The occasion that is drawn large: at this obstacle, a clear turn, not too near."""
     at = np.linalg.norm(probes.nearest - np.array(shape.centre), axis=1)
     good = (
         (at < shape.radius + 1e-6)
-        & (probes.turned > TURNS[0])
-        & (probes.turned < TURNS[1])
-        & (probes.away < 0.8 * reach)
+        & (probes.turn_angles > TURNS[0])
+        & (probes.turn_angles < TURNS[1])
+        & (probes.distances < 0.8 * reach)
     )
-    return int(np.argmax(np.where(good, probes.away, -1.0)))
+    return int(np.argmax(np.where(good, probes.distances, -1.0)))
 
 
 def draw_occasion(axes: Any, flock: Any, probes: Probes, shape: Any) -> None:
@@ -225,7 +227,7 @@ def draw_occasion(axes: Any, flock: Any, probes: Probes, shape: Any) -> None:
     from matplotlib.patches import Circle, Wedge
 
     p = flock.parameters
-    k = chosen(probes, shape, p.r_avoid)
+    k = choose_probe(probes, shape, p.r_avoid)
     place, point = probes.position[k], probes.nearest[k]
     draw_obstacles(axes, flock.world)
     way = np.degrees(np.arctan2(*probes.before[k][::-1]))
@@ -264,26 +266,26 @@ def draw_occasion(axes: Any, flock: Any, probes: Probes, shape: Any) -> None:
             arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 2.2, "shrinkA": 0,
                         "mutation_scale": 15, "shrinkB": 0},
         )  # fmt: skip
-        put_word(axes, place + 0.47 * heading, heading, words, colour)
-    edge = place - p.r_avoid * (point - place) / probes.away[k]
-    put_word(axes, edge, edge - place, f"$r_{{avoid}}$ = {p.r_avoid:g}", KEEPS)
+        write_label(axes, place + 0.47 * heading, heading, words, colour)
+    edge = place - p.r_avoid * (point - place) / probes.distances[k]
+    write_label(axes, edge, edge - place, f"$r_{{avoid}}$ = {p.r_avoid:g}", KEEPS)
     show_box(axes, place - 1.05, place + 1.05)
-    bare(axes)
+    remove_axes(axes)
     axes.set_title(
-        f"(a) the nearest point is {probes.ahead[k]:.0f}° ahead: "
-        f"it turns by {probes.turned[k]:.0f}°",
+        f"(a) the nearest point is {probes.angles_ahead[k]:.0f}° ahead: "
+        f"it turns by {probes.turn_angles[k]:.0f}°",
         loc="left",
     )
 
 
-def bare(axes: Any) -> None:
+def remove_axes(axes: Any) -> None:
     """Take ticks and spines away."""
     axes.set(xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set_visible(False)
 
 
-def put_word(axes: Any, at: np.ndarray, way: np.ndarray, words: str, colour: str) -> None:
+def write_label(axes: Any, at: np.ndarray, way: np.ndarray, words: str, colour: str) -> None:
     """Write words beyond a place, on the side that a way (2,) leads to."""
     axes.annotate(
         words, at, (6.0 * np.sign(way[0]), 8.0 * way[1] / max(1e-9, float(np.linalg.norm(way)))),
@@ -294,7 +296,7 @@ def put_word(axes: Any, at: np.ndarray, way: np.ndarray, words: str, colour: str
 
 def draw_all(axes: Any, probes: Probes) -> None:
     """Draw all occasions: the heading before in grey, the one after in colour."""
-    turned = probes.turned > 1e-6
+    turned = probes.turn_angles > 1e-6
     style: dict[str, Any] = {
         "angles": "xy", "scale_units": "xy", "scale": 1.0 / ARROW, "width": 0.006, "clip_on": True,
     }  # fmt: skip

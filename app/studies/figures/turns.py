@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.experiment import Experiment, flock_of
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import Measure, Number, Settings
 from worlds.input_error import InputError
 
@@ -72,7 +72,7 @@ class TurnSettings(Settings):
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Let one agent turn and see when the others do."""
-        turn = self.turned(flock, between)
+        turn = self.turn_flock(flock, between)
         return {
             "exponent": turn.exponent,
             "speed": turn.speed,
@@ -80,7 +80,7 @@ class TurnSettings(Settings):
             "order": turn.order,
         }
 
-    def turned(self, flock: Flock, between: Callable[[], None] = lambda: None) -> Turn:
+    def turn_flock(self, flock: Flock, between: Callable[[], None] = lambda: None) -> Turn:
         """All are aligned, until the information agent turns. Raises InputError unless there is
         one.
 
@@ -101,7 +101,7 @@ class TurnSettings(Settings):
             flock.position[:], flock.heading[:], flock.arrays.memory[:] = saved
             flock.tick = start_tick
         away, order = distances(flock, first), float(flock.observe("polarisation"))
-        sound, angle = sound_of(flock), math.radians(self.turn)
+        sound, angle = sound_speed(flock), math.radians(self.turn)
         ux, uy = flock.heading[first, :2]
         flock.heading[first, 0] = math.cos(angle) * ux - math.sin(angle) * uy
         flock.heading[first, 1] = math.sin(angle) * ux + math.cos(angle) * uy
@@ -141,7 +141,7 @@ def distances(flock: Flock, row: int) -> np.ndarray:
     return np.linalg.norm(apart, axis=1)
 
 
-def sound_of(flock: Flock) -> float:
+def sound_speed(flock: Flock) -> float:
     """c_s = sqrt(J sum_j d_ij^2 / (2 dim chi)) of the flock as it flies, its mean over i.
 
     Of neighbours on a lattice a apart along each axis that is a sqrt(J / chi).
@@ -166,7 +166,7 @@ def draw_turns(figure: Any, experiment: Experiment, verdicts: list[Verdict], see
     figure.set_size_inches(11.4, 5.6)
     ways, exponents = figure.subplots(1, 2, width_ratios=[1.7, 1.0])
     for k, case in enumerate(experiment.cases):
-        turn = settings.turned(flock_of(case, seed))
+        turn = settings.turn_flock(flock_of(case, seed))
         colour = COLOURS[k % len(COLOURS)]
         ways.plot(turn.delay, turn.distance, "o-", color=colour, linewidth=1.4, label=case.label)
     time = np.array([1.0, settings.limit])
@@ -184,7 +184,7 @@ def draw_turns(figure: Any, experiment: Experiment, verdicts: list[Verdict], see
     ways.set_xticks([0.1, 1, 10], ["0.1", "1", "10"])
     ways.minorticks_off()
     ways.set_title(f"seed {seed}: rings about the one that turned", loc="left")
-    points = of(verdicts, "exponent")
+    points = verdicts_on(verdicts, "exponent")
     for k, point in enumerate(points):
         values = [value for value in point.values if value is not None]
         aside = np.random.default_rng(0).uniform(-0.22, 0.22, len(values))
@@ -197,7 +197,7 @@ def draw_turns(figure: Any, experiment: Experiment, verdicts: list[Verdict], see
     exponents.set_ylim(0.0, 1.4)
     exponents.set_ylabel("exponent a of distance ~ delay$^a$")
     exponents.set_title("all runs", loc="left")
-    explain(
+    draw_key(
         figure,
         ways.get_legend_handles_labels()[0],
         "dashed, a = 1: a wave; dotted, a = 1/2: what diffuses",

@@ -89,7 +89,7 @@ def mean_above(margins: RunRanges, of: int = 1) -> ClaimVerdict:
     def word(low: float, high: float) -> Word:
         return "holds" if low > 0.0 else "does not hold" if high < 0.0 else "undecided"
 
-    return answer_of(margins, word, of)
+    return interval_verdict(margins, word, of)
 
 
 def mean_within(values: RunRanges, target: float, bound: float, of: int = 1) -> ClaimVerdict:
@@ -103,10 +103,12 @@ def mean_within(values: RunRanges, target: float, bound: float, of: int = 1) -> 
             return "holds"
         return "does not hold" if low > target + bound or high < target - bound else "undecided"
 
-    return answer_of(values, word, of)
+    return interval_verdict(values, word, of)
 
 
-def answer_of(values: RunRanges, word: Callable[[float, float], Word], of: int) -> ClaimVerdict:
+def interval_verdict(
+    values: RunRanges, word: Callable[[float, float], Word], of: int
+) -> ClaimVerdict:
     """The answer that a word makes of the interval of a mean."""
     if values.runs < FEWEST_RUNS:
         return TOO_FEW
@@ -121,11 +123,11 @@ def answer_of(values: RunRanges, word: Callable[[float, float], Word], of: int) 
         limits = likely_interval(values, runs, confidence)
         return word(float(limits.low), float(limits.high)) != "undecided"
 
-    needed = least(decides, values.runs)
+    needed = least_runs(decides, values.runs)
     return ClaimVerdict(answer, needed, "all runs are equal" if values.are_equal else "")
 
 
-def least(decides: Callable[[int], bool], start: int = 2) -> int | None:
+def least_runs(decides: Callable[[int], bool], start: int = 2) -> int | None:
     """The least number of runs from `start` on that decides, as far as more never decide less.
 
     >>> least(lambda n: n * n > 1000)
@@ -183,15 +185,15 @@ def runs_for_share(rate: float, share: float, of: int = 1, runs_made: int = 1) -
     def decides(runs: int) -> bool:
         return share_word(round(rate * runs), runs, share, confidence) != "undecided"
 
-    return least(decides, runs_made)
+    return least_runs(decides, runs_made)
 
 
-def all_of(answers: Sequence[ClaimVerdict]) -> ClaimVerdict:
+def join_all(answers: Sequence[ClaimVerdict]) -> ClaimVerdict:
     """The answer to a claim that holds if all of its parts hold."""
     return join_verdicts(answers, every="holds", verdict_word="does not hold")
 
 
-def any_of(answers: Sequence[ClaimVerdict]) -> ClaimVerdict:
+def join_any(answers: Sequence[ClaimVerdict]) -> ClaimVerdict:
     """The answer to a claim that holds if one of its parts holds."""
     return join_verdicts(answers, every="does not hold", verdict_word="holds")
 
@@ -209,6 +211,6 @@ def join_verdicts(answers: Sequence[ClaimVerdict], every: Word, verdict_word: Wo
     return ClaimVerdict("undecided", max(needed) if len(needed) == len(open_ones) else None, why)
 
 
-def by_construction(answer: ClaimVerdict) -> ClaimVerdict:
+def verdict_by_construction(answer: ClaimVerdict) -> ClaimVerdict:
     """The answer to a claim that cannot fail; that it does not hold is a fault, and is said."""
     return answer if answer.word == "does not hold" else ClaimVerdict("by construction")

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from app.studies.experiment_file import PublishedMeasure
-from app.studies.judge.claim_verdict import decide, least
+from app.studies.judge.claim_verdict import decide, least_runs
 from app.studies.judge.judge import (
     CONFIDENCE,
     FEWEST_RUNS,
@@ -17,12 +17,12 @@ from app.studies.judge.judge import (
     ConfidenceInterval,
     MeanEstimate,
     RunRanges,
-    as_of_runs,
     estimate_mean,
     likely_good,
     likely_interval,
     mean_interval,
     ranges_of,
+    scale_estimate,
     share_difference,
     subtract_published,
     typical_spread,
@@ -76,14 +76,14 @@ class MeanComparison:
 
 def compare(values: RunRanges, published: PublishedMeasure) -> MeanComparison | None:
     """How measured runs stand beside what was published; None without runs or a mean."""
-    comparison = compared(values, published)
+    comparison = compare_means(values, published)
     why = published.by_construction
     if comparison is None or not why or comparison.word == "differs":
         return comparison
     return replace(comparison, word="by construction", needed=None, why=why, p=1.0)
 
 
-def compared(values: RunRanges, published: PublishedMeasure) -> MeanComparison | None:
+def compare_means(values: RunRanges, published: PublishedMeasure) -> MeanComparison | None:
     """The same, whatever can come out."""
     mean = published.average
     if mean is None or values.runs == 0 or np.isinf(values.least).any():
@@ -92,25 +92,31 @@ def compared(values: RunRanges, published: PublishedMeasure) -> MeanComparison |
     published_values = np.array(published.values, float)
     comparison = MeanComparison("undecided", difference, needed=FEWEST_RUNS)
     if values.runs > 1 and not values.open_runs:
-        z, effect = sizes_of(values, published_values, mean)
+        z, effect = effect_sizes(values, published_values, mean)
         comparison = replace(comparison, z=z, effect=effect)
     if values.runs < FEWEST_RUNS:
         return comparison
     tolerance = TOLERANCE * float(typical_spread(values.least))
 
     def word_at(confidence: float) -> BesideWord:
-        return word_of(difference_limits(values, published_values, mean, confidence), tolerance)
+        return difference_word(
+            difference_limits(values, published_values, mean, confidence), tolerance
+        )
 
     word, p = decide(word_at)
     limits = difference_limits(values, published_values, mean, CONFIDENCE)
     needed, why = (
-        (None, "") if word != "undecided" else what_lacks(values, published_values, mean, tolerance)
+        (None, "")
+        if word != "undecided"
+        else describe_lack(values, published_values, mean, tolerance)
     )
     interval = float(limits.low), float(limits.high)
     return replace(comparison, word=word, interval=interval, needed=needed, why=why, p=p)
 
 
-def sizes_of(values: RunRanges, published_values: np.ndarray, mean: float) -> tuple[float, float]:
+def effect_sizes(
+    values: RunRanges, published_values: np.ndarray, mean: float
+) -> tuple[float, float]:
     """The difference in standard errors, z, and in standard deviations of a run, Cohen's d."""
     found = difference_of(values.estimate, published_values, mean)
     own_deviation = float(values.least.std(ddof=1))
@@ -121,7 +127,7 @@ def sizes_of(values: RunRanges, published_values: np.ndarray, mean: float) -> tu
     return z, difference / scale if scale > 0.0 else math.nan
 
 
-def word_of(limits: ConfidenceInterval, tolerance: float) -> BesideWord:
+def difference_word(limits: ConfidenceInterval, tolerance: float) -> BesideWord:
     """What a difference says."""
     if limits.low > 0.0 or limits.high < 0.0:
         return "differs"
@@ -232,7 +238,7 @@ def bounded_difference(
     )
 
 
-def what_lacks(
+def describe_lack(
     values: RunRanges, published_values: np.ndarray, mean: float, tolerance: float
 ) -> tuple[int | None, str]:
     """Runs that would decide a comparison, about, or else what keeps it undecided."""
@@ -248,15 +254,15 @@ def what_lacks(
             likely = replace(values, least=sample, most=sample)
             limits = difference_limits(likely, published_values, mean, CONFIDENCE)
         else:
-            estimate = as_of_runs(values.estimate, values.runs, runs)
+            estimate = scale_estimate(values.estimate, values.runs, runs)
             difference = difference_of(estimate, published_values, mean)
             limits = mean_interval(difference)
             if values.rare:
                 low, high = map(float, likely_interval(values, runs))
                 limits = allow_for_rare(limits, difference, estimate, (low, high))
-        return word_of(limits, tolerance) != "undecided"
+        return difference_word(limits, tolerance) != "undecided"
 
-    needed = least(decides, values.runs)
+    needed = least_runs(decides, values.runs)
     if needed is None and published_values.size:
         return None, f"the paper gives {counted(published_values.size, 'run')}"
     return needed, ""
@@ -271,6 +277,6 @@ def runs_to_agree(published: PublishedMeasure) -> int | None:
         estimate = MeanEstimate(none, unit / math.sqrt(runs), unit * (runs - 1.0), none, none)
         spread = None if published_count < 2 else 1.0
         difference = subtract_published(estimate, 0.0, spread, published_count or None)
-        return word_of(mean_interval(difference), TOLERANCE) == "agrees"
+        return difference_word(mean_interval(difference), TOLERANCE) == "agrees"
 
-    return least(decides, FEWEST_RUNS)
+    return least_runs(decides, FEWEST_RUNS)

@@ -11,10 +11,11 @@ a sample of them. In this order:
    corrected for skewness, both with fewer degrees of freedom than a normal law would give.
 
 All functions work along the last axis, on one sample (R,) or on many at once (M, R), so that
-`benchmarks/studies/judge.py` can count how often they are wrong. Sources: Johnson 1978 (J. Am. Stat. Assoc.
-73, 536), Hall 1992 (J. R. Stat. Soc. B 54, 221), Welch 1947 (Biometrika 34, 28), Zhou and Dinh 2005
-(Biostatistics 6, 187), Clopper and Pearson 1934 (Biometrika 26, 404), Zou and Donner 2008 (Stat.
-Med. 27, 1693), Manski 1989 (J. Hum. Resour. 24, 343), Holm 1979 (Scand. J. Stat. 6, 65).
+`benchmarks/studies/judge.py` can count how often they are wrong. Sources: Johnson 1978 (J. Am.
+Stat. Assoc. 73, 536), Hall 1992 (J. R. Stat. Soc. B 54, 221), Welch 1947 (Biometrika 34, 28), Zhou
+and Dinh 2005 (Biostatistics 6, 187), Clopper and Pearson 1934 (Biometrika 26, 404), Zou and Donner
+2008 (Stat. Med. 27, 1693), Manski 1989 (J. Hum. Resour. 24, 343), Holm 1979 (Scand. J. Stat. 6,
+65).
 """
 
 from __future__ import annotations
@@ -352,7 +353,7 @@ class RunRanges:
         )
         return float(limits.low), float(limits.high)
 
-    def minus(self, other: RunRanges) -> RunRanges:
+    def subtract(self, other: RunRanges) -> RunRanges:
         """What these have more than others, run by run."""
         (low, high), (other_low, other_high) = self.bounds, other.bounds
         return RunRanges(
@@ -372,7 +373,7 @@ class RunRanges:
             ends, bounds = ends[::-1], bounds[::-1]
         return RunRanges(*ends, bounds, self.binary, self.rare, scale)
 
-    def plus(self, value: float) -> RunRanges:
+    def add(self, value: float) -> RunRanges:
         """Each and a value."""
         bounds = self.bounds[0] + value, self.bounds[1] + value
         scale = max(self.scale, largest(self.least), abs(value))
@@ -403,7 +404,7 @@ def likely_interval(
     if values.binary:
         limits = share_interval(likely_good(values, runs), runs, confidence)
         return ConfidenceInterval(low + (high - low) * limits.low, low + (high - low) * limits.high)
-    estimate = as_of_runs(values.estimate, values.runs, runs)
+    estimate = scale_estimate(values.estimate, values.runs, runs)
     below = mean_interval(estimate, confidence)
     share = (0.5 * (1.0 - confidence)) ** (1.0 / runs)
     mirrored = estimate._replace(mean=-estimate.mean)
@@ -419,7 +420,7 @@ def likely_good(values: RunRanges, runs: int) -> int:
     return round(runs * (float(values.least.mean()) - low) / (high - low))
 
 
-def as_of_runs(estimate: MeanEstimate, runs: int, others: int) -> MeanEstimate:
+def scale_estimate(estimate: MeanEstimate, runs: int, others: int) -> MeanEstimate:
     """An estimate of `runs` runs as it would be of so many others like them."""
     ratio = math.sqrt(runs / others)
     return MeanEstimate(

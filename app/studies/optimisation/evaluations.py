@@ -124,7 +124,9 @@ class Evaluations:
         for cell in cells:
             self.cells.setdefault(cell.hash, cell)
         if len(self.cells) > before:
-            numbers = self.runner.plan([(cell.hash, cell.kept) for cell in self.cells.values()])
+            numbers = self.runner.plan(
+                [(cell.hash, cell.stored_text) for cell in self.cells.values()]
+            )
             self.numbers = dict(zip(self.cells, numbers, strict=True))
         distinct = {cell.hash: cell for cell in cells}
         parts = {cell.hash: k for point in points for k, cell in enumerate(self.cells_of(point))}
@@ -150,7 +152,7 @@ class Evaluations:
         return [None if value is None else float(value) for value in column_values]
 
     @property
-    def broken(self) -> list[str]:
+    def failed_runs(self) -> list[str]:
         """Of each run that failed or was killed: which, and why."""
         outcomes = self.runner.outcomes
         return [
@@ -200,7 +202,7 @@ class SearchHistory:
 
     def judge(self, units: np.ndarray) -> PointScores:
         """What the points of a generation are worth. Raises HaltedError."""
-        study, seeds = self.study, self.study.file.replicates.common
+        study, seeds = self.study, self.study.file.replicates.search_seeds
         points = [study.point(row) for row in units]
         refused = [self.refusal(point) for point in points]
         self.tell()
@@ -209,7 +211,7 @@ class SearchHistory:
         self.runs.runner.progress.later = later * each
         self.runs.run([p for p, why in zip(points, refused, strict=True) if not why], seeds)
         for unit, point, why in zip(units.tolist(), points, refused, strict=True):
-            self.evaluated.append(self.worth(tuple(unit), point, why))
+            self.evaluated.append(self.evaluate(tuple(unit), point, why))
         self.generation += 1
         self.tell()
         new = self.evaluated[-len(points) :]
@@ -236,11 +238,11 @@ class SearchHistory:
             return str(refusal)
         return ""
 
-    def worth(self, unit: tuple[float, ...], point: Point, refused: str) -> EvaluatedPoint:
+    def evaluate(self, unit: tuple[float, ...], point: Point, refused: str) -> EvaluatedPoint:
         """What a point is worth, whose runs are made."""
         if refused:
             return EvaluatedPoint(unit, point, self.generation, refused=refused)
-        seeds = self.study.file.replicates.common
+        seeds = self.study.file.replicates.search_seeds
         values = [
             self.runs.values(point, goal.variant, goal.column, seeds) for goal in self.study.goals
         ]

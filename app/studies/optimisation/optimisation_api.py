@@ -15,7 +15,7 @@ from app.studies.optimisation.optimisation_result import OptimisationResult
 from app.studies.optimisation.optimisation_runner import optimise as carry_out
 from app.studies.optimisation.study import Study, read_study, study_of
 from app.studies.search import Algorithm
-from app.studies.sweeps.sweep_api import bounds, is_file, kept_in, values_of
+from app.studies.sweeps.sweep_api import axis_bounds, is_file, result_folder, values_of
 from app.studies.sweeps.sweep_results import Results
 from worlds.input_error import InputError
 
@@ -127,7 +127,7 @@ def optimise(
         values["replicates"]["fresh"] = fresh
         values["search"] = {
             "algorithm": algorithm,
-            "axes": {name: bounds(axis) for name, axis in (vary or {}).items()},
+            "axes": {name: axis_bounds(axis) for name, axis in (vary or {}).items()},
             "where": where,
             "evaluations": evaluations,
             "seed": seed,
@@ -138,7 +138,7 @@ def optimise(
         values["objective"] = [{"observable": name, "aim": aim} for aim, name in aims if name]
         values["constraint"] = [{"says": condition} for condition in keep]
         study = study_of(values, KeyLocations(CALL), Path())
-    place = kept_in(folder)
+    place = result_folder(folder)
     done = carry_out(study, place, workers=workers, tell=tell)
     if done.answer is None:
         raise InputError(f"the search in {str(place)!r} was asked to stop: the same call goes on")

@@ -125,27 +125,27 @@ class OptimisationResult:
         if not self.best:
             yield "no point has a value and keeps to all constraints: there is no best"
         elif len(self.goals) == 1:
-            yield from self.of_one()
+            yield from self.describe_best()
         else:
-            yield from self.of_front()
-        yield self.spent()
+            yield from self.describe_front()
+        yield self.describe_effort()
 
-    def of_one(self) -> Iterator[str]:
+    def describe_best(self) -> Iterator[str]:
         """The answer where there is one objective."""
         best, goal, aim = self.best[0], self.goals[0], self.aims[0]
         seeds = f"{self.fresh} fresh seeds"
         mean_text = best.means[0] or "not in every run"
         yield f"{aim} {goal}: {mean_text} at {label(best.point)} ({seeds})"
-        yield self.against_default(best, 0)
+        yield self.describe_default(best, 0)
         if best.on_search[0] is not None:
             yield f"on the {self.seeds} seeds of the search it was {best.on_search[0]:.4g}"
         for name, mean in zip(self.limits, best.limits, strict=True):
             yield f"{name}: it is {mean or 'not there in every run'}"
-        yield from bounds_in_words(best)
+        yield from describe_bounds(best)
         if self.ties is not None:
-            yield from ties_in_words(self.ties)
+            yield from describe_ties(self.ties)
 
-    def against_default(self, point: ValidatedPoint, k: int) -> str:
+    def describe_default(self, point: ValidatedPoint, k: int) -> str:
         """A point beside the default."""
         text = (
             f"the default, {label(self.default.point)}, has {self.default.means[k] or 'no value'}"
@@ -159,7 +159,7 @@ class OptimisationResult:
         doubt = "" if sure else ": not told apart from chance"
         return f"{text}: a {word} of {Mean(abs(gain.value), gain.half)}{share}{doubt}"
 
-    def of_front(self) -> Iterator[str]:
+    def describe_front(self) -> Iterator[str]:
         """The answer where there are several objectives."""
         goals = list(zip(self.goals, self.aims, strict=True))
         yield f"{counted(len(self.best), 'point')} on the front, told on {self.fresh} fresh seeds"
@@ -173,10 +173,10 @@ class OptimisationResult:
                 f"{other} {end.means[n]}" for n, (other, _) in enumerate(goals) if n != k
             )
             yield f"{aim} {goal}: {end.means[k]} with {others}, at {label(end.point)}"
-            yield self.against_default(end, k)
-            yield from bounds_in_words(end)
+            yield self.describe_default(end, k)
+            yield from describe_bounds(end)
 
-    def spent(self) -> str:
+    def describe_effort(self) -> str:
         """What the search has cost, and why it is over."""
         text = f"{counted(self.evaluations, 'evaluation')} of {self.different} different points"
         text += f", {counted(self.runs, 'run')} of {self.seeds} seeds"
@@ -195,13 +195,13 @@ class OptimisationResult:
         )
 
 
-def bounds_in_words(point: ValidatedPoint) -> Iterator[str]:
+def describe_bounds(point: ValidatedPoint) -> Iterator[str]:
     """On which bounds a point lies."""
     for bound in point.bounds:
         yield f"{bound}: there may be better beyond"
 
 
-def ties_in_words(ties: TiedPoints) -> Iterator[str]:
+def describe_ties(ties: TiedPoints) -> Iterator[str]:
     """What ties with the best."""
     if ties.points < 2:
         yield f"none of {counted(ties.of, 'point')} ties with it"
@@ -214,10 +214,11 @@ def ties_in_words(ties: TiedPoints) -> Iterator[str]:
     yield text + (": a plateau, compare values and not places" if ties.is_plateau else "")
     if ties.furthest is not None and ties.apart is not None:
         where = label(ties.furthest.point)
-        yield f"the furthest of them, {where}, has {ties.furthest.means[0]}: {worse(ties.apart)}"
+        loss = describe_loss(ties.apart)
+        yield f"the furthest of them, {where}, has {ties.furthest.means[0]}: {loss}"
 
 
-def worse(apart: Mean) -> str:
+def describe_loss(apart: Mean) -> str:
     """By how much a point is worse than the best."""
     word = "worse" if apart.value > 0 else "better"
     return f"{Mean(abs(apart.value), apart.half)} {word}"
@@ -228,19 +229,21 @@ def format_value(value: Any) -> str:
     return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
-def answer_of(
+def make_result(
     study: Study, runs: Evaluations, course: list[EvaluatedPoint], end: End
 ) -> OptimisationResult:
     """The answer, for which fresh seeds are run. Raises HaltedError."""
     seeds = study.file.replicates
     good = [point for point in course if point.is_good]
     distinct = list({tuple(point.point.items()): point for point in reversed(good)}.values())[::-1]
-    runs.run([study.default], seeds.common)
-    chosen = front(study, distinct) if len(study.goals) > 1 else best_of(study, distinct)
-    ties, furthest = (None, None) if len(study.goals) > 1 else tied(study, runs, distinct, chosen)
+    runs.run([study.default], seeds.search_seeds)
+    chosen = front(study, distinct) if len(study.goals) > 1 else choose_best(study, distinct)
+    ties, furthest = (
+        (None, None) if len(study.goals) > 1 else find_ties(study, runs, distinct, chosen)
+    )
     before = len(runs.used)
     told_of = [study.default, *(point.point for point in chosen)]
-    runs.run([*told_of, *([furthest.point] if furthest else [])], seeds.unseen)
+    runs.run([*told_of, *([furthest.point] if furthest else [])], seeds.fresh_seeds)
     default = evaluate_fresh(study, runs, "the default", study.default)
     best = [
         evaluate_fresh(
@@ -250,7 +253,9 @@ def answer_of(
     ]
     if ties is not None and furthest is not None:
         other = evaluate_fresh(study, runs, "the furthest that ties", furthest.point, furthest)
-        apart = paired(runs, study.goals[0], furthest.point, chosen[0].point, seeds.unseen)
+        apart = paired_loss(
+            runs, study.goals[0], furthest.point, chosen[0].point, seeds.fresh_seeds
+        )
         ties = TiedPoints(ties.points, ties.of, ties.spans, other, apart)
     return OptimisationResult(
         [goal.name for goal in study.goals],
@@ -271,7 +276,7 @@ def answer_of(
     )
 
 
-def best_of(study: Study, good: list[EvaluatedPoint]) -> list[EvaluatedPoint]:
+def choose_best(study: Study, good: list[EvaluatedPoint]) -> list[EvaluatedPoint]:
     """The best point, the first of those that are equal; none if there is none."""
     sign = study.goals[0].sign
     return [min(good, key=lambda point: sign * point.means[0])] if good else []
@@ -295,7 +300,7 @@ def front(study: Study, good: list[EvaluatedPoint]) -> list[EvaluatedPoint]:
     return [good[k] for k in kept_indices]
 
 
-def tied(
+def find_ties(
     study: Study, runs: Evaluations, good: list[EvaluatedPoint], chosen: list[EvaluatedPoint]
 ) -> tuple[TiedPoints | None, EvaluatedPoint | None]:
     """The points that are as good as the best, and the furthest of them from it.
@@ -305,12 +310,12 @@ def tied(
     """
     if not chosen:
         return None, None
-    best, goal, seeds = chosen[0], study.goals[0], study.file.replicates.common
-    gain = paired(runs, goal, study.default, best.point, seeds)
+    best, goal, seeds = chosen[0], study.goals[0], study.file.replicates.search_seeds
+    gain = paired_loss(runs, goal, study.default, best.point, seeds)
     little = LITTLE * gain.value if gain is not None and gain.value > 0.0 else None
     same: list[EvaluatedPoint] = []
     for point in good:
-        apart = paired(runs, goal, point.point, best.point, seeds)
+        apart = paired_loss(runs, goal, point.point, best.point, seeds)
         if apart is None:
             continue
         sure = apart.half if math.isfinite(apart.half) else 0.0
@@ -331,7 +336,7 @@ def tied(
     return TiedPoints(len(same), len(good), spans, None, None), furthest
 
 
-def paired(
+def paired_loss(
     runs: Evaluations, goal: SearchGoal, point: Point, than: Point, seeds: range
 ) -> Mean | None:
     """By how much a point is worse than another, seed by seed; None if a run has no value."""
@@ -352,16 +357,16 @@ def evaluate_fresh(
     evaluated: EvaluatedPoint | None = None,
 ) -> ValidatedPoint:
     """A point on the fresh seeds."""
-    seeds = study.file.replicates.unseen
+    seeds = study.file.replicates.fresh_seeds
 
     def mean(variant: int, column: str) -> Mean | None:
         values = runs.values(point, variant, column, seeds)
         numbers = [value for value in values if value is not None]
         return Mean.of(numbers) if len(numbers) == len(values) else None
 
-    common = study.file.replicates.common
+    common = study.file.replicates.search_seeds
     searched = [runs.values(point, goal.variant, goal.column, common) for goal in study.goals]
-    gains = [paired(runs, goal, study.default, point, seeds) for goal in study.goals]
+    gains = [paired_loss(runs, goal, study.default, point, seeds) for goal in study.goals]
     return ValidatedPoint(
         what,
         dict(point),
@@ -369,12 +374,12 @@ def evaluate_fresh(
         gains,
         [mean(limit.variant, limit.says.name) for limit in study.limits],
         [None if None in values else float(np.mean(values)) for values in searched],  # type: ignore[arg-type]
-        on_bounds(study, evaluated) if evaluated else [],
+        bounds_reached(study, evaluated) if evaluated else [],
         spec_at(study, point).to_toml(),
     )
 
 
-def on_bounds(study: Study, point: EvaluatedPoint) -> list[str]:
+def bounds_reached(study: Study, point: EvaluatedPoint) -> list[str]:
     """The axes on whose bound a point lies, in words."""
     names = []
     for share, (name, axis) in zip(point.unit, study.file.search.axes.items(), strict=True):

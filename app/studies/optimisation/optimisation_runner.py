@@ -14,7 +14,7 @@ from app.studies.optimisation.evaluations import (
     HaltedError,
     SearchHistory,
 )
-from app.studies.optimisation.optimisation_result import OptimisationResult, answer_of
+from app.studies.optimisation.optimisation_result import OptimisationResult, make_result
 from app.studies.optimisation.study import Study
 from app.studies.search import search
 from app.studies.workers.processes import cores
@@ -70,8 +70,10 @@ def optimise(
                 population=settings.generation,
                 seed=settings.seed,
             )
-            answer = answer_of(study, runs, course.evaluated, end)
+            answer = make_result(study, runs, course.evaluated, end)
             runs.runner.store.tell(runs=len(runs.used))
         except HaltedError:
             pass
-    return OptimisationReport(runs.runner.made, runs.taken, runs.broken, answer, course.evaluated)
+    return OptimisationReport(
+        runs.runner.made, runs.taken, runs.failed_runs, answer, course.evaluated
+    )

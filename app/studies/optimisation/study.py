@@ -15,16 +15,16 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.spec import LARGEST_SEED, Spec
 from app.strict_table import Line, StrictTable, Value
 from app.studies.cluster.cluster_options import Cluster
-from app.studies.key_lines import KeyLocations, about
+from app.studies.key_lines import KeyLocations, name_in_refusal
 from app.studies.search import Algorithm, demand_package
 from app.studies.sweeps.checked_sweep import (
     Sweep,
     base_of,
-    checked_file,
+    check_file,
     first_flock,
-    making_of,
+    make_job,
 )
-from app.studies.sweeps.designs import Point, between, rounded
+from app.studies.sweeps.designs import Point, round_point, value_between
 from app.studies.sweeps.sweep_cells import Basis, Cell, spec_of
 from app.studies.sweeps.sweep_file import (
     MOST_TICKS,
@@ -95,12 +95,12 @@ class Seeds(StrictTable):
     """Seeds that the search has not seen, on which the best is told."""
 
     @property
-    def common(self) -> range:
+    def search_seeds(self) -> range:
         """Those of the search."""
         return range(self.first, self.first + self.count)
 
     @property
-    def unseen(self) -> range:
+    def fresh_seeds(self) -> range:
         """Those of the answer."""
         first = self.first + max(FRESH_FROM, self.count)
         return range(first, first + self.fresh)
@@ -231,9 +231,9 @@ class Study:
     def point(self, unit: np.ndarray) -> Point:
         """A point of the unit cube (D,) as values of the axes."""
         axes = self.file.search.axes
-        return rounded(
+        return round_point(
             {
-                name: between(axis, float(share))
+                name: value_between(axis, float(share))
                 if isinstance(axis, Span)
                 else axis[min(int(share * len(axis)), len(axis) - 1)]
                 for (name, axis), share in zip(axes.items(), unit, strict=True)
@@ -254,17 +254,21 @@ def read_study(path: Path) -> Study:
 
 def study_of(values: dict[str, Any], places: KeyLocations, folder: Path) -> Study:
     """The study of values, as TOML has them. Raises InputError, before anything is run."""
-    file = checked_file(OptimisationFile, values, places)
+    file = check_file(OptimisationFile, values, places)
     demand_package(file.search.algorithm)
     observed = columns_of(file, places, folder)
     everything: list[Objective | Constraint] = [*file.objective, *file.constraint]
     measurements: list[PointMeasurement] = []
     for entry in everything:
-        if not any(alike(entry, other) for other in measurements):
+        if not any(is_same_run(entry, other) for other in measurements):
             measurements.append(entry)
     names = [column(entry, places) for entry in everything]
     columns_wanted = [
-        [name for name, other in zip(names, everything, strict=True) if alike(measurement, other)]
+        [
+            name
+            for name, other in zip(names, everything, strict=True)
+            if is_same_run(measurement, other)
+        ]
         for measurement in measurements
     ]
     variants = [
@@ -272,7 +276,7 @@ def study_of(values: dict[str, Any], places: KeyLocations, folder: Path) -> Stud
         for measurement, columns in zip(measurements, columns_wanted, strict=True)
     ]
     number = [
-        next(k for k, measurement in enumerate(measurements) if alike(measurement, each))
+        next(k for k, measurement in enumerate(measurements) if is_same_run(measurement, each))
         for each in everything
     ]
     goals = [
@@ -283,7 +287,7 @@ def study_of(values: dict[str, Any], places: KeyLocations, folder: Path) -> Stud
     ]
     rest = number[len(file.objective) :]
     limits = [
-        Limit(bounding(constraint, places), k)
+        Limit(parse_constraint(constraint, places), k)
         for constraint, k in zip(file.constraint, rest, strict=True)
     ]
     study = Study(
@@ -294,7 +298,7 @@ def study_of(values: dict[str, Any], places: KeyLocations, folder: Path) -> Stud
     return study
 
 
-def alike(measurement: PointMeasurement, other: PointMeasurement) -> bool:
+def is_same_run(measurement: PointMeasurement, other: PointMeasurement) -> bool:
     """Whether two things are measured of the same runs."""
     return (measurement.at, measurement.ticks, measurement.stop) == (
         other.at,
@@ -308,13 +312,13 @@ def column(constraint: Objective | Constraint, places: KeyLocations) -> str:
     return (
         constraint.observable
         if isinstance(constraint, Objective)
-        else bounding(constraint, places).name
+        else parse_constraint(constraint, places).name
     )
 
 
-def bounding(constraint: Constraint, places: KeyLocations) -> ObservableBound:
+def parse_constraint(constraint: Constraint, places: KeyLocations) -> ObservableBound:
     """The comparison of a constraint. Raises InputError."""
-    where = places.of("says", "constraint")
+    where = places.describe("says", "constraint")
     try:
         says = comparison(constraint.says)
     except InputError as refusal:
@@ -339,7 +343,7 @@ def columns_of(file: OptimisationFile, places: KeyLocations, folder: Path) -> di
             columns[measure_of(entry, folder).column] = entry
         except InputError as refusal:
             key = "measure" if entry.measure else "name"
-            raise InputError(f"{refusal} ({places.of(key, 'observe')})") from None
+            raise InputError(f"{refusal} ({places.describe(key, 'observe')})") from None
     return columns
 
 
@@ -363,12 +367,12 @@ def variant(
             observe.append(Observe(name=name))
         else:
             names = [*observed, *([K] if stop else [])]
-            raise unknown("column", name, names, places.of("observable", "objective"))
+            raise unknown("column", name, names, places.describe("observable", "objective"))
     for entry in observe:
         if entry.every is not None:
             raise InputError(
                 f"when = {entry.when!r} gives no single value that could be the best: leave it out "
-                f"({places.of('when', 'observe')})"
+                f"({places.describe('when', 'observe')})"
             )
     run = (
         file.run
@@ -380,13 +384,15 @@ def variant(
         title=file.title, run=run, stop=stop, observe=observe, replicates=seeds
     )
     base = base_of(variant_file, places, folder)
-    making = making_of(variant_file, places, folder, lambda: first_flock(base, [(0, {})], places))
+    making = make_job(variant_file, places, folder, lambda: first_flock(base, [(0, {})], places))
     making.prepare()
     basis = Basis(making, seeds.first)
     try:
         cell = basis.cell(spec_of(base, measurement.at), dict(measurement.at), 0)
     except InputError as refusal:
-        where = places.of(about(str(refusal)), "objective.at" if measurement.at else "run")
+        where = places.describe(
+            name_in_refusal(str(refusal)), "objective.at" if measurement.at else "run"
+        )
         raise InputError(f"{refusal} ({where})") from None
     sweep = Sweep(variant_file, places, folder, base, making, [cell], places.text)
     return Variant(dict(measurement.at), sweep, basis)
@@ -398,7 +404,7 @@ def default_of(first: Variant, file: OptimisationFile) -> Point:
     spec = first.sweep.cells[0].identity["spec"]
     values = {**spec, **spec["parameters"]}
     for name in file.search.axes:
-        where = first.sweep.places.of(name, "search.axes")
+        where = first.sweep.places.describe(name, "search.axes")
         if name in ("parameters", "ticks", "seed"):
             raise InputError(
                 f"axis {name!r} is not allowed: it is no parameter or option ({where})"
@@ -416,7 +422,7 @@ def check_corners(study: Study) -> None:
     try:
         study.is_allowed(study.default)
     except InputError as refusal:
-        raise InputError(f"{refusal} ({study.places.of('where', 'search')})") from None
+        raise InputError(f"{refusal} ({study.places.describe('where', 'search')})") from None
     for corner in itertools.islice(itertools.product((0.0, 1.0), repeat=len(axes)), CORNERS):
         point = study.point(np.array(corner))
         if not study.is_allowed(point):
@@ -425,10 +431,10 @@ def check_corners(study: Study) -> None:
             try:
                 variant.cell(point)
             except InputError as refusal:
-                word = about(str(refusal))
+                word = name_in_refusal(str(refusal))
                 table = "search.axes" if word in point else "run"
                 point_text = ", ".join(f"{name} = {value!r}" for name, value in point.items())
-                at = study.places.of(word, table)
+                at = study.places.describe(word, table)
                 raise InputError(f"{refusal} ({at}; a corner of the box: {point_text})") from None
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from app.studies.claims.claims import Claim, is_news
+from app.studies.claims.claims import Claim, differs_from_expected
 from app.studies.experiment import Experiment
 from app.studies.judge.claim_verdict import ClaimVerdict
 from app.studies.judge.comparison import MeanComparison
@@ -33,7 +33,7 @@ def overview(outcomes: Sequence[Judged]) -> Any:
         "verdicts on rows beside published ones, then on claims\n"
         "open: undecided; built: by construction; news: not as expected"
     )
-    table.caption = false_words(answers)
+    table.caption = describe_false_answers(answers)
     table.caption_justify = "left"
     table.title_justify = "left"
     totals: Counter[tuple[str, str]] = Counter()
@@ -59,7 +59,7 @@ def answers_of(
     return [answer for answer in answers if answer.word != "by construction"]
 
 
-def false_words(answers: Sequence[MeanComparison | ClaimVerdict]) -> str:
+def describe_false_answers(answers: Sequence[MeanComparison | ClaimVerdict]) -> str:
     """How many answers of a table may be false, and how many stand together (Holm at 1 %)."""
     decided = [answer for answer in answers if answer.word != "undecided"]
     sure = int(survives_holm(np.array([answer.p for answer in answers])).sum()) if answers else 0
@@ -79,4 +79,4 @@ def counts(tally: Counter[tuple[str, str]]) -> list[str]:
 def changes(verdicts: Sequence[Verdict], claims: Sequence[Claim]) -> int:
     """How many verdicts are other than what was found before."""
     rows = [verdict for verdict in verdicts if verdict.word] + [*claims]
-    return sum(is_news(row.word, row.expected) for row in rows)
+    return sum(differs_from_expected(row.word, row.expected) for row in rows)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.studies.claims.claims import Claim, beside
+from app.studies.claims.claims import Claim, word_and_expected
 from app.studies.experiment import Experiment
 from app.studies.judge.claim_verdict import ANSWERS_NOTE
 from app.studies.judge.comparison import NOTE, SPREAD_NOTE, WELCH_NOTE
 from app.studies.judge.judge import RunRanges, share_interval
-from app.studies.judge.verdict import Verdict, of
-from app.studies.reports.overview import answers_of, false_words
-from app.studies.reports.tables import STYLES, styled, table_of
+from app.studies.judge.verdict import Verdict, verdicts_on
+from app.studies.reports.overview import answers_of, describe_false_answers
+from app.studies.reports.tables import STYLES, style_answer, table_of
 from worlds.file_writer import csv_text, write_text
 from worlds.number_text import counted
 
@@ -75,25 +75,25 @@ def show(
     console.print(table_of(verdicts))
     runs = len(verdicts[0].values)
     tell(f"{runs} runs in each row" if runs > 1 else "one run")
-    for line in absences(experiment, verdicts):
+    for line in describe_absences(experiment, verdicts):
         tell(line)
     if answers := answers_of(verdicts, claims):
-        tell(f"[dim]{false_words(answers)}[/]")
+        tell(f"[dim]{describe_false_answers(answers)}[/]")
     for line in reasons_of_rows(verdicts):
         tell(line)
     for claim in claims:
         why = f": {claim.by_construction}" if claim.word == "by construction" else ""
-        tell(f"  {styled(claim.answer)}  {claim.text}{why}")
-        word_text = beside(claim.word, claim.expected)
+        tell(f"  {style_answer(claim.answer)}  {claim.text}{why}")
+        word_text = word_and_expected(claim.word, claim.expected)
         if word_text:
             tell(f"    [dim]{word_text}[/]")
-    for line in known_of(experiment, verdicts):
+    for line in describe_known(experiment, verdicts):
         tell(line)
     for note in notes(experiment, verdicts, claims):
         tell(f"[dim]note: {note}[/]")
 
 
-def known_of(experiment: Experiment, verdicts: list[Verdict]) -> list[str]:
+def describe_known(experiment: Experiment, verdicts: list[Verdict]) -> list[str]:
     """What was found before of rows, what is not compared and why, and other remarks on rows."""
     lines = [
         f"{experiment.settings.measure(measure).symbol} is not compared: {why}"
@@ -105,14 +105,14 @@ def known_of(experiment: Experiment, verdicts: list[Verdict]) -> list[str]:
         if verdict.comparison and verdict.expected:
             lines.append(
                 f"{row}, {verdict.measure.symbol} {verdict.word}; "
-                f"[dim]{beside(verdict.word, verdict.expected)}[/]"
+                f"[dim]{word_and_expected(verdict.word, verdict.expected)}[/]"
             )
         if case.row and case.last and case.row.remark and verdict.measure == experiment.measures[0]:
             lines.append(f"{row}: {case.row.remark}")
     return lines
 
 
-def absences(experiment: Experiment, verdicts: list[Verdict]) -> list[str]:
+def describe_absences(experiment: Experiment, verdicts: list[Verdict]) -> list[str]:
     """Lines on each measure that some runs, but not all of a row, do not have.
 
     Of runs that were given up two things can be said that name their limit: the mean of what came
@@ -120,13 +120,19 @@ def absences(experiment: Experiment, verdicts: list[Verdict]) -> list[str]:
     """
     lines = []
     for measure in experiment.measures:
-        rows = [verdict for verdict in of(verdicts, measure.name) if verdict.summary.absent]
-        lines += [given_up(row, row.summary.limit) for row in rows if row.summary.limit is not None]
+        rows = [
+            verdict for verdict in verdicts_on(verdicts, measure.name) if verdict.summary.absent
+        ]
+        lines += [
+            describe_given_up(row, row.summary.limit)
+            for row in rows
+            if row.summary.limit is not None
+        ]
         rows = [row for row in rows if row.summary.limit is None]
         rows = [row for row in rows if row.summary.runs or row.published]
         if rows:
             cases = ", ".join(
-                f"{row.case.label} N = {row.case.agents}{at(row)} ({row.summary.absent})"
+                f"{row.case.label} N = {row.case.agents}{tick_text(row)} ({row.summary.absent})"
                 for row in rows
             )
             lines.append(
@@ -143,7 +149,7 @@ def reasons_of_rows(verdicts: list[Verdict]) -> list[str]:
         if verdict.comparison and verdict.comparison.why:
             key = verdict.word, verdict.measure.symbol, verdict.comparison.why
             reasons.setdefault(key, []).append(
-                f"{verdict.case.label} N = {verdict.case.agents}{at(verdict)}"
+                f"{verdict.case.label} N = {verdict.case.agents}{tick_text(verdict)}"
             )
     return [
         f"[{STYLES[word]}]{word}[/]  {symbol}: {why}: {', '.join(rows)}"
@@ -151,7 +157,7 @@ def reasons_of_rows(verdicts: list[Verdict]) -> list[str]:
     ]
 
 
-def given_up(verdict: Verdict, limit: float) -> str:
+def describe_given_up(verdict: Verdict, limit: float) -> str:
     """What can be said of a row of which runs were given up at a limit."""
     runs = verdict.ranges.runs
     low, high = RunRanges(
@@ -161,7 +167,7 @@ def given_up(verdict: Verdict, limit: float) -> str:
     unit = "" if verdict.unit == "1" else f" {verdict.unit}"
     return (
         f"[bold red]{verdict.measure.absent}[/]  {verdict.case.label} "
-        f"N = {verdict.case.agents}{at(verdict)}: "
+        f"N = {verdict.case.agents}{tick_text(verdict)}: "
         f"{verdict.summary.absent} of {counted(runs, 'run')} given up at {limit:g}{unit}; mean of "
         f"min({verdict.measure.symbol}, {limit:g}) {verdict.summary.mean:.4g}{unit} "
         f"(99 %: {low:.4g} to "
@@ -170,7 +176,7 @@ def given_up(verdict: Verdict, limit: float) -> str:
     )
 
 
-def at(verdict: Verdict) -> str:
+def tick_text(verdict: Verdict) -> str:
     """The tick of a run that is measured several times."""
     return "" if verdict.case.tick is None else f" at tick {verdict.case.tick}"
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from app.studies.figures.phases import PhasePoint, map_of, ways_of
+from app.studies.figures.phases import PhasePoint, map_points, way_points
 from app.studies.judge.claim_verdict import ClaimVerdict
 from app.studies.judge.comparison import MeanComparison
 from app.studies.judge.statistics import MeasureSummary
-from app.studies.judge.verdict import Verdict, main_ones, name, of, sweeps_of
+from app.studies.judge.verdict import Verdict, group_by_sweep, main_verdicts, name, verdicts_on
 
 # Verdicts and answers in words and colours.
 
@@ -23,7 +23,7 @@ STYLES = {
 }
 
 
-def styled(answer: MeanComparison | ClaimVerdict | None) -> str:
+def style_answer(answer: MeanComparison | ClaimVerdict | None) -> str:
     """A verdict in its colour; nothing where nothing is compared."""
     return f"[{STYLES[answer.word]}]{answer}[/]" if answer else ""
 
@@ -42,7 +42,7 @@ def gathering_table(verdicts: list[Verdict]) -> Any:
         left = "left" if column == "model" else "right"
         table.add_column(column, justify=left, no_wrap=True)  # type: ignore[arg-type]
     before = None
-    for look in looks(verdicts):
+    for look in group_by_look(verdicts):
         case = look[0].case
         head = ("", "") if case.row is before else (str(case.agents), case.label)
         before = case.row
@@ -51,14 +51,18 @@ def gathering_table(verdicts: list[Verdict]) -> Any:
         )
         table.add_row(*head, str(case.tick), *means, end_section=case.last and not paper(look))
         if case.last and paper(look):
-            table.add_row("", "published", "", *(printed(verdict) for verdict in look))
+            table.add_row("", "published", "", *(format_published(verdict) for verdict in look))
             table.add_row(
-                "", "", "", *(styled(verdict.comparison) for verdict in look), end_section=True
+                "",
+                "",
+                "",
+                *(style_answer(verdict.comparison) for verdict in look),
+                end_section=True,
             )
     return table
 
 
-def looks(verdicts: list[Verdict]) -> list[list[Verdict]]:
+def group_by_look(verdicts: list[Verdict]) -> list[list[Verdict]]:
     """The verdicts of each look."""
     by_look: dict[int, list[Verdict]] = {}
     for verdict in verdicts:
@@ -71,7 +75,7 @@ def paper(look: list[Verdict]) -> bool:
     return any(verdict.published for verdict in look)
 
 
-def printed(verdict: Verdict) -> str:
+def format_published(verdict: Verdict) -> str:
     """A published mean."""
     if verdict.published is None or verdict.published.average is None:
         return ""
@@ -117,7 +121,7 @@ def phase_tables(verdicts: list[Verdict]) -> Any:
     """Both tables, as far as there are places of their kind."""
     from rich.console import Group
 
-    tables = [map_table(map_of(verdicts)), ways_table(ways_of(verdicts))]
+    tables = [map_table(map_points(verdicts)), ways_table(way_points(verdicts))]
     return Group(*(table for table in tables if table is not None))
 
 
@@ -127,14 +131,14 @@ def map_table(points: list[PhasePoint]) -> Any | None:
         return None
     sweep = points[0].case.own_sweep
     xs = sorted({spot.x for spot in points})
-    table = blank("", *(f"{x:g}" for x in xs))
+    table = empty_text_table("", *(f"{x:g}" for x in xs))
     table.title = f"columns: {sweep.parameter}, rows: {sweep.against}"
     for y in sorted({spot.y for spot in points}, reverse=True):
         row = {spot.x: spot for spot in points if spot.y == y}
         line = [row.get(x) for x in xs]
         table.add_row(f"{y:g} p", *(mean(spot.p if spot else None) for spot in line))
         table.add_row("m", *(mean(spot.m if spot else None) for spot in line))
-        table.add_row("", *(short(spot) for spot in line), end_section=True)
+        table.add_row("", *(format_phase(spot) for spot in line), end_section=True)
     return table
 
 
@@ -144,14 +148,16 @@ def ways_table(pairs: list[tuple[PhasePoint, PhasePoint]]) -> Any | None:
         return None
     sweep = pairs[0][0].case.own_sweep
     heads = ("p", "m", "there", "p", "m", "back")
-    table = blank(sweep.parameter, *heads)
+    table = empty_text_table(sweep.parameter, *heads)
     for up, down in pairs:
-        cells = [text for spot in (up, down) for text in (mean(spot.p), mean(spot.m), short(spot))]
+        cells = [
+            text for spot in (up, down) for text in (mean(spot.p), mean(spot.m), format_phase(spot))
+        ]
         table.add_row(f"{up.x:g}", *cells)
     return table
 
 
-def blank(*columns: str) -> Any:
+def empty_text_table(*columns: str) -> Any:
     """An empty table."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -167,7 +173,7 @@ def mean(summary: MeasureSummary | None) -> str:
     return "" if summary is None else f"{summary.mean:.2f}"
 
 
-def short(spot: PhasePoint | None) -> str:
+def format_phase(spot: PhasePoint | None) -> str:
     """The commonest phase in its colour."""
     return "" if spot is None else f"[{PHASE_STYLES[spot.phase]}]{SHORT[spot.phase]}[/]"
 
@@ -183,7 +189,9 @@ def table_of(verdicts: list[Verdict]) -> Any:
     if any(verdict.published for verdict in verdicts):
         return published_tables(verdicts)
     if any(verdict.case.sweep for verdict in verdicts):
-        return sweep_table(verdicts) if verdicts == main_ones(verdicts) else sweep_tables(verdicts)
+        return (
+            sweep_table(verdicts) if verdicts == main_verdicts(verdicts) else sweep_tables(verdicts)
+        )
     return measure_table(verdicts)
 
 
@@ -193,9 +201,11 @@ def published_tables(verdicts: list[Verdict]) -> Any:
 
     measures = list(dict.fromkeys(verdict.measure.name for verdict in verdicts))
     compared = [
-        name for name in measures if any(verdict.published for verdict in of(verdicts, name))
+        name
+        for name in measures
+        if any(verdict.published for verdict in verdicts_on(verdicts, name))
     ]
-    tables = [published_table(of(verdicts, name)) for name in compared]
+    tables = [published_table(verdicts_on(verdicts, name)) for name in compared]
     others = [verdict for verdict in verdicts if verdict.measure.name not in compared]
     return Group(*tables, *([measure_table(others)] if others else []))
 
@@ -215,19 +225,19 @@ def published_table(verdicts: list[Verdict]) -> Any:
             mean_of(s),
             number(s.sd),
             *quartiles_of(s),
-            signed(comparison.z if comparison else None),
-            styled(comparison),
+            format_signed(comparison.z if comparison else None),
+            style_answer(comparison),
         )
         if row:
             quartiles = row.quartiles or (None, None, None)
-            effect, interval = signed(comparison.effect if comparison else None), ""
+            effect, interval = format_signed(comparison.effect if comparison else None), ""
             if comparison and not math.isnan(comparison.interval[0]):
-                interval = " to ".join(map(rounded, comparison.interval))
+                interval = " to ".join(map(format_rounded, comparison.interval))
             table.add_row(
                 "", "paper", number(row.average), "", *(number(q) for q in quartiles),
                 effect, interval, style="dim",
             )  # fmt: skip
-        close_size(table, verdicts, k)
+        add_size_gap(table, verdicts, k)
     return table
 
 
@@ -244,7 +254,7 @@ def sweep_table(verdicts: list[Verdict]) -> Any:
             number(s.sd),
             *quartiles_of(s),
         )
-        close_size(table, verdicts, k)
+        add_size_gap(table, verdicts, k)
     return table
 
 
@@ -253,8 +263,8 @@ def sweep_tables(verdicts: list[Verdict]) -> Any:
     from rich.console import Group
 
     tables = []
-    for sweep, agents, points in sweeps_of(verdicts):
-        rows = by_row(points)
+    for sweep, agents, points in group_by_sweep(verdicts):
+        rows = group_by_row(points)
         symbols = [row.measure.symbol for row in rows[0]]
         units = ["" if row.unit == "1" else f" / {row.unit}" for row in rows[0]]
         table = empty_table(sweep.parameter, *map("".join, zip(symbols, units, strict=True)))
@@ -274,13 +284,13 @@ def measure_table(verdicts: list[Verdict]) -> Any:
     single = all(len(verdict.values) == 1 for verdict in verdicts)
     columns = ("value",) if single else ("mean", "least", "most", "runs")
     table = empty_table("N", "model", "measure", *columns, "unit")
-    for row in by_row(verdicts):
+    for row in group_by_row(verdicts):
         for k, verdict in enumerate(row):
             s = verdict.summary
             head = ("", "") if k else (str(verdict.case.agents), verdict.case.label)
             numbers = [mean_of(s)]
             if not single:
-                numbers += [number(s.least), at_least(s.most, s), str(s.runs)]
+                numbers += [number(s.least), format_limited(s.most, s), str(s.runs)]
             if s.runs == 0:
                 numbers[0] = verdict.measure.absent
             table.add_row(*head, verdict.measure.symbol, *numbers, verdict.unit)
@@ -288,7 +298,7 @@ def measure_table(verdicts: list[Verdict]) -> Any:
     return table
 
 
-def by_row(verdicts: list[Verdict]) -> list[list[Verdict]]:
+def group_by_row(verdicts: list[Verdict]) -> list[list[Verdict]]:
     """The verdicts on all measures of each row."""
     step = len({verdict.measure for verdict in verdicts}) or 1
     return [verdicts[k : k + step] for k in range(0, len(verdicts), step)]
@@ -306,7 +316,7 @@ def empty_table(*columns: str) -> Any:
     return table
 
 
-def close_size(table: Any, verdicts: list[Verdict], k: int) -> None:
+def add_size_gap(table: Any, verdicts: list[Verdict], k: int) -> None:
     """Leave a gap where the size of the flock changes."""
     if k + 1 < len(verdicts) and verdicts[k + 1].case.agents != verdicts[k].case.agents:
         table.add_section()
@@ -319,20 +329,20 @@ def mean_of(s: MeasureSummary) -> str:
 
 def quartiles_of(s: MeasureSummary) -> list[str]:
     """The quartiles; those in which a run was given up are at least this."""
-    return [at_least(q, s) for q in s.quartiles]
+    return [format_limited(q, s) for q in s.quartiles]
 
 
-def at_least(value: float, s: MeasureSummary) -> str:
+def format_limited(value: float, s: MeasureSummary) -> str:
     """A value of the runs, which is at least their limit where it reaches it."""
     return f"≥{number(value)}" if s.limit is not None and value >= s.limit else number(value)
 
 
-def signed(value: float | None) -> str:
+def format_signed(value: float | None) -> str:
     """A number of standard errors or deviations with its sign."""
     return "" if value is None or math.isnan(value) else f"{value:+.2f}"
 
 
-def rounded(value: float) -> str:
+def format_rounded(value: float) -> str:
     """A number with its sign and about three digits.
 
     >>> rounded(-1164.2), rounded(0.01234)

@@ -28,9 +28,9 @@ from app.studies.runs.database import (
     LONGEST,
     STATUSES,
     QueryTimeLimit,
-    guarded,
-    looked_into,
-    quoted,
+    naming_file,
+    open_for_reading,
+    quote_column,
 )
 from worlds.input_error import InputError, demand_line
 
@@ -207,13 +207,13 @@ class StoreReader:
     def _checked(self) -> Iterator[None]:
         """What the store holds that it cannot is an InputError that names the file."""
         try:
-            with guarded(self.path, "read"):
+            with naming_file(self.path, "read"):
                 yield
         except StoreContentError as error:
             raise InputError(f"{str(self.path)!r} cannot be read: {error}") from None
 
     def _rows(self, statement: str) -> list[tuple]:
-        with closing(looked_into(self.path)) as connection, self._checked():
+        with closing(open_for_reading(self.path)) as connection, self._checked():
             QueryTimeLimit(connection, self.limit)
             return connection.execute(statement).fetchall()
 
@@ -274,14 +274,14 @@ class StoreReader:
     def runs(self, columns: list[str] | None = None) -> list[tuple]:
         """The runs of the plan in its order: the FIXED columns, then what was measured."""
         measured = self.columns if columns is None else columns
-        chosen = ", ".join(f"run.{quoted(name)}" for name in (*FIXED, *measured))
+        chosen = ", ".join(f"run.{quote_column(name)}" for name in (*FIXED, *measured))
         rows = self._rows(f"SELECT {chosen} FROM run {ORDERED}")
         with self._checked():
             return demand_runs(rows, len(measured))
 
     def series(self) -> Iterator[tuple[int, int, str, np.ndarray, np.ndarray]]:
         """Cell, seed, observable, ticks and values of all series, in the order of the plan."""
-        with closing(looked_into(self.path)) as connection, self._checked():
+        with closing(open_for_reading(self.path)) as connection, self._checked():
             limit = QueryTimeLimit(connection, self.limit)
             cursor = connection.execute(
                 'SELECT run.cell, run.seed, observable, run.ticks, "values" FROM series AS run '
@@ -298,7 +298,7 @@ class StoreReader:
 def readable(folder: Path) -> bool:
     """Whether a folder holds a store that can be read."""
     try:
-        connection = looked_into(folder / FILE)
+        connection = open_for_reading(folder / FILE)
     except (ValueError, sqlite3.Error):
         return False
     connection.close()

@@ -16,10 +16,10 @@ from app.studies.charts.colour_table import COLOURS, PALE, RULER
 from app.studies.charts.mean_line import interval_sides
 from app.studies.measure import SHARE, UNBOUNDED
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sensitivity.sensitivity_result import Sensitivity, analysed, design_of
-from app.studies.sweeps.sweep_api import bounds, is_file, kept_in, requested_sweep
+from app.studies.sensitivity.sensitivity_result import Sensitivity, analyse, design_of
+from app.studies.sweeps.sweep_api import axis_bounds, is_file, requested_sweep, result_folder
 from app.studies.sweeps.sweep_results import Results
-from app.studies.sweeps.sweep_runner import conduct
+from app.studies.sweeps.sweep_runner import run_sweep
 from app.studies.workers.processes import cores
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError, unknown
@@ -184,12 +184,12 @@ def sensitivity(
         if kind not in ("saltelli", "morris"):
             raise unknown("kind of design", kind, ("saltelli", "morris"))
         size = {"points": points} if kind == "saltelli" else {"trajectories": trajectories}
-        axes = {name: bounds(axis) for name, axis in vary.items()}
+        axes = {name: axis_bounds(axis) for name, axis in vary.items()}
         design = {"kind": kind, "axes": axes, "seed": seed, **size}
     elif vary:
         raise InputError(f"{str(what)!r} says itself what is varied: leave vary out")
     sweep = requested_sweep(what, design, runs, ticks, observe, "", 1, words, tell)
     design_of(sweep)
-    place = kept_in(folder)
-    conduct(sweep, place, workers=workers or cores(), tell=tell)
-    return Influences(analysed(sweep, StoreReader(place)), sweep.title, Results(place))
+    place = result_folder(folder)
+    run_sweep(sweep, place, workers=workers or cores(), tell=tell)
+    return Influences(analyse(sweep, StoreReader(place)), sweep.title, Results(place))

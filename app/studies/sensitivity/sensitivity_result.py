@@ -196,7 +196,7 @@ class Sensitivity:
         """The order of the axes and what else is to be known, a sentence each."""
         yield self.order()
         for influence, other in zip(self.influences, self.influences[1:], strict=False):
-            if not apart(influence.total, other.total):
+            if not are_distinct(influence.total, other.total):
                 yield (
                     f"{influence.axis} and {other.axis} are not told apart: their intervals are "
                     "wider "
@@ -209,7 +209,7 @@ class Sensitivity:
         ]
         if unseen:
             yield f"no influence is seen of {' and '.join(unseen)}"
-        yield from self.together()
+        yield from self.describe_interactions()
         if self.noise is None:
             yield "how much of it is chance is not known: that takes two seeds or more"
         else:
@@ -219,16 +219,16 @@ class Sensitivity:
     def order(self) -> str:
         """The order of the axes, with numbers."""
         first, *rest = self.influences
-        lines = [f"{self.observable} depends most on {first.axis} ({self.of(first)})"]
+        lines = [f"{self.observable} depends most on {first.axis} ({self.format_total(first)})"]
         return ", then on ".join(
-            [*lines, *(f"{influence.axis} ({self.of(influence)})" for influence in rest)]
+            [*lines, *(f"{influence.axis} ({self.format_total(influence)})" for influence in rest)]
         )
 
-    def of(self, influence: Influence) -> str:
+    def format_total(self, influence: Influence) -> str:
         """The total of an axis."""
         return f"{self.symbols[0]} {describe_index(influence.total)}"
 
-    def together(self) -> Iterator[str]:
+    def describe_interactions(self) -> Iterator[str]:
         """What the axes do together, beyond what each does alone."""
         if self.kind == "morris":
             bent = [
@@ -258,12 +258,12 @@ def describe_index(index: Index) -> str:
     return f"{index.value:.2f}" + (f" ± {index.half:.2f}" if index.half == index.half else "")
 
 
-def apart(index: Index, other: Index) -> bool:
+def are_distinct(index: Index, other: Index) -> bool:
     """Whether two indices differ by more than chance, as far as their intervals say."""
     return abs(index.value - other.value) > math.hypot(index.half, other.half)
 
 
-def analysed(sweep: Sweep, reader: StoreReader, observable: str | None = None) -> list[Sensitivity]:
+def analyse(sweep: Sweep, reader: StoreReader, observable: str | None = None) -> list[Sensitivity]:
     """What each thing that is measured, or one of them, depends on. Raises InputError."""
     design = design_of(sweep)
     columns = sweep.making.columns
@@ -299,7 +299,7 @@ def design_of(sweep: Sweep) -> Saltelli | Morris:
     designs, replicates = sweep.file.design, sweep.file.replicates
     kinds = ", ".join(design.kind for design in designs) or "none"
     if len(designs) != 1 or not isinstance(designs[0], Saltelli | Morris):
-        where = sweep.places.of("kind", "design", 0 if designs else None)
+        where = sweep.places.describe("kind", "design", 0 if designs else None)
         raise InputError(
             f"design {kinds} is not allowed: one of kind saltelli, for Sobol's indices, or morris, "
             f"for elementary effects, is needed ({where})"
@@ -310,7 +310,7 @@ def design_of(sweep: Sweep) -> Saltelli | Morris:
             key, table = "observable", "replicates.precision"
         raise InputError(
             "every cell needs the same seeds, or their differences would count as influence: "
-            f'take seeds = "common" and no precision ({sweep.places.of(key, table)})'
+            f'take seeds = "common" and no precision ({sweep.places.describe(key, table)})'
         )
     if not sweep.making.columns:
         raise InputError("nothing has one value for each run: [[observe]] something at its end")
@@ -348,7 +348,7 @@ def runs_of(
         raise InputError(
             f"{censored} of {counted(of, 'run')} gave up before what [stop] waits for came, and an "
             f"index needs all of them: raise ticks = {sweep.file.run.ticks} "
-            f"({sweep.places.of('ticks', 'run')}), or narrow the axes"
+            f"({sweep.places.describe('ticks', 'run')}), or narrow the axes"
         )
     for name in names:
         missing = sum(value != value for columns in found.values() for value in columns[name])

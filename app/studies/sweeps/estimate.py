@@ -11,7 +11,7 @@ from typing import Any
 
 from agents.flock import Flock
 from app.package_files import EXPERIMENTS
-from app.studies.sweeps.checked_sweep import Sweep, chosen
+from app.studies.sweeps.checked_sweep import Sweep, is_recorded
 from app.studies.sweeps.sweep_cells import Cell
 from app.studies.workers.kernels import compile_loop
 from worlds.input_error import InputError
@@ -66,16 +66,16 @@ def estimate(sweep: Sweep) -> SweepEstimate:
         runs,
         most,
         runs * sum(costs) / len(costs),
-        runs * size + 1000 * len(distinct) + recorded(sweep, distinct),
+        runs * size + 1000 * len(distinct) + recording_bytes(sweep, distinct),
     )
 
 
-def recorded(sweep: Sweep, cells: Sequence[Cell]) -> int:
+def recording_bytes(sweep: Sweep, cells: Sequence[Cell]) -> int:
     """Bytes of the recordings."""
     total = 0
     for cell in cells:
         for record in sweep.file.record:
-            if chosen(record, cell):
+            if is_recorded(record, cell):
                 frames = sweep.making.ticks // record.every + 2
                 agents = cell.identity["spec"]["agents"] + (cell.identity["spec"]["informed"] or 0)
                 total += (
@@ -109,7 +109,7 @@ def cost(sweep: Sweep, cell: Cell) -> float:
     return elapsed + per_tick * sweep.making.ticks + looks
 
 
-def other_worlds(sweep: Sweep) -> list[str]:
+def describe_other_worlds(sweep: Sweep) -> list[str]:
     """Warnings of worlds whose edges are not those of the papers that a model comes from."""
     used = {
         (str(cell.identity["spec"]["model"]), str(cell.identity["spec"]["world"]))

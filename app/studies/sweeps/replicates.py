@@ -59,7 +59,7 @@ class Rounds:
         """Runs that are asked for so far."""
         return sum(self.wanted.values())
 
-    def more(self, values: Values) -> bool:
+    def ask_for_more(self, values: Values) -> bool:
         """Ask for the replicates of the next round; False if there is none."""
         precision = self.asked.precision
         if precision is None:

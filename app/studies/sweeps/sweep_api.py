@@ -14,7 +14,7 @@ from app.studies.key_lines import KeyLocations
 from app.studies.sweeps.checked_sweep import Sweep, read_sweep, sweep_of
 from app.studies.sweeps.sweep_file import RunOptions
 from app.studies.sweeps.sweep_results import Results
-from app.studies.sweeps.sweep_runner import conduct
+from app.studies.sweeps.sweep_runner import run_sweep
 from app.studies.workers.processes import cores
 from worlds.input_error import InputError
 
@@ -61,17 +61,17 @@ def sweep(
     with the status `failed`.
     """
     axes = {
-        name: axis if isinstance(axis, Mapping) else plain(list(axis))
+        name: axis if isinstance(axis, Mapping) else plain_value(list(axis))
         for name, axis in (vary or {}).items()
     }
     design = {"kind": "grid", "where": where, "axes": axes} if vary else None
     sweep = requested_sweep(what, design, runs, ticks, observe, until, hold, words, tell)
-    folder = kept_in(folder)
-    conduct(sweep, folder, workers=workers or cores(), tell=tell)
+    folder = result_folder(folder)
+    run_sweep(sweep, folder, workers=workers or cores(), tell=tell)
     return Results(folder)
 
 
-def kept_in(folder: str | Path | None) -> Path:
+def result_folder(folder: str | Path | None) -> Path:
     """The folder, or one that is gone with this process."""
     if folder is None:
         TEMPORARY.append(tempfile.TemporaryDirectory(prefix="flockscope-sweep-"))
@@ -116,13 +116,13 @@ def values_of(
     words: Mapping[str, Any],
 ) -> dict[str, Any]:
     """What a file would say of the runs, but for their design. Raises InputError."""
-    run: dict[str, Any] = shared(what) if isinstance(what, Spec) else {"model": str(what)}
+    run: dict[str, Any] = spec_table(what) if isinstance(what, Spec) else {"model": str(what)}
     run["ticks"] = ticks
     for name, value in words.items():
         if name in RunOptions.model_fields:
-            run[name] = plain(value)
+            run[name] = plain_value(value)
         else:
-            run.setdefault("parameters", {})[name] = plain(value)
+            run.setdefault("parameters", {})[name] = plain_value(value)
     values: dict[str, Any] = {"run": run, "replicates": {"count": runs}}
     if until:
         values["stop"] = {"when": until, "hold": hold}
@@ -133,7 +133,7 @@ def values_of(
     return values
 
 
-def shared(spec: Spec) -> dict[str, Any]:
+def spec_table(spec: Spec) -> dict[str, Any]:
     """A spec as the table [run] of a file. Raises InputError for what a file cannot say."""
     if spec.start != "random" or spec.layout is not None or not isinstance(spec.world, str | None):
         raise InputError(
@@ -141,10 +141,10 @@ def shared(spec: Spec) -> dict[str, Any]:
             "file and name that"
         )
     values = spec.model_dump(exclude_none=True, exclude={"seed", "start", "versions", "layout"})
-    return {key: plain(value) for key, value in values.items()}
+    return {key: plain_value(value) for key, value in values.items()}
 
 
-def bounds(axis: Any) -> Any:
+def axis_bounds(axis: Any) -> Any:
     """An axis as a file has it: a pair are its bounds.
 
     >>> bounds((0.0, 6.0)), bounds([1, 2, 3])
@@ -152,16 +152,16 @@ def bounds(axis: Any) -> Any:
     """
     if isinstance(axis, Mapping):
         return dict(axis)
-    values = plain(list(axis))
+    values = plain_value(list(axis))
     if len(values) == 2 and all(isinstance(end, int | float) for end in values):
         return {"from": float(values[0]), "to": float(values[1])}
     return values
 
 
-def plain(value: Any) -> Any:
+def plain_value(value: Any) -> Any:
     """Arrays and NumPy's numbers as Python's own."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
+        return [plain_value(item) for item in value]
     return value

@@ -46,7 +46,7 @@ class Cell:
         return int.from_bytes(digest[:5], "big") << 20
 
     @property
-    def kept(self) -> str:
+    def stored_text(self) -> str:
         """As the store keeps it."""
         return canonical(
             {
@@ -110,13 +110,13 @@ class Basis:
         """A hash of the world of a run; where it has a name, name and size say which it is."""
         key = (spec.world, spec.layout is None, world.size, world.name)
         if not isinstance(spec.world, str | None) or spec.layout is not None:
-            return hashed(world)
+            return hash_world(world)
         if key not in self.worlds:
-            self.worlds[key] = hashed(world)
+            self.worlds[key] = hash_world(world)
         return self.worlds[key]
 
 
-def hashed(world: World) -> str:
+def hash_world(world: World) -> str:
     """A hash of a world."""
     return hashlib.sha256(world.to_toml().encode()).hexdigest()[:12]
 

@@ -53,9 +53,9 @@ class Condition:
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             if isinstance(error, InputError):
                 raise
-            raise not_understood(text) from None
+            raise condition_error(text) from None
         if not isinstance(self.tree, ast.Compare | ast.BoolOp | ast.UnaryOp):
-            raise not_understood(text)
+            raise condition_error(text)
 
     def holds(self, values: Mapping[str, Any]) -> bool:
         """Whether it holds for the axes of a cell. Raises InputError where they cannot be
@@ -67,7 +67,7 @@ class Condition:
             raise InputError(f"{self.text!r} cannot be said of {point_text}") from None
 
 
-def not_understood(text: str) -> InputError:
+def condition_error(text: str) -> InputError:
     """The refusal of what is no condition."""
     return InputError(f"{text!r} is not a condition: {WORDS}")
 
@@ -92,7 +92,7 @@ def check(node: ast.AST, text: str, axes: Collection[str]) -> None:
                 raise unknown("axis", name, axes, repr(text))
             return
         case _:
-            raise not_understood(text)
+            raise condition_error(text)
     for one in parts:
         check(one, text, axes)
 
@@ -246,7 +246,7 @@ class ListDesign(Design):
     """A CSV whose first line names the axes."""
 
     @model_validator(mode="after")
-    def _has_one(self) -> ListDesign:
+    def _has_one_source(self) -> ListDesign:
         if bool(self.rows) == bool(self.file):
             raise ValueError("either rows or file is needed")
         return self
@@ -366,7 +366,7 @@ class Observe(StrictTable):
     """Its name in tables; by default its own."""
 
     @model_validator(mode="after")
-    def _is_one(self) -> Observe:
+    def _names_one_thing(self) -> Observe:
         if bool(self.name) == bool(self.measure):
             raise ValueError("either name or measure is needed")
         if self.when not in ("final", "each") and not EVERY.fullmatch(self.when):

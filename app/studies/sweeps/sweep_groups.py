@@ -8,7 +8,7 @@ from app.studies.charts.run_group import CellRuns
 from app.studies.runs.database import BROKEN
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.sweep_file import Condition
-from app.studies.sweeps.sweep_table import axes_of, measured
+from app.studies.sweeps.sweep_table import axes_of, measured_columns
 from worlds.input_error import InputError, unknown
 
 
@@ -17,7 +17,7 @@ def groups_of(
 ) -> tuple[str, list[CellRuns]]:
     """The observable that is shown, the first by default, and the cells with runs. Or
     InputError."""
-    columns, axes = measured(reader), axes_of(reader)
+    columns, axes = measured_columns(reader), axes_of(reader)
     if not columns:
         raise InputError("there is nothing with one value for each run: export the series instead")
     name = columns[0] if observable is None else observable

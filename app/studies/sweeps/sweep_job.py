@@ -70,7 +70,7 @@ class SweepMeasure:
             raise InputError(f"measure {self.function!r}: there is no such function in {self.path}")
         return lambda flock: float(function(flock.snapshot(copy=False).measurable()))
 
-    def summed(self, values: list[float], agents: list[int]) -> float:
+    def summarise(self, values: list[float], agents: list[int]) -> float:
         """What the looks at the end of a run come to: their mean, or what is taken of a series."""
         if not values:
             return math.nan
@@ -167,14 +167,14 @@ class RunObserver:
         agents = list(self.agents)
         for measure, get, window in zip(self.measures, self.getters, self.windows, strict=True):
             if window is not None:
-                values[measure.column] = measure.summed(
+                values[measure.column] = measure.summarise(
                     list(window), agents[-len(window) or None :]
                 )
             elif not measure.is_series:
                 values[measure.column] = get(flock)
         return values
 
-    def along(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    def series_by_column(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """The series, by column."""
         return {
             measure.column: (np.array(ticks, np.int64), np.array(values, float))
@@ -256,7 +256,7 @@ class SweepJob:
                 bound, hold = until.says.bound, until.hold
                 k = flock.run_until_consistent(self.ticks, bound, hold, between=glance)
             else:
-                k = self.look_on(flock, looks, glance, frame, request.every)
+                k = self.run_observed(flock, looks, glance, frame, request.every)
             glance()
             values = looks.values(flock)
         if self.until:
@@ -267,7 +267,7 @@ class SweepJob:
             values,
             ticks=flock.tick,
             astray="".join(astray),
-            series=looks.along(),
+            series=looks.series_by_column(),
         )
 
     def try_out(self, flock: Flock) -> None:
@@ -288,7 +288,7 @@ class SweepJob:
         looked = any(measure.is_series or measure.over for measure in self.measures)
         return (says.name, says.sign) == ("consistency", ">=") and inside and not looked
 
-    def look_on(
+    def run_observed(
         self,
         flock: Flock,
         looks: RunObserver,
@@ -314,13 +314,13 @@ class SweepJob:
             if now >= self.ticks:
                 since = None
                 break
-            nexts = [self.ticks, *(following(now, step) for step in steps)]
+            nexts = [self.ticks, *(next_multiple(now, step) for step in steps)]
             if self.window:
                 nexts.append(max(now, windows_from) + 1)
             if self.until:
-                nexts.append(following(now, self.until.every))
+                nexts.append(next_multiple(now, self.until.every))
             if frame:
-                nexts.append(following(now, frames))
+                nexts.append(next_multiple(now, frames))
             flock.run(min(nexts) - now)
             if flock.world.is_solid:
                 glance()
@@ -332,7 +332,7 @@ class SweepJob:
         return since if self.until else None
 
 
-def following(now: int, step: int) -> int:
+def next_multiple(now: int, step: int) -> int:
     """The next multiple of a step."""
     return (now // step + 1) * step
 

@@ -10,14 +10,14 @@ from app.figure import ENDINGS, NAMED, new_figure, write_figure
 from app.studies.charts.axis_limits import column_bounds, parameter_bounds
 from app.studies.charts.distribution import draw_distributions
 from app.studies.charts.mean_line import FEW, draw_lines, draw_sample, mark_missing
-from app.studies.charts.run_group import CellRuns, is_number, values_of, varied
-from app.studies.charts.scaling import CUMULANT, SIZE, Scaling, by_size, draw_scaling
+from app.studies.charts.run_group import CellRuns, is_number, values_of, varied_axes
+from app.studies.charts.scaling import CUMULANT, SIZE, Scaling, draw_scaling, group_by_size
 from app.studies.charts.value_map import draw_map, place_cells
 from app.studies.measure import MeasureBounds
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.cell_snapshots import draw_snapshots
 from app.studies.sweeps.sweep_groups import groups_of
-from app.studies.sweeps.sweep_table import measured
+from app.studies.sweeps.sweep_table import measured_columns
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError, unknown
 from worlds.number_text import counted
@@ -51,11 +51,11 @@ def draw(
     if kind is not None and kind not in KINDS:
         raise unknown("kind of picture", kind, KINDS)
     name, groups = groups_of(reader, observable, where)
-    axes = varied(groups)
+    axes = varied_axes(groups)
     for axis in (x, y):
         if axis is not None and axis not in axes:
             raise unknown("axis", axis, axes, str(reader.folder))
-    kind = kind or ("map" if snapshots else suited(groups, axes))
+    kind = kind or ("map" if snapshots else choose_kind(groups, axes))
     if snapshots and kind != "map":
         raise InputError(f"snapshots are of a map, not of {kind}")
     if scaling is not None and kind != "scaling":
@@ -64,17 +64,17 @@ def draw(
     with new_figure({} if kind == "scaling" else NAMED) as figure:
         chart = SweepChart(figure, reader, name, groups)
         if kind == "map":
-            chart.draw_map(*two(axes, x, y), snapshots)
+            chart.draw_map(*choose_two_axes(axes, x, y), snapshots)
         elif kind == "lines":
-            chart.draw_lines(one(groups, axes, x))
+            chart.draw_lines(choose_axis(groups, axes, x))
         elif kind == "scaling":
             rest = [axis for axis in axes if axis != SIZE] or axes
-            chart.draw_scaling(SIZE if x == SIZE else one(groups, rest, x), where, scaling)
+            chart.draw_scaling(SIZE if x == SIZE else choose_axis(groups, rest, x), where, scaling)
         elif kind == "points":
             chart.draw_samples([x] if x else axes)
         else:
             chart.draw_distributions()
-        title = f"{reader.state.get('title', reader.folder.name)}\n{missing(groups)}"
+        title = f"{reader.state.get('title', reader.folder.name)}\n{describe_missing(groups)}"
         figure.suptitle(title, x=0.01, ha="left", wrap=True, parse_math=False)
         write_figure(figure, path)
     return kind
@@ -131,10 +131,10 @@ class SweepChart:
 
     def draw_scaling(self, x: str, where: str, by: Scaling | None) -> None:
         """Draw the panels of finite-size scaling that the sweep has. Raises InputError."""
-        lines = by_size(self.kept, self.groups, x)
+        lines = group_by_size(self.kept, self.groups, x)
         cumulants = {}
-        if CUMULANT in measured(self.kept) and self.name != CUMULANT:
-            cumulants = by_size(self.kept, groups_of(self.kept, CUMULANT, where)[1], x)
+        if CUMULANT in measured_columns(self.kept) and self.name != CUMULANT:
+            cumulants = group_by_size(self.kept, groups_of(self.kept, CUMULANT, where)[1], x)
         across = 1 + bool(cumulants) + (by is not None)
         self.figure.set_size_inches(1.6 + 4.0 * across, 4.4)
         panels = list(self.figure.subplots(1, across, squeeze=False)[0])
@@ -164,7 +164,7 @@ class SweepChart:
         axes.set_xlabel(self.name)
 
 
-def suited(groups: list[CellRuns], axes: list[str]) -> Kind:
+def choose_kind(groups: list[CellRuns], axes: list[str]) -> Kind:
     """The kind of picture that shows what is swept over."""
     numeric = [axis for axis in axes if all(map(is_number, values_of(groups, axis)))]
     if not numeric:
@@ -178,7 +178,7 @@ def suited(groups: list[CellRuns], axes: list[str]) -> Kind:
     return "lines" if few or len(numeric) < 2 or len(axes) > 2 else "map"
 
 
-def one(groups: list[CellRuns], axes: list[str], x: str | None) -> str:
+def choose_axis(groups: list[CellRuns], axes: list[str], x: str | None) -> str:
     """The axis of lines. Raises InputError."""
     numeric = [axis for axis in axes if all(map(is_number, values_of(groups, axis)))]
     if x is not None and x not in numeric:
@@ -188,7 +188,7 @@ def one(groups: list[CellRuns], axes: list[str], x: str | None) -> str:
     return x or numeric[0]
 
 
-def two(axes: list[str], x: str | None, y: str | None) -> tuple[str, str]:
+def choose_two_axes(axes: list[str], x: str | None, y: str | None) -> tuple[str, str]:
     """The axes of a map. Raises InputError."""
     rest = [axis for axis in axes if axis not in (x, y)]
     first = x or (rest.pop(0) if rest else "")
@@ -202,7 +202,7 @@ def two(axes: list[str], x: str | None, y: str | None) -> tuple[str, str]:
     return first, second
 
 
-def missing(groups: list[CellRuns]) -> str:
+def describe_missing(groups: list[CellRuns]) -> str:
     """How many runs there are, and how many of them have no value."""
     ok, up = sum(len(group.values) for group in groups), sum(group.gave_up for group in groups)
     broken = sum(group.broken for group in groups)

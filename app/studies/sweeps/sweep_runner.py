@@ -35,10 +35,10 @@ class SweepRounds:
         self.places = {number: place for place, number in enumerate(self.cells, 1)}
         self.rounds = Rounds(self.sweep.file.replicates, list(self.cells))
         self.runner.wanted = self.rounds.total
-        while self.is_whole and self.more():
+        while self.is_complete and self.ask_for_more():
             pass
 
-    def lacking(self) -> Iterator[Task]:
+    def missing_tasks(self) -> Iterator[Task]:
         """The runs that this round lacks, replicate by replicate."""
         for replicate in range(max(self.rounds.wanted.values())):
             for number, cell in self.cells.items():
@@ -46,15 +46,15 @@ class SweepRounds:
                     seed = self.sweep.seed(cell, replicate)
                     if (number, seed) not in self.runner.outcomes:
                         place, folder = self.places[number], self.runner.folder
-                        request = self.sweep.wanted(cell, place, replicate, folder)
+                        request = self.sweep.run_request(cell, place, replicate, folder)
                         yield Task(number, seed, request)
 
     @property
-    def is_whole(self) -> bool:
+    def is_complete(self) -> bool:
         """Whether this round has all its runs."""
-        return next(self.lacking(), None) is None
+        return next(self.missing_tasks(), None) is None
 
-    def taken(self) -> int:
+    def stored_count(self) -> int:
         """Runs of this round that the store has."""
         return sum(
             (number, seed) in self.runner.outcomes
@@ -62,9 +62,9 @@ class SweepRounds:
             for seed in self.sweep.seeds(cell, self.rounds.wanted[number])
         )
 
-    def more(self) -> bool:
+    def ask_for_more(self) -> bool:
         """Ask for the runs of the next round; False if there is none."""
-        added = self.rounds.more(self.first_values)
+        added = self.rounds.ask_for_more(self.first_values)
         self.runner.wanted = self.rounds.total
         return added
 
@@ -82,13 +82,13 @@ class SweepRounds:
 
     def run(self) -> bool:
         """Make all rounds; False if it was stopped or reached its limit."""
-        while self.runner.run(self.lacking()):
-            if not self.more():
+        while self.runner.run(self.missing_tasks()):
+            if not self.ask_for_more():
                 return True
         return False
 
 
-def conduct(
+def run_sweep(
     sweep: Sweep,
     folder: Path,
     *,
@@ -134,13 +134,13 @@ def conduct(
         at=at,
     )
     with runner:
-        numbers = runner.plan([(cell.hash, cell.kept) for cell in sweep.cells])
+        numbers = runner.plan([(cell.hash, cell.stored_text) for cell in sweep.cells])
         runner.store.tell(runs=file.replicates.count * len(set(numbers)))
-        runner.store.keep()
+        runner.store.commit()
         if tell is not None:
             tell_changes(sweep, runner, numbers, tell)
         rounds = SweepRounds(sweep, runner, numbers)
-        runs_taken, is_complete = rounds.taken(), rounds.is_whole
+        runs_taken, is_complete = rounds.stored_count(), rounds.is_complete
         if not is_complete:
             if tell is not None:
                 tell(
@@ -150,7 +150,7 @@ def conduct(
             is_complete = rounds.run()
         runner.store.tell(runs=rounds.rounds.total)
         gave_up = runner.statuses["gave-up"]
-        return StudyReport(runner.made, runs_taken, runner.broken, gave_up, is_complete)
+        return StudyReport(runner.made, runs_taken, runner.failed_count, gave_up, is_complete)
 
 
 def tell_changes(sweep: Sweep, runner: StudyRunner, numbers: list[int], tell: Tell) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from agents.spec import Spec
 from app.studies.runs.database import FIXED
-from app.studies.runs.store import is_taken
+from app.studies.runs.store import is_locked
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.sweep_cells import spec_of
 from app.studies.sweeps.sweep_job import HEADS
@@ -23,7 +23,7 @@ def status_of(folder: Path) -> dict[str, Any]:
     """How far the sweep of a folder is. Raises InputError."""
     reader = StoreReader(folder)
     state, counts = reader.state, reader.counts
-    running = is_taken(folder)
+    running = is_locked(folder)
     progress = state.get("progress") if running else None
     return {
         "folder": str(folder),
@@ -51,12 +51,12 @@ CELL = "place"
 """The column of a cell's place in the plan, from 1."""
 
 
-def wide(reader: StoreReader, times: bool = False) -> Columns:
+def wide_table(reader: StoreReader, times: bool = False) -> Columns:
     """A row for each run: its cell and axes, seed and status, and what was measured.
 
     `times`: with the seconds that it took, which are others every time.
     """
-    columns, axes = measured(reader), axes_of(reader)
+    columns, axes = measured_columns(reader), axes_of(reader)
     cells, places = reader.cells, places_of(reader)
     table: Columns = {name: [] for name in (CELL, *axes, *FIXED[1:], *columns)}
     for cell, *row in reader.runs(columns):
@@ -70,9 +70,9 @@ def wide(reader: StoreReader, times: bool = False) -> Columns:
     return table
 
 
-def long(reader: StoreReader) -> Columns:
+def long_table(reader: StoreReader) -> Columns:
     """A row for each value: of a run at its end, and of a series at each of its ticks."""
-    columns, axes = measured(reader), axes_of(reader)
+    columns, axes = measured_columns(reader), axes_of(reader)
     cells, places = reader.cells, places_of(reader)
     table: Columns = {
         name: [] for name in (CELL, *axes, "seed", "status", "observable", "tick", "value")
@@ -103,7 +103,7 @@ def long(reader: StoreReader) -> Columns:
     return table
 
 
-def measured(reader: StoreReader) -> list[str]:
+def measured_columns(reader: StoreReader) -> list[str]:
     """What the runs of the plan have one value of, in its order."""
     columns = reader.columns
     return [name for name in reader.state.get("columns", columns) if name in columns]

@@ -20,7 +20,7 @@ def compile_loop(flock: Flock, tell: Callable[[str], Any] | None) -> None:
     flock.compile_tick()
 
 
-def alone(flock: Flock) -> Spec:
+def single_agent_spec(flock: Flock) -> Spec:
     """The run of one agent that takes the same kernels."""
     options = {"agents": 1, "informed": None, "spacing": None, "seed": 0, "start": "random"}
     return flock.options.but(world=flock.world, **options)

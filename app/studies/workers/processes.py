@@ -45,7 +45,7 @@ FIRST_GUESS = 0.05
 
 
 @dataclass
-class Process:
+class WorkerProcess:
     """One worker, the runs that were sent to it, and how far it is."""
 
     started: mmap.mmap
@@ -70,13 +70,13 @@ class Process:
     """Whether it was killed because it gave none."""
 
     @property
-    def begun(self) -> int:
+    def runs_begun(self) -> int:
         """Runs that it has begun."""
         return int.from_bytes(self.started[:8], "little")
 
     def is_late(self, now: float, limit: float) -> bool:
         """Whether the run that it is at has taken longer than it may."""
-        runs_begun = self.begun
+        runs_begun = self.runs_begun
         if runs_begun != self.seen:
             self.seen, self.since = runs_begun, now
         return runs_begun > self.reported and now - self.since > limit
@@ -88,10 +88,10 @@ class Process:
             self.beats, self.lived = beats, now
         return now - self.lived > (SILENT if beats else UNBORN * SILENT)
 
-    def left(self) -> tuple[Task | None, list[Task]]:
+    def remaining_tasks(self) -> tuple[Task | None, list[Task]]:
         """The run that it died at, if it was at one, and those that it had not begun."""
         ahead = list(self.waiting)
-        at = self.begun - self.reported - 1
+        at = self.runs_begun - self.reported - 1
         if 0 <= at < len(ahead):
             return ahead[at], ahead[:at] + ahead[at + 1 :]
         return None, ahead
@@ -104,7 +104,7 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-class Processes:
+class ProcessExecutor:
     """So many processes of this machine, which make the runs of one job.
 
     `job` is pickled to each of them. `limit`: seconds that a run may take. `timeout`: seconds
@@ -126,14 +126,16 @@ class Processes:
         self.timeout = timeout
         self.workers = workers
         self.limit = math.inf if limit is None else limit
-        self.processes: list[Process] = []
-        self.events: queue.SimpleQueue[tuple[Process, list[Outcome] | None]] = queue.SimpleQueue()
+        self.processes: list[WorkerProcess] = []
+        self.events: queue.SimpleQueue[tuple[WorkerProcess, list[Outcome] | None]] = (
+            queue.SimpleQueue()
+        )
         self.stillborn = 0
         self.seconds = FIRST_GUESS
         """What a run takes, lately."""
         self.awake = AwakeClock()
 
-    def __enter__(self) -> Processes:
+    def __enter__(self) -> ProcessExecutor:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -153,15 +155,15 @@ class Processes:
         beaten = time.monotonic()
         while ahead or any(process.waiting for process in self.processes):
             while len(self.processes) < min(self.workers, max(1, len(ahead))) and ahead:
-                self.processes.append(self.begin())
-            self.hand_out(ahead)
+                self.processes.append(self.start_process())
+            self.send_tasks(ahead)
             with suppress(queue.Empty):
                 process, outcomes = self.events.get(timeout=BEAT)
-                self.take(process, outcomes, ahead, keep)
+                self.take_report(process, outcomes, ahead, keep)
                 while True:
                     process, outcomes = self.events.get_nowait()
-                    self.take(process, outcomes, ahead, keep)
-            self.end_late(self.awake.look())
+                    self.take_report(process, outcomes, ahead, keep)
+            self.end_late(self.awake.read())
             if time.monotonic() - beaten >= BEAT:
                 beaten = time.monotonic()
                 if beat():
@@ -177,7 +179,7 @@ class Processes:
             elif not process.halted and process.is_silent(now):
                 process.halted = True
                 process.child.kill()
-                at, _ = process.left()
+                at, _ = process.remaining_tasks()
                 what = "a process that was to make runs"
                 if at is not None:
                     what = f"the process of cell {at.cell}, seed {at.seed}"
@@ -187,13 +189,13 @@ class Processes:
                     "and what it had to do is done by another"
                 )
 
-    def begin(self) -> Process:
+    def start_process(self) -> WorkerProcess:
         """A new process."""
         named = tempfile.NamedTemporaryFile(prefix="flockscope-", delete=False)  # noqa: SIM115
         with named:
             named.truncate(mmap.PAGESIZE)
         with open(named.name, "r+b") as file:
-            process = Process(mmap.mmap(file.fileno(), mmap.PAGESIZE))
+            process = WorkerProcess(mmap.mmap(file.fileno(), mmap.PAGESIZE))
         process.child = ChildProcess(
             RunWorker,
             self.setup,
@@ -205,7 +207,7 @@ class Processes:
         ).start()
         return process
 
-    def send(self, process: Process, tasks: list[Task]) -> None:
+    def send(self, process: WorkerProcess, tasks: list[Task]) -> None:
         """Send runs to a process; one that is gone has said so in `events`."""
         process.waiting.extend(tasks)
         future = process.child.ask(
@@ -218,7 +220,7 @@ class Processes:
             lambda done: process.child.kill() if done.exception() is not None else None
         )
 
-    def hand_out(self, ahead: deque[Task]) -> None:
+    def send_tasks(self, ahead: deque[Task]) -> None:
         """Give each process as much as keeps it busy for a while, the order kept."""
         for process in self.processes:
             busy = len(process.waiting) * self.seconds
@@ -230,15 +232,15 @@ class Processes:
             some = max(1, min(int((2.0 * AHEAD - busy) / self.seconds), share, 1000))
             self.send(process, [ahead.popleft() for _ in range(min(some, len(ahead)))])
 
-    def take(
-        self, process: Process, outcomes: list[Outcome] | None, ahead: deque[Task], keep: Keep
+    def take_report(
+        self, process: WorkerProcess, outcomes: list[Outcome] | None, ahead: deque[Task], keep: Keep
     ) -> None:
         """Take what a process reports, or that it is gone."""
         if outcomes is None:
-            self.bury(process, ahead, keep)
+            self.replace_process(process, ahead, keep)
             return
         self.stillborn = 0
-        most = self.awake.look() - process.heard + LOOK
+        most = self.awake.read() - process.heard + LOOK
         process.heard = self.awake.seconds
         for outcome in outcomes:
             task = process.waiting.popleft()
@@ -248,12 +250,12 @@ class Processes:
             self.seconds += 0.1 * (max(outcome.seconds, 1e-5) - self.seconds)
             keep(task, outcome)
 
-    def bury(self, process: Process, ahead: deque[Task], keep: Keep) -> None:
+    def replace_process(self, process: WorkerProcess, ahead: deque[Task], keep: Keep) -> None:
         """Put the runs of a process that is gone back, the one that it was at with its count."""
         self.processes.remove(process)
         code, reason = process.child.exit_code, process.child.reason
         how = reason if code is None else describe_exit(code)
-        at, rest = process.left()
+        at, rest = process.remaining_tasks()
         process.started.close()
         ahead.extendleft(reversed(rest))
         if at is None:

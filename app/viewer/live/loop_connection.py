@@ -71,14 +71,14 @@ class ParameterChanges:
             self.waiting.append(change)
         return change
 
-    def hear(self, event: Event) -> dict[str, Any]:
+    def read_values(self, event: Event) -> dict[str, Any]:
         """The values that the loop took, as an event says; empty if it says nothing of them."""
         if event.asked != "tune":
             return {}
         refused = event.kind != "tune"
         if refused:
             self.notify(event.words)
-        change = self.found(event)
+        change = self.find_change(event)
         if change is not None:
             self.heard.append((change, InputError(event.words) if refused else None))
         accepted: dict[str, Any] = {} if refused else json.loads(event.note)
@@ -90,7 +90,7 @@ class ParameterChanges:
         for change, refusal in heard:
             change.settle(refusal)
 
-    def found(self, event: Event) -> ParameterChange | None:
+    def find_change(self, event: Event) -> ParameterChange | None:
         """The change that an event answers, which waits no more; None for somebody else's."""
         with self.lock:
             for change in self.waiting:
@@ -99,7 +99,7 @@ class ParameterChanges:
                     return change
         return None
 
-    def give_up(self) -> None:
+    def refuse_late(self) -> None:
         """Refuse what has waited for too long."""
         now = self.clock()
         self.end("has no answer from the control loop", lambda change: change.due <= now)
@@ -200,7 +200,7 @@ class LoopConnection:
         """Whether this arming was asked to end because no browser is left."""
 
     @property
-    def armed(self) -> bool:
+    def is_armed(self) -> bool:
         """Whether the cars are armed, as far as is known."""
         return self.armed_by != "" or (self.status is not None and self.status.arm == "armed")
 
@@ -211,16 +211,16 @@ class LoopConnection:
         events = self.operator.events[self.known : event_count]
         self.known = event_count
         for event in events:
-            self.hear(event)
-        self.tuning.give_up()
+            self.note_event(event)
+        self.tuning.refuse_late()
         return events
 
-    def hear(self, event: Event) -> None:
+    def note_event(self, event: Event) -> None:
         """Note what an event changes, and put up its notice if it has one."""
         words = notice_of(event, self.armed_by)
         if words:
             self.notify(words)
-        accepted = self.tuning.hear(event)
+        accepted = self.tuning.read_values(event)
         if accepted:
             self.values = self.values | accepted
         if event.kind == "arm" and not self.armed_by:
@@ -239,21 +239,21 @@ class LoopConnection:
         self.readings.note(status)
         self.past.append(status)
 
-    def deserted(self) -> None:
+    def hold_without_browsers(self) -> None:
         """No browser is left: hold the cars if it was a browser that armed them."""
         if self.armed_by.startswith(BROWSER) and not self.asked_to_hold:
             self.asked_to_hold = True
             self.operator.ask(OperatorRequest("hold", GONE))
 
     @property
-    def ended(self) -> str:
+    def end_reason(self) -> str:
         """Why the loop has ended, if it has."""
         if self.operator.trouble:
             return self.operator.trouble
         return "" if self.operator.alive else "the control loop has ended: the cars stop themselves"
 
     @property
-    def silence(self) -> str:
+    def describe_silence(self) -> str:
         """The trouble in words if no new status has come for too long; else empty."""
         if time.monotonic() - self.heard < SILENCE:
             return ""

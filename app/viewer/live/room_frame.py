@@ -174,7 +174,7 @@ def pace(places: Sequence[Place | None]) -> float:
     return math.hypot(at_x - x, at_y - y) / (now - then) if now - then >= TOO_SHORT else 0.0
 
 
-def deserted(frame: Frame) -> Frame:
+def frame_without_loop(frame: Frame) -> Frame:
     """The last frame of a loop that is gone: nobody knows where its cars are."""
     live = frame.live
     if live is not None:
@@ -257,7 +257,9 @@ def phase_lags(plan: Injection, injected: Pose, poses: dict[str, Pose]) -> dict[
         return {}
     sense = -1.0 if plan.speed < 0.0 else 1.0
     ahead = angle(plan, injected)
-    return {name: behind(sense * (ahead - angle(plan, pose))) for name, pose in poses.items()}
+    return {
+        name: wrapped_degrees(sense * (ahead - angle(plan, pose))) for name, pose in poses.items()
+    }
 
 
 def angle(plan: Injection, pose: Pose) -> float:
@@ -265,7 +267,7 @@ def angle(plan: Injection, pose: Pose) -> float:
     return math.atan2(pose.y - plan.centre[1], pose.x - plan.centre[0])
 
 
-def behind(turned: float) -> float:
+def wrapped_degrees(turned: float) -> float:
     """An angle (rad) in (-180, 180] deg.
 
     >>> behind(-math.pi), behind(0.5 * math.pi)

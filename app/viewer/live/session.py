@@ -24,7 +24,7 @@ from app.live.operating.lab_choices import Choices, open_driven
 from app.live.operating.loop_process import Opener
 from app.live.operating.operator import Operator
 from app.viewer.live.loop_connection import LoopConnection, OperatorProtocol
-from app.viewer.live.room_frame import RoomReadings, Setting, deserted
+from app.viewer.live.room_frame import RoomReadings, Setting, frame_without_loop
 from app.viewer.live.room_replay import RoomReplay
 from app.viewer.live.session_requests import CLOSED, SessionRequests, new_folder
 from app.viewer.run.flock_run import describe_error
@@ -57,17 +57,17 @@ class ArmingCode:
         self.trying = threading.Lock()
 
     @property
-    def off(self) -> bool:
+    def is_off(self) -> bool:
         """Whether no code is taken any more, until the next start."""
         return self.left == 0
 
-    def tried(self, entered: str) -> Verdict:
+    def check(self, entered: str) -> Verdict:
         """What is to be said of an entered code; a wrong one is counted for good."""
         code = entered.strip()
         if not WRITTEN.fullmatch(code):
-            return "off" if self.off else "no code"
+            return "off" if self.is_off else "no code"
         with self.trying:
-            if self.off:
+            if self.is_off:
                 return "off"
             if hmac.compare_digest(code, self.digits):
                 return "right"
@@ -144,14 +144,14 @@ class Session(SessionRequests):
 
     def arm_by_code(self, entered: str, cause: str) -> Verdict:
         """Arm for a browser, if it gives the code; every code that is tried becomes an event."""
-        verdict = self.code.tried(entered)
+        verdict = self.code.check(entered)
         if verdict == "right":
-            self.say("code", "the right code", cause)
+            self.add_event("code", "the right code", cause)
             self.ask("arm", cause)
         elif verdict == "wrong":
             left = f"{self.code.left} more and no browser arms" if self.code.left else OFF
-            self.say("code", f"a wrong code: {left}", cause)
-            if self.code.off:
+            self.add_event("code", f"a wrong code: {left}", cause)
+            if self.code.is_off:
                 self.notices.put(f"a wrong code to arm ({cause}): {left}")
                 self.change(browsers_arm=False)
         return verdict
@@ -199,7 +199,7 @@ class Session(SessionRequests):
             compiling="",
             run=self.state.run + 1,
         )
-        self.say("room", f"opening {choices.source}, {choices.rule}", cause)
+        self.add_event("room", f"opening {choices.source}, {choices.rule}", cause)
         try:
             self.open(choices.lab, cause)
         except Exception as error:
@@ -210,7 +210,7 @@ class Session(SessionRequests):
         """Show a recording, with no loop open."""
         empty: dict[str, Any] = {"model": None, "values": {}, "recording": "", "compiling": ""}
         self.change(phase="opening", trouble="", run=self.state.run + 1, **empty)
-        self.say("room", f"closed, to show the recording {folder.name}", cause)
+        self.add_event("room", f"closed, to show the recording {folder.name}", cause)
         try:
             replay = RoomReplay(folder, self.state.run)
         except Exception as error:
@@ -236,24 +236,24 @@ class Session(SessionRequests):
         setting = Setting.of(self.state.run, lab, driver.model)
         values = driver.parameters.model_dump()
         self.change(model=driver.model, values=values)
-        if self.overtaken:
+        if self.is_overtaken:
             return
         folder = None if self.folder is None else new_folder(self.folder, datetime.now())
         operator = self.make_operator(lab, self.opener, folder)
-        if self.overtaken:
+        if self.is_overtaken:
             operator.close()
             return
         self.take_over(LoopConnection(setting, operator, values, self.notices.put))
         self.change(phase="open", recording="" if folder is None else str(folder))
-        self.say("room", "open", cause)
+        self.add_event("room", "open", cause)
 
     def compiles(self, words: str) -> None:
         """Report that a rule is being compiled."""
         self.change(compiling=words)
-        self.say("compile", words)
+        self.add_event("compile", words)
 
     @property
-    def overtaken(self) -> bool:
+    def is_overtaken(self) -> bool:
         """Whether another choice has been made meanwhile, or the session is to close."""
         return self.closing.is_set() or self.next is not None
 
@@ -288,13 +288,13 @@ class Session(SessionRequests):
                     opening.frame,
                     opening.readings,
                 )
-            silence = opening.silence
+            silence = opening.describe_silence
             if silence != self.state.trouble:
                 self.change(trouble=silence)
                 if silence:
                     self.notices.put(silence)
         finally:
-            if opening.ended:
+            if opening.end_reason:
                 self.lose(opening)
 
     def note(self, event: Event) -> None:
@@ -316,22 +316,22 @@ class Session(SessionRequests):
         if not closed:
             self.close_loop()
             self.forget()
-            self.fail(opening.ended)
+            self.fail(opening.end_reason)
 
     def forget(self) -> None:
         """Nothing is known any more of the loop that was open."""
         self.status = None
         self.readings = RoomReadings(self.lab.injected)
         if self.frame is not None:
-            self.frame = deserted(self.frame)
+            self.frame = frame_without_loop(self.frame)
 
     def fail(self, why: str) -> None:
         """Report why no loop is open."""
         self.change(phase="failed", trouble=why)
-        self.say("failed", why)
+        self.add_event("failed", why)
         self.notices.put(why)
 
-    def say(self, kind: str, words: str, cause: str = "") -> None:
+    def add_event(self, kind: str, words: str, cause: str = "") -> None:
         """Add an event of the session itself."""
         self.events.add(Event(0, time.monotonic(), kind, words, cause=cause))
 

@@ -78,23 +78,23 @@ class WorkThrottle:
         self.next = 0.0
         self.counts = False
 
-    def due(self, now: float) -> bool:
+    def is_due(self, now: float) -> bool:
         """Whether the work may be done now."""
         return now >= self.next
 
-    def spent(self, now: float, seconds: float) -> None:
+    def note_duration(self, now: float, seconds: float) -> None:
         """Note that work begun at `now` took so long."""
         self.next = now + max(self.period, seconds / self.share if self.counts else 0.0)
         self.counts = True
 
     @contextmanager
-    def measured(self) -> Iterator[None]:
+    def measure_duration(self) -> Iterator[None]:
         """Do the work and note what it took, even if it fails."""
         now = time.perf_counter()
         try:
             yield
         finally:
-            self.spent(now, time.perf_counter() - now)
+            self.note_duration(now, time.perf_counter() - now)
 
     def renew(self) -> None:
         """Let the work be done at once."""

@@ -35,7 +35,7 @@ def numbers(readings: FlockReadings, more: Mapping[str, Number]) -> dict[str, Nu
     result["agents"] = Number(len(flock.ids), "agents")
     for name in OBSERVABLES:
         if name in readings.values:
-            result[observable_words(name)] = observed(name, readings.values[name], model)
+            result[observable_words(name)] = number_of(name, readings.values[name], model)
     result |= mission(readings, model.in_units("length")) | dict(more)
     for layer, count in enumerate(readings.layers.tolist(), start=1):
         result[f"layer {layer}"] = Number(count, "agents")
@@ -46,7 +46,7 @@ def numbers(readings: FlockReadings, more: Mapping[str, Number]) -> dict[str, Nu
     return result
 
 
-def observed(name: str, value: float, model: Model) -> Number:
+def number_of(name: str, value: float, model: Model) -> Number:
     """The value of an observable, with its unit as a model has it."""
     return Number(value, model.in_units(OBSERVABLES[name].unit))
 
@@ -94,7 +94,7 @@ class EnergySavings:
         self.aside = BackgroundWorker()
         self.sought = 0.0
 
-    def alone(self, speed: float) -> float | None:
+    def energy_alone(self, speed: float) -> float | None:
         """J/m of an aircraft alone at about a speed (m/s); None until, or unless, it is known."""
         speed = round(speed / STEP) * STEP
         done = self.aside.finished()
@@ -102,25 +102,25 @@ class EnergySavings:
             self.known[self.sought] = done.result()
         if speed not in self.known and self.aside.idle:
             self.sought = speed
-            self.aside.begin(lambda: trimmed(speed))
+            self.aside.begin(lambda: energy_in_trim(speed))
         return self.known.get(speed)
 
-    def of(self, readings: FlockReadings) -> tuple[float, float] | None:
+    def savings(self, readings: FlockReadings) -> tuple[float, float] | None:
         """What a flock saves at the speed its body cruises at, and what one needs alone, J/m."""
         share = next((readings.values[name] for name in SAVES if name in readings.values), None)
         speed = getattr(readings.flock.parameters, "v0", None)
         if speed is None or share is None:
             return None
-        alone = self.alone(speed)
+        alone = self.energy_alone(speed)
         return None if alone is None else (0.01 * share * alone, alone)
 
-    def saved(self, readings: FlockReadings) -> str:
+    def describe(self, readings: FlockReadings) -> str:
         """The same in words."""
-        saving = self.of(readings)
+        saving = self.savings(readings)
         return "–" if saving is None else f"{saving[0]:.3f} of {saving[1]:.2f}"
 
 
-def trimmed(speed: float) -> float | None:
+def energy_in_trim(speed: float) -> float | None:
     """J/m in trim at a speed (m/s); None where the aircraft cannot fly level."""
     from agents.flight.trim import trim
 
@@ -160,12 +160,14 @@ class EarlierRuns:
         """Keep a run, if there is anything to be seen of it."""
         if not any(len(at) > 1 for at, _ in run.curves.values()):
             return
-        run, model = run.ended(), run.conditions.model
-        same = [history for history in self.of(model) if history.history != run.history][: KEPT - 1]
+        run, model = run.at_end(), run.conditions.model
+        same = [history for history in self.runs_of(model) if history.history != run.history][
+            : KEPT - 1
+        ]
         others = [history for history in self.kept if history.conditions.model is not model]
         self.kept = [run, *same, *others][: KEPT * MODELS]
 
-    def of(self, model: Model) -> list[ObservableHistory]:
+    def runs_of(self, model: Model) -> list[ObservableHistory]:
         """The kept runs of a model, the latest first."""
         return [history for history in self.kept if history.conditions.model is model]
 

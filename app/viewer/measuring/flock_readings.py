@@ -24,7 +24,7 @@ from agents.observables.observable import SERIES
 from agents.snapshot import Snapshot
 from agents.state.agent_rows import Crashes
 from app.viewer.measuring.background_worker import BackgroundWorker, WorkThrottle
-from app.viewer.measuring.observable_format import COUNTED, QUICK, STEADY, offered
+from app.viewer.measuring.observable_format import COUNTED, QUICK, STEADY, offered_observables
 from app.viewer.measuring.run_conditions import ConditionHistory, RunConditions
 from app.viewer.measuring.time_series import TimeSeries, refuse_too_many_links
 from worlds.input_error import InputError
@@ -48,7 +48,7 @@ class MinimumDistances:
     """Least signed distance of each row to a surface so far, (N,), length; inf far from all."""
 
     @property
-    def wanted(self) -> bool:
+    def is_wanted(self) -> bool:
         """Whether the flock is watched: few agents, on a mission or among what is solid.
 
         Where agents crash there is no need: the crashes tell how close they came.
@@ -60,11 +60,11 @@ class MinimumDistances:
     @property
     def kernels(self) -> tuple[Any, ...]:
         """What is compiled to watch it."""
-        return (bring_pairs, bring_clearances) if self.wanted else ()
+        return (bring_pairs, bring_clearances) if self.is_wanted else ()
 
     def run(self, ticks: int) -> None:
         """Run the flock, and watch it if it is to be watched."""
-        if not self.wanted:
+        if not self.is_wanted:
             self.flock.advance(ticks)
             return
         self.watch(self.flock.position[None])
@@ -85,14 +85,14 @@ class MinimumDistances:
         """The least squared distance of two agents so far, and the least one to a surface."""
         return float(self.pairs.min(initial=np.inf)), float(self.clearance.min(initial=np.inf))
 
-    def take(self, least: tuple[float, float]) -> None:
+    def resume(self, least: tuple[float, float]) -> None:
         """Go on from what was the `least` at an earlier tick, whichever agents it was."""
         self.pairs[:], self.clearance[:] = np.inf, np.inf
         self.pairs[:1, 1:2], self.clearance[:1] = least
 
     def values(self) -> dict[str, float]:
         """What has been seen: least distances over the run, and who is inside something now."""
-        if not self.wanted:
+        if not self.is_wanted:
             return {}
         position = self.flock.position[None]
         self.watch(position)
@@ -184,8 +184,8 @@ class FlockReadings:
 
     def __post_init__(self) -> None:
         self.extremes = MinimumDistances(self.flock)
-        self.offered = offered(self.flock)
-        self.conditions = ConditionHistory.begun(self.flock)
+        self.offered = offered_observables(self.flock)
+        self.conditions = ConditionHistory.begin(self.flock)
 
     def note_conditions(self, by_hand: bool = False) -> None:
         """Note the conditions of the flock as they are from its tick on.
@@ -194,7 +194,7 @@ class FlockReadings:
         """
         by_hand = by_hand or self.conditions.last.by_hand
         now = RunConditions.of(self.flock, by_hand)
-        self.conditions = self.conditions.noted(self.flock.tick, now)
+        self.conditions = self.conditions.with_change(self.flock.tick, now)
 
     def watch(self, names: frozenset[str]) -> None:
         """Change what is measured beside what always is."""
@@ -207,26 +207,26 @@ class FlockReadings:
         Raises InputError if the flock has too many neighbours to find its graph.
         """
         now = time.perf_counter()
-        if at_once or self.quick.due(now):
-            with self.quick.measured():
-                self.look()
+        if at_once or self.quick.is_due(now):
+            with self.quick.measure_duration():
+                self.read_cheap()
         if at_once:
             self.aside.forget()
-            self.take(self.study())
+            self.take_reading(self.costly_measurement())
         elif done := self.aside.finished():
-            self.take(done.result)
-        elif self.aside.idle and self.slow.due(now):
-            self.aside.begin(self.study())
+            self.take_reading(done.result)
+        elif self.aside.idle and self.slow.is_due(now):
+            self.aside.begin(self.costly_measurement())
 
-    def look(self) -> None:
+    def read_cheap(self) -> None:
         """Read what is cheap."""
         flock = self.flock
-        self.offered = offered(flock)
+        self.offered = offered_observables(flock)
         values = {name: float(flock.observe(name)) for name in QUICK if name in self.offered}
-        self.note(flock.tick, values)
+        self.add_values(flock.tick, values)
         mission = flock.world.mission
         if mission is not None and mission.goal is not None:
-            values["through"] = arrived(flock)
+            values["through"] = arrived_share(flock)
         if flock.can_crash:
             self.crashes = flock.crashes
         for name in COUNTED:
@@ -241,7 +241,7 @@ class FlockReadings:
         """How an observable went; without points if it has not been measured."""
         return self.all_series.setdefault(name, TimeSeries())
 
-    def note(self, tick: int, values: dict[str, float]) -> None:
+    def add_values(self, tick: int, values: dict[str, float]) -> None:
         """Take values into their time series."""
         if not self.notes:
             return
@@ -258,7 +258,7 @@ class FlockReadings:
         self.conditions = self.conditions.cut(tick)
         self.note_conditions()
 
-    def study(self) -> Callable[[], BackgroundReading]:
+    def costly_measurement(self) -> Callable[[], BackgroundReading]:
         """A function that makes the costly measurements of the flock now, within a rate limit.
 
         It is done on a snapshot, so that the flock can go on meanwhile.
@@ -268,12 +268,12 @@ class FlockReadings:
         names = [name for name in wanted_names if name in self.offered]
 
         def work() -> BackgroundReading:
-            with self.slow.measured():
+            with self.slow.measure_duration():
                 return measure(now, names)
 
         return work
 
-    def take(self, get_reading: Callable[[], BackgroundReading]) -> None:
+    def take_reading(self, get_reading: Callable[[], BackgroundReading]) -> None:
         """Take what was found; without it nothing old is shown."""
         lasting = (*QUICK, *COUNTED)
         self.values = {
@@ -285,7 +285,7 @@ class FlockReadings:
         reading = get_reading()
         self.values = self.values | reading.values
         self.sizes, self.layers, self.unknown = reading.sizes, reading.layers, reading.unknown
-        self.note(reading.tick, reading.values)
+        self.add_values(reading.tick, reading.values)
         if reading.refusal is not None:
             raise reading.refusal
 
@@ -299,7 +299,7 @@ class FlockReadings:
         return take(series, float(len(self.flock.ids) - crashed)) if len(series) > 1 else math.nan
 
 
-def arrived(flock: Flock) -> float:
+def arrived_share(flock: Flock) -> float:
     """Share of the agents that are no further from the goal than a flock around it needs."""
     goal = flock.goal_at([flock.tick])[0]
     spacing = float(getattr(flock.parameters, "d", flock.reach))

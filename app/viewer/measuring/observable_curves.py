@@ -61,7 +61,7 @@ def steps(ticks: np.ndarray, now: int, last: float = math.inf) -> Points:
     return corners, np.append(0, after)[np.searchsorted(at, corners, side="right")].astype(float)
 
 
-def together(curves: list[Points], each: list[float]) -> tuple[np.ndarray, ...]:
+def align_curves(curves: list[Points], each: list[float]) -> tuple[np.ndarray, ...]:
     """Curves at the ticks of all of them, straight in between: the ticks, then the values of each.
 
     `each` is how many ticks of the first flock last as long as one of a curve's own. A curve
@@ -75,7 +75,7 @@ def together(curves: list[Points], each: list[float]) -> tuple[np.ndarray, ...]:
     return at, *(np.interp(at, x, y) if len(x) else np.full(len(at), np.nan) for x, y in scaled)
 
 
-def over_earlier(
+def overlay_curves(
     at: np.ndarray, now: Sequence[np.ndarray], earlier: Sequence[Points], is_whole: bool
 ) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
     """Curves of now, at ticks `at` (K,), over earlier ones: the ticks of all, and both.
@@ -94,7 +94,7 @@ def over_earlier(
     return ticks, [on_all(at, y) for y in now], [on_all(x, y) for x, y in earlier]
 
 
-def thinned(at: np.ndarray, most: int) -> np.ndarray:
+def thin_ticks(at: np.ndarray, most: int) -> np.ndarray:
     """Which of the ticks `at` (K,) are drawn if there may be so many, about: their places.
 
     They are the first in intervals that stay where they are while the curves grow or move on, so
@@ -128,7 +128,9 @@ class ObservableHistory:
     def of(cls, readings: FlockReadings, names: Iterable[str] | None = None) -> ObservableHistory:
         """That of a run so far: of some observables, or of all that were measured."""
         wanted_names = readings.offered if names is None else names
-        series = {name: recorded(readings, name) for name in wanted_names if name in OBSERVABLES}
+        series = {
+            name: recorded_points(readings, name) for name in wanted_names if name in OBSERVABLES
+        }
         finite = {name: (at, values) for name, (at, values) in series.items() if len(at)}
         return cls(readings.conditions, readings.tick, finite)
 
@@ -137,16 +139,16 @@ class ObservableHistory:
         """Those with which it began."""
         return self.history.first
 
-    def ended(self) -> ObservableHistory:
+    def at_end(self) -> ObservableHistory:
         """The same of a run that does not go on."""
-        return replace(self, history=self.history.ended(self.tick))
+        return replace(self, history=self.history.at_end(self.tick))
 
     def points(self, name: str) -> Points:
         """How an observable went; no points if it was not measured."""
         return self.curves.get(name, (np.empty(0), np.empty(0)))
 
 
-def recorded(readings: FlockReadings, name: str) -> Points:
+def recorded_points(readings: FlockReadings, name: str) -> Points:
     """Every point that is kept of an observable; what is counted is exact to the tick."""
     if OBSERVABLES[name].events is None:
         return readings.series(name).recorded()

@@ -64,13 +64,13 @@ def format_observable(name: str, value: float | None) -> str:
     ('0.988', '12', '-3.5 %')
     """
     if value is None or not math.isfinite(value):
-        return few(math.nan if value is None else value)
+        return format_short(math.nan if value is None else value)
     if scale(name).is_share:
         return f"{value:.3f}"
-    return f"{value:.1f} %" if unit(name) == "%" else few(value)
+    return f"{value:.1f} %" if unit(name) == "%" else format_short(value)
 
 
-def few(value: float) -> str:
+def format_short(value: float) -> str:
     """A number in three figures or so; what only rounding has left of nothing is nothing.
 
     >>> few(6.52e-14), few(0.01234), few(1234.5), few(216035.0), few(3.2e9), few(math.inf)
@@ -84,10 +84,10 @@ def few(value: float) -> str:
         return "0"
     if not LITTLE <= abs(value) < MUCH:
         return f"{value:.2g}"
-    return spaced(round(value)) if abs(value) >= 100.0 else f"{value:.3g}"
+    return format_thousands(round(value)) if abs(value) >= 100.0 else f"{value:.3g}"
 
 
-def spaced(number: int) -> str:
+def format_thousands(number: int) -> str:
     """A number with its thousands apart."""
     return f"{number:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
 
@@ -118,7 +118,7 @@ def cards(
     return texts
 
 
-def offered(flock: Any) -> tuple[str, ...]:
+def offered_observables(flock: Any) -> tuple[str, ...]:
     """The observables that are one number at one tick and say something about a flock, in order."""
     return tuple(
         name
@@ -127,6 +127,6 @@ def offered(flock: Any) -> tuple[str, ...]:
     )
 
 
-def over_a_run() -> tuple[str, ...]:
+def run_observables() -> tuple[str, ...]:
     """The observables that are measured over a run."""
     return tuple(name for name, observable in OBSERVABLES.items() if observable.over is not None)

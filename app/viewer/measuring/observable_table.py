@@ -95,7 +95,7 @@ def conditions_at(
         number = 1 + worlds.index(stretch.conditions.world)
         world = stretch.conditions.world.name + (f" #{number}" if number > 1 else "")
         settings.append([*(world if name == "world" else value_of(values, name) for name in names)])
-    return [settings[place] for place in run.history.places(ticks)]
+    return [settings[place] for place in run.history.stretch_indices(ticks)]
 
 
 def value_of(values: Mapping[str, object], name: str) -> object:

@@ -50,9 +50,9 @@ class TimeSeries:
             if again:
                 self.latest.pop()
             self.latest.append((float(time), float(value)))
-            self.thin(self.latest[-1])
+            self.add_if_due(self.latest[-1])
 
-    def thin(self, point: tuple[float, float]) -> None:
+    def add_if_due(self, point: tuple[float, float]) -> None:
         """Take a point into the whole run, if it is due."""
         points = self.whole
         if points and point[0] - points[-1][0] < self.apart:

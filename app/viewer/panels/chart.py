@@ -13,7 +13,7 @@ import viser
 from viser import uplot
 
 from app.figure import UNDATED
-from app.viewer.measuring.observable_curves import thinned
+from app.viewer.measuring.observable_curves import thin_ticks
 from app.viewer.panels.sending import Sender
 from app.viewer.panels.shell import Sheets, block
 from worlds.file_writer import csv_text
@@ -88,10 +88,10 @@ def file_stem(name: str) -> str:
 
 def plot_csv(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     """A table as CSV; numbers in full, nothing for nan."""
-    return csv_text(header, ([plain(cell) for cell in row] for row in rows))
+    return csv_text(header, ([plain_cell(cell) for cell in row] for row in rows))
 
 
-def plain(cell: Any) -> Any:
+def plain_cell(cell: Any) -> Any:
     """A cell of a table: whole numbers without a point, nothing for nan.
 
     >>> plain(np.float64(3.0)), plain(0.1), plain(np.nan), plain("x")
@@ -239,8 +239,8 @@ class Chart:
         pens = (contents.titles[0], *(curve.pen for curve in contents.curves))
         anew = (scales, contents.titles, pens) != (self.scales, self.titles, self.pens)
         if anew and self.plot.visible:
-            columns = self.between(columns, others=pens != self.pens)
-        if not same(columns, self.plot.data):
+            columns = self.initial_columns(columns, others=pens != self.pens)
+        if not are_equal(columns, self.plot.data):
             self.plot.data = columns
         if scales != self.scales:
             self.scales = self.plot.scales = scales
@@ -254,7 +254,7 @@ class Chart:
 
     def columns(self, contents: ChartContents) -> tuple[np.ndarray, ...]:
         """The times and the curves as they are drawn: over some time, be it ever so short."""
-        indices = self.drawn(contents)
+        indices = self.drawn_indices(contents)
         columns = (contents.at[indices], *(curve.values[indices] for curve in contents.curves))
         if columns[0][0] < columns[0][-1]:
             return columns
@@ -263,7 +263,9 @@ class Chart:
             *(np.append(column[:1], np.nan) for column in columns[1:]),
         )
 
-    def between(self, columns: tuple[np.ndarray, ...], others: bool) -> tuple[np.ndarray, ...]:
+    def initial_columns(
+        self, columns: tuple[np.ndarray, ...], others: bool
+    ) -> tuple[np.ndarray, ...]:
         """What a chart that is made anew begins with: its curves, if their ends are the same.
 
         If not, the curves as they were, or none if they are `others`.
@@ -276,16 +278,16 @@ class Chart:
             return before
         return (ends, *(np.full(2, np.nan) for _ in columns[1:]))
 
-    def drawn(self, contents: ChartContents) -> np.ndarray:
+    def drawn_indices(self, contents: ChartContents) -> np.ndarray:
         """Which of the points are drawn: few enough, always every dot and the last of a curve."""
         finite = (
             np.flatnonzero(np.isfinite(curve.values))[0 if curve.dots else -1 :]
             for curve in contents.curves
         )
-        return np.unique(np.concatenate([thinned(contents.at, self.points), *finite]))
+        return np.unique(np.concatenate([thin_ticks(contents.at, self.points), *finite]))
 
 
-def same(columns: Sequence[np.ndarray], others: Sequence[np.ndarray]) -> bool:
+def are_equal(columns: Sequence[np.ndarray], others: Sequence[np.ndarray]) -> bool:
     """Whether all of some columns are those of others."""
     return len(columns) == len(others) and all(
         np.array_equal(a, b, equal_nan=True) for a, b in zip(columns, others, strict=True)
@@ -345,7 +347,7 @@ class Plot:
             hint="Large: over the page, also by a click on the plot. CSV: every value that is "
             "kept, with its unit. PNG, SVG: a figure to print",
         )
-        self.buttons.on_click(self.pressed)
+        self.buttons.on_click(self.send_download)
         self.sheets = Sheets(server, self.large)
 
     def show(self, contents: ChartContents, head: str = "") -> None:
@@ -353,16 +355,16 @@ class Plot:
         self.shown, self.shown_large = contents, contents._replace(head=head or contents.head)
         self.chart.show(contents)
         self.buttons.visible = bool(contents.curves)
-        self.sheets.each(lambda chart: chart.show(self.shown_large))
+        self.sheets.update_each(lambda chart: chart.show(self.shown_large))
 
     def large(self, gui: viser.GuiApi) -> Chart:
         """What is in a window that shows it large."""
         chart = Chart(gui, LARGE_HEIGHT, LARGE_POINTS)
         chart.show(self.shown_large)
-        gui.add_button_group(self.label, KINDS).on_click(self.pressed)
+        gui.add_button_group(self.label, KINDS).on_click(self.send_download)
         return chart
 
-    async def pressed(self, event: viser.GuiEvent) -> None:
+    async def send_download(self, event: viser.GuiEvent) -> None:
         client, file_kind = event.client, event.target.value
         if client is None:
             return

@@ -38,7 +38,7 @@ RAISED = str.maketrans("0123456789*", "⁰¹²³⁴⁵⁶⁷⁸⁹*")
 SMALL = {"_": LOWERED, "^": RAISED}
 
 
-def plain(symbol: str) -> str:
+def plain_symbol(symbol: str) -> str:
     r"""A LaTeX symbol as text; what Unicode has no small figures for keeps its `_` or `^`.
 
     >>> plain(r"v_{max}"), plain(r"\\eta"), plain(r"k_{IU}"), plain(r"w^{nei}"), plain(r"v^0")
@@ -46,11 +46,11 @@ def plain(symbol: str) -> str:
     """
     text = re.sub(r"\\(?:mathrm|text|operatorname|mathcal)\b", "", symbol)
     text = re.sub(r"\\+([A-Za-z]+)", lambda match: GREEK.get(match[1], match[1]), text)
-    text = re.sub(r"([_^])(\{[^{}]*\}|.)", small, text)
+    text = re.sub(r"([_^])(\{[^{}]*\}|.)", small_figures, text)
     return " ".join(re.sub(r"[{}\\]+", "", text).split())
 
 
-def small(match: re.Match[str]) -> str:
+def small_figures(match: re.Match[str]) -> str:
     """A subscript or superscript in small figures, where Unicode has them all."""
     sign, written = match[1], match[2].strip("{}")
     figures = SMALL[sign]
@@ -124,15 +124,15 @@ class Dial:
         if value == self.one.default:
             self.shown = self.one.proposed
         else:
-            self.shown = widened(self.shown, value, self.one.bounds)
+            self.shown = widen_range(self.shown, value, self.one.bounds)
 
-    def told(self) -> dict[str, Any]:
+    def page_state(self) -> dict[str, Any]:
         """What the page is told of it."""
         low, high = self.shown
         return {
             "log": is_wide(low, high),
             "default": self.one.default,
-            "stops": stops(low, high, step_of(self.one), self.one.default),
+            "stops": slider_stops(low, high, step_of(self.one), self.one.default),
         }
 
 
@@ -164,18 +164,18 @@ class Dials:
         now = [(identifier(dial.control), dial.shown) for dial in self.dials]
         if now != self.told:
             self.told = now
-            states = {identifier(dial.control): dial.told() for dial in self.dials}
+            states = {identifier(dial.control): dial.page_state() for dial in self.dials}
             text = html.escape(json.dumps(states, separators=(",", ":")))
             self.place.content = f'<div data-dials="{text}" hidden></div>'
         marked = [
             identifier(value) for control, value in self.controls if value.value != control.default
         ]
-        content = marks(marked)
+        content = label_style(marked)
         if content != self.marks.content:
             self.marks.content = content
 
 
-def marks(uuids: list[str]) -> str:
+def label_style(uuids: list[str]) -> str:
     """A style that marks the labels of controls."""
     if not uuids:
         return ""
@@ -191,7 +191,7 @@ def step_of(parameter: NumberParameter) -> float:
     return parameter.step or (parameter.high - parameter.low) / MOST
 
 
-def widened(limits: Range, value: float, allowed: Range) -> Range:
+def widen_range(limits: Range, value: float, allowed: Range) -> Range:
     """A range that holds a value too, up to the next round number.
 
     A scale of logarithms has no place for 0; a value there stands at its left end.
@@ -207,7 +207,7 @@ def widened(limits: Range, value: float, allowed: Range) -> Range:
     return low, high
 
 
-def stops(low: float, high: float, step: float, default: float) -> list[float]:
+def slider_stops(low: float, high: float, step: float, default: float) -> list[float]:
     """The values that a slider can be put on: both ends, the default, and round ones between.
 
     On a scale of logarithms they have two figures; else they are multiples of the step, or of a
@@ -222,7 +222,7 @@ def stops(low: float, high: float, step: float, default: float) -> list[float]:
         powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)))
         candidates = [float(f"{two}e{power - 1}") for power in powers for two in range(10, 100)]
     else:
-        step = grain(low, high, step)
+        step = slider_step(low, high, step)
         places = 2 - math.floor(math.log10(step))
         candidates = [
             round(k * step, places) for k in range(math.ceil(low / step), math.ceil(high / step))
@@ -230,7 +230,7 @@ def stops(low: float, high: float, step: float, default: float) -> list[float]:
     return sorted({low, high, default, *(value for value in candidates if low < value < high)})
 
 
-def grain(low: float, high: float, step: float) -> float:
+def slider_step(low: float, high: float, step: float) -> float:
     """The step of a linear slider; whole steps, which count something, are not divided."""
     steps = (high - low) / step
     if steps > MOST:
@@ -281,12 +281,12 @@ class Form[T]:
         applies = {name: control.is_for(scene, value) for name, control in self.controls.items()}
         groups = {self.controls[name].group for name, is_shown in applies.items() if is_shown}
         for group, folder in self.folders.items():
-            sight(folder, group in groups)
+            set_visible(folder, group in groups)
         for name, is_shown in applies.items():
-            sight(self.handles[name], is_shown)
+            set_visible(self.handles[name], is_shown)
 
 
-def sight(control: Any, visible: bool) -> None:
+def set_visible(control: Any, visible: bool) -> None:
     """Show a control, or hide it; browsers are told only what changes."""
     if control.visible != visible:
         control.visible = visible

@@ -17,9 +17,9 @@ import viser
 from agents.catalogue import MODELS
 from agents.models.declare import DeclaredParameter, NumberParameter, declared
 from agents.models.model import Model
-from app.viewer.panels.dials import Dials, decimals, plain, step_of
+from app.viewer.panels.dials import Dials, decimals, plain_symbol, step_of
 from app.viewer.panels.shell import block, table
-from app.viewer.run.paired_run import shared_by
+from app.viewer.run.paired_run import shared_model_parameters
 from app.viewer.run.simulation import Models, Simulation
 from app.viewer.run.simulation_state import SimulationState
 from worlds.input_error import InputError
@@ -49,7 +49,7 @@ class ParametersPanel:
         self.simulation = simulation
         self.changed = gui.add_html("")
         self.back = gui.add_button_group("Changes", (UNDO, DEFAULTS), visible=False)
-        self.back.on_click(self.go_back)
+        self.back.on_click(self.restore_values)
         self.past: list[Step] = []
         self.touched: dict[tuple[str, bool], float] = {}
         """When a parameter was changed last, by its name and whether of the model beside."""
@@ -72,7 +72,7 @@ class ParametersPanel:
             if state.models != self.models:
                 self.models, self.past = state.models, []
                 self.rebuild(state)
-        self.agree(state)
+        self.follow_flock(state)
         fixed = state.line is not None and (bool(state.line.recording) or state.line.looks_back)
         for control in (*self.controls.values(), *self.beside_controls.values()):
             if control.disabled != fixed:
@@ -81,14 +81,14 @@ class ParametersPanel:
         changed = [
             parameter for parameter in own if state.values.get(parameter.name) != parameter.default
         ]
-        text = differing(changed, state.values)
+        text = describe_changes(changed, state.values)
         self.changes = {parameter.name: parameter.default for parameter in changed}
         self.back.visible = bool(self.changes or self.past) and not fixed
         if text != self.changed.content:
             self.changed.content = text
         self.dials.refresh()
 
-    async def go_back(self, _event: viser.GuiEvent) -> None:
+    async def restore_values(self, _event: viser.GuiEvent) -> None:
         """Undo the last change, or give every parameter its default."""
         if self.back.value == UNDO:
             self.undo()
@@ -96,10 +96,10 @@ class ParametersPanel:
         if self.past:
             self.past[-1].when = -math.inf
         for name, value in self.changes.items():
-            self.note(name, False)
-            self.give(name, value, False)
+            self.remember_value(name, False)
+            self.set_parameter(name, value, False)
 
-    def note(self, name: str, beside: bool) -> None:
+    def remember_value(self, name: str, beside: bool) -> None:
         """Keep what a parameter is before it is changed; of a drag only what was before it."""
         now = self.touched[name, beside] = time.monotonic()
         state = self.simulation.state
@@ -115,15 +115,15 @@ class ParametersPanel:
         """Give the parameter that was changed last the value that it had."""
         if self.past:
             last = self.past.pop()
-            self.give(last.name, last.value, last.beside)
+            self.set_parameter(last.name, last.value, last.beside)
 
-    def give(self, name: str, value: Any, beside: bool) -> None:
+    def set_parameter(self, name: str, value: Any, beside: bool) -> None:
         """Give a parameter a value, and show it."""
         self.touched[name, beside] = time.monotonic()
         self.simulation.set(name, value, beside, self.models)
         (self.beside_controls if beside else self.controls)[name].value = value
 
-    def agree(self, state: SimulationState) -> None:
+    def follow_flock(self, state: SimulationState) -> None:
         """Have controls show what the flock has, but for what somebody has just changed: that may
         not have come to the flock yet."""
         if state.busy or state.models != self.models:
@@ -143,7 +143,7 @@ class ParametersPanel:
         name, beside = state.models
         model = MODELS[name]
         own = declared(model.parameters)
-        both = frozenset(state.values) if beside is None else shared_by(name, beside)
+        both = frozenset(state.values) if beside is None else shared_model_parameters(name, beside)
         others = () if beside is None else declared(MODELS[beside].parameters)
         values, beside_values = state.values, state.beside_values or {}
         self.controls, self.beside_controls = {}, {}
@@ -180,7 +180,7 @@ class ParametersPanel:
         async def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:
                 value = handle.value
-                self.note(parameter.name, beside)
+                self.remember_value(parameter.name, beside)
                 answer = self.simulation.set(parameter.name, value, beside, models)
                 answer.add_done_callback(partial(restore, value))
 
@@ -228,9 +228,9 @@ def parameter_label(parameter: DeclaredParameter) -> tuple[str, str]:
     hint = f"{parameter.description}. {allowed}. {parameter.source}."
     if parameter.kind != "number":
         return parameter.words, hint
-    hint += f" Double click: back to {in_short(parameter.default)}."
+    hint += f" Double click: back to {format_value(parameter.default)}."
     unit = "" if parameter.unit == "1" else f", {raised_powers(parameter.unit)}"
-    return f"{parameter.words} {plain(parameter.symbol)}{unit}", hint
+    return f"{parameter.words} {plain_symbol(parameter.symbol)}{unit}", hint
 
 
 def raised_powers(unit: str) -> str:
@@ -239,19 +239,19 @@ def raised_powers(unit: str) -> str:
     >>> raised_powers("m/s^2")
     'm/s²'
     """
-    return re.sub(r"\^(\d)", raised, unit)
+    return re.sub(r"\^(\d)", raised_figure, unit)
 
 
-def raised(match: re.Match[str]) -> str:
+def raised_figure(match: re.Match[str]) -> str:
     """An exponent in a small figure."""
     return match[1].translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def differing(changed: list[DeclaredParameter], values: dict[str, Any]) -> str:
+def describe_changes(changed: list[DeclaredParameter], values: dict[str, Any]) -> str:
     """What is not at its default, what that is, and what it is now: a line each."""
     rows = {
-        html.escape(f"{parameter.words} {plain(parameter.symbol)}"): html.escape(
-            f"{in_short(parameter.default)} \u2192 {in_short(values[parameter.name])}"
+        html.escape(f"{parameter.words} {plain_symbol(parameter.symbol)}"): html.escape(
+            f"{format_value(parameter.default)} \u2192 {format_value(values[parameter.name])}"
         )
         for parameter in changed
     }
@@ -259,6 +259,6 @@ def differing(changed: list[DeclaredParameter], values: dict[str, Any]) -> str:
     return block(f'{title}<div class="fs-changed">{table(rows)}</div>') if rows else ""
 
 
-def in_short(value: Any) -> str:
+def format_value(value: Any) -> str:
     """A parameter's value for people."""
     return f"{value:g}" if isinstance(value, float) else str(value)

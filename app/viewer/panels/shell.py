@@ -66,7 +66,7 @@ LEFT, RIGHT = 310, 330
 """Widths of the panels, pixels."""
 
 
-def dress(gui: viser.GuiApi, label: str) -> None:
+def set_look(gui: viser.GuiApi, label: str) -> None:
     """Give a page the house's look."""
     gui.configure_theme(
         control_width="large",
@@ -105,7 +105,7 @@ class Sheets:
         """By browser, what is in its window."""
         self.lock = threading.Lock()
         """Held while what is in windows is changed: nothing is to be closed meanwhile."""
-        server.on_client_disconnect(self.gone)
+        server.on_client_disconnect(self.remove_client)
 
     def show(self, client: viser.ClientHandle, title: str) -> None:
         """Open one in a browser, unless one is open there."""
@@ -128,12 +128,12 @@ class Sheets:
         done.on_click(close)
         self.open[client.client_id] = filled
 
-    async def gone(self, client: viser.ClientHandle) -> None:
+    async def remove_client(self, client: viser.ClientHandle) -> None:
         """A browser is there no more."""
         with self.lock:
             self.open.pop(client.client_id, None)
 
-    def each(self, change: Callable[[Any], None]) -> None:
+    def update_each(self, change: Callable[[Any], None]) -> None:
         """Change what is in every window."""
         with self.lock:
             for filled in self.open.values():
@@ -184,10 +184,10 @@ def add_hotkeys(
     """
     for key, action in actions.items():
         command: Any = gui.add_command(keys[key], hotkey=key)  # type: ignore[arg-type]
-        command.on_trigger(triggered(action))
+        command.on_trigger(viser_action(action))
 
 
-def triggered(action: Callable[[viser.ClientHandle], Any]) -> Callable:
+def viser_action(action: Callable[[viser.ClientHandle], Any]) -> Callable:
     """The action as viser calls it: in order, on its event loop."""
 
     async def run(event: Any) -> None:

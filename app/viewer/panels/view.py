@@ -46,20 +46,20 @@ class ViewPanel:
         self.offering = False
         self.offered = self.form["colour"].value
         """The colouring that was shown last."""
-        self.form["colour"].on_update(self.coloured)
+        self.form["colour"].on_update(self.remember_colouring)
         self.form["trails"].on_update(self.trailed)
         self.camera = gui.add_folder(CAMERA)
         with self.camera:
             presets = gui.add_button_group(
                 "From", CAMERAS, hint=f"In this browser; follow goes after the clicked {followed}"
             )
-        presets.on_click(self.pointed)
+        presets.on_click(self.show_hint)
 
-    async def pointed(self, event: viser.GuiEvent) -> None:
+    async def show_hint(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
             self.point(event.client, event.target.value)
 
-    def coloured(self, event: viser.GuiEvent) -> None:
+    def remember_colouring(self, event: viser.GuiEvent) -> None:
         """Remember a colouring that somebody, or a scene, has chosen."""
         if event.client is not None or not self.offering:
             self.colour = event.target.value
@@ -75,7 +75,7 @@ class ViewPanel:
     def fit(self, frame: Frame, numbers: tuple[str, ...] = ()) -> None:
         """Show what applies to a frame; agents can be coloured by these numbers too."""
         scene = [frame for frame in (frame, frame.beside) if frame is not None]
-        look = self.look()
+        look = self.drawing_style()
         self.form.fit(look, scene)
         offered = self.form.controls["colour"].offered(scene, look)
         self.offer((*offered, *(name for name in numbers if name not in offered)))
@@ -100,31 +100,31 @@ class ViewPanel:
 
     def take(self, look: Mapping[str, Any]) -> None:
         """Show these, by the names of their controls, and all else as usual."""
-        values = self.usually(look.get("trails", self.usual.look.trails)) | dict(look)
+        values = self.default_values(look.get("trails", self.usual.look.trails)) | dict(look)
         self.colour = values["colour"]
         self.offer(tuple(dict.fromkeys([*self.form["colour"].options, self.colour])))
         for name, control in self.form.handles.items():
             show(control, values[name])
 
-    def not_usual(self) -> dict[str, Any]:
+    def changed_values(self) -> dict[str, Any]:
         """What is not as usual, by the names of the controls."""
         now = {name: control.value for name, control in self.form.handles.items()}
         now["colour"] = self.colour
-        usually = self.usually(now["trails"])
+        usually = self.default_values(now["trails"])
         return {name: value for name, value in now.items() if value != usually[name]}
 
-    def usually(self, trails: str) -> dict[str, Any]:
+    def default_values(self, trails: str) -> dict[str, Any]:
         """What is usual with these trails, by the names of the controls."""
         values = {name: getattr(self.usual.look, name) for name in self.form.handles}
         return values | ({"trail_length": self.usual.rising} if trails == RISING else {})
 
-    def suit(self, usual: DrawingDefaults) -> None:
+    def set_defaults(self, usual: DrawingDefaults) -> None:
         """Take this for usual from now on; what was as usual is so again."""
         if usual != self.usual:
-            changed, self.usual = self.not_usual(), usual
+            changed, self.usual = self.changed_values(), usual
             self.take(changed)
 
-    def look(self) -> DrawingStyle:
+    def drawing_style(self) -> DrawingStyle:
         """The drawing as the controls have it."""
         chosen = self.form["colour"].value
         if chosen in COLOURINGS and chosen != MEASURED:

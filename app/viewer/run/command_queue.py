@@ -47,7 +47,7 @@ class CommandQueue:
     def put(self, work: Callable[[], Any], key: str = "", runs: bool | None = None) -> Future:
         """Have something done. Raises InputError if too much waits already, and it has no key."""
         with self.changed:
-            same = self.same(key)
+            same = self.waiting_command(key)
             if same is not None:
                 same.work, same.runs = work, runs
                 return same.answer
@@ -56,7 +56,7 @@ class CommandQueue:
     def step(self, work: Callable[[int], Any], ticks: int) -> Future:
         """Have ticks run: with those that wait already at most `MOST_TICKS`."""
         with self.changed:
-            same = self.same(STEP)
+            same = self.waiting_command(STEP)
             if same is not None:
                 same.ticks = max(same.ticks, min(same.ticks + ticks, MOST_TICKS), ticks)
                 return same.answer
@@ -80,7 +80,7 @@ class CommandQueue:
             self.changed.notify()
             return pausing.answer
 
-    def same(self, key: str) -> QueuedCommand | None:
+    def waiting_command(self, key: str) -> QueuedCommand | None:
         """What waits and is one with a new command of this key: the last of all, or where too much
         waits the last of its key."""
         if not key or not self.waiting:

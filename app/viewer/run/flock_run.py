@@ -50,12 +50,12 @@ def radii(flock: Flock, parameters: Parameters) -> list[float]:
     return [zone.radius(parameters) for zone in flock.model.rule.zones]
 
 
-def in_order(radii: list[float]) -> bool:
+def are_zones_nested(radii: list[float]) -> bool:
     """Whether no zone ends inside of the one before it."""
     return all(inner <= outer for inner, outer in pairwise(radii))
 
 
-def allowed(flock: Flock, name: str, value: Any) -> Any:
+def nearest_allowed(flock: Flock, name: str, value: Any) -> Any:
     """The value nearest to the wanted one that keeps the zones in order.
 
     A zone that would pass another one ends where that one does. Zones that are out of order
@@ -66,15 +66,15 @@ def allowed(flock: Flock, name: str, value: Any) -> Any:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return value
     parameters = now.model_copy(update={name: value})
-    if not before or not in_order(before) or in_order(radii(flock, parameters)):
+    if not before or not are_zones_nested(before) or are_zones_nested(radii(flock, parameters)):
         return value
     for other in sorted(before, key=lambda radius: abs(radius - value)):
-        if in_order(radii(flock, now.model_copy(update={name: other}))):
+        if are_zones_nested(radii(flock, now.model_copy(update={name: other}))):
             return other
     raise InputError(f"{name} = {value:g} would put the zones out of order: nothing is changed")
 
 
-def stopped(flock: Flock, name: str, value: float) -> str:
+def zone_notice(flock: Flock, name: str, value: float) -> str:
     """What is told when a zone stops at another one."""
     others = (
         f"{zone.name} ends at {value:g}"
@@ -133,16 +133,16 @@ class FlockRun:
         return all(run.compiled for run in self.both)
 
     @property
-    def is_at_hand(self) -> bool:
+    def is_ready(self) -> bool:
         """Whether all that it calls has been compiled, or is on disk."""
         return all(
             run.flock.is_compiled and all(map(is_at_hand, run.readings.extremes.kernels))
             for run in self.both
         )
 
-    def want(self, request: FrameRequest) -> None:
+    def set_request(self, request: FrameRequest) -> None:
         """Change what frames hold beside positions and headings."""
-        self.camera.want(request)
+        self.camera.set_request(request)
 
     def watch(self, names: frozenset[str]) -> None:
         """Change which observables are measured beside those that always are."""
@@ -151,7 +151,7 @@ class FlockRun:
 
     def allowed(self, name: str, value: Any, beside: bool = False) -> Any:  # noqa: ARG002 - Pair's
         """The value nearest to the wanted one that keeps zones in order. Raises InputError."""
-        return allowed(self.flock, name, value)
+        return nearest_allowed(self.flock, name, value)
 
     def set(self, name: str, value: Any, beside: bool = False) -> None:  # noqa: ARG002 - Pair's
         """Give a parameter a value. Raises InputError, and then changes nothing."""
@@ -193,17 +193,17 @@ class FlockRun:
                 f"{flock.tick}: every position must be a finite number"
             )
         if not (measured and self.measures):
-            return self.camera.take()
+            return self.camera.build()
         if self.astray is None:
             self.astray = flock.stray()
             self.troubles += [] if self.astray is None else [StrayAgentError(str(self.astray))]
-        self.attempt(lambda: self.readings.read(at_once=closely))
-        self.attempt(lambda: self.camera.examine(at_once=closely))
-        self.attempt(self.camera.inspect)
-        self.attempt(lambda: self.camera.inspect_others(at_once=closely))
-        return self.camera.take()
+        self.try_to_look(lambda: self.readings.read(at_once=closely))
+        self.try_to_look(lambda: self.camera.examine(at_once=closely))
+        self.try_to_look(self.camera.inspect)
+        self.try_to_look(lambda: self.camera.inspect_others(at_once=closely))
+        return self.camera.build()
 
-    def attempt(self, look: Callable[[], None]) -> None:
+    def try_to_look(self, look: Callable[[], None]) -> None:
         """Look; note what goes wrong."""
         try:
             look()
@@ -224,7 +224,7 @@ class FlockRun:
         text += ". Here are the last values.\n"
         return f"{text if changed else ''}{self.flock.spec.to_toml()}".encode()
 
-    def saved(self) -> bytes:
+    def save(self) -> bytes:
         """The flock's state as a file."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "flock.parquet"

@@ -10,7 +10,7 @@ import numpy as np
 from agents.flock import Flock
 from agents.snapshot import Snapshot
 from agents.spec import Spec
-from app.viewer.editing.free_places import set_free
+from app.viewer.editing.free_places import move_out
 from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameRequest
@@ -58,7 +58,7 @@ class Playback(FlockRun):
         return self.clock >= self.last
 
     @property
-    def is_at_hand(self) -> bool:
+    def is_ready(self) -> bool:
         """Nothing is run, and so nothing is waited for."""
         return True
 
@@ -80,11 +80,11 @@ class Playback(FlockRun):
         """Put the flock where it was at a tick, or last before it. Raises InputError."""
         then = self.frames.before(tick)
         if then != self.flock.tick:
-            put(self.flock, self.frames.at(then))
+            restore_snapshot(self.flock, self.frames.at(then))
         self.clock = tick
 
 
-def put(flock: Flock, then: Snapshot) -> None:
+def restore_snapshot(flock: Flock, then: Snapshot) -> None:
     """Have a flock be as in a snapshot of its run; its engine is kept where it can be."""
     if [array.shape for array in flock.arrays] != [array.shape for array in then.arrays]:
         flock.return_to(then)
@@ -94,7 +94,7 @@ def put(flock: Flock, then: Snapshot) -> None:
     flock.tick = then.tick
 
 
-def fixed(stored: StoredFlock) -> InputError:
+def recording_error(stored: StoredFlock) -> InputError:
     """What is told to those who would change a recording."""
     return InputError(
         f"{stored.name} is a recording, in which nothing can be changed: "
@@ -120,7 +120,7 @@ class FlockRunBuilder:
             return flock
         if isinstance(spec.world, World) and spec.world != flock.world:
             flock.change_world(spec.world)
-            flock.position[:] = set_free(spec.world, flock.position)
+            flock.position[:] = move_out(spec.world, flock.position)
         if flock.parameters.model_dump() != spec.parameters:
             flock.set(**spec.parameters)
         return flock

@@ -44,7 +44,7 @@ def naming_errors(flock: Flock) -> Iterator[None]:
         raise ComparedFlockError(f"{title}: {describe_error(error)}") from error
 
 
-def shared(
+def shared_parameters(
     first: Mapping[str, DeclaredParameter], second: Mapping[str, DeclaredParameter]
 ) -> frozenset[str]:
     """Names of the parameters that two models declare alike: symbol, unit, kind and default.
@@ -55,11 +55,11 @@ def shared(
     return frozenset(
         name
         for name, parameter in first.items()
-        if name in second and alike(parameter, second[name])
+        if name in second and is_same_parameter(parameter, second[name])
     )
 
 
-def alike(parameter: DeclaredParameter, other: DeclaredParameter) -> bool:
+def is_same_parameter(parameter: DeclaredParameter, other: DeclaredParameter) -> bool:
     """Whether two parameters are one and the same."""
     return all(
         getattr(parameter, part) == getattr(other, part)
@@ -67,18 +67,20 @@ def alike(parameter: DeclaredParameter, other: DeclaredParameter) -> bool:
     )
 
 
-def by_name(flock_or_model: Any) -> dict[str, DeclaredParameter]:
+def parameters_by_name(flock_or_model: Any) -> dict[str, DeclaredParameter]:
     """The declared parameters of a parameter model, by name."""
     return {parameter.name: parameter for parameter in declared(flock_or_model)}
 
 
-def shared_by(first: str, second: str) -> frozenset[str]:
+def shared_model_parameters(first: str, second: str) -> frozenset[str]:
     """The same for models by name.
 
     >>> sorted(shared_by("vem", "ivem-a"))
     ['eta', 'k', 'neighbours', 'r', 'v0']
     """
-    return shared(by_name(MODELS[first].parameters), by_name(MODELS[second].parameters))
+    return shared_parameters(
+        parameters_by_name(MODELS[first].parameters), parameters_by_name(MODELS[second].parameters)
+    )
 
 
 def companion(first: Flock, beside: Spec) -> Flock:
@@ -94,7 +96,9 @@ def companion(first: Flock, beside: Spec) -> Flock:
     if model is first.model:
         raise InputError(f"beside = {model.name!r} is the model itself: another one is needed")
     values = first.parameters.model_dump()
-    shared_values = {name: values[name] for name in shared_by(first.model.name, model.name)}
+    shared_values = {
+        name: values[name] for name in shared_model_parameters(first.model.name, model.name)
+    }
     spec = first.options.but(
         model=model.name, world=first.world, parameters=shared_values | beside.parameters
     )
@@ -129,10 +133,12 @@ class PairedRun(FlockRun):
     ):
         self.second = FlockRun(second, number, FrameRequest(), watched)
         super().__init__(flock, number, request, watched)
-        self.shared = shared(by_name(type(flock.parameters)), by_name(type(second.parameters)))
+        self.shared = shared_parameters(
+            parameters_by_name(type(flock.parameters)), parameters_by_name(type(second.parameters))
+        )
         self.owed = 0.0
         """Part of a tick of the second flock by which it is behind the first."""
-        self.want(request)
+        self.set_request(request)
 
     @property
     def beside_values(self) -> dict[str, Any]:
@@ -140,12 +146,12 @@ class PairedRun(FlockRun):
         values = self.second.values
         return {name: value for name, value in values.items() if name not in self.shared}
 
-    def want(self, request: FrameRequest) -> None:
+    def set_request(self, request: FrameRequest) -> None:
         """Change what frames hold; only the flock that is meant is looked at from close."""
         nobody = replace(request, row=None)
-        self.camera.want(nobody if request.beside else request)
+        self.camera.set_request(nobody if request.beside else request)
         second = request if request.beside else nobody
-        self.second.camera.want(replace(second, others=request.others_beside))
+        self.second.camera.set_request(replace(second, others=request.others_beside))
 
     def advance(self, ticks: int) -> None:
         """Run ticks of the first flock, and as many of the second as take the same time."""
@@ -165,7 +171,7 @@ class PairedRun(FlockRun):
         with naming_errors(self.second.flock):
             compared_frame = self.second.look(closely, measured)
         for trouble in self.second.troubles[trouble_count:]:
-            self.attempt(partial(self.tell, trouble))
+            self.try_to_look(partial(self.raise_named, trouble))
         scale, other = frame.speed_scale, compared_frame.speed_scale
         if frame.unit == compared_frame.unit:
             scale = other = max(scale, other)
@@ -176,7 +182,7 @@ class PairedRun(FlockRun):
             frame, speed_scale=scale, title=self.flock.model.title, beside=compared_frame
         )
 
-    def tell(self, trouble: Exception) -> None:
+    def raise_named(self, trouble: Exception) -> None:
         """Raise what the second flock had trouble with, named."""
         with naming_errors(self.second.flock):
             raise trouble
@@ -213,13 +219,13 @@ class PairedRun(FlockRun):
 
     def spec(self) -> bytes:
         """The specs of both flocks, a ZIP."""
-        return self.packed("toml", super().spec(), self.second.spec())
+        return self.zip_files("toml", super().spec(), self.second.spec())
 
-    def saved(self) -> bytes:
+    def save(self) -> bytes:
         """The states of both flocks, a ZIP."""
-        return self.packed("parquet", super().saved(), self.second.saved())
+        return self.zip_files("parquet", super().save(), self.second.save())
 
-    def packed(self, suffix: str, *contents: bytes) -> bytes:
+    def zip_files(self, suffix: str, *contents: bytes) -> bytes:
         """A file of each flock in a ZIP, numbered and named by their models."""
         names = (run.flock.model.name for run in self.both)
         buffer = io.BytesIO()

@@ -8,7 +8,7 @@ from typing import Any
 from agents.catalogue import model as find_model
 from agents.flock_world import complete_spec
 from agents.spec import DEFAULT, CompleteSpec, Spec
-from app.viewer.scene.shown.drawing_style import DrawingDefaults, usual
+from app.viewer.scene.shown.drawing_style import DrawingDefaults, default_style
 from worlds.layout import layout_names, own_dim, shared_layout
 from worlds.world import World
 
@@ -36,7 +36,7 @@ class WorldDefaults:
     """Whether it has a size of its own."""
 
 
-def home(world: str | World) -> WorldDefaults:
+def world_defaults(world: str | World) -> WorldDefaults:
     """What a world decides by itself. Raises InputError for a file that cannot be read."""
     if isinstance(world, World):
         return WorldDefaults(world.dim, True)
@@ -44,7 +44,7 @@ def home(world: str | World) -> WorldDefaults:
     return WorldDefaults(own_dim(layout, world), "size" in layout)
 
 
-def at_home(model: str = DEFAULT, **options: Any) -> CompleteSpec:
+def preset_spec(model: str = DEFAULT, **options: Any) -> CompleteSpec:
     """A run of a model in the world that it is at home in, where nothing else is `given`.
 
     What is None counts as not given; the seed is 1 then. Raises InputError.
@@ -74,14 +74,14 @@ def tick_of(spec: Spec) -> float:
     return model.body.lasts(model.parameters(**parameters))
 
 
-def usual_of(spec: Spec) -> DrawingDefaults:
+def drawing_defaults(spec: Spec) -> DrawingDefaults:
     """How a run is drawn as long as nobody chooses otherwise.
 
     >>> usual_of(at_home("squashing-cars")).look.colour, usual_of(at_home("vem")).look.colour
     ('each its own', 'heading')
     """
     model = find_model(spec.model)
-    return usual(model, spec.agents, tick_of(spec))
+    return default_style(model, spec.agents, tick_of(spec))
 
 
 def world_titles() -> dict[str, str | World]:

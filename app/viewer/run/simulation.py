@@ -20,8 +20,8 @@ from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.command_queue import GO, CommandQueue, QueuedCommand
-from app.viewer.run.edits import Edits, freed
-from app.viewer.run.flock_run import FlockRun, StrayAgentError, describe_error, stopped
+from app.viewer.run.edits import Edits, free_place
+from app.viewer.run.flock_run import FlockRun, StrayAgentError, describe_error, zone_notice
 from app.viewer.run.flock_run_builder import FlockRunBuilder, Playback
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.kernel_compiler import KernelCompiler, Preview, is_quick
@@ -118,9 +118,9 @@ class Simulation:
         Of commands with one `key` that follow each other only the last is carried out, as the
         answer to all. `runs` says whether the flock runs afterwards.
         """
-        return self.answered(lambda: self.commands.put(command, key, runs))
+        return self.queue_answered(lambda: self.commands.put(command, key, runs))
 
-    def answered(self, put: Callable[[], Future]) -> Future:
+    def queue_answered(self, put: Callable[[], Future]) -> Future:
         """Let a command wait; if it may not, its answer says so, and a notice."""
         try:
             return put()
@@ -148,7 +148,9 @@ class Simulation:
 
     def reset(self) -> Future:
         """The same flock again: same seed, same start, the parameters as they are now."""
-        return self.tell(lambda: self.schedule(*self.state.again(), self.state.stored), "set up")
+        return self.tell(
+            lambda: self.schedule(*self.state.current_specs(), self.state.stored), "set up"
+        )
 
     def go(self) -> Future:
         """Run."""
@@ -164,7 +166,7 @@ class Simulation:
 
     def step(self, ticks: int = 1) -> Future:
         """Pause and run a few ticks; with those that wait already never very many."""
-        return self.answered(lambda: self.commands.step(self.step_now, ticks))
+        return self.queue_answered(lambda: self.commands.step(self.step_now, ticks))
 
     def run_at(self, speed: float) -> Future:
         """Run at so many ticks per second; infinity for as fast as it goes."""
@@ -185,20 +187,20 @@ class Simulation:
         """Put an agent somewhere and turn it."""
         return self.tell(lambda: self.place_now(row, position, heading), f"place {row}")
 
-    def want(self, request: FrameRequest) -> Future:
+    def set_request(self, request: FrameRequest) -> Future:
         """Say what frames should hold beside positions and headings."""
-        return self.tell(lambda: self.want_now(request), "want")
+        return self.tell(lambda: self.set_request_now(request), "want")
 
     def watch(self, names: Iterable[str]) -> Future:
         """Say which observables should be measured beside those that always are."""
         chosen = frozenset(names)
         return self.tell(lambda: self.watch_now(chosen), "watch")
 
-    def be_seen(self, is_seen: bool) -> None:
+    def set_watched(self, is_seen: bool) -> None:
         """Say whether anybody looks: what has an allowance takes less if nobody does."""
         if is_seen != self.keeping.seen:
             self.keeping.seen = is_seen
-            self.tell(self.be_seen_now, "seen")
+            self.tell(self.set_watched_now, "seen")
 
     def look_again(self) -> Future:
         """Take another frame, though nothing has moved."""
@@ -206,31 +208,31 @@ class Simulation:
 
     def spec(self) -> Future:
         """The run as TOML, bytes; of two flocks a ZIP of both."""
-        return self.tell(lambda: self.sound_run().spec(), "spec")
+        return self.tell(lambda: self.require_run().spec(), "spec")
 
-    def saved(self) -> Future:
+    def save(self) -> Future:
         """The flock's saved state, bytes; of two flocks a ZIP of both."""
-        return self.tell(lambda: self.compiled_run("what is saved").saved(), "saved")
+        return self.tell(lambda: self.compiled_run("what is saved").save(), "saved")
 
     # The simulation's own thread.
 
     def live(self) -> None:
         """Obey, run and leave frames, until closed."""
         while not self.closing:
-            self.obey()
+            self.carry_out_commands()
             try:
                 if self.next is not None and not self.keeping.wait:
                     self.set_up()
                 self.look_for_kernels()
                 self.time_line.settle()
-                self.leave()
+                self.leave_frame()
                 if self.state.running and not self.keeping.wait:
                     self.run_due()
             except Exception as error:
                 self.fail(error)
             self.keeping.note()
 
-    def obey(self) -> None:
+    def carry_out_commands(self) -> None:
         """Carry out what was told; wait for it if there is nothing else to do.
 
         However much is told, the flock gets its turn.
@@ -251,27 +253,27 @@ class Simulation:
         now = self.clock()
         looks = None if self.state.compiling is None else LOOK
         runs = None
-        if self.state.running and not self.stands:
+        if self.state.running and not self.waits_for_compiler:
             runs = max(self.pace.wait(now), self.keeping.wait)
-        settles = self.time_line.unsettled(time.perf_counter())
+        settles = self.time_line.time_to_settle(time.perf_counter())
         due = [wait for wait in (looks, runs, settles) if wait is not None]
         return min(due, default=None)
 
     def run_due(self) -> None:
         """Run the ticks that are due."""
-        if self.stands:
+        if self.waits_for_compiler:
             return
-        run = self.sound_run()
+        run = self.require_run()
         ticks = self.pace.ticks_due(self.clock())
         if ticks == 0:
             return
         began, worked = self.clock(), time.thread_time()
         self.advance(run, ticks)
         now = self.clock()
-        self.pace.took(ticks, now - began)
+        self.pace.note_ticks(ticks, now - began)
         if self.preview is not None:
-            self.preview.took((time.thread_time() - worked) / ticks)
-            self.state = replace(self.state, preview=not self.preview.stands)
+            self.preview.note_tick((time.thread_time() - worked) / ticks)
+            self.state = replace(self.state, preview=not self.preview.is_too_slow)
         self.stale = now >= self.next_frame
         if isinstance(run, Playback) and run.is_over:
             self.state = replace(self.state, running=False, rate=0.0)
@@ -289,21 +291,21 @@ class Simulation:
         if self.state.compiling is None:
             self.ready.set()
 
-    def leave(self) -> None:
+    def leave_frame(self) -> None:
         """Leave a frame and readings for whoever watches, if there is anything new."""
         if not self.stale or self.run is None:
             return
         self.stale = False
         now = self.clock()
-        apart = self.keeping.between_frames
+        apart = self.keeping.frame_interval
         # A tick that is a little early is not left out for it, or every other one would be; frames
         # that commands ask for put none off.
         self.next_frame = min(max(self.next_frame, now - 0.5 * apart), now) + apart
-        self.warn(self.run)
+        self.warn_of_passing(self.run)
         trouble_count = len(self.run.troubles)
         # What measures is compiled with the flock: until then an obstacle is only shown.
         closely = not self.state.running and self.time_line.moved is None
-        self.frame = self.run.look(closely, measured=not self.stands)
+        self.frame = self.run.look(closely, measured=not self.waits_for_compiler)
         for trouble in self.run.troubles[trouble_count:]:
             if not isinstance(trouble, InputError | StrayAgentError):
                 traceback.print_exception(trouble)
@@ -338,7 +340,7 @@ class Simulation:
             self.ready.set()
             return
         self.run, self.preview = run, None
-        self.have_compiled(run)
+        self.compile_ahead(run)
         if self.state.compiling is not None and is_quick(run):
             twin = self.building.flock(spec.but(seed=flock.seed), stored, interpret=True)
             self.preview = Preview(run)
@@ -371,10 +373,10 @@ class Simulation:
         self.keeping.take(run)
         return run
 
-    def have_compiled(self, *runs: FlockRun) -> None:
+    def compile_ahead(self, *runs: FlockRun) -> None:
         """Have compiled what runs call, and nothing else, if it is not at hand."""
         flocks = [flock_run.flock for run in runs for flock_run in run.both]
-        if self.preview is None and all(run.is_at_hand for run in runs):
+        if self.preview is None and all(run.is_ready for run in runs):
             self.state = replace(self.state, compiling=None)
             return
         compiling = self.compiling
@@ -392,8 +394,8 @@ class Simulation:
             return
         compiling.ready.result()
         if self.preview is not None and run is not None:
-            self.run = self.preview.taken_over(run)
-            self.run.want(self.wanted)
+            self.run = self.preview.advance_compiled(run)
+            self.run.set_request(self.wanted)
             self.run.watch(self.watched)
             if self.run.is_compiled:
                 self.ready.set()
@@ -403,30 +405,30 @@ class Simulation:
         self.stale = True
 
     @property
-    def stands(self) -> bool:
+    def waits_for_compiler(self) -> bool:
         """Whether the flock stands until it is compiled."""
-        moves = self.preview is not None and not self.preview.stands
+        moves = self.preview is not None and not self.preview.is_too_slow
         return self.state.compiling is not None and not moves
 
     def compiled_run(self, wanted: str) -> FlockRun:
         """The run, if it is no preview. Raises InputError."""
         if self.preview is not None and self.state.compiling is not None:
-            left = self.state.compiling.words(time.monotonic())
+            left = self.state.compiling.describe(time.monotonic())
             raise InputError(f"this is a preview, and {wanted} is the compiled run ({left})")
-        return self.sound_run()
+        return self.require_run()
 
     def change(self, change: Callable[[FlockRun], None]) -> None:
         """Change the run; of a preview, the run that takes over too, at the same tick."""
-        run = self.sound_run()
+        run = self.require_run()
         self.time_line.demand_now()
         tick = run.flock.tick
         run.change(change)
         self.time_line.changed()
         if self.preview is None:
-            self.have_compiled(run)
+            self.compile_ahead(run)
         else:
             self.preview.changes.append((tick, change))
-            self.have_compiled(self.preview.coming, run)
+            self.compile_ahead(self.preview.coming, run)
 
     def fail(self, error: Exception) -> None:
         """A rule went wrong: stop the run, say why and live on."""
@@ -446,13 +448,13 @@ class Simulation:
         )
         self.ready.set()
 
-    def sound_run(self) -> FlockRun:
+    def require_run(self) -> FlockRun:
         """The run. Raises InputError if there is none, or it is broken."""
         if self.run is None or self.state.error:
             raise InputError("there is no flock to run: press Setup")
         return self.run
 
-    def warn(self, run: FlockRun) -> None:
+    def warn_of_passing(self, run: FlockRun) -> None:
         """Tell of flocks whose agents go through what is solid, once for each setting."""
         for flock_run in run.both:
             words = flock_run.flock.warning
@@ -470,16 +472,16 @@ class Simulation:
 
     def switch(self, on: bool) -> None:
         if on and self.next is None:
-            self.sound_run()
+            self.require_run()
             self.time_line.resume()
         self.pace.restart()
         self.state = replace(self.state, running=on)
         self.stale = self.run is not None and not self.state.error
 
     def step_now(self, ticks: int) -> None:
-        run = self.sound_run()
-        if self.stands and self.state.compiling is not None:
-            left = self.state.compiling.words(time.monotonic())
+        run = self.require_run()
+        if self.waits_for_compiler and self.state.compiling is not None:
+            left = self.state.compiling.describe(time.monotonic())
             raise InputError(f"the flock stands until it is compiled ({left})")
         self.state = replace(self.state, running=False)
         try:
@@ -499,28 +501,28 @@ class Simulation:
         self.pace = self.keeping.pace(speed)
         self.state = replace(self.state, speed=speed)
 
-    def be_seen_now(self) -> None:
+    def set_watched_now(self) -> None:
         self.keeping.look()
         self.pace = self.keeping.pace(self.state.speed)
         self.next_frame = 0.0
         self.look_again_now()
 
     def set_now(self, name: str, value: Any, beside: bool, models: Models | None) -> Any:
-        run = self.sound_run()
+        run = self.require_run()
         if models not in (None, self.state.models):
             return value
         accepted = run.allowed(name, value, beside)
         self.change(lambda run: run.set(name, accepted, beside))
         if accepted != value:
             flock = run.second.flock if beside and run.second is not None else run.flock
-            self.notices.put(stopped(flock, name, accepted))
-        self.pace.doubt()
+            self.notices.put(zone_notice(flock, name, accepted))
+        self.pace.reset_cost()
         self.state = replace(self.state, values=run.values, beside_values=run.beside_values)
         self.stale = True
         return accepted
 
     def place_now(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
-        place = freed(self.sound_run(), position)
+        place = free_place(self.require_run(), position)
         self.change(lambda run: run.place(row, place, heading))
         self.stale = True
 
@@ -533,8 +535,8 @@ class Simulation:
             self.run.watch(names)
             self.stale = not self.state.error
 
-    def want_now(self, request: FrameRequest) -> None:
+    def set_request_now(self, request: FrameRequest) -> None:
         self.wanted = request
         if self.run is not None and not self.state.error:
-            self.run.want(request)
+            self.run.set_request(request)
             self.stale = True

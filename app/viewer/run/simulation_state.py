@@ -94,7 +94,7 @@ class SimulationState:
         """Names of the model and of the one beside it."""
         return self.spec.model, None if self.beside is None else self.beside.model
 
-    def again(self) -> tuple[CompleteSpec, Spec | None]:
+    def current_specs(self) -> tuple[CompleteSpec, Spec | None]:
         """This run, and what is beside it, with the parameters as they are now."""
         beside = self.beside
         spec = self.spec.with_values(parameters=dict(self.values)) if self.values else self.spec

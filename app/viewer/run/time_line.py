@@ -20,7 +20,7 @@ from app.viewer.editing.editor import Editor
 from app.viewer.measuring.background_worker import WorkThrottle
 from app.viewer.run.edits import Edits
 from app.viewer.run.flock_run import FlockRun
-from app.viewer.run.flock_run_builder import Playback, fixed
+from app.viewer.run.flock_run_builder import Playback, recording_error
 from app.viewer.run.paired_run import PairedRun
 from app.viewer.run.simulation_state import SimulationState, TimeLineState
 from app.viewer.run.stored_flock import Beginning
@@ -79,9 +79,9 @@ class CheckpointHistory:
         self.moments.append(moment)
         self.size += moment.size
         while len(self.moments) > 2 and (self.size > self.memory or len(self.moments) > MOST):
-            self.drop(self.least_missed())
+            self.drop(self.least_needed())
 
-    def least_missed(self) -> int:
+    def least_needed(self) -> int:
         """Which moment, not the first and not the last, leaves the smallest gap for its age."""
         ticks = np.array([moment.tick for moment in self.moments], float)
         gap = ticks[2:] - ticks[:-2]
@@ -100,7 +100,7 @@ class CheckpointHistory:
         """Forget everything."""
         self.moments, self.size = [], 0
 
-    def before(self, tick: int) -> RunCheckpoint | None:
+    def last_before(self, tick: int) -> RunCheckpoint | None:
         """The last moment that is not after a tick, else the first."""
         earlier = [moment for moment in self.moments if moment.tick <= tick]
         return earlier[-1] if earlier else next(iter(self.moments), None)
@@ -124,7 +124,7 @@ class TimeLineHost(Protocol):
         self, command: Callable[[], Any], key: str = "", runs: bool | None = None
     ) -> Future: ...
 
-    def sound_run(self) -> FlockRun: ...
+    def require_run(self) -> FlockRun: ...
 
     def begin(self, stored: Beginning) -> None: ...
 
@@ -158,12 +158,12 @@ class TimeLine:
     # The simulation's own thread.
 
     def seek_now(self, tick: int) -> None:
-        host, run = self.host, self.host.sound_run()
+        host, run = self.host, self.host.require_run()
         if isinstance(run, Playback):
             run.seek(tick)
         else:
-            now = self.present or self.moment(run)
-            then = now if tick >= now.tick else self.history.before(tick)
+            now = self.present or self.checkpoint(run)
+            then = now if tick >= now.tick else self.history.last_before(tick)
             if then is None:
                 raise InputError("nothing is kept yet of this run to look back at")
             self.present = None if then is now else now
@@ -179,7 +179,7 @@ class TimeLine:
         host.stale = True
 
     def go_on_now(self) -> None:
-        host, run = self.host, self.host.sound_run()
+        host, run = self.host, self.host.require_run()
         if isinstance(run, Playback):
             if run.stored.recording.spec.is_late:
                 raise InputError(
@@ -188,7 +188,7 @@ class TimeLine:
                 )
             host.begin(replace(run.stored, tick=run.flock.tick))
         elif self.present is not None:
-            then = self.history.before(run.flock.tick)
+            then = self.history.last_before(run.flock.tick)
             if then is None:
                 raise InputError("nothing is kept of this run that it could go on from")
             self.present = None
@@ -198,7 +198,7 @@ class TimeLine:
                 flock_run.number = flock_run.camera.run = number
                 flock_run.readings.notes = True
                 flock_run.readings.cut(flock_run.flock.tick)
-                flock_run.readings.extremes.take(least)
+                flock_run.readings.extremes.resume(least)
             host.edits.editor = then.editor
             host.state = replace(
                 host.state,
@@ -226,7 +226,7 @@ class TimeLine:
         """Raise InputError where nothing can be changed: in a recording, and while looking back."""
         run = self.host.run
         if isinstance(run, Playback):
-            raise fixed(run.stored)
+            raise recording_error(run.stored)
         if self.present is not None and run is not None:
             raise InputError(
                 f"this is tick {run.flock.tick}, looked back at: go on from here, or back to now, "
@@ -247,11 +247,11 @@ class TimeLine:
         """Keep the run as it is, if that is due."""
         if isinstance(run, Playback) or self.present is not None:
             return
-        if self.rate_limit.due(time.perf_counter()):
-            with self.rate_limit.measured():
-                self.history.note(self.moment(run))
+        if self.rate_limit.is_due(time.perf_counter()):
+            with self.rate_limit.measure_duration():
+                self.history.note(self.checkpoint(run))
 
-    def moment(self, run: FlockRun) -> RunCheckpoint:
+    def checkpoint(self, run: FlockRun) -> RunCheckpoint:
         """The run as it is."""
         return RunCheckpoint(
             tuple(run.flock.snapshot() for run in run.both),
@@ -271,13 +271,13 @@ class TimeLine:
         last = at if self.present is None else self.present.tick
         return TimeLineState(self.history.moments[0].tick, last, at, self.present is not None)
 
-    def unsettled(self, now: float) -> float | None:
+    def time_to_settle(self, now: float) -> float | None:
         """Time until everything is to be measured where one has moved to, s; None: it has been."""
         return None if self.moved is None else max(0.0, self.moved + SETTLED - now)
 
     def settle(self) -> None:
         """Have everything measured as soon as one has moved for the last time."""
-        if self.unsettled(time.perf_counter()) == 0.0:
+        if self.time_to_settle(time.perf_counter()) == 0.0:
             self.moved = None
             self.host.stale = True
 

@@ -10,12 +10,12 @@ NEAR = 0.013
 """The same as a share of half the height of what a camera sees: some six pixels."""
 
 
-def slack(fov: float) -> float:
+def cone_half_width(fov: float) -> float:
     """Half-width of the cone for a camera that sees so much from top to bottom (rad), rad."""
     return NEAR * float(np.tan(0.5 * np.clip(fov, 0.01, 2.5)))
 
 
-def picked(
+def pick_agent(
     origin: np.ndarray,
     direction: np.ndarray,
     at: np.ndarray,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from viser import ClientHandle, FrameHandle, LabelHandle, SceneApi, SceneClickEvent, ViserServer
 
-from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints, places
+from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints, mission_places
 from app.viewer.scene.draw.drawn_frame import Changes, Picture, picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.agents import Agents, FlockMotion
@@ -26,7 +26,7 @@ from app.viewer.scene.marks.see_through import FollowedAgent, SeeThrough
 from app.viewer.scene.marks.trails import Trails, Wake
 from app.viewer.scene.marks.world_box import Fog, Walls, WorldBox, set_light
 from app.viewer.scene.marks.zone_marks import ZoneMarks
-from app.viewer.scene.picking import picked, slack
+from app.viewer.scene.picking import cone_half_width, pick_agent
 from app.viewer.scene.shown.debounce import Debounce
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
@@ -127,9 +127,9 @@ class ComparisonNodes:
         changes: Changes = [
             (self.frame, "position", aside),
             (title, "text", first.frame.title),
-            (title, "position", over(first) - aside),
+            (title, "position", title_place(first) - aside),
             (other, "text", second.frame.title),
-            (other, "position", over(second)),
+            (other, "position", title_place(second)),
         ]
         changes = [
             change
@@ -154,7 +154,7 @@ def sights(first: Picture, second: Picture | None) -> tuple[Sight, ...]:
     return (here,) if second is None else (here, Sight(second, offset(first)))
 
 
-def meant(
+def find_clicked(
     sights: tuple[Sight, ...], origin: np.ndarray, direction: np.ndarray, near: float
 ) -> tuple[int, int | None]:
     """Which flock a click is for, 0 or 1, and the row of the agent that it hits, if any.
@@ -164,17 +164,17 @@ def meant(
     """
     for side, (flock_picture, aside) in enumerate(sights):
         radius = 0.5 * flock_picture.length * flock_picture.size
-        row = picked(origin - aside, direction, flock_picture.at, radius, near)
+        row = pick_agent(origin - aside, direction, flock_picture.at, radius, near)
         if row is not None:
             return side, row
     away = [
-        passes(origin - aside, direction, flock_picture.stage.floor)
+        distance_from_middle(origin - aside, direction, flock_picture.stage.floor)
         for flock_picture, aside in sights
     ]
     return int(np.argmin(away)), None
 
 
-def passes(origin: np.ndarray, direction: np.ndarray, floor: float) -> float:
+def distance_from_middle(origin: np.ndarray, direction: np.ndarray, floor: float) -> float:
     """How far from the middle a ray meets the floor of a room; infinite if it does not."""
     if direction[2] == 0.0:
         return float("inf")
@@ -186,7 +186,7 @@ def passes(origin: np.ndarray, direction: np.ndarray, floor: float) -> float:
 def room(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
     """Corners (3,) of the world's box and its mission on the display; they do not move."""
     low, high = -picture.stage.half, picture.stage.half.copy()
-    for place in places(picture):
+    for place in mission_places(picture):
         low, high = np.minimum(low, place), np.maximum(high, place)
     return low, high
 
@@ -202,7 +202,7 @@ def offset(picture: Picture) -> np.ndarray:
     return np.array([0.0 if below else away, -away if below else 0.0, -SUNK if flat else 0.0])
 
 
-def over(picture: Picture) -> np.ndarray:
+def title_place(picture: Picture) -> np.ndarray:
     """Where a room's title stands, (3,)."""
     low, high = room(picture)
     middle, lift = 0.5 * (low + high), LIFT[picture.stage.dim] * picture.stage.side
@@ -260,14 +260,14 @@ class Scene:
         self._sights = sights(drawn_picture, other)
         self._viewpoints.update(self._sights)
 
-    def look_through(self) -> None:
+    def update_see_through(self) -> None:
         """Let browsers see the agents that they follow through what is in the way.
 
         Call it from the thread that draws, also while nothing moves: cameras do.
         """
-        self._see_through.look(self._watched)
+        self._see_through.look(self._followed_agents)
 
-    def _watched(self) -> list[FollowedAgent]:
+    def _followed_agents(self) -> list[FollowedAgent]:
         sights = self._sights
         return [
             FollowedAgent(
@@ -280,7 +280,7 @@ class Scene:
             for client, side, row in self._viewpoints.followed()
         ]
 
-    def where(self, row: int | None, side: int = 0) -> tuple[float, ...]:
+    def display_place(self, row: int | None, side: int = 0) -> tuple[float, ...]:
         """Where on the display an agent of the flock `side` was drawn last, (3,); () if nowhere."""
         if row is None or side >= len(self._sights):
             return ()
@@ -341,9 +341,11 @@ class Scene:
         origin, direction = np.array(event.ray_origin), np.array(event.ray_direction)
         if not self._sights:
             return
-        side, row = meant(self._sights, origin, direction, slack(event.client.camera.fov))
+        side, row = find_clicked(
+            self._sights, origin, direction, cone_half_width(event.client.camera.fov)
+        )
         picture, aside = self._sights[side]
         for callback in self._clicked:
-            callback(row, picture.stage.unplaced(origin - aside), direction, side == 1)
+            callback(row, picture.stage.place_in_world(origin - aside), direction, side == 1)
         for chosen in self._chosen:
             chosen(event.client, row, side == 1)

@@ -18,7 +18,7 @@ from agents.observables.of_agents import ON_ITS_WAY
 from agents.state.agent_rows import CAUSES, Crashes
 from app.front.viser_internals import identifier
 from app.viewer.measuring import observable_format
-from app.viewer.panels.dials import sight
+from app.viewer.panels.dials import set_visible
 from app.viewer.panels.shell import block, table
 from app.viewer.run.frame_builder import SAVED
 from app.viewer.scene.marks.inspection_marks import force_colours
@@ -40,7 +40,7 @@ def head(frame: Frame, inspection: Inspection) -> str:
     rows = dict(list(facts(frame, inspection).items())[:FIRST])
     kind = " · information agent" if frame.informed[inspection.row] else ""
     flock = f'<div class="fs-quiet">{html.escape(frame.title)}</div>' if frame.title else ""
-    return f'<div class="fs-head">Agent {inspection.id}{kind}</div>{flock}{escaped(rows)}'
+    return f'<div class="fs-head">Agent {inspection.id}{kind}</div>{flock}{escaped_table(rows)}'
 
 
 def folds(frame: Frame, inspection: Inspection) -> dict[Fold, tuple[str, str]]:
@@ -48,24 +48,27 @@ def folds(frame: Frame, inspection: Inspection) -> dict[Fold, tuple[str, str]]:
     rest = dict(list(facts(frame, inspection).items())[FIRST:])
     texts: dict[Fold, tuple[str, str]] = {}
     if rest:
-        texts["rest"] = f"{counted(len(rest), 'more row')}", escaped(rest)
-    if frame.down[inspection.row]:
+        texts["rest"] = f"{counted(len(rest), 'more row')}", escaped_table(rest)
+    if frame.is_down[inspection.row]:
         return texts
     if inspection.shells:
         noticed = int(np.count_nonzero(inspection.zone != UNSEEN))
-        texts["zones"] = f"Zones: {noticed} noticed", zoned(inspection)
+        texts["zones"] = f"Zones: {noticed} noticed", describe_zones(inspection)
     if inspection.forces:
         texts["forces"] = (
             f"Forces: {max(inspection.forces, key=lambda name: strength(inspection, name))}",
-            pushed(inspection),
+            describe_forces(inspection),
         )
     heard_count = int(np.count_nonzero(np.asarray(inspection.weights) > 0.0))
     if heard_count:
-        texts["heard"] = f"Listens to {counted(heard_count, 'agent')}", listened(frame, inspection)
+        texts["heard"] = (
+            f"Listens to {counted(heard_count, 'agent')}",
+            describe_listening(frame, inspection),
+        )
     return texts
 
 
-def escaped(rows: dict[str, str]) -> str:
+def escaped_table(rows: dict[str, str]) -> str:
     """A table of words and values."""
     return table({html.escape(name): html.escape(value) for name, value in rows.items()})
 
@@ -74,7 +77,7 @@ def facts(frame: Frame, inspection: Inspection) -> dict[str, str]:
     """An agent's state, words -> value with unit, the most telling first."""
     ux, crashes, model = frame.heading[inspection.row], frame.crashes, inspection.model
     listed: dict[str, str] = {}
-    if frame.down[inspection.row] and crashes is not None:
+    if frame.is_down[inspection.row] and crashes is not None:
         listed["crashed"] = crash_text(crashes, inspection.row)
     length = model.in_units("length") if model else "length"
     listed[f"position ({length})"] = vector(frame.position[inspection.row])
@@ -82,14 +85,14 @@ def facts(frame: Frame, inspection: Inspection) -> dict[str, str]:
     if frame.dim == 3:
         listed["climb"] = f"{np.degrees(np.arcsin(np.clip(ux[2], -1, 1))):+.0f}°"
     pace = model.in_units("length/time") if model else frame.pace_unit
-    listed["speed"] = f"{observable_format.few(frame.speed[inspection.row])} {pace}"
+    listed["speed"] = f"{observable_format.format_short(frame.speed[inspection.row])} {pace}"
     listed["neighbours"] = counted(len(inspection.neighbours), "agent")
     own = signal_facts(inspection)
     if "drag saved" in own:
         listed["drag saved"] = own.pop("drag saved")
     if frame.group is not None and inspection.row < len(frame.group):
         listed["group"] = f"number {int(frame.group[inspection.row]) + 1} by size"
-    if not np.any(np.asarray(inspection.weights) > 0.0) and not frame.down[inspection.row]:
+    if not np.any(np.asarray(inspection.weights) > 0.0) and not frame.is_down[inspection.row]:
         listed["listens to"] = "nobody"
     return listed | own
 
@@ -138,7 +141,7 @@ def figure(name: str, words: str, value: float, unit: str) -> str:
     return f"{value:.4g} {unit}".strip()
 
 
-def zoned(inspection: Inspection) -> str:
+def describe_zones(inspection: Inspection) -> str:
     """How many neighbours are in each zone of its rule, and how many it does not see."""
     inner, rows = 0.0, ""
     length = inspection.model.in_units("length") if inspection.model else "length"
@@ -178,7 +181,7 @@ def force_unit(inspection: Inspection, name: str) -> str:
     return pace
 
 
-def pushed(inspection: Inspection) -> str:
+def describe_forces(inspection: Inspection) -> str:
     """The forces on it, by the colours of their arrows, and how strong they are."""
     colours = [palette.css(colour) for colour in force_colours(len(inspection.forces))]
     length = {name: strength(inspection, name) for name in inspection.forces}
@@ -188,14 +191,14 @@ def pushed(inspection: Inspection) -> str:
         f"{html.escape(name)}</td>"
         f'<td style="width:25%"><div class="fs-weight" '
         f'style="width:{100 * value / most:.1f}%;background:{colour}"></div></td>'
-        f'<td style="white-space:nowrap">{observable_format.few(value)} '
+        f'<td style="white-space:nowrap">{observable_format.format_short(value)} '
         f"{force_unit(inspection, name)}</td></tr>"
         for (name, value), colour in zip(length.items(), colours, strict=True)
     )
     return f'<table class="fs-table">{rows}</table>'
 
 
-def listened(frame: Frame, inspection: Inspection) -> str:
+def describe_listening(frame: Frame, inspection: Inspection) -> str:
     """Whom it listens to, and how much."""
     weights = np.asarray(inspection.weights, float)
     total, rows = weights.sum(), ""
@@ -248,7 +251,7 @@ class Inspector:
         exists = row is not None and row < len(frame.ids)
         if exists and not self.panel.visible:
             self.panel.expand()  # on a phone, and where somebody has made it small
-        sight(self.panel, exists)
+        set_visible(self.panel, exists)
         if not exists or row is None:
             return
         inspection, texts = frame.inspected, {}
@@ -261,6 +264,6 @@ class Inspector:
             f'<div class="fs-agent" data-panel="{identifier(self.panel)}" {mark}>{words}</div>'
         )
         for name, (folder, content) in self.folds.items():
-            sight(folder, name in texts)
+            set_visible(folder, name in texts)
             if name in texts:
                 folder.label, content.content = texts[name][0], block(texts[name][1])

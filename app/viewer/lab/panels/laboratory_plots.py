@@ -20,12 +20,12 @@ from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_curves import (
     ObservableHistory,
     Points,
+    align_curves,
     chart_title,
     choices,
-    over_earlier,
+    overlay_curves,
     points,
-    thinned,
-    together,
+    thin_ticks,
 )
 from app.viewer.measuring.observable_format import format_observable, observable_words, scale
 from app.viewer.measuring.observable_table import TICKS, observable_title, table, unit
@@ -66,7 +66,7 @@ class OverlaidRun:
     """The name of its model, of two."""
 
     @property
-    def short(self) -> str:
+    def short_label(self) -> str:
         """What its curves are called under the mouse, whatever is changed in the runs of now."""
         before = "before" if not self.age else f"{self.age + 1} before"
         return ", ".join(filter(None, (self.whose, before)))
@@ -85,8 +85,8 @@ class Overlay:
         self.each = [self.ratio(conditions) for conditions in self.of]
         self.before: list[OverlaidRun] = []
         for now, history in zip(self.of, self.histories, strict=True):
-            for age, course in enumerate(earlier.of(now.model)[:most]):
-                label = self.named(course.history.differences(history), now)
+            for age, course in enumerate(earlier.runs_of(now.model)[:most]):
+                label = self.name_run(course.history.differences(history), now)
                 each = self.ratio(course.conditions)
                 whose = now.model.name if len(runs) > 1 else ""
                 self.before.append(OverlaidRun(course, label, age, each, whose))
@@ -95,7 +95,7 @@ class Overlay:
         """Ticks of the first flock that last as long as one of another."""
         return ratio(of.dt, of.unit, self.of[0].dt, self.of[0].unit)
 
-    def named(self, differences: str, now: RunConditions) -> str:
+    def name_run(self, differences: str, now: RunConditions) -> str:
         """What an earlier run is called, as no other is."""
         whose = f"{now.model.name}, " if len(self.of) > 1 else ""
         name = f"{whose}{differences or 'the same seed'} (before)"
@@ -113,32 +113,34 @@ class Overlay:
         first = self.of[0]
         return (1.0, "tick") if first.unit == TICKS else (first.dt, f"time ({first.unit})")
 
-    def shown(self, names: tuple[str, ...], keyed: bool, changes: bool = True) -> ChartContents:
+    def chart_contents(
+        self, names: tuple[str, ...], keyed: bool, changes: bool = True
+    ) -> ChartContents:
         """What a chart of observables shows; `keyed` if its head tells them apart.
 
         `changes`: whether its head says what was changed in the runs of now.
         """
         lasts, title = self.clock
         pairs = [(place, name) for place in range(len(self.runs)) for name in names]
-        at, *now = together(
+        at, *now = align_curves(
             [points(self.runs[k], name, self.last / self.each[k]) for k, name in pairs],
             [self.each[k] for k, _ in pairs],
         )
         under = [(run, name) for run in self.before for name in names]
-        past_curves = [self.window(self.scaled(run, name), at[-1]) for run, name in under]
-        at, now, old = over_earlier(at, now, past_curves, is_whole=np.isinf(self.last))
-        at, now, old = with_ticks(self.all_marks, at, now, old)
+        past_curves = [self.window(self.scale_run(run, name), at[-1]) for run, name in under]
+        at, now, old = overlay_curves(at, now, past_curves, is_whole=np.isinf(self.last))
+        at, now, old = merge_ticks(self.all_marks, at, now, old)
         curves: list[ChartCurve] = []
         for (run, name), values in zip(under, old, strict=True):
             if np.isfinite(values).any():
                 colour = f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[run.age]):02x}"
-                label = f"{observable_title(name, self.models)}, {run.short}"
+                label = f"{observable_title(name, self.models)}, {run.short_label}"
                 where = marks(run.course.history, run.each)
-                curves += [dots(colour, only_at(where, at, values))] * bool(len(where))
+                curves += [dots(colour, values_at_ticks(where, at, values))] * bool(len(where))
                 curves.append(ChartCurve(colour, values, label, DOTS[run.age], THIN))
         for (k, name), values in zip(pairs, now, strict=True):
             where = marks(self.histories[k], self.each[k])
-            curves.append(dots(COLOURS[names.index(name)], only_at(where, at, values)))
+            curves.append(dots(COLOURS[names.index(name)], values_at_ticks(where, at, values)))
         for (k, name), values in zip(pairs, now, strict=True):
             dash = DASH if k else ()
             curves.append(ChartCurve(COLOURS[names.index(name)], values, self.label(name, k), dash))
@@ -154,7 +156,7 @@ class Overlay:
         runs += [(run.course.history, run.each) for run in self.before]
         return np.concatenate([marks(history, each) for history, each in runs])
 
-    def scaled(self, run: OverlaidRun, name: str) -> Points:
+    def scale_run(self, run: OverlaidRun, name: str) -> Points:
         """How an observable of an earlier run went over the time of the first flock."""
         at, values = run.course.points(name)
         return at * run.each, values
@@ -179,7 +181,7 @@ class Overlay:
         units = {unit(name, self.models) for name in names}
         shared = units.pop() if len(units) == 1 else "1"
         of = "" if shared == "1" else f" ({shared})"
-        for wording in (observable_words, briefly):
+        for wording in (observable_words, short_name):
             title = ", ".join(map(wording, names)) + of
             if len(title) <= room:
                 return title
@@ -222,7 +224,7 @@ class Overlay:
             ]
         return [*lines[:TOLD], *["…"] * (len(lines) > TOLD)]
 
-    def plotted(self, names: tuple[str, ...]) -> Plotted:
+    def plot_contents(self, names: tuple[str, ...]) -> Plotted:
         """What a chart of observables shows, to take home."""
         lasts, title = self.clock
         courses = [ObservableHistory.of(run, names) for run in self.runs]
@@ -239,7 +241,7 @@ class Overlay:
                 lines.append(Line(label, colour, at * lasts, values, dash, marks=dots))
         for run in self.before:
             for name in names:
-                at, values = self.window(self.scaled(run, name), now)
+                at, values = self.window(self.scale_run(run, name), now)
                 label = f"{observable_title(name, self.models)}, {run.label}"
                 colour, pen = COLOURS[names.index(name)], (DOTS[run.age], THIN, STRENGTHS[run.age])
                 dots = mark_points(marks(run.course.history, run.each), at, values, lasts)
@@ -279,10 +281,10 @@ class Overlay:
 def marks(history: ConditionHistory, each: float) -> np.ndarray:
     """The ticks (K,) at which a run was changed, `each` as many of the first flock's; not all."""
     marks = history.marks
-    return marks[thinned(marks, MARKS)] * each if len(marks) else marks
+    return marks[thin_ticks(marks, MARKS)] * each if len(marks) else marks
 
 
-def with_ticks(
+def merge_ticks(
     more: np.ndarray, at: np.ndarray, now: list[np.ndarray], old: list[np.ndarray]
 ) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
     """Curves of now and of before at ticks `at` (K,), and also at those of `more` in between."""
@@ -297,7 +299,7 @@ def with_ticks(
     return ticks, on_all(now), on_all(old)
 
 
-def only_at(some: np.ndarray, at: np.ndarray, values: np.ndarray) -> np.ndarray:
+def values_at_ticks(some: np.ndarray, at: np.ndarray, values: np.ndarray) -> np.ndarray:
     """The values of a curve at some of the ticks `at` (K,), nan at the others."""
     return np.where(np.isin(at, some), values, np.nan)
 
@@ -316,7 +318,7 @@ def mark_points(some: np.ndarray, at: np.ndarray, values: np.ndarray, lasts: flo
     return some * lasts, np.interp(some, at, values) if len(some) else some
 
 
-def briefly(name: str) -> str:
+def short_name(name: str) -> str:
     """An observable in the words of its card, if it has one of its own.
 
     >>> briefly("angular-momentum"), briefly("connectivity")
@@ -377,7 +379,7 @@ class LaboratoryPlots:
             "Setup end a run; three are kept",
         )
         self.forget = gui.add_button_group("Runs kept", ("Forget them",), visible=False)
-        self.forget.on_click(self.forgotten)
+        self.forget.on_click(self.forget_runs)
 
     @property
     def names(self) -> frozenset[str]:
@@ -396,7 +398,7 @@ class LaboratoryPlots:
         now = tuple(chart.choice.value for chart in self.charts)
         return () if now == tuple(map(chart_title, usual)) else now
 
-    async def forgotten(self, _event: viser.GuiEvent) -> None:
+    async def forget_runs(self, _event: viser.GuiEvent) -> None:
         self.runs.clear()
 
     def refresh(
@@ -447,13 +449,13 @@ class ChosenChart:
             self.title, (chart_title(()),), hint="What to measure and to plot over the run"
         )
         self.overlay: Overlay | None = None
-        self.plot = Plot(server, self.title, self.plotted, sender)
+        self.plot = Plot(server, self.title, self.plot_contents, sender)
 
-    def plotted(self) -> Plotted | None:
+    def plot_contents(self) -> Plotted | None:
         """What it shows, to take home; None if that is nothing."""
         if self.overlay is None or not self.names:
             return None
-        return self.overlay.plotted(self.names)
+        return self.overlay.plot_contents(self.names)
 
     def refresh(self, overlay: Overlay, changes: bool) -> None:
         """Draw its observables of all runs; `changes`: say above them what was changed.
@@ -467,5 +469,5 @@ class ChosenChart:
         if self.choice.label != label:
             self.choice.label = label
         self.overlay = overlay
-        content = overlay.shown(self.names, not lone, changes)
+        content = overlay.chart_contents(self.names, not lone, changes)
         self.plot.show(content, overlay.head(self.names, keyed=True))

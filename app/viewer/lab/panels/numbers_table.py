@@ -9,9 +9,20 @@ from collections.abc import Iterable, Sequence
 import viser
 
 from agents.observables.catalogue import OBSERVABLES
-from app.viewer.measuring.flock_numbers import SAVES, EnergySavings, Number, numbers, observed, rows
+from app.viewer.measuring.flock_numbers import (
+    SAVES,
+    EnergySavings,
+    Number,
+    number_of,
+    numbers,
+    rows,
+)
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.observable_format import format_observable, observable_words, over_a_run
+from app.viewer.measuring.observable_format import (
+    format_observable,
+    observable_words,
+    run_observables,
+)
 from app.viewer.panels.chart import file_stem, plot_csv
 from app.viewer.panels.sending import Sender
 from app.viewer.panels.shell import Sheets, block
@@ -47,7 +58,7 @@ class MoreNumbers:
 
     def offer(self, offered: Iterable[str]) -> None:
         """Show the switches of what these flocks have."""
-        names = {*offered, *over_a_run(), SIZES}
+        names = {*offered, *run_observables(), SIZES}
         if names.intersection(SAVES):
             names.add(JOULES)
         for name, switch in self.switches.items():
@@ -72,7 +83,7 @@ class MoreNumbers:
         rows = {}
         for name in self.chosen:
             if name == JOULES:
-                rows["saved J/m"] = self.joules.saved(readings)
+                rows["saved J/m"] = self.joules.describe(readings)
             elif OBSERVABLES[name].over is not None:
                 rows[observable_words(name)] = format_observable(name, readings.over(name, last))
             elif name != SIZES:
@@ -82,11 +93,11 @@ class MoreNumbers:
     def values(self, readings: FlockReadings, last: float) -> dict[str, Number]:
         """The same numbers in full, but for those of one tick, which the readings have."""
         rows = {
-            observable_words(name): observed(name, readings.over(name, last), readings.flock.model)
+            observable_words(name): number_of(name, readings.over(name, last), readings.flock.model)
             for name in self.chosen
             if name in OBSERVABLES and OBSERVABLES[name].over is not None
         }
-        saved = self.joules.of(readings) if JOULES in self.chosen else None
+        saved = self.joules.savings(readings) if JOULES in self.chosen else None
         if saved is not None:
             rows["energy saved by formation"] = Number(saved[0], "J/m")
             rows["energy needed alone"] = Number(saved[1], "J/m")
@@ -108,13 +119,13 @@ class NumbersTable:
             (TABLE, CSV),
             hint="Everything in the monitors, in full, with its unit; of two flocks a column each",
         )
-        self.buttons.on_click(self.pressed)
+        self.buttons.on_click(self.send_download)
         self.sheets = Sheets(server, self.large)
 
     def refresh(self, runs: tuple[FlockReadings, ...], last: float) -> None:
         """These are the flocks now; what is measured over a run is of its `last` ticks."""
         self.runs, self.last = runs, last
-        self.sheets.each(self.fill)
+        self.sheets.update_each(self.fill)
 
     def large(self, gui: viser.GuiApi) -> viser.GuiHtmlHandle:
         """What is in a window that shows it."""
@@ -124,9 +135,9 @@ class NumbersTable:
 
     def fill(self, place: viser.GuiHtmlHandle) -> None:
         """Show the newest table."""
-        place.content = block(tabled(self.header, self.rows))
+        place.content = block(numbers_html(self.header, self.rows))
 
-    async def pressed(self, event: viser.GuiEvent) -> None:
+    async def send_download(self, event: viser.GuiEvent) -> None:
         client, file_kind = event.client, event.target.value
         if client is None or not self.runs:
             return
@@ -160,17 +171,17 @@ class NumbersTable:
         return plot_csv(self.header, self.rows).encode()
 
 
-def tabled(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+def numbers_html(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     """A table as HTML, numbers in full."""
     head = "".join(f"<th>{html.escape(cell)}</th>" for cell in header)
     body = "".join(
-        "<tr>" + "".join(f"<td>{html.escape(full(cell))}</td>" for cell in row) + "</tr>"
+        "<tr>" + "".join(f"<td>{html.escape(format_in_full(cell))}</td>" for cell in row) + "</tr>"
         for row in rows
     )
     return f'<table class="fs-numbers"><tr>{head}</tr>{body}</table>'
 
 
-def full(cell: object) -> str:
+def format_in_full(cell: object) -> str:
     """A cell in all its figures.
 
     >>> full(1 / 3), full(3.0), full(float("nan")), full("m")

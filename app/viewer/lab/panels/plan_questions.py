@@ -88,7 +88,7 @@ class PlanQuestions:
             async def answered(_event: viser.GuiEvent) -> None:
                 self.close(client)
                 wide = thickness.value if thickness is not None and choice.thickness else None
-                self.open_layout(client, name, content, with_answer(options, choice, wide))
+                self.open_layout(client, name, content, add_answer(options, choice, wide))
 
             return answered
 
@@ -100,7 +100,7 @@ class PlanQuestions:
         cancel.on_click(cancelled)
 
 
-def with_answer(
+def add_answer(
     options: Mapping[str, Any], choice: PlanChoice, thickness: float | None
 ) -> dict[str, Any]:
     """The options of a reading with an answer more.

@@ -42,14 +42,14 @@ class RunPanel:
         self.speed = gui.add_dropdown(
             "Speed", list(self.speeds), initial_value=speed_text(speed), hint="Ticks per second"
         )
-        self.switch.on_click(self.toggled)
-        self.actions.on_click(self.acted)
-        self.speed.on_update(self.paced)
+        self.switch.on_click(self.toggle_running)
+        self.actions.on_click(self.press_button)
+        self.speed.on_update(self.set_pace)
 
-    async def toggled(self, _event: viser.GuiEvent) -> None:
+    async def toggle_running(self, _event: viser.GuiEvent) -> None:
         self.simulation.toggle()
 
-    async def acted(self, event: viser.GuiEvent) -> None:
+    async def press_button(self, event: viser.GuiEvent) -> None:
         match event.target.value:
             case "Setup":
                 self.set_up()
@@ -58,14 +58,14 @@ class RunPanel:
             case "Reset":
                 self.simulation.reset()
 
-    async def paced(self, event: viser.GuiEvent) -> None:
+    async def set_pace(self, event: viser.GuiEvent) -> None:
         self.simulation.run_at(self.speeds[event.target.value])
 
     def set_up(self) -> None:
         """Build a flock from the Setup tab."""
         self.setup.catch_up(self.simulation.state.spec)
         state, before = self.simulation.state, self.setup.running
-        spec, beside = self.setup.next(state)
+        spec, beside = self.setup.next_pairing(state)
         if MODELS[spec.model].body.unit != MODELS[before[0].model].body.unit:
             self.pace(lively_speed(spec))
         self.simulation.setup(spec, beside)
@@ -87,7 +87,7 @@ class RunPanel:
     def refresh(self, state: SimulationState, scene: SavedScene | None = None) -> None:
         """Show how the simulation stands, and what there is to see in a scene."""
         self.status.content = block(status(state))
-        self.story.content = "" if scene is None else story(scene)
+        self.story.content = "" if scene is None else describe_scene(scene)
         self.switch.label = "Pause" if state.running else "Go"
         self.switch.icon = viser.Icon.PLAYER_PAUSE if state.running else viser.Icon.PLAYER_PLAY
         self.switch.color = "blue" if state.running else "green"
@@ -121,7 +121,7 @@ def status(state: SimulationState, mend: str = "Press Setup.") -> str:
     return f'<div class="fs-status">{dot}<span><b>{words}</b>{title}</span></div>'
 
 
-def story(scene: SavedScene) -> str:
+def describe_scene(scene: SavedScene) -> str:
     """What to watch in a scene, and what to try."""
     lines = (("Watch", scene.watch), ("Try", scene.tries))
     paragraphs = "".join(
@@ -135,6 +135,6 @@ def compile_bar(compiling: CompileEstimate, preview: bool) -> str:
     now = time.monotonic()
     kind = "Preview" if preview else "Waiting"
     return (
-        f'<div class="fs-compiling"><b>{kind}</b> until compiled: {compiling.words(now)}'
+        f'<div class="fs-compiling"><b>{kind}</b> until compiled: {compiling.describe(now)}'
         f'<i><i style="width:{100.0 * compiling.share(now):.0f}%"></i></i></div>'
     )

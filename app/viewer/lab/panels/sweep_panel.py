@@ -34,7 +34,7 @@ from app.viewer.lab.sweeps.sweep_request import (
     numbers,
 )
 from app.viewer.measuring.observable_format import observable_words
-from app.viewer.panels.dials import decimals, sight, step_of
+from app.viewer.panels.dials import decimals, set_visible, step_of
 from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import GREEN, GREY, ORANGE, block
 from app.viewer.run.simulation import Simulation
@@ -75,7 +75,7 @@ class AxisForm:
         self.names = {parameter_label(parameter)[0]: parameter.name for parameter in parameters} | {
             "Agents": AGENTS
         }
-        self.ranges = {parameter.name: spanned(parameter) for parameter in parameters} | {
+        self.ranges = {parameter.name: parameter_span(parameter) for parameter in parameters} | {
             AGENTS: (max(1.0, MODELS[model].agents / 4), float(MODELS[model].agents * 2))
         }
         self.steps = {
@@ -110,7 +110,7 @@ class AxisForm:
         """The part of an axis that a slider spans."""
         name = self.names.get(self.over.value)
         for handle in (self.low, self.high, self.count, self.log):
-            sight(handle, name is not None)
+            set_visible(handle, name is not None)
         if name is None:
             return
         low, high = allowed(self.model, name)
@@ -132,7 +132,7 @@ class AxisForm:
         return Axis(name, self.low.value, self.high.value, int(self.count.value), self.log.value)
 
 
-def spanned(parameter: NumberParameter) -> tuple[float, float]:
+def parameter_span(parameter: NumberParameter) -> tuple[float, float]:
     """What a slider of a number spans, and what is allowed where that is nothing."""
     low, high = parameter.proposed
     return (low, high) if low < high else parameter.bounds
@@ -192,45 +192,49 @@ class SweepPanel:
             self.said = gui.add_html("")
             self.start = gui.add_button("Start the sweep", icon=viser.Icon.CHART_DOTS)
             gui.add_html(block(f'<div class="fs-quiet">{sweep_request.describe_limits()}.</div>'))
-        self.which.on_update(self.chosen)
-        self.column.on_update(self.chosen)
-        self.start.on_click(self.begin)
-        self.go.on_click(self.stop_or_go)
-        self.table.on_click(self.taken)
-        self.take.on_click(self.taken)
+        self.which.on_update(self.choose_sweep)
+        self.column.on_update(self.choose_sweep)
+        self.start.on_click(self.begin_sweep)
+        self.go.on_click(self.toggle_sweep)
+        self.table.on_click(self.send_download)
+        self.take.on_click(self.send_download)
 
     # What browsers ask for.
 
-    async def chosen(self, event: viser.GuiEvent) -> None:
+    async def choose_sweep(self, event: viser.GuiEvent) -> None:
         """Draw another sweep, or another column of it."""
         if event.client is not None:
             same = event.target is self.column
             self.sweeps.choose(self.which.value, self.column.value if same else None)
 
-    async def begin(self, event: viser.GuiEvent) -> None:
+    async def begin_sweep(self, event: viser.GuiEvent) -> None:
         """Begin what the form says."""
         if event.client is not None:
-            await self.do(lambda: self.sweeps.begin(self.asked(self.simulation.state)))
+            await self.run_aside(
+                lambda: self.sweeps.begin(self.read_request(self.simulation.state))
+            )
 
-    async def stop_or_go(self, event: viser.GuiEvent) -> None:
+    async def toggle_sweep(self, event: viser.GuiEvent) -> None:
         """Stop the sweep that is shown, or go on with it."""
         sweep = self.sweeps.seen.of(self.which.value)
         if event.client is None or sweep is None:
             return
-        await self.do(lambda: (self.sweeps.stop if sweep.runs else self.sweeps.go_on)(sweep.name))
+        await self.run_aside(
+            lambda: (self.sweeps.stop if sweep.runs else self.sweeps.go_on)(sweep.name)
+        )
 
-    async def taken(self, event: viser.GuiEvent) -> None:
+    async def send_download(self, event: viser.GuiEvent) -> None:
         """Send a file of the sweep that is shown to the browser that asked."""
         client, kind, name = event.client, event.target.value, self.which.value
         if client is None:
             return
-        download = await self.do(
+        download = await self.run_aside(
             lambda: content(self.sweeps.folder(name), kind, self.sweeps.column)
         )
         if download is not None:
             client.send_file_download(*download, save_immediately=True)
 
-    async def do[T](self, work: Callable[[], T]) -> T | None:
+    async def run_aside[T](self, work: Callable[[], T]) -> T | None:
         """Do something aside, one thing at a time; what is refused is told, and gives None."""
         if self.busy:
             return None
@@ -249,11 +253,11 @@ class SweepPanel:
         if not self.first.choose(name):
             raise InputError(f"{name[:80]!r} cannot be swept over")
 
-    def asked(self, state: SimulationState) -> SweepRequest:
+    def read_request(self, state: SimulationState) -> SweepRequest:
         """What the form says, around a run."""
         axes = [axis for axis in (self.first.axis(), self.second.axis()) if axis is not None]
         return SweepRequest(
-            state.again()[0],
+            state.current_specs()[0],
             axes,
             self.observed.get(self.observable.value, ""),
             int(self.runs.value),
@@ -276,14 +280,14 @@ class SweepPanel:
             if name in self.first.names.values()
         }
         text = html.escape(json.dumps(marks, separators=(",", ":")))
-        put(self.place, f'<div data-sweeps="{text}" hidden></div>')
+        set_html(self.place, f'<div data-sweeps="{text}" hidden></div>')
         self.follow(self.sweeps.seen)
         try:
-            request = self.asked(state)
+            request = self.read_request(state)
             grid = request.grid()
         except InputError as refusal:
-            put(self.said, block(f'<div class="fs-error">{html.escape(str(refusal))}</div>'))
-            sight_of(self.start, True)
+            set_html(self.said, block(f'<div class="fs-error">{html.escape(str(refusal))}</div>'))
+            set_enabled(self.start, True)
             return
         sizes = " × ".join(str(len(values)) for values in grid.values())
         cells = 1
@@ -293,8 +297,8 @@ class SweepPanel:
         summary = (
             f"{sizes} × {request.runs} = <b>{counted(cells * request.runs, 'run')}</b>{agents}; "
         )
-        put(self.said, block(f"{summary}all else as it is now."))
-        sight_of(self.start, self.busy or any(sweep.runs for sweep in self.sweeps.seen.sweeps))
+        set_html(self.said, block(f"{summary}all else as it is now."))
+        set_enabled(self.start, self.busy or any(sweep.runs for sweep in self.sweeps.seen.sweeps))
 
     def offer(self, model: str, offered: tuple[str, ...]) -> None:
         """Let be chosen what a model has."""
@@ -323,29 +327,29 @@ class SweepPanel:
         if self.which.value != chosen:
             show(self.which, chosen)
         sweep, drawing = state.of(chosen), state.shown
-        put(self.status, block(status(sweep, state)))
-        put(self.picture, block(state.picture) if state.picture else "")
+        set_html(self.status, block(status(sweep, state)))
+        set_html(self.picture, block(state.picture) if state.picture else "")
         if drawing is not None:
             if tuple(self.column.options) != drawing.columns:
                 self.column.options = drawing.columns
             if self.column.value != drawing.column:
                 show(self.column, drawing.column)
-        sight(self.column, drawing is not None and len(drawing.columns) > 1)
-        sight(self.table, drawing is not None)
-        sight(self.take, drawing is not None)
-        sight(self.go, sweep is not None and sweep.state != "done")
+        set_visible(self.column, drawing is not None and len(drawing.columns) > 1)
+        set_visible(self.table, drawing is not None)
+        set_visible(self.take, drawing is not None)
+        set_visible(self.go, sweep is not None and sweep.state != "done")
         if sweep is not None:
             self.go.label = "Stop" if sweep.runs else "Go on"
             self.go.icon = viser.Icon.PLAYER_STOP if sweep.runs else viser.Icon.PLAYER_SKIP_FORWARD
 
 
-def put(place: Any, content: str) -> None:
+def set_html(place: Any, content: str) -> None:
     """Show HTML; browsers are told only what is new."""
     if place.content != content:
         place.content = content
 
 
-def sight_of(button: Any, disabled: bool) -> None:
+def set_enabled(button: Any, disabled: bool) -> None:
     """Let a button be pressed, or not."""
     if button.disabled != disabled:
         button.disabled = disabled

@@ -40,15 +40,15 @@ class TimeLinePanel:
             visible=False,
             hint="Go on makes the tick that is shown the present: what came after it is given up",
         )
-        self.slider.on_update(self.dragged)
-        self.actions.on_click(self.acted)
+        self.slider.on_update(self.drag_slider)
+        self.actions.on_click(self.press_button)
 
-    async def dragged(self, event: viser.GuiEvent) -> None:
+    async def drag_slider(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
             self.moved = time.monotonic()
             self.time_line.seek(int(self.slider.value))
 
-    async def acted(self, event: viser.GuiEvent) -> None:
+    async def press_button(self, event: viser.GuiEvent) -> None:
         self.moved = 0.0
         if event.target.value == GO_ON:
             self.time_line.go_on()

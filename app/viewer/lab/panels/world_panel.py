@@ -104,7 +104,7 @@ class WorldControls:
         """Show the measures of the selected obstacle, or those that the next one will have."""
         now = {} if obstacle is None else obstacle.measures()
         for name, slider in self.sliders.items():
-            put(slider, "visible", name in now or name in MEASURES[self.tool.value])
+            set_property(slider, "visible", name in now or name in MEASURES[self.tool.value])
             if name in now and resting:
                 set_value(slider, float(np.clip(round(now[name], 9), slider.min, slider.max)))
 
@@ -121,13 +121,13 @@ class WorldControls:
         set_value(self.which, chosen)
 
 
-def put(control: Any, name: str, value: Any) -> None:
+def set_property(control: Any, name: str, value: Any) -> None:
     """Give a control's property a value, if it has another."""
     if getattr(control, name) != value:
         setattr(control, name, value)
 
 
-def note(editor: Editor, tool: str, obstacle: Any, corners: int) -> str:
+def describe_tools(editor: Editor, tool: str, obstacle: Any, corners: int) -> str:
     """What can be done now, in a line."""
     count = len(editor.world.obstacles)
     undone = len(editor.past)
@@ -173,16 +173,16 @@ class WorldPanel(WorldControls):
         self.touched = 0.0
         self.slide = 0
         self.saving = False
-        self.tool.on_update(self.tool_chosen)
-        self.which.on_update(self.listed)
-        self.acts.on_click(self.acted)
-        self.close.on_click(self.closed)
-        self.goal.on_update(self.goal_switched)
-        self.clear.on_click(self.cleared)
-        self.save.on_click(self.saved)
-        self.open.on_upload(self.opened)
+        self.tool.on_update(self.choose_tool)
+        self.which.on_update(self.select_listed)
+        self.acts.on_click(self.press_button)
+        self.close.on_click(self.close_polygon)
+        self.goal.on_update(self.switch_goal)
+        self.clear.on_click(self.clear_world)
+        self.save.on_click(self.send_layout)
+        self.open.on_upload(self.open_upload)
         for name, slider in self.sliders.items():
-            slider.on_update(self.slid(name))
+            slider.on_update(self.slider_action(name))
 
     @property
     def editor(self) -> Editor | None:
@@ -199,7 +199,7 @@ class WorldPanel(WorldControls):
 
     # What browsers ask for; all of it on viser's event loop.
 
-    def clicked(self, origin: np.ndarray, direction: np.ndarray) -> bool:
+    def handle_click(self, origin: np.ndarray, direction: np.ndarray) -> bool:
         """A click into the picture, a ray (3,) and (3,) in the world; whether it was for a tool."""
         editor = self.editor
         if editor is None or self.tool.value == SELECT:
@@ -235,7 +235,7 @@ class WorldPanel(WorldControls):
         self.touched = 0.0
         self.refresh()
 
-    def dragged(self, drag: Drag) -> None:
+    def handle_drag(self, drag: Drag) -> None:
         """Move what a gizmo is on; the drag's last change says what was refused."""
 
         def change(editor: Editor) -> Editor:
@@ -248,14 +248,14 @@ class WorldPanel(WorldControls):
         else:
             self.simulation.edits.drag(drag.gesture, change)
 
-    async def tool_chosen(self, _event: viser.GuiEvent) -> None:
+    async def choose_tool(self, _event: viser.GuiEvent) -> None:
         self.corners.clear()
         if self.tool.value != SELECT:
             self.selected = 0
             self.simulation.edits.prepare()
         self.refresh()
 
-    async def listed(self, event: viser.GuiEvent) -> None:
+    async def select_listed(self, event: viser.GuiEvent) -> None:
         editor = self.editor
         if event.client is None or editor is None:
             return
@@ -266,7 +266,7 @@ class WorldPanel(WorldControls):
         else:
             self.select(0)
 
-    async def acted(self, event: viser.GuiEvent) -> None:
+    async def press_button(self, event: viser.GuiEvent) -> None:
         match event.target.value:
             case "Undo":
                 self.undo()
@@ -297,19 +297,19 @@ class WorldPanel(WorldControls):
         set_value(self.tool, SELECT)
         self.corners.clear()
 
-    async def cleared(self, _event: viser.GuiEvent) -> None:
+    async def clear_world(self, _event: viser.GuiEvent) -> None:
         self.simulation.edits.change(Editor.clear)
 
-    async def closed(self, event: viser.GuiEvent) -> None:
+    async def close_polygon(self, event: viser.GuiEvent) -> None:
         if event.target.value == "Close":
             self.add_polygon()
         self.corners.clear()
         self.refresh()
 
-    async def goal_switched(self, _event: viser.GuiEvent) -> None:
+    async def switch_goal(self, _event: viser.GuiEvent) -> None:
         self.refresh()
 
-    def slid(self, name: str) -> Callable:
+    def slider_action(self, name: str) -> Callable:
         """What a slider does: to the selected obstacle, or to the next one."""
 
         async def on_update(event: viser.GuiEvent) -> None:
@@ -326,7 +326,7 @@ class WorldPanel(WorldControls):
 
         return on_update
 
-    async def saved(self, event: viser.GuiEvent) -> None:
+    async def send_layout(self, event: viser.GuiEvent) -> None:
         """Send the layout to the browser that asked; one at a time."""
         if event.client is None or self.saving:
             return
@@ -341,7 +341,7 @@ class WorldPanel(WorldControls):
         name = self.editor.world.name if self.editor is not None else "world"
         event.client.send_file_download(f"{name}.toml", content, save_immediately=True)
 
-    async def opened(self, event: viser.GuiEvent) -> None:
+    async def open_upload(self, event: viser.GuiEvent) -> None:
         file = event.target.value
         self.questions.open_layout(event.client, file.name, file.content)
 
@@ -392,8 +392,8 @@ class WorldPanel(WorldControls):
         self.fit(editor.world)
         self.measure(obstacle, resting)
         self.list(editor, self.selected)
-        put(self.goal, "visible", goal)
-        put(self.close, "visible", self.tool.value == POLYGON)
-        put(self.clear, "disabled", not editor.now.keys)
-        self.note.content = block(note(editor, self.tool.value, obstacle, len(corners)))
+        set_property(self.goal, "visible", goal)
+        set_property(self.close, "visible", self.tool.value == POLYGON)
+        set_property(self.clear, "disabled", not editor.now.keys)
+        self.note.content = block(describe_tools(editor, self.tool.value, obstacle, len(corners)))
         self.show_marks(Marks(self.selected, obstacle, goal and self.goal.value, corners))

@@ -81,10 +81,10 @@ class LiveCurve(NamedTuple):
         """Dash and width: what stays the same is dashed, and thin."""
         return ((), 2.0) if isinstance(self.course, TimeSeries) else (DASH, 1.2)
 
-    def at(self, times: np.ndarray) -> np.ndarray:
+    def values_at(self, times: np.ndarray) -> np.ndarray:
         """Its values at some times (K,), s; NaN where there is none."""
         if isinstance(self.course, TimeSeries):
-            return at_times(times, *self.course.recorded())
+            return values_at_times(times, *self.course.recorded())
         return np.full(len(times), self.course)
 
 
@@ -97,7 +97,7 @@ class LivePlot:
         """Whose times those of the plot are."""
         self.known: dict[str, LiveCurve] = {}
         self.ends: tuple[float, float] = (0.0, 1.0)
-        self.plot = Plot(server, title, self.plotted, sender, "Plot as")
+        self.plot = Plot(server, title, self.plot_contents, sender, "Plot as")
 
     @property
     def titles(self) -> tuple[str, str]:
@@ -116,13 +116,13 @@ class LivePlot:
         The vertical axis begins at 0 if `floor`, and does not go beyond `most`.
         """
         at, _ = clock.arrays(WINDOW)
-        values = {name: curve.at(at) for name, curve in curves.items()}
+        values = {name: curve.values_at(at) for name, curve in curves.items()}
         finite = {name: value for name, value in values.items() if np.isfinite(value).any()}
         self.clock, self.known = clock, {name: curves[name] for name in finite}
         if not finite:
             self.plot.show(NOTHING)
             return
-        self.ends = around([np.minimum(value, most) for value in finite.values()], floor)
+        self.ends = round_limits([np.minimum(value, most) for value in finite.values()], floor)
         entries = [(html.escape(name), curves[name].colour) for name in finite]
         chart_curves = tuple(
             ChartCurve(curves[name].colour, value, f"{name} ({self.unit})", *curves[name].pen)
@@ -134,7 +134,7 @@ class LivePlot:
             ChartContents(title + key(entries), at, chart_curves, self.titles, y), key(entries)
         )
 
-    def plotted(self) -> Plotted | None:
+    def plot_contents(self) -> Plotted | None:
         """What it shows, to take home: the picture of the last minute, the table of all."""
         at, _ = self.clock.arrays(WINDOW)
         if not self.known or not len(at):
@@ -145,7 +145,7 @@ class LivePlot:
             titles=self.titles,
             range=self.ends,
             lines=[
-                Line(name, curve.colour, at, curve.at(at), *curve.pen)
+                Line(name, curve.colour, at, curve.values_at(at), *curve.pen)
                 for name, curve in self.known.items()
             ],
             table=self.table,
@@ -154,12 +154,12 @@ class LivePlot:
     def table(self) -> str:
         """All that is kept of its curves, as CSV."""
         at, _ = self.clock.recorded()
-        columns = np.transpose([at, *(curve.at(at) for curve in self.known.values())])
+        columns = np.transpose([at, *(curve.values_at(at) for curve in self.known.values())])
         header = [self.titles[0], *(f"{name} ({self.unit})" for name in self.known)]
         return plot_csv(header, columns.tolist())
 
 
-def at_times(at: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:
+def values_at_times(at: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values at some of the times `at` as values at all of them, NaN where there is none.
 
     >>> at_times(np.array([1.0, 2.0, 3.0]), np.array([2.0, 9.0]), np.array([7.0, 8.0]))
@@ -170,7 +170,7 @@ def at_times(at: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarra
     return result
 
 
-def around(curves: Sequence[np.ndarray], floor: bool) -> tuple[float, float]:
+def round_limits(curves: Sequence[np.ndarray], floor: bool) -> tuple[float, float]:
     """Round numbers below and above all known values, from 0 if `floor`; they seldom change.
 
     >>> around([np.array([10.1, np.nan]), np.array([14.3])], floor=True)
@@ -192,4 +192,4 @@ def colours(names: Sequence[str]) -> dict[str, str]:
     >>> colours(["red", "blue"])["red"]
     '#e30010'
     """
-    return {name: palette.css(colour) for name, colour in palette.by_name(names).items()}
+    return {name: palette.css(colour) for name, colour in palette.car_colours(names).items()}

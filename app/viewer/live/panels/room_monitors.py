@@ -32,7 +32,7 @@ def contents(
     return {
         CARDS: grid(numbers(status, readings, browsers)),
         "cars": cars(status, frame, readings, chosen),
-        "outlines": outlined(frame),
+        "outlines": describe_outlines(frame),
     }
 
 
@@ -75,7 +75,7 @@ def cars(status: Status, frame: Frame, readings: RoomReadings, chosen: int | Non
         return f'<tr{marked}><td title="{state}">{dot}</i>{html.escape(name)}</td>{tail}</tr>'
 
     html_rows = [
-        line(car.name, car.state, aged(car.age), share(car.sent[0]), share(car.sent[1]))
+        line(car.name, car.state, format_age(car.age), share(car.sent[0]), share(car.sent[1]))
         for car in status.cars
     ]
     html_rows += [
@@ -89,7 +89,7 @@ def cars(status: Status, frame: Frame, readings: RoomReadings, chosen: int | Non
     )
 
 
-def outlined(frame: Frame) -> str:
+def describe_outlines(frame: Frame) -> str:
     """What the outlines around the cars mean."""
     entries = outlines(frame)
     return '<div class="fs-head">Outline: state</div>' + key(entries, drawn=True, hollow=True)
@@ -104,7 +104,7 @@ def milliseconds(seconds: float) -> str:
     return f"{1000.0 * seconds:.1f} ms" if math.isfinite(seconds) else DASH
 
 
-def aged(seconds: float) -> str:
+def format_age(seconds: float) -> str:
     """How old a pose is, in steps that do not flicker.
 
     >>> aged(0.004), aged(0.057), aged(1.27), aged(math.inf)

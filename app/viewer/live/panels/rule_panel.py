@@ -13,7 +13,7 @@ from agents.models.declare import DeclaredParameter, declared
 from agents.models.model import Model
 from app.front.controls import set_value
 from app.live.operating.flock_driver import NOT_SIMULATED
-from app.viewer.live.panels.state_panel import whose
+from app.viewer.live.panels.state_panel import describe_client
 from app.viewer.live.session import Session
 from app.viewer.live.session_requests import SessionState
 from app.viewer.panels.dials import Dials
@@ -38,7 +38,7 @@ class RulePanel:
             initial_value=session.state.rule,
             hint=CHOOSING,
         )
-        self.rule.on_update(self.chosen)
+        self.rule.on_update(self.choose_rule)
         self.about = gui.add_html("", visible=False)
         self.dials = Dials(gui)
         self.folder = gui.add_folder(None)
@@ -48,9 +48,9 @@ class RulePanel:
         self.shown_values: dict[str, Any] = {}
         """The values as they were shown last."""
 
-    async def chosen(self, event: viser.GuiEvent) -> None:
+    async def choose_rule(self, event: viser.GuiEvent) -> None:
         if event.client is not None and self.rule.value != self.session.state.rule:
-            self.session.choose(rule=self.rule.value, cause=whose(event))
+            self.session.choose(rule=self.rule.value, cause=describe_client(event))
 
     def refresh(self, state: SessionState, armed: bool) -> None:
         """Follow the session: other controls for another rule, values as the loop has them."""
@@ -103,7 +103,7 @@ class RulePanel:
         async def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:
                 value = handle.value
-                answer = self.session.tune(parameter.name, value, whose(event))
+                answer = self.session.set_parameter(parameter.name, value, describe_client(event))
                 answer.add_done_callback(partial(restore, value))
 
         def restore(value: Any, answer: Future) -> None:

@@ -14,7 +14,7 @@ from app.front.viser_internals import camera_report
 from app.viewer.scene.cameras.camera import CameraView, Ride, view
 from app.viewer.scene.draw.drawn_frame import Picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.marks.ribbons import risen
+from app.viewer.scene.marks.ribbons import present_height
 from app.viewer.scene.shown.drawing_style import RIDE, STEP_OFF
 
 GLIDE = 0.25
@@ -104,8 +104,8 @@ class Viewpoints:
         self._last = self._looks = time.monotonic()
         self.first = ""
         """The preset on which a world opens; empty: the usual one."""
-        server.on_client_connect(self._welcome)
-        server.on_client_disconnect(self._farewell)
+        server.on_client_connect(self._add_client)
+        server.on_client_disconnect(self._remove_client)
 
     def place(
         self, client: ClientHandle, name: str, whom: tuple[int | None, int] | None = None
@@ -135,10 +135,10 @@ class Viewpoints:
         """Give one browser a preset that shows the whole, and `ahead` more of it at each side."""
         self._forget(client)
         low, high = scene_corners(self._sights)
-        shows = low - ahead * longest(low, high), high + ahead * longest(low, high)
+        shows = low - ahead * longest_side(low, high), high + ahead * longest_side(low, high)
         (low, high), run = (point.copy() for point in shows), self._sights[0].picture.frame.run
         if name != "top-down":
-            high[2] = max(high[2], risen(self._sights[0].picture))
+            high[2] = max(high[2], present_height(self._sights[0].picture))
         aspect = _aspect(client)
         new_view = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
         reported = camera_report(client.camera)
@@ -183,12 +183,12 @@ class Viewpoints:
         if entered != self._entered:
             self._entered = entered
             self._enter(list(clients.values()))
-        if risen(sights[0].picture) != self._risen:
-            self._risen = risen(sights[0].picture)
-            self._rise(list(clients.values()))
+        if present_height(sights[0].picture) != self._risen:
+            self._risen = present_height(sights[0].picture)
+            self._fit_rising(list(clients.values()))
         if now >= self._looks and "open" in sights[0].picture.frame.world.edges:
             self._looks = now + AGAIN
-            self._keep_up(list(clients.values()))
+            self._refit(list(clients.values()))
         with self._lock:
             followed, riders = dict(self._followed), dict(self._riders)
         passed, self._last = now - self._last, now
@@ -225,15 +225,18 @@ class Viewpoints:
     def _enter(self, clients: list[ClientHandle]) -> None:
         picture = self._sights[0].picture
         start = view(
-            self.first or _first(picture), picture.stage.dim, *scene_corners(self._sights), 1.0
+            self.first or _followed_name(picture),
+            picture.stage.dim,
+            *scene_corners(self._sights),
+            1.0,
         )
         initial = self._server.initial_camera
         initial.position, initial.look_at = start.position, start.target
         initial.up, initial.fov, initial.near = np.array([0.0, 0.0, 1.0]), start.fov, start.near
         for client in clients:
-            self.place(client, self.first or _first(picture))
+            self.place(client, self.first or _followed_name(picture))
 
-    def _rise(self, clients: list[ClientHandle]) -> None:
+    def _fit_rising(self, clients: list[ClientHandle]) -> None:
         """Fit what rises into the pictures that nobody has moved: not from straight above."""
         for client in clients:
             stand = self._stands.get(client.client_id)
@@ -246,7 +249,7 @@ class Viewpoints:
                 back = stand.leans and not leans
                 self._place(client, "top-down" if back else stand.preset, leans)
 
-    def _keep_up(self, clients: list[ClientHandle]) -> None:
+    def _refit(self, clients: list[ClientHandle]) -> None:
         """Show the whole again where nobody has moved the camera: after a flock that has flown out
         of an open world, and a run that begins anew."""
         low, high = scene_corners(self._sights)
@@ -255,16 +258,16 @@ class Viewpoints:
             if stand is None or stand.is_left(client.camera):
                 continue
             lower, upper = stand.shows
-            side, world = longest(lower, upper), self._sights[0].picture.stage.side
+            side, world = longest_side(lower, upper), self._sights[0].picture.stage.side
             out = max((lower - low).max(), (high - upper).max()) > BEYOND * side
             out &= side < MOST * world * len(self._sights)
             if out or stand.run != self._sights[0].picture.frame.run:
                 self._place(client, stand.preset, stand.leans, AHEAD if out else 0.0)
 
-    async def _welcome(self, client: ClientHandle) -> None:
+    async def _add_client(self, client: ClientHandle) -> None:
         """On the event loop: on viser's thread pool it might come after the farewell."""
         if self._sights:
-            self.place(client, self.first or _first(self._sights[0].picture))
+            self.place(client, self.first or _followed_name(self._sights[0].picture))
 
         async def told(camera: CameraHandle) -> None:
             self._fit(client, camera)
@@ -286,7 +289,7 @@ class Viewpoints:
         elif abs(_aspect(client) - stand.aspect) >= RESHAPED:
             self._place(client, stand.preset, stand.leans)
 
-    async def _farewell(self, client: ClientHandle) -> None:
+    async def _remove_client(self, client: ClientHandle) -> None:
         """On the event loop: viser's thread pool may be gone when the server stops."""
         self._forget(client)
 
@@ -313,8 +316,8 @@ class Viewpoints:
         return _worth_following(self._sights[side].picture), side
 
 
-def _first(picture: Picture) -> str:
-    return "top-down" if picture.stage.dim == 2 and not risen(picture) else "perspective"
+def _followed_name(picture: Picture) -> str:
+    return "top-down" if picture.stage.dim == 2 and not present_height(picture) else "perspective"
 
 
 def _worth_following(picture: Picture) -> int | None:
@@ -337,7 +340,7 @@ def scene_corners(sights: tuple[Sight, ...]) -> tuple[np.ndarray, np.ndarray]:
     return np.min(np.add(low, aside), axis=0), upper
 
 
-def longest(low: np.ndarray, high: np.ndarray) -> float:
+def longest_side(low: np.ndarray, high: np.ndarray) -> float:
     """The longest side of a box."""
     return float((high - low).max())
 
@@ -345,7 +348,7 @@ def longest(low: np.ndarray, high: np.ndarray) -> float:
 def extent(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
     """Corners (3,) of the world's box, its mission, and the flock where it has flown out of it."""
     low, high = -picture.stage.half, picture.stage.half.copy()
-    for place in places(picture):
+    for place in mission_places(picture):
         low, high = np.minimum(low, place), np.maximum(high, place)
     if len(picture.at):
         low = np.minimum(low, np.quantile(picture.at, 0.02, axis=0))
@@ -356,7 +359,7 @@ def extent(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
     return low, high
 
 
-def places(picture: Picture) -> np.ndarray:
+def mission_places(picture: Picture) -> np.ndarray:
     """Where the mission takes the flock: start, waypoints and the goal's route, (K, 3)."""
     frame, corner_sets = picture.frame, [np.empty((0, picture.stage.dim))]
     if frame.room is not None:
@@ -366,7 +369,7 @@ def places(picture: Picture) -> np.ndarray:
         corner_sets.append(np.array(mission.path.waypoints, float))
     if mission is not None and mission.goal is not None:
         corner_sets.append(np.array(mission.goal.route, float))
-    return picture.stage.shown(np.concatenate(corner_sets))
+    return picture.stage.to_display(np.concatenate(corner_sets))
 
 
 def _aspect(client: ClientHandle) -> float:

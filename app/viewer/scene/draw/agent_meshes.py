@@ -90,7 +90,7 @@ def wings() -> Mesh:
     return np.concatenate([left, right]), np.concatenate([panels, len(left) + panels[:, ::-1]])
 
 
-def beaten(angle: np.ndarray) -> np.ndarray:
+def wing_scales(angle: np.ndarray) -> np.ndarray:
     """Scales (N, 3) of the wings' mesh that turn both wings up by an angle (N,), rad.
 
     >>> beaten(np.array([0.0])).tolist()

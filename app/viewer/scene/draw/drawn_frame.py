@@ -80,7 +80,7 @@ class Picture:
         rows = np.flatnonzero(self.frame.informed)
         return int(rows[0]) if len(rows) else None
 
-    def mixed(self, colour: np.ndarray, share: float | np.ndarray) -> np.ndarray:
+    def mix_with_backdrop(self, colour: np.ndarray, share: float | np.ndarray) -> np.ndarray:
         """`colour` with a `share` of the backdrop in it."""
         return colour + share * (self.backdrop - colour)
 
@@ -152,20 +152,20 @@ def picture(frame: Frame, look: DrawingStyle, stage: Stage) -> Picture:
     driven = cars is not None
     common = agent_length(frame, stage) if cars is None else car_length(cars, stage)
     length = common * float(np.clip(look.agent_size, 0.1, 10.0))
-    at = stage.shown(frame.position)
+    at = stage.to_display(frame.position)
     size = np.ones(count, dtype=np.float32)
     if np.count_nonzero(frame.informed) <= FEW_LEADERS and not driven:
         least = LEADER_LEAST if frame.room is None else LEADER_LEAST_CLOSE
         size[frame.informed] = max(LEADER_SIZE[stage.dim], least * stage.side / length)
     colour = agent_colours(frame, look)
-    down = frame.down
-    heading = laid(frame.heading, down)
+    down = frame.is_down
+    heading = level_crashed(frame.heading, down)
     result = Picture(frame, look, stage, at, attitude(heading), colour, length, size)
     if result.live is not None:
-        lost = result.live.are(LOST)
-        colour[lost] = result.mixed(colour[lost], PALE)
+        lost = result.live.is_in_state(LOST)
+        colour[lost] = result.mix_with_backdrop(colour[lost], PALE)
     if result.inspected is not None and frame.inspected is not None:
-        _single_out(result, frame.inspected)
+        _highlight_inspected(result, frame.inspected)
         if driven:
             size[:] = 1.0
     if stage.dim == 2:
@@ -175,7 +175,7 @@ def picture(frame: Frame, look: DrawingStyle, stage: Stage) -> Picture:
     return result
 
 
-def laid(heading: np.ndarray, down: np.ndarray) -> np.ndarray:
+def level_crashed(heading: np.ndarray, down: np.ndarray) -> np.ndarray:
     """Headings (N, dim) with those level that have crashed, `down` (N,) bool."""
     if heading.shape[1] == 2 or not down.any():
         return heading
@@ -184,17 +184,17 @@ def laid(heading: np.ndarray, down: np.ndarray) -> np.ndarray:
     return level
 
 
-def _single_out(picture: Picture, inspected: Inspection) -> None:
+def _highlight_inspected(picture: Picture, inspected: Inspection) -> None:
     """Enlarge the inspected agent, and its neighbours by weight; dim all others."""
     near = inspected.neighbours
-    dimmed = picture.mixed(picture.colour, DIMMED)
+    dimmed = picture.mix_with_backdrop(picture.colour, DIMMED)
     mask = np.zeros(len(picture.colour), dtype=bool)
     mask[near] = True
     mask[inspected.row] = True
     mask |= picture.frame.informed
     picture.colour[~mask] = dimmed[~mask]
     if len(inspected.zone) and picture.look.zones:
-        picture.colour[near] = palette.by_zone(inspected.zone)
+        picture.colour[near] = palette.zone_colours(inspected.zone)
     picture.size[near] *= 1.0 + 0.35 * shares(inspected.weights)
     picture.size[inspected.row] *= INSPECTED_SIZE
 

@@ -51,7 +51,7 @@ def torus(tube: float = 0.04, corners: int = 72, sides: int = 10) -> Mesh:
     radius = 1.0 + tube * np.cos(across)
     height = np.broadcast_to(tube * np.sin(across), (corners, sides))
     vertices = np.stack([radius * np.cos(around), radius * np.sin(around), height], axis=-1)
-    return vertices.reshape(-1, 3), _woven(corners, sides, closed=True)
+    return vertices.reshape(-1, 3), _grid_triangles(corners, sides, closed=True)
 
 
 def ball(corners: int = 40, sides: int = 20) -> Mesh:
@@ -60,10 +60,10 @@ def ball(corners: int = 40, sides: int = 20) -> Mesh:
     down = np.linspace(0.0, np.pi, sides)[None, :]
     height = np.broadcast_to(np.cos(down), (corners, sides))
     vertices = np.stack([np.sin(down) * np.cos(around), np.sin(down) * np.sin(around), height], -1)
-    return vertices.reshape(-1, 3), _woven(corners, sides, closed=False)[:, ::-1]
+    return vertices.reshape(-1, 3), _grid_triangles(corners, sides, closed=False)[:, ::-1]
 
 
-def _woven(corners: int, sides: int, closed: bool) -> np.ndarray:
+def _grid_triangles(corners: int, sides: int, closed: bool) -> np.ndarray:
     """Triangles over a grid of vertices, closed along its first axis and perhaps its second."""
     spans = sides if closed else sides - 1
     i, j = (part.ravel() for part in np.meshgrid(range(corners), range(spans), indexing="ij"))

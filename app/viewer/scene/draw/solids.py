@@ -14,11 +14,11 @@ def prism(outline: shapely.Geometry, bottom: float, top: float) -> Mesh:
     """The closed mesh of polygons, with their holes, drawn up from `bottom` to `top`."""
     polygons = [part for part in shapely.get_parts(outline) if part.geom_type == "Polygon"]
     return join_meshes(
-        [_upright(shapely.remove_repeated_points(part), bottom, top) for part in polygons]
+        [_extrude(shapely.remove_repeated_points(part), bottom, top) for part in polygons]
     )
 
 
-def _upright(polygon: shapely.Polygon, bottom: float, top: float) -> Mesh:
+def _extrude(polygon: shapely.Polygon, bottom: float, top: float) -> Mesh:
     """One polygon drawn up; its corners are shared by the caps and the sides."""
     polygon = shapely.orient_polygons(polygon)
     rings = [shapely.get_coordinates(ring)[:-1] for ring in (polygon.exterior, *polygon.interiors)]

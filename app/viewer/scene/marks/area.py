@@ -36,12 +36,12 @@ class Fence:
         self._drawn = key
         if corners is None:
             return [(self._lines, "visible", False)]
-        low, high = (picture.stage.shown(corner) for corner in corners)
+        low, high = (picture.stage.to_display(corner) for corner in corners)
         edges = box_edges(0.5 * (high - low)) + 0.5 * (low + high)
         edges[..., 2] = ABOVE
         dash = DASH * picture.stage.side
         lines = np.concatenate([dashes(edge, dash, dash)[0] for edge in edges])
-        return segments(self._lines, lines, palette.single(palette.FENCE))
+        return segments(self._lines, lines, palette.node_colour(palette.FENCE))
 
 
 def fence(picture: Picture) -> tuple[np.ndarray, np.ndarray] | None:
@@ -97,7 +97,7 @@ class CaptureArea:
         edges[..., 2] = ABOVE
         corner = stage.half * [1.0, -1.0, 0.0] - [0.0, AWAY * stage.side, 0.0]
         return [
-            *segments(self._edge, edges, palette.single(palette.ARMS[arm])),
+            *segments(self._edge, edges, palette.node_colour(palette.ARMS[arm])),
             (self._edge, "thickness", THICK[arm]),
             (self._caption, "text", size(stage.size)),
             (self._caption, "position", corner),
@@ -109,8 +109,10 @@ class CaptureArea:
         stage = picture.stage
         self._tint = self._scene.add_mesh_simple(
             f"{self._name}/beyond",
-            *frame_mesh(stage.half[:2], stage.shown(low)[:2], stage.shown(high)[:2], TINT),
-            color=palette.single(palette.ARMS["emergency"] if stopped else palette.FENCE),
+            *frame_mesh(
+                stage.half[:2], stage.to_display(low)[:2], stage.to_display(high)[:2], TINT
+            ),
+            color=palette.node_colour(palette.ARMS["emergency"] if stopped else palette.FENCE),
             opacity=TINTED,
             side="double",
             cast_shadow=False,

@@ -72,16 +72,16 @@ class LeaderGizmo:
             opacity=0.9,
             visible=False,
         )
-        self._handle.on_update(self._moved)
+        self._handle.on_update(self._handle_drag)
 
-    async def _moved(self, event: TransformControlsEvent) -> None:
+    async def _handle_drag(self, event: TransformControlsEvent) -> None:
         """On the event loop, so that start, updates and end arrive in order."""
         if event.phase == "start":
             self._held = True
             for grabbed in self._grabbed:
                 grabbed(True)
         if self._picture is not None:
-            pose = checked(self._picture.stage, event.target.position, event.target.wxyz)
+            pose = check_pose(self._picture.stage, event.target.position, event.target.wxyz)
             if pose is not None:
                 for dragged in self._dragged:
                     dragged(*pose)
@@ -92,7 +92,7 @@ class LeaderGizmo:
                 grabbed(False)
 
 
-def checked(
+def check_pose(
     stage: Stage, display_position: np.ndarray, wxyz: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """A pose from a browser as position (dim,) and unit heading (dim,), or None if it is none.

@@ -12,8 +12,8 @@ from agents.inspection import Inspection
 from app.viewer.scene.draw.drawn_frame import Changes, Picture, shares
 from app.viewer.scene.draw.line_segments import add_lines, segments, split_at_seams
 from app.viewer.scene.draw.shapes import circle, dashes, great_circles, ring
-from app.viewer.scene.marks.mission_marks import ABOVE, on_floor
-from app.viewer.scene.marks.obstacle_marks import drawn_height, on_rims
+from app.viewer.scene.marks.mission_marks import ABOVE, floor_places
+from app.viewer.scene.marks.obstacle_marks import drawn_height, rim_places
 from app.viewer.scene.shown import palette
 
 # Why the inspected agent moves as it does: forces as arrows, what it perceives and heads for.
@@ -41,7 +41,7 @@ class ReasonMarks:
         self._seen = scene.add_point_cloud(
             f"{self._still}/points",
             nothing[0],
-            palette.single(palette.POINT),
+            palette.node_colour(palette.POINT),
             point_shape="circle",
             point_shading="flat",
             precision="float32",
@@ -52,7 +52,7 @@ class ReasonMarks:
         self._dots = scene.add_point_cloud(
             f"{self._still}/places",
             nothing[0],
-            palette.single(palette.SELECTED),
+            palette.node_colour(palette.SELECTED),
             point_shape="circle",
             point_shading="flat",
             precision="float32",
@@ -67,7 +67,7 @@ class ReasonMarks:
             return [(node, "visible", False) for node in nodes]
         return [
             *self._draw_forces(picture, row, inspection),
-            *self._draw_seen(picture, inspection),
+            *self._draw_boundary_points(picture, inspection),
             *self._draw_places(picture, row, inspection),
         ]
 
@@ -82,26 +82,26 @@ class ReasonMarks:
         points = np.stack([np.broadcast_to(at, ends.shape), at + longest * ends], axis=1)
         return [
             (self._arrows, "points", points.astype(np.float32)),
-            (self._arrows, "colors", palette.lit(colour)),
+            (self._arrows, "colors", palette.lit_bytes(colour)),
             (self._arrows, "shaft_radius", SHAFT * longest),
             (self._arrows, "head_radius", 2.6 * SHAFT * longest),
             (self._arrows, "head_length", 7.0 * SHAFT * longest),
             (self._arrows, "visible", True),
         ]
 
-    def _draw_seen(self, picture: Picture, inspection: Inspection) -> Changes:
+    def _draw_boundary_points(self, picture: Picture, inspection: Inspection) -> Changes:
         if not len(inspection.points):
             return [(self._seen, "visible", False)]
         stage, world = picture.stage, picture.frame.world
         spacing = world.boundary_spacing * stage.scale
         return [
-            (self._seen, "points", on_rims(picture, inspection.points, drawn_height(world))),
+            (self._seen, "points", rim_places(picture, inspection.points, drawn_height(world))),
             (self._seen, "point_size", min(0.0028 * stage.side, 0.35 * spacing)),
             (self._seen, "visible", True),
         ]
 
     def _draw_places(self, picture: Picture, row: int, inspection: Inspection) -> Changes:
-        places = remembered(inspection)
+        places = remembered_places(inspection)
         for place in places.keys() - self._words.keys():
             self._words[place] = self._scene.add_label(
                 f"{self._still}/words/{place}",
@@ -118,7 +118,7 @@ class ReasonMarks:
         side = picture.stage.side
         lift = np.array([0.0, 0.0, picture.length])
         shown_places = {
-            place: on_floor(picture, at[None])[0] + lift for place, at in places.items()
+            place: floor_places(picture, at[None])[0] + lift for place, at in places.items()
         }
         aim = shown_places[inspection.places[-1]]
         aim[2] = drawn_height(picture.frame.world) * picture.stage.scale + ABOVE
@@ -130,7 +130,7 @@ class ReasonMarks:
         lines, _ = dashes(np.array([picture.at[row], aim]), dash, dash)
         return [
             *changes,
-            *segments(self._aim, lines, palette.single(palette.SELECTED)),
+            *segments(self._aim, lines, palette.node_colour(palette.SELECTED)),
             (self._dots, "points", np.array([*shown_places.values()], np.float32)),
             (self._dots, "point_size", 0.004 * side),
             (self._dots, "visible", True),
@@ -157,7 +157,7 @@ def force_colours(count: int) -> np.ndarray:
     return palette.FORCES[np.arange(count) % len(palette.FORCES)]
 
 
-def remembered(inspection: Inspection) -> dict[str, np.ndarray]:
+def remembered_places(inspection: Inspection) -> dict[str, np.ndarray]:
     """The places (2,) that an agent has in mind; those that it does not know yet are left out."""
     places: dict[str, np.ndarray] = {}
     for place in inspection.places if inspection.minds else ():
@@ -179,7 +179,7 @@ class InspectionMarks:
         self._ring = scene.add_mesh_simple(
             f"{root}/inspected/ring",
             *ring(0.90),
-            color=palette.single(palette.SELECTED, palette.LIGHT),
+            color=palette.node_colour(palette.SELECTED, palette.LIGHT),
             side="double",
             cast_shadow=False,
             receive_shadow=False,
@@ -193,7 +193,7 @@ class InspectionMarks:
         self._disc = scene.add_mesh_simple(
             f"{root}/inspected/disc",
             *ring(0.0, corners=128),
-            color=palette.single(palette.PLAIN, palette.LIGHT),
+            color=palette.node_colour(palette.PLAIN, palette.LIGHT),
             opacity=0.10,
             side="double",
             cast_shadow=False,
@@ -203,7 +203,7 @@ class InspectionMarks:
         self._ball = scene.add_icosphere(
             f"{root}/inspected/ball",
             radius=1.0,
-            color=palette.single(palette.PLAIN, palette.LIGHT),
+            color=palette.node_colour(palette.PLAIN, palette.LIGHT),
             opacity=0.08,
             subdivisions=5,
             cast_shadow=False,
@@ -215,7 +215,7 @@ class InspectionMarks:
         row, inspection = picture.inspected, picture.frame.inspected
         zoned = picture.look.zones and inspection is not None and len(inspection.shells) > 0
         changes = self._draw_ring(picture, row)
-        changes += self._draw_heard(picture, None if zoned else row)
+        changes += self._draw_neighbours(picture, None if zoned else row)
         centre = None if zoned else row
         if row is None and picture.look.reach:
             centre = picture.leader
@@ -231,7 +231,7 @@ class InspectionMarks:
             (self._ring, "visible", True),
         ]
 
-    def _draw_heard(self, picture: Picture, row: int | None) -> Changes:
+    def _draw_neighbours(self, picture: Picture, row: int | None) -> Changes:
         inspected = picture.frame.inspected
         if row is None or inspected is None or not len(inspected.neighbours):
             return [(lines, "visible", False) for lines in self._heard]
@@ -242,8 +242,8 @@ class InspectionMarks:
         for lines, (least, below, _) in zip(self._heard, _CLASSES, strict=True):
             mine = (weight >= least) & (weight < below)
             points = split_at_seams(start[mine], end[mine], picture.stage.period)
-            colour = picture.mixed(palette.SELECTED, 0.45 - 0.35 * least)
-            changes += segments(lines, points, palette.single(colour))
+            colour = picture.mix_with_backdrop(palette.SELECTED, 0.45 - 0.35 * least)
+            changes += segments(lines, points, palette.node_colour(colour))
         return changes
 
     def _draw_reach(self, picture: Picture, row: int | None) -> Changes:
@@ -255,7 +255,7 @@ class InspectionMarks:
         if flat:
             centre = np.array([centre[0], centre[1], 0.012])
         rim = radius * (circle() if flat else great_circles())
-        changes = segments(self._rim, rim, palette.single(palette.PLAIN))
+        changes = segments(self._rim, rim, palette.node_colour(palette.PLAIN))
         changes.append((self._rim, "position", centre))
         for node, is_shown in ((self._disc, flat), (self._ball, not flat)):
             changes += [(node, "visible", is_shown), (node, "position", centre)]

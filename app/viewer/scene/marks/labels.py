@@ -65,7 +65,7 @@ class Sides:
         return [self._below[identity] for identity in ids]
 
 
-def uncrowded(at: np.ndarray, size: np.ndarray, before: np.ndarray) -> np.ndarray:
+def clear_labels(at: np.ndarray, size: np.ndarray, before: np.ndarray) -> np.ndarray:
     """Which of M numbers are written, (M,) bool: no two upon each other, first of all those that
     were, `before` (M,) bool.
 
@@ -131,7 +131,7 @@ class Labels:
     def draw(self, picture: Picture) -> Changes:
         changes: Changes = [(self._leader, "visible", picture.leader is not None)]
         if picture.leader is not None:
-            changes.append((self._leader, "position", self._beside(picture, picture.leader)))
+            changes.append((self._leader, "position", self._label_place(picture, picture.leader)))
             changes.append((self._leader, "anchor", anchor(picture, picture.leader)))
             informed = int(np.count_nonzero(picture.frame.informed))
             what = "information car" if picture.as_cars else "information UAV"
@@ -149,23 +149,23 @@ class Labels:
             rows = np.arange(label_count)
         while len(self._pool) < len(rows):
             self._pool.append(self._new(len(self._pool)))
-        written = self._uncrowded(picture, rows)
+        written = self._clear_rows(picture, rows)
         changes: Changes = []
         for label, row, is_shown in zip(self._pool, rows, written, strict=False):
             changes.append((label, "text", name(picture, int(row))))
-            changes.append((label, "position", self._beside(picture, int(row))))
+            changes.append((label, "position", self._label_place(picture, int(row))))
             changes.append((label, "anchor", anchor(picture, int(row))))
             changes.append((label, "visible", bool(is_shown) and row != picture.leader))
         return changes + [(label, "visible", False) for label in self._pool[len(rows) :]]
 
-    def _uncrowded(self, picture: Picture, rows: np.ndarray) -> np.ndarray:
+    def _clear_rows(self, picture: Picture, rows: np.ndarray) -> np.ndarray:
         """Which of the numbers of these rows are written: in a flat world none upon another."""
         if picture.stage.dim == 3 or not len(rows):
             return np.ones(len(rows), bool)
         ids = picture.frame.ids[rows]
         texts = [name(picture, int(row)) for row in rows]
         size = SMALL * picture.stage.side * np.array([box(text) for text in texts])
-        written = uncrowded(picture.at[rows, :2], size, np.isin(ids, self._written))
+        written = clear_labels(picture.at[rows, :2], size, np.isin(ids, self._written))
         self._written = ids[written]
         return written
 
@@ -179,7 +179,7 @@ class Labels:
         )
 
     @staticmethod
-    def _beside(picture: Picture, row: int) -> np.ndarray:
+    def _label_place(picture: Picture, row: int) -> np.ndarray:
         """A place clear of the agent and its halo: above it on the screen, or below."""
         clear = 1.05 * picture.length * float(picture.size[row])
         if picture.stage.dim == 3:
@@ -281,7 +281,7 @@ def named_cars(picture: Picture) -> list[CarLabel]:
         return []
     rows = np.arange(len(live.names))
     if len(rows) > MOST:
-        rows = np.flatnonzero(live.are(LATE, LOST))[:MOST]
+        rows = np.flatnonzero(live.is_in_state(LATE, LOST))[:MOST]
     cars = [
         CarLabel(
             int(frame.ids[row]),
@@ -291,7 +291,9 @@ def named_cars(picture: Picture) -> list[CarLabel]:
         for row in rows
     ]
     if frame.progress.goal is not None and picture.look.mission:
-        cars.append(CarLabel(INJECTED, "injected car", picture.stage.shown(frame.progress.goal)))
+        cars.append(
+            CarLabel(INJECTED, "injected car", picture.stage.to_display(frame.progress.goal))
+        )
     return cars
 
 

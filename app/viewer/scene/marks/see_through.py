@@ -45,7 +45,7 @@ class Solids:
         self._outlines = np.array([solid[3] for solid in upright], object)
         self._balls = np.array(balls, float).reshape(-1, 5)
 
-    def between(self, eye: np.ndarray, at: np.ndarray, wide: float) -> set[int]:
+    def blocking(self, eye: np.ndarray, at: np.ndarray, wide: float) -> set[int]:
         """The obstacles, by their places in the world, that come within `wide` of the line from an
         eye to something as wide at `at`, but not those behind it."""
         way = at - eye
@@ -82,12 +82,12 @@ class ViewBlockers:
     def __init__(self) -> None:
         self._until: dict[int, float] = {}
 
-    def look(
+    def find_blockers(
         self, solids: Solids, eye: np.ndarray, at: np.ndarray, wide: float, now: float
     ) -> frozenset[int]:
         """The obstacles that are, at `now` (s)."""
-        hidden = solids.between(eye, at, LOOSE * wide) & self._until.keys()
-        for k in solids.between(eye, at, wide) | hidden:
+        hidden = solids.blocking(eye, at, LOOSE * wide) & self._until.keys()
+        for k in solids.blocking(eye, at, wide) | hidden:
             self._until[k] = now + LASTS
         self._until = {k: until for k, until in self._until.items() if now < until}
         return frozenset(self._until)
@@ -188,5 +188,7 @@ class SeeThrough:
         if view.drawn is not None and view.drawn[0] is not world:
             view.in_the_way = ViewBlockers()
         wide = WIDE * picture.length * float(picture.size[followed.row]) / stage.scale
-        eye, at = stage.unplaced(followed.eye), stage.unplaced(picture.at[followed.row])
-        view.draw(followed.client, world, stage, view.in_the_way.look(solids, eye, at, wide, now))
+        eye, at = stage.place_in_world(followed.eye), stage.place_in_world(picture.at[followed.row])
+        view.draw(
+            followed.client, world, stage, view.in_the_way.find_blockers(solids, eye, at, wide, now)
+        )

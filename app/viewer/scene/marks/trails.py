@@ -13,7 +13,7 @@ from viser import SceneApi
 from app.viewer.scene.draw.agent_meshes import TIP
 from app.viewer.scene.draw.drawn_frame import Changes, Picture, rows_of
 from app.viewer.scene.draw.line_segments import add_lines, jumps, segments
-from app.viewer.scene.marks.agents import SCALE, FlockMotion, leftwards
+from app.viewer.scene.marks.agents import SCALE, FlockMotion, left_directions
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.drawing_style import LINE
 from app.viewer.scene.shown.frame import Frame
@@ -59,7 +59,7 @@ class TrailHistory:
             self.clear()
             self._run, self.began = run, frame.tick
         if not np.array_equal(ids, self._ids):
-            self.knots = [carried(knot, self._ids, ids) for knot in self.knots]
+            self.knots = [match_rows(knot, self._ids, ids) for knot in self.knots]
             self._ids = ids.copy()
         elif self.ticks and frame.tick - self.ticks[-1] < length / knots:
             return False
@@ -73,7 +73,7 @@ class TrailHistory:
         return True
 
 
-def thinned(ticks: np.ndarray, now: int, length: int, knots: int) -> np.ndarray:
+def thin_knots(ticks: np.ndarray, now: int, length: int, knots: int) -> np.ndarray:
     """Which of the knots at ticks (K,) show `length` ticks up to `now` with `knots` pieces or so.
 
     A knot stays as long as it is shown: nothing flickers.
@@ -86,7 +86,7 @@ def thinned(ticks: np.ndarray, now: int, length: int, knots: int) -> np.ndarray:
     return indices[np.diff(cell, prepend=-1) > 0]
 
 
-def carried(knot: np.ndarray, before: np.ndarray, now: np.ndarray) -> np.ndarray:
+def match_rows(knot: np.ndarray, before: np.ndarray, now: np.ndarray) -> np.ndarray:
     """Places (M, 3) of the identities `before` for the identities `now`; NaN for new ones."""
     rows, known_rows = rows_of(before, now)
     result = np.full((len(now), 3), np.nan)
@@ -135,8 +135,8 @@ class Streaks:
         is_drawn &= np.isfinite(points).all(axis=(2, 3))
         age = (picture.frame.tick - np.array(self._past.ticks)) / picture.look.trail_length
         share = STRONGEST + (FAINTEST - STRONGEST) * np.clip(age, 0.0, 1.0)
-        faded = picture.mixed(colour, share[:, None, None])
-        colours = palette.unlit(np.stack([faded[:-1], faded[1:]], axis=2))
+        faded = picture.mix_with_backdrop(colour, share[:, None, None])
+        colours = palette.unlit_bytes(np.stack([faded[:-1], faded[1:]], axis=2))
         half = len(points) // 2
         old, young = slice(None, half), slice(half, None)
         return segments(
@@ -147,13 +147,13 @@ class Streaks:
         points = np.stack([self._past.knots[-1], positions], axis=1)
         is_drawn = ~jumps(points[:, 0], points[:, 1], picture.stage.period)
         is_drawn &= np.isfinite(points).all(axis=(1, 2))
-        colours = palette.unlit(picture.mixed(colour, STRONGEST))
+        colours = palette.unlit_bytes(picture.mix_with_backdrop(colour, STRONGEST))
         return segments(
             self._tip, points[is_drawn], np.repeat(colours[is_drawn][:, None], 2, axis=1)
         )
 
 
-def chosen(informed: np.ndarray, most: int) -> np.ndarray:
+def trailed_rows(informed: np.ndarray, most: int) -> np.ndarray:
     """Rows whose lines are drawn: all, or evenly spaced ones and the first information agents."""
     count = len(informed)
     if count <= most:
@@ -176,7 +176,7 @@ class Trails(Streaks):
     def draw(self, picture: Picture) -> Changes:
         if picture.look.trails != LINE or picture.look.trail_length < 1:
             return self.hide()
-        rows = chosen(picture.frame.informed, MOST_AGENTS)
+        rows = trailed_rows(picture.frame.informed, MOST_AGENTS)
         return self.follow(picture, picture.frame.ids[rows], picture.at[rows], picture.colour[rows])
 
 
@@ -194,11 +194,11 @@ class Wake(Streaks):
         look = picture.look
         if not (look.wake and picture.as_birds and look.trail_length >= 1):
             return self.hide()
-        rows = chosen(picture.frame.informed, MOST_BIRDS)
-        aside = span(picture, rows) * leftwards(self._flight.poses.wxyz[rows])
+        rows = trailed_rows(picture.frame.informed, MOST_BIRDS)
+        aside = span(picture, rows) * left_directions(self._flight.poses.wxyz[rows])
         at, ids = picture.at[rows], picture.frame.ids[rows]
         tips = np.concatenate([at + aside, at - aside])
-        tips[np.tile(picture.frame.down[rows], 2)] = np.nan
+        tips[np.tile(picture.frame.is_down[rows], 2)] = np.nan
         colour = np.repeat([palette.COOL, palette.WARM], len(rows), axis=0)
         return self.follow(picture, np.concatenate([2 * ids, 2 * ids + 1]), tips, colour)
 

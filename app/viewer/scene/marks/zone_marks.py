@@ -151,7 +151,7 @@ class ZoneMarks:
                 (node, "wxyz", picture.wxyz[row]),
                 (node, "visible", True),
             ]
-        return changes + self._draw_noticed(picture, row, inspection)
+        return changes + self._draw_counted(picture, row, inspection)
 
     def _build(self, picture: Picture, inspection: Inspection) -> Changes:
         """Make the shells anew, the inner ones first: so they are drawn first too."""
@@ -160,7 +160,7 @@ class ZoneMarks:
         self._nodes = []
         flat, scale = picture.stage.dim == 2, picture.stage.scale
         half = np.deg2rad(0.5 * min(inspection.view, 360.0))
-        colours = palette.by_zone(np.arange(len(inspection.shells)))
+        colours = palette.zone_colours(np.arange(len(inspection.shells)))
         inner, lines, line_colours = 0.0, [], []
         for index, (shell, colour) in enumerate(zip(inspection.shells, colours, strict=True)):
             if shell.radius <= inner:
@@ -171,19 +171,21 @@ class ZoneMarks:
             self._add(mesh, shell.radius * scale, colour, opacity)
             points = shell.radius * scale * (arc(angle) if flat else arcs(angle))
             lines.append(points)
-            line_colours.append(np.broadcast_to(palette.unlit(colour), points.shape))
+            line_colours.append(np.broadcast_to(palette.unlit_bytes(colour), points.shape))
             inner = shell.radius
         if half < np.pi and inner > 0.0:
-            self._cut_off(inspection, flat, half, inner * scale)
+            self._draw_view_edge(inspection, flat, half, inner * scale)
             points = inner * scale * spokes(half, flat)
             lines.append(points)
-            line_colours.append(np.broadcast_to(palette.unlit(palette.BLIND), points.shape))
+            line_colours.append(np.broadcast_to(palette.unlit_bytes(palette.BLIND), points.shape))
         empty = np.empty((0, 2, 3))
         return segments(
             self._edges, np.concatenate([empty, *lines]), np.concatenate([empty, *line_colours])
         )
 
-    def _cut_off(self, inspection: Inspection, flat: bool, half: float, radius: float) -> None:
+    def _draw_view_edge(
+        self, inspection: Inspection, flat: bool, half: float, radius: float
+    ) -> None:
         """The side of the cone that is seen, or of the blind one behind, which is closed."""
         if flat:
             inner = max(
@@ -206,7 +208,7 @@ class ZoneMarks:
                 f"{self._name}/{len(self._nodes)}",
                 radius * vertices,
                 faces,
-                color=palette.single(colour, palette.LIGHT),
+                color=palette.node_colour(colour, palette.LIGHT),
                 opacity=opacity,
                 side="double",
                 visible=False,
@@ -215,7 +217,7 @@ class ZoneMarks:
             )
         )
 
-    def _draw_noticed(self, picture: Picture, row: int, inspection: Inspection) -> Changes:
+    def _draw_counted(self, picture: Picture, row: int, inspection: Inspection) -> Changes:
         """Lines to those that count now, in the colours of their zones."""
         is_heard = (inspection.zone != UNSEEN) & (inspection.weights > 0.0)
         end = picture.at[inspection.neighbours[is_heard]]
@@ -225,7 +227,7 @@ class ZoneMarks:
         for zone in np.unique(zones):
             mine = zones == zone
             lines = split_at_seams(start[mine], end[mine], picture.stage.period)
-            colour = picture.mixed(palette.ZONES[zone % len(palette.ZONES)], 0.25)
+            colour = picture.mix_with_backdrop(palette.ZONES[zone % len(palette.ZONES)], 0.25)
             points.append(lines)
-            colours.append(np.broadcast_to(palette.unlit(colour), lines.shape))
+            colours.append(np.broadcast_to(palette.unlit_bytes(colour), lines.shape))
         return segments(self._noticed, np.concatenate(points), np.concatenate(colours))

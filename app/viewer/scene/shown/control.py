@@ -42,7 +42,7 @@ class Control:
         return tuple(choice for choice in self.choices if rest.get(choice, True))
 
 
-def chosen(default: Any, *control: Any, **more: Any) -> Any:
+def chosen_field(default: Any, *control: Any, **more: Any) -> Any:
     """A field of a dataclass that a person may choose by `Control(*control, **more)`."""
     return field(default=default, metadata={"control": Control(*control, **more)})
 
