@@ -13,7 +13,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from app.cli.terminal import make_console
+from app.cli.terminal.console import make_console
 from worlds.number_text import counted
 
 Rows = list[dict[str, Any]]

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.file_argument import is_file
-from app.cli.progress import StopSignals, exit_process
-from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port
-from app.front.origin import LOOPBACK, parse_allowed_host
+from app.cli.options.run_arguments import is_file
+from app.cli.options.serving_options import AllowHost, Host, OpenBrowser, Port
+from app.cli.terminal.progress import StopSignals, exit_process
+from app.front.origin import LOOPBACK, allowed
 from app.results_folder import RESULTS
 from app.studies.workers.processes import cores
 from worlds.file_writer import demand_writable

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, print_written_files
-from app.cli.progress import Progress
-from app.cli.usage import command_group
+from app.cli.terminal.outcome_table import as_json, print_written_files
+from app.cli.terminal.progress import Progress
+from app.cli.terminal.usage import command_group
 from app.flight.request import FREQUENCY, SPEED, TWIST, check_range, check_speed, request
 from app.results_folder import demand_folder, picture_files
 from app.settings import numbers

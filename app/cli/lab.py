@@ -13,11 +13,17 @@ from agents.catalogue import model as find_model
 from agents.flock_world import find_world
 from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
-from app.cli.file_argument import is_file
-from app.cli.progress import StopSignals, exit_process
-from app.cli.run_arguments import Asked, demand_parameters, option_name, requested_run, with_options
-from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
-from app.cli.usage import Rules, first_of, model_name
+from app.cli.options.run_arguments import (
+    Asked,
+    demand_parameters,
+    is_file,
+    option_name,
+    requested_run,
+    with_options,
+)
+from app.cli.options.serving_options import AllowHost, Host, OpenBrowser, Port, announce
+from app.cli.terminal.progress import StopSignals, exit_process
+from app.cli.terminal.usage import Rules, first_of, model_name
 from app.front.origin import allowed
 from app.settings import assignment
 from app.viewer.run.run_preset import preset_spec

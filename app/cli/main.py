@@ -11,8 +11,8 @@ import typer
 from typer.core import TyperCommand
 from typer.main import get_command
 
-from app.cli.terminal import guard_streams, with_one_line_errors
-from app.cli.usage import CommandGroup, OneCommand
+from app.cli.terminal.console import guard_streams, with_one_line_errors
+from app.cli.terminal.usage import CommandGroup, OneCommand
 
 
 class Entry(NamedTuple):
@@ -44,9 +44,11 @@ COMMANDS = {
     "world": Entry(".world", "world", "List, draw, check, import and make worlds."),
     "formation": Entry(".formation", "formation", "Say what birds save in formation flight."),
     "list": Entry(".listing", "listing", "List models, worlds, observables, papers, lessons."),
-    "check": Entry(".check", "check", "Check that a model keeps to what every model does."),
-    "warm": Entry(".warm", "warm", "Compile models in advance."),
-    "cite": Entry(".cite", "cite", "Print the papers of a model as BibTeX."),
+    "check": Entry(
+        ".model_commands", "check", "Check that a model keeps to what every model does."
+    ),
+    "warm": Entry(".model_commands", "warm", "Compile models in advance."),
+    "cite": Entry(".model_commands", "cite", "Print the papers of a model as BibTeX."),
     "recording": Entry(
         ".take.recording", "recording", "Show what a recording holds; write it as CSV."
     ),
@@ -54,7 +56,7 @@ COMMANDS = {
         ".take.picture", "picture", "Draw a flock in its world, with legend and scale."
     ),
     "film": Entry(".take.film", "film", "Film a flock in its world: MP4, WebM or GIF."),
-    "recover": Entry(".recover", "recover", "Save the recording of a run that was killed."),
+    "recover": Entry(".take.recording", "recover", "Save the recording of a run that was killed."),
 }
 
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import ASTRAY, as_json, print_written_files
-from app.cli.progress import Progress, StopSignals
-from app.cli.terminal import INTERRUPTED, make_console
+from app.cli.terminal.console import INTERRUPTED, make_console
+from app.cli.terminal.outcome_table import ASTRAY, as_json, print_written_files
+from app.cli.terminal.progress import Progress, StopSignals
 from app.results_folder import demand_folder, picture_files
 from app.settings import check_whole_number, names, whole_numbers
 from worlds.input_error import InputError
@@ -221,8 +221,7 @@ def outcome_of(
     pictures: bool,
 ) -> PaperOutcome:
     """Judge what was measured, and write summary and picture."""
-    from app.studies.claims.claims import claims
-    from app.studies.claims.verdict_table import verdicts
+    from app.studies.claims.claims import claims, verdicts
     from app.studies.reports.report_formats import write_summary
 
     rows = verdicts(experiment, done.measured)

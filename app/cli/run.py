@@ -9,9 +9,21 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from app.cli.file_argument import STATE, compared_model, demand_alone, file_argument, is_file
-from app.cli.length import Seconds, Ticks, demand_one_length, ticks_asked
-from app.cli.outcome_table import (
+from app.cli.options.run_arguments import (
+    STATE,
+    Asked,
+    compared_model,
+    demand_alone,
+    file_argument,
+    is_file,
+    option_name,
+    read_settings,
+    requested_run,
+    with_options,
+)
+from app.cli.options.run_length import Seconds, Ticks, demand_one_length, ticks_asked
+from app.cli.terminal.console import INTERRUPTED
+from app.cli.terminal.outcome_table import (
     StrayAgentCheck,
     as_json,
     outcome,
@@ -19,10 +31,8 @@ from app.cli.outcome_table import (
     print_written_files,
     show,
 )
-from app.cli.progress import Progress, run_ticks
-from app.cli.run_arguments import Asked, option_name, read_settings, requested_run, with_options
-from app.cli.terminal import INTERRUPTED
-from app.cli.usage import Rules, first_of, model_name
+from app.cli.terminal.progress import Progress, run_ticks
+from app.cli.terminal.usage import Rules, first_of, model_name
 from app.settings import check_whole_number, names
 from app.studies.workers.kernels import compile_loop
 from worlds.file_writer import demand_apart, demand_writable, write_text

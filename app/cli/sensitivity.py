@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, print_stderr, print_written_files
 from app.cli.sweep.run import (
     BROKEN,
     AsJson,
@@ -22,7 +21,8 @@ from app.cli.sweep.run import (
     demand_sound,
     print_warnings,
 )
-from app.cli.terminal import make_console
+from app.cli.terminal.console import make_console
+from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
 from app.results_folder import PICTURES
 
 if TYPE_CHECKING:

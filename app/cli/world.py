@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.choices import show_tables
-from app.cli.outcome_table import as_json, print_written_files
-from app.cli.terminal import REFUSED
-from app.cli.usage import command_group
+from app.cli.terminal.console import REFUSED
+from app.cli.terminal.outcome_table import as_json, print_written_files
+from app.cli.terminal.usage import command_group
 from app.settings import assignment, check_whole_number, names, numbers
 from worlds.file_writer import demand_writable, write_text
 from worlds.input_error import InputError

@@ -51,7 +51,7 @@ def name_of(text: str) -> str:
 def is_same_name(text: str, other: str) -> bool:
     """Whether two names differ in capitals and spaces only.
 
-    >>> same("Second  room", "second room "), same("room 1", "room 2")
+    >>> is_same_name("Second  room", "second room "), is_same_name("room 1", "room 2")
     (True, False)
     """
     return text.casefold().split() == other.casefold().split()

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 def find_line(text: str, key: str, table: str = "") -> int | None:
     """The line (from 1) on which `key` of `[table]` is set; None if it cannot be found.
 
-    >>> line_of("model = 'vem'\\n[parameters]\\neta = 9", "eta", "parameters")
+    >>> find_line("model = 'vem'\\n[parameters]\\neta = 9", "eta", "parameters")
     3
     """
     current_table = ""
@@ -81,8 +81,10 @@ class KeyLocations:
 def name_in_refusal(refusal: str) -> str:
     """The word that a refusal is about.
 
-    >>> about("eta = 9 rad is outside [0, 6.28] rad"), about("unknown parameter 'p9' (known: p1)")
-    ('eta', 'p9')
+    >>> name_in_refusal("eta = 9 rad is outside [0, 6.28] rad")
+    'eta'
+    >>> name_in_refusal("unknown parameter 'p9' (known: p1)")
+    'p9'
     """
     match = NAMED.match(refusal)
     return match[match.lastindex or 0] if match else ""

@@ -73,7 +73,7 @@ def look(ports: list[int], agents: int, pipe: Connection) -> None:
 
 
 async def look_on(ports: list[int], agents: int, pipe: Connection) -> None:
-    """Of `look`, the loop."""
+    """The loop of `look`."""
     counted = [[0, 0] for _ in ports]
     packets: list[bytes] = []
     readers = [

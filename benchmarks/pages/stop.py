@@ -24,8 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
 from app.live.control.arm import OperatorRequest  # noqa: E402
-from app.live.laboratory.example import FILE  # noqa: E402
-from app.live.laboratory.lab_file import lab_from_toml  # noqa: E402
+from app.live.laboratory.lab_file import EXAMPLE_FILE, lab_from_toml  # noqa: E402
 from app.live.operating.lab_choices import Choices  # noqa: E402
 from app.viewer.live.page import LivePage  # noqa: E402
 
@@ -62,7 +61,7 @@ for _ in sys.stdin:
 
 def patient_lab() -> str:
     """The example with slow cars that stay armed: no fence is near, and a busy machine may lag."""
-    text = FILE.read_text().replace("speed = 1.0", "speed = 0.5")
+    text = EXAMPLE_FILE.read_text().replace("speed = 1.0", "speed = 0.5")
     for side in ("[-3.05, -3.355]", "[3.05, 3.355]"):
         text = text.replace(side, side.replace("3.05", "60.0").replace("3.355", "60.0"))
     limits = "[limits]\nstale = 0.25\nlong_gap = 10.0\nfrozen = 1.2\nunattended = 30.0\n"

@@ -6,9 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.cli.live.console import SessionConsole
-from app.cli.live.lab import lab
-from app.cli.progress import StopSignals
+from app.cli.live.lab import SessionConsole, lab
+from app.cli.terminal.progress import StopSignals
 from app.live.control.loop_status import Event
 from worlds.input_error import InputError
 

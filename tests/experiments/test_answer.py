@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.studies.claims.verdict_table import ranges_of_runs
+from app.studies.claims.claims import ranges_of_runs
 from app.studies.experiment_file import PublishedMeasure
 from app.studies.figures.mission import MissionSettings
 from app.studies.judge.claim_verdict import (

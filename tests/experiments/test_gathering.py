@@ -9,8 +9,7 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment import flock_of
 from app.studies.experiment_file import EveryRunClaim
 from app.studies.experiment_reader import experiment_names, read_experiment, read_file

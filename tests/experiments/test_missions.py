@@ -7,8 +7,7 @@ import pytest
 
 from agents.mission_record import fly
 from app.studies import figures
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment import flock_of
 from app.studies.experiment_file import EveryRunClaim, FasterClaim, OrderClaim
 from app.studies.experiment_reader import experiment_names, read_experiment, read_file

@@ -8,8 +8,7 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_file import EqualityClaim, ReachClaim, SizeClaim
 from app.studies.experiment_reader import read_experiment, read_file
 from app.studies.experiment_runner import MeasuredCase, run_experiment

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from agents.spec import Spec
-from app.studies.claims.claims import claims, word_and_expected
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts, word_and_expected
 from app.studies.experiment import Case
 from app.studies.experiment_file import PaperRow, PaperSweep
 from app.studies.experiment_runner import MeasuredCase

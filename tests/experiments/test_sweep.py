@@ -11,10 +11,9 @@ from app.studies.runs.database import Outcome
 from app.studies.runs.store import Store
 from app.studies.runs.store_reader import StoreReader
 from app.studies.study_runner import STOP
-from app.studies.sweeps.replicates import FIRST_LOOK
 from app.studies.sweeps.sweep_job import RunRequest
 from app.studies.sweeps.sweep_results import Results
-from app.studies.sweeps.sweep_runner import run_sweep
+from app.studies.sweeps.sweep_runner import FIRST_LOOK, run_sweep
 from app.studies.sweeps.sweep_table import as_csv, long_table, wide_table
 from app.studies.workers.run_executors import InlineExecutor
 from experiments.test_sweep_file import read
@@ -38,7 +37,7 @@ name = "polarisation"
 @pytest.fixture
 def here(monkeypatch):
     """Runs are made in this process."""
-    makers = "app.studies.study_runner.Processes"
+    makers = "app.studies.study_runner.ProcessExecutor"
     monkeypatch.setattr(makers, lambda job, *_, **__: InlineExecutor(job))
 
 

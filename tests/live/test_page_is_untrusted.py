@@ -20,7 +20,7 @@ from websockets.exceptions import ConnectionClosed
 
 from agents.models.declare import declared
 from app.front.server import UNWANTED
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.viewer.live.page import KEYS
 from tests.live.opened_page import arm, opened
 from tests.live.stand_in import CAMERA, StandIn

@@ -19,7 +19,7 @@ import time
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from tests.browser.conftest import ARGUMENTS, CHROMIUM
 from tests.live.opened_page import arm, opened
 from tests.live.served_room import ServedRoom, descendants, is_there

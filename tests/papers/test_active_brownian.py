@@ -7,8 +7,7 @@ import pytest
 from oracles import active_brownian as oracle
 
 from agents import Flock
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import run_experiment
 from app.studies.figures.crowding import CrowdingSettings, velocity_along_heading

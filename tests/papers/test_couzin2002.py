@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import verdicts
 from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import run_experiment
 from app.studies.figures.phases import map_points, way_points

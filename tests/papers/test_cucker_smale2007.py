@@ -8,8 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from agents import Flock
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import run_experiment
 from app.studies.figures.consensus import ConsensusBound, ConsensusSettings

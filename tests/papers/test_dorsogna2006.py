@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import run_experiment
 from app.studies.figures.phases import map_points

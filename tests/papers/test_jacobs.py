@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import run_experiment
 from papers.flying import borne_out, flown, values

@@ -7,8 +7,7 @@ import math
 
 import pytest
 
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import run_experiment
 from app.studies.judge.judge import ranges_of

@@ -20,7 +20,7 @@ from websockets.sync.client import connect
 
 from agents.spec import Spec
 from app.front.server import renders_of
-from app.viewer.editing.forms import disc
+from app.viewer.editing.editor import disc
 from app.viewer.gallery.saved_scene import SavedScene, pack_scene
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.panels.sending import ExportPermit

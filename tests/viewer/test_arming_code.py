@@ -6,8 +6,8 @@ import threading
 
 import pytest
 
-from app.cli.live.console import SessionConsole
-from app.cli.progress import StopSignals
+from app.cli.live.lab import SessionConsole
+from app.cli.terminal.progress import StopSignals
 from app.viewer.live.panels.log_panel import as_csv
 from app.viewer.live.panels.state_panel import banner_of
 from app.viewer.live.session import DIGITS, TRIES, ArmingCode

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from agents.spec import Spec
-from app.viewer.editing import forms
+from app.viewer.editing.editor import disc
 from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock, timed_stub
@@ -77,12 +77,12 @@ def test_a_second_flock_that_cannot_be_built_leaves_the_old_ones(simulate):
 
 def test_an_edit_of_the_world_is_one_of_both(simulate):
     simulation = simulate(preset_spec("hwvem-nav", world="obstacles", agents=9), Spec("vem-a-nav"))
-    simulation.edits.change(lambda editor: editor.add(forms.disc((44.0, 20.0), 2.0))).result(60)
+    simulation.edits.change(lambda editor: editor.add(disc((44.0, 20.0), 2.0))).result(60)
     first, second = (one.flock for one in simulation.run.both)
     assert first.world is second.world is simulation.edits.editor.world
     assert len(first.world.obstacles) == 13
     spot = first.position[3].copy()
-    change: Callable = lambda editor: editor.add(forms.disc(tuple(spot), 0.4))  # noqa: E731
+    change: Callable = lambda editor: editor.add(disc(tuple(spot), 0.4))  # noqa: E731
     simulation.edits.change(change).result(60)
     assert np.array_equal(first.position, second.position)
     assert np.linalg.norm(first.position[3] - spot) > 0.4

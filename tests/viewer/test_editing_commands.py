@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from agents.spec import Spec
-from app.viewer.editing import forms
-from app.viewer.editing.editor import Editor
+from app.viewer.editing.editor import Editor, disc, polygon
 from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock
@@ -50,7 +49,7 @@ def simulation():
 
 
 def add(simulation: Simulation, at=(5.0, 5.0), radius=2.0) -> int:
-    simulation.edits.change(lambda editor: editor.add(forms.disc(at, radius))).result(60)
+    simulation.edits.change(lambda editor: editor.add(disc(at, radius))).result(60)
     return simulation.edits.editor.newest_key
 
 
@@ -94,9 +93,9 @@ def test_what_is_refused_is_told_and_changes_nothing(simulation):
     add(simulation)
     world, editor = simulation.run.flock.world, simulation.edits.editor
     with pytest.raises(InputError, match="crosses itself"):
-        simulation.edits.change(
-            lambda e: e.add(forms.polygon([(0, 0), (4, 4), (4, 0), (0, 4)]))
-        ).result(60)
+        simulation.edits.change(lambda e: e.add(polygon([(0, 0), (4, 4), (4, 0), (0, 4)]))).result(
+            60
+        )
     assert "crosses itself" in simulation.notices.get(timeout=60)
     assert simulation.run.flock.world is world
     assert simulation.edits.editor is editor
@@ -209,7 +208,7 @@ def test_several_people_at_once_leave_a_sound_world_and_a_running_flock(simulati
             gesture = f"{number} {chance.integers(3)}"
             match chance.integers(7):
                 case 0 | 1:
-                    simulation.edits.change(lambda e, at=(x, y): e.add(forms.disc(at, 0.4)))
+                    simulation.edits.change(lambda e, at=(x, y): e.add(disc(at, 0.4)))
                 case 2:
                     simulation.edits.drag(
                         gesture, lambda e, k=key, g=gesture: e.move(k, (0.1, 0), 5, g)

@@ -10,7 +10,7 @@ import pytest
 
 from agents.catalogue import cars_by
 from app.live.control.pose import Pose
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.viewer.live.room_frame import Setting, frame_of, frame_without_loop
 from app.viewer.live.session import new_folder
 from tests.viewer.stub_operator import car_status, companion, status_at

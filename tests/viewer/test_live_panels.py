@@ -17,7 +17,7 @@ from app.front.server import admit_browsers, close_server, open_server
 from app.live.control.loop_status import Event
 from app.live.control.pose import Pose
 from app.live.control.safety import StopReason
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.links.link import RUN
 from app.viewer.live.loop_connection import notice_of
 from app.viewer.live.panels.live_plots import WINDOW, LivePlots, colours

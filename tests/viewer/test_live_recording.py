@@ -9,7 +9,7 @@ import pytest
 from app.live.control.car_control import ControlStep, TickRecord
 from app.live.control.pose import Companion, MocapFrame, Pose, Sighting
 from app.live.control.safety import SafetyDecision
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.links.link import RUN, STOP
 from app.live.recording.recording_writer import RecordingWriter
 from app.viewer.live.panels.state_panel import banner_of

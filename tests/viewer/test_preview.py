@@ -194,10 +194,10 @@ COLD = """
 import time
 import numpy as np
 from agents.flock import Flock
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 
-spec = at_home("vem", agents=20, seed=5)
+spec = preset_spec("vem", agents=20, seed=5)
 simulation = Simulation(spec, speed=100.0)
 seen = set()
 while not simulation.ready.is_set():

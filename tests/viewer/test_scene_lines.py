@@ -16,8 +16,7 @@ from app.viewer.scene.marks.gizmo import check_pose
 from app.viewer.scene.marks.labels import anchor
 from app.viewer.scene.marks.trails import Trails, match_rows, trailed_rows
 from app.viewer.scene.marks.world_box import floor_under, has_left_box
-from app.viewer.scene.picking import pick_agent
-from app.viewer.scene.scene import Scene
+from app.viewer.scene.scene import Scene, pick_agent
 from app.viewer.scene.shown.colouring import COLOURINGS
 from app.viewer.scene.shown.drawing_style import CAMERAS, DrawingStyle, legend
 from app.viewer.scene.shown.frame import Frame

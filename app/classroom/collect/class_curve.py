@@ -20,8 +20,7 @@ from app.studies.charts.run_group import is_number, varied_axes
 from app.studies.key_lines import KeyLocations
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.checked_sweep import Sweep, sweep_of
-from app.studies.sweeps.sweep_groups import groups_of
-from app.studies.sweeps.sweep_table import places_of, spec_at
+from app.studies.sweeps.sweep_table import groups_of, places_of, spec_at
 from app.viewer.lab.sweeps.stored_sweeps import MOST_SHOWN, named_in
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, demand, run_table
 from worlds.input_error import InputError

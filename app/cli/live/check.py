@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.live.live_options import LinkName, SourceName
-from app.cli.outcome_table import as_json
-from app.cli.terminal import refuse
-from app.cli.usage import Rules
+from app.cli.terminal.console import refuse
+from app.cli.terminal.outcome_table import as_json
+from app.cli.terminal.usage import Rules
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ SUFFIXES = (".csv", ".parquet", ".c3d")
 def is_recording_path(text: str) -> bool:
     """Whether an argument names a recording, and not a laboratory's file.
 
-    >>> [names_recording(text) for text in ("lab.toml", "poses.csv?up=y", "recorded:trial.c3d")]
+    >>> [is_recording_path(text) for text in ("lab.toml", "poses.csv?up=y", "recorded:trial.c3d")]
     [False, True, True]
     """
     path = Path(text.removeprefix(KIND).partition("?")[0])

@@ -12,8 +12,8 @@ from app.cli.live.check import check
 from app.cli.live.lab import lab
 from app.cli.live.live_options import Seconds, Ticks
 from app.cli.live.run import run
-from app.cli.outcome_table import as_json
-from app.cli.usage import command_group
+from app.cli.terminal.outcome_table import as_json
+from app.cli.terminal.usage import command_group
 from worlds.number_text import counted
 
 # `flockscope live emulate`: a laboratory in software, to try everything without hardware.

@@ -12,9 +12,9 @@ from typing import Any
 
 import typer
 
-from app.cli.outcome_table import as_json
-from app.cli.progress import StopSignals
-from app.cli.terminal import rewrite_line
+from app.cli.terminal.console import rewrite_line
+from app.cli.terminal.outcome_table import as_json
+from app.cli.terminal.progress import StopSignals
 from app.live.control.arm import Action, OperatorRequest
 from app.live.control.loop_status import Event, Status
 from app.live.links.link import EMERGENCY, RUN
@@ -24,7 +24,7 @@ from worlds.number_text import counted
 
 
 class Keys:
-    """While entered, `pressed` gives the keys; where there is no terminal there are none."""
+    """While entered, `read_keys` gives the keys; where there is no terminal there are none."""
 
     def __init__(self) -> None:
         self.before: Any = None

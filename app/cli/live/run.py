@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.length import demand_one_length
 from app.cli.live.live_options import LinkName, Seconds, SourceName, Ticks
-from app.cli.outcome_table import as_json
-from app.cli.usage import Rules
+from app.cli.options.run_length import demand_one_length
+from app.cli.terminal.outcome_table import as_json
+from app.cli.terminal.usage import Rules
 from worlds.input_error import InputError
 from worlds.plug_ins import demand_parquet
 
@@ -79,7 +79,7 @@ def run_laboratory(
 
     report(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
     from app.cli.live.operate import OperatorConsole, format_summary
-    from app.cli.progress import StopSignals
+    from app.cli.terminal.progress import StopSignals
     from app.live.operating.flock_driver import FlockDriver
     from app.live.operating.operator import Operator
 

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, print_written_files
 from app.cli.sweep.run import run
 from app.cli.sweep.show import show
 from app.cli.sweep.sweep_choice import (
@@ -26,8 +25,9 @@ from app.cli.sweep.sweep_choice import (
     is_sweep,
     read_sweep_options,
 )
-from app.cli.terminal import one_line
-from app.cli.usage import command_group
+from app.cli.terminal.console import one_line
+from app.cli.terminal.outcome_table import as_json, print_written_files
+from app.cli.terminal.usage import command_group
 from app.results_folder import RESULTS
 from app.settings import check_whole_number
 from worlds.input_error import InputError

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, print_stderr
-from app.cli.progress import Progress, StopSignals
 from app.cli.sweep.clusters import (
     Account,
     Cores,
@@ -38,7 +36,9 @@ from app.cli.sweep.sweep_choice import (
     Vary,
     read_sweep_options,
 )
-from app.cli.terminal import INTERRUPTED
+from app.cli.terminal.console import INTERRUPTED
+from app.cli.terminal.outcome_table import as_json, print_stderr
+from app.cli.terminal.progress import Progress, StopSignals
 from app.settings import check_whole_number
 from worlds.number_text import counted, duration
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json
 from app.cli.sweep.sweep_choice import Name, find_sweep_folder
-from app.cli.terminal import make_console
+from app.cli.terminal.console import make_console
+from app.cli.terminal.outcome_table import as_json
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -59,8 +59,7 @@ def summary_of(reader: StoreReader) -> None:
 
 def summaries(reader: StoreReader) -> list[dict[str, Any]]:
     """Each cell with the mean and the interval of what was measured, and runs without a value."""
-    from app.studies.sweeps.sweep_groups import groups_of
-    from app.studies.sweeps.sweep_table import measured_columns, places_of
+    from app.studies.sweeps.sweep_table import groups_of, measured_columns, places_of
 
     places = places_of(reader)
     rows: list[dict[str, Any]] = [

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.length import demand_one_length, ticks_asked
+from app.cli.options.run_length import demand_one_length, ticks_asked
 from app.results_folder import RESULTS
 from app.settings import assignment, names, numbers, value
 from worlds.input_error import InputError

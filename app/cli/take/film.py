@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.length import demand_one_length, ticks_asked
-from app.cli.outcome_table import as_json, print_stderr, print_written_files
-from app.cli.progress import Progress, StopSignals
-from app.cli.run_arguments import Asked, with_options
+from app.cli.options.run_arguments import Asked, with_options
+from app.cli.options.run_length import demand_one_length, ticks_asked
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, browser, camera_request, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
-from app.cli.terminal import INTERRUPTED
-from app.cli.usage import Rules
+from app.cli.terminal.console import INTERRUPTED
+from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
+from app.cli.terminal.progress import Progress, StopSignals
+from app.cli.terminal.usage import Rules
 from app.settings import check_whole_number, names
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError

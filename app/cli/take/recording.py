@@ -1,4 +1,4 @@
-"""`flockscope recording`: what a recording holds, and its numbers as CSV."""
+"""`flockscope recording` shows and exports a recording; `recover` saves that of a killed run."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, print_written_files
-from app.cli.terminal import visible
+from app.cli.terminal.console import visible
+from app.cli.terminal.outcome_table import as_json, print_written_files
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError
 from worlds.number_text import counted
@@ -16,6 +16,7 @@ from worlds.plug_ins import demand_parquet
 
 if TYPE_CHECKING:
     from app.live.recording.recording_replay import StoredRecording
+import json
 
 
 def recording(
@@ -141,3 +142,27 @@ def describe_live_recording(recorded: StoredRecording) -> dict[str, Any]:
         },
         "laboratory": recorded.lab.to_toml(),
     }
+
+
+# `flockscope recover`: the recording of a run that was killed.
+
+
+def recover(
+    file: Annotated[
+        Path, typer.Argument(help="The .part file that the run has left; of a live run its folder.")
+    ],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Save the recording of a killed run from its .part file, or its folder."""
+    if file.is_dir():
+        from app.cli.live.commands import recover as recover_live
+
+        recover_live(file, as_json)
+        return
+    from agents.record import recover as recover_part
+
+    path, rows = recover_part(file)
+    if as_json:
+        typer.echo(json.dumps({"recording": str(path), "rows": rows}))
+    else:
+        typer.echo(f"{path}: {counted(rows, 'row')}")

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from app.cli.outcome_table import print_stderr
+from app.cli.terminal.outcome_table import print_stderr
 from worlds.input_error import InputError, unknown
 
 if TYPE_CHECKING:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-from app.cli.outcome_table import print_stderr
+from app.cli.options.run_arguments import Asked, option_name
 from app.cli.run import build_flock
-from app.cli.run_arguments import Asked, option_name
-from app.cli.usage import first_of, model_name
+from app.cli.terminal.outcome_table import print_stderr
+from app.cli.terminal.usage import first_of, model_name
 from app.studies.workers.kernels import compile_loop
 from worlds.input_error import InputError
 

@@ -50,7 +50,7 @@ class ControlStep:
 
 
 class CarControl:
-    """A driver behind the safety; `see`, then `act`, once each a tick."""
+    """A driver behind the safety; `begin_tick`, then `end_tick`, once each a tick."""
 
     def __init__(self, safety: Safety, driver: Driver):
         self.safety = safety

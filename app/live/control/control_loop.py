@@ -65,7 +65,7 @@ class Journal(Protocol):
 
 
 class Loop:
-    """Runs the control; `ask`, `place`, `leave` and `latest` may be used by any thread."""
+    """Runs the control; `ask`, `place`, `end` and `latest` may be used by any thread."""
 
     def __init__(
         self,
@@ -132,7 +132,7 @@ class Loop:
         self.leaving = cause
 
     def run(self) -> None:
-        """Tick until `leave` is called; then, or should anything fail, stop the cars."""
+        """Tick until `end` is called; then, or should anything fail, stop the cars."""
         try:
             due = self.clock()
             while not self.leaving:

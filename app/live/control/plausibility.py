@@ -135,7 +135,7 @@ def reachable_distance[Seconds: (float, np.ndarray)](
 
     `fastest` is that speed, m/s; `leap` (m) is what noise and a short gap may add.
 
-    >>> reachable(0.1, fastest=1.0, leap=0.25)
+    >>> reachable_distance(0.1, fastest=1.0, leap=0.25)
     0.45
     """
     return leap + 2.0 * fastest * seconds
@@ -147,7 +147,7 @@ def judge_bodies(
     """A report on every body, by name, and the bodies that change places.
 
     `top` is the axis of the bodies that is declared to point up, empty if none is; `fastest` (m/s)
-    is by name, `leap` as in `reachable`.
+    is by name, `leap` as in `reachable_distance`.
     """
     jumps = {track.name: find_jumps(track, fastest[track.name], leap) for track in tracks}
     swaps = find_swaps(tracks, jumps, fastest, leap)

@@ -66,7 +66,7 @@ class SafetyDecision:
 
 
 class Safety:
-    """Decides, tick by tick, what may be sent; `see` comes before `judge` in each tick.
+    """Decides, tick by tick, what may be sent; `take_frame` comes before `judge` in each tick.
 
     `reached`: what is sent reaches the cars that are seen. Else, with a link that sends nothing or
     poses of a recording, nobody can tell a car to stand, and it may move.
@@ -289,7 +289,7 @@ def nonfinite_reasons(commands: Mapping[str, Command]) -> list[StopReason]:
 def limit_command(car: CarLimits, command: Command, steered: float, step: float) -> Command:
     """A command within the limits of a car; its steering turns at most `steering_rate` step.
 
-    >>> limited(CarLimits(throttle=0.5), (1.0, 2.0), 0.0, 0.01)
+    >>> limit_command(CarLimits(throttle=0.5), (1.0, 2.0), 0.0, 0.01)
     (0.08, 0.5)
     """
     turn = car.steering_rate * step

@@ -20,8 +20,7 @@ from app.live.laboratory.lab_file import Lab, lab_from_toml
 from app.live.link_address import LinkAddress
 from app.live.links.firmware import Firmware
 from app.live.links.link import CarLink
-from app.live.links.link_catalogue import open_link
-from app.live.links.udp import open_udp
+from app.live.links.link_catalogue import open_link, open_udp
 from app.live.sources.pose_source import Source
 from app.live.sources.simulated_source import SimulatedSource
 

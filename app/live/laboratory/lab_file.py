@@ -1,4 +1,4 @@
-"""A laboratory in one small file: its area, its cars, its tracking, its link and its rule."""
+"""A laboratory in one small file: its area, cars, tracking, link and rule; an example of it."""
 
 from __future__ import annotations
 
@@ -37,8 +37,6 @@ from app.strict_table import StrictTable, Value
 from worlds.input_error import InputError, needed, shortened, unknown
 from worlds.text_file import read_text, toml
 
-# On which line of a TOML file something stands: `tomllib` gives values without their lines.
-
 KeyPath = tuple[str, ...]
 
 
@@ -47,9 +45,9 @@ def find_line(text: str, keys: Sequence[str]) -> int | None:
 
     Where nothing sets it, the table that lacks it; None if that cannot be found either.
 
-    >>> line_of("title = 'a'\\n[cars.red]\\naddress = 1", ["cars", "red", "address"])
+    >>> find_line("title = 'a'\\n[cars.red]\\naddress = 1", ["cars", "red", "address"])
     3
-    >>> line_of("title = 'a'\\n[cars.red]\\nspeed = 1", ["cars", "red", "address"])
+    >>> find_line("title = 'a'\\n[cars.red]\\nspeed = 1", ["cars", "red", "address"])
     2
     """
     best, last_line = 0, None
@@ -395,3 +393,15 @@ def known_keys(table: Sequence[str]) -> list[str]:
 def table_of(keys: Sequence[str]) -> str:
     """The table that a key belongs to, in words."""
     return f"[{'.'.join(keys[:-1])}]" if len(keys) > 1 else "the laboratory"
+
+
+# The laboratory of the example: two cars that follow an injected one, as in the reading.
+
+
+EXAMPLE_FILE = Path(__file__).with_name("example.toml")
+"""A file to begin from."""
+
+
+def example() -> Lab:
+    """The laboratory of that file."""
+    return read_lab(EXAMPLE_FILE)

@@ -79,7 +79,7 @@ def companion_start(
 def companion_starts(
     lab: Lab, kept_count: int, count: int, taken_places: Iterable[Sequence[float]], size: float
 ) -> list[Pose]:
-    """Where simulated cars `kept_count` + 1 to `count` begin; for the rest see `begins`.
+    """Where simulated cars `kept_count` + 1 to `count` begin; for the rest see `companion_start`.
 
     Raises NoFreeSpace with the number that would fit.
     """

@@ -12,8 +12,7 @@ from pathlib import Path
 
 from agents.catalogue import cars_by, obedient
 from app.live.device_kinds import BUILT_IN_NAMES, DRY, SIMULATED, kind_of, name_of
-from app.live.laboratory.example import example
-from app.live.laboratory.lab_file import Lab, read_lab
+from app.live.laboratory.lab_file import Lab, example, read_lab
 from app.live.operating.flock_driver import FlockDriver
 from app.live.operating.loop_process import LoopComponents, open_ends
 from worlds.input_error import InputError, unknown

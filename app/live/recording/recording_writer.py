@@ -299,7 +299,7 @@ class RecordingWriter:
         """Why it cannot write, in one line; empty while all is well."""
         self.waiting: queue.SimpleQueue[TickRecord] = queue.SimpleQueue()
         self.told: queue.SimpleQueue[str] = queue.SimpleQueue()
-        """News of it that `news` has not given yet."""
+        """News of it that `new_lines` has not given yet."""
         self.ending = threading.Event()
         self.part = part_of(self.folder, 1)
         """The one that is being written."""

@@ -79,7 +79,7 @@ def parse_address(text: str) -> Address:
 
     Raises InputError if it is not of the form `kind:place?option=value`.
 
-    >>> parsed("optitrack:192.168.1.5?up=y").options
+    >>> parse_address("optitrack:192.168.1.5?up=y").options
     (('up', 'y'),)
     """
     head, question, tail = text.partition("?")

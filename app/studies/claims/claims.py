@@ -1,4 +1,4 @@
-"""What a paper claims in words, and whether the runs bear it out."""
+"""The verdict on each row of a paper, what it claims in words, and whether the runs bear it out."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from app.studies.claims.sweep_claims import (
     reaches_claim,
     sizes_claim,
 )
+from app.studies.experiment import Experiment
 from app.studies.experiment_file import (
     EnduranceClaim,
     EqualityClaim,
@@ -34,6 +35,7 @@ from app.studies.experiment_file import (
     ScalingClaim,
     SizeClaim,
 )
+from app.studies.experiment_runner import MeasuredCase
 from app.studies.judge.claim_verdict import (
     DOES_NOT,
     HOLDS,
@@ -45,7 +47,9 @@ from app.studies.judge.claim_verdict import (
     share_of_runs,
     verdict_by_construction,
 )
+from app.studies.judge.comparison import compare
 from app.studies.judge.judge import CONFIDENCE, RunRanges, ranges_of, share_interval
+from app.studies.judge.statistics import summary
 from app.studies.judge.verdict import (
     Verdict,
     group_by_sweep,
@@ -54,9 +58,8 @@ from app.studies.judge.verdict import (
     paired_differences,
     verdicts_on,
 )
+from app.studies.measure import Measure, Number
 from worlds.number_text import counted
-
-# What a paper says in words, and what was measured.
 
 
 @dataclass(frozen=True)
@@ -361,3 +364,46 @@ def trend_claim(label: str, sweep: PaperSweep, points: list[Verdict]) -> Claim:
 def number(value: float) -> str:
     """A measured value in a sentence."""
     return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+
+
+# A verdict for each row and each measure of an experiment.
+
+
+def verdicts(experiment: Experiment, measured: list[MeasuredCase]) -> list[Verdict]:
+    """A verdict for each row and each measure that the experiment reports, row by row."""
+    return [
+        verdict(experiment, case, measure) for case in measured for measure in experiment.measures
+    ]
+
+
+def verdict(experiment: Experiment, case: MeasuredCase, measure: Measure) -> Verdict:
+    """The verdict of a measure of a row."""
+    values = case.values[measure.name]
+    limits = experiment.settings.limits_of(measure, case.values)
+    ranges = ranges_of_runs(values, measure, limits)
+    published = case.case.published(measure.name)
+    spared = experiment.not_compared.get(measure.name, "")
+    compared = published is not None and not spared
+    return Verdict(
+        case.case,
+        measure,
+        values,
+        ranges,
+        summary(ranges),
+        published,
+        compare(ranges, published) if published and compared else None,
+        (published and published.expected) or experiment.expected.get(measure.name),
+        spared,
+        experiment.runs == 1,
+    )
+
+
+def ranges_of_runs(
+    values: list[Number | None], measure: Measure, limits: list[float | None]
+) -> RunRanges:
+    """What is known of runs: of one without a value its limit, or else the measure's bounds."""
+    low, high, binary, rare = measure.bounds
+    given_up = [low if limit is None else limit for limit in limits]
+    least = [at if value is None else value for value, at in zip(values, given_up, strict=True)]
+    most = [high if value is None else value for value in values]
+    return RunRanges(np.array(least, float), np.array(most, float), (low, high), binary, rare)

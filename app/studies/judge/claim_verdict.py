@@ -130,7 +130,7 @@ def interval_verdict(
 def least_runs(decides: Callable[[int], bool], start: int = 2) -> int | None:
     """The least number of runs from `start` on that decides, as far as more never decide less.
 
-    >>> least(lambda n: n * n > 1000)
+    >>> least_runs(lambda n: n * n > 1000)
     32
     """
     high = start

@@ -345,7 +345,7 @@ def format_signed(value: float | None) -> str:
 def format_rounded(value: float) -> str:
     """A number with its sign and about three digits.
 
-    >>> rounded(-1164.2), rounded(0.01234)
+    >>> format_rounded(-1164.2), format_rounded(0.01234)
     ('-1164', '+0.0123')
     """
     return f"{value:+.0f}" if abs(value) >= 100 else f"{value:+.3g}"

@@ -147,7 +147,7 @@ def spec_table(spec: Spec) -> dict[str, Any]:
 def axis_bounds(axis: Any) -> Any:
     """An axis as a file has it: a pair are its bounds.
 
-    >>> bounds((0.0, 6.0)), bounds([1, 2, 3])
+    >>> axis_bounds((0.0, 6.0)), axis_bounds([1, 2, 3])
     ({'from': 0.0, 'to': 6.0}, [1, 2, 3])
     """
     if isinstance(axis, Mapping):

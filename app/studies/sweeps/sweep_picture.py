@@ -1,23 +1,25 @@
-"""The picture of a sweep, written as PNG, SVG or PDF."""
+"""The picture of a sweep, written as PNG, SVG or PDF; distributions, and what cells look like."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+import numpy as np
+
+from agents.flock import Flock
 from app.figure import ENDINGS, NAMED, new_figure, write_figure
-from app.studies.charts.axis_limits import column_bounds, parameter_bounds
-from app.studies.charts.distribution import draw_distributions
+from app.studies.charts.axis_limits import column_bounds, measure_limits, parameter_bounds
+from app.studies.charts.colour_table import CENSORED, COLOURS, FAILED
 from app.studies.charts.mean_line import FEW, draw_lines, draw_sample, mark_missing
-from app.studies.charts.run_group import CellRuns, is_number, values_of, varied_axes
+from app.studies.charts.run_group import CellRuns, is_number, label, values_of, varied_axes
 from app.studies.charts.scaling import CUMULANT, SIZE, Scaling, draw_scaling, group_by_size
 from app.studies.charts.value_map import draw_map, place_cells
-from app.studies.measure import MeasureBounds
+from app.studies.measure import UNBOUNDED, MeasureBounds
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sweeps.cell_snapshots import draw_snapshots
-from app.studies.sweeps.sweep_groups import groups_of
-from app.studies.sweeps.sweep_table import measured_columns
+from app.studies.sweeps.sweep_table import groups_of, measured_columns, places_of, spec_at
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError, unknown
 from worlds.number_text import counted
@@ -209,3 +211,102 @@ def describe_missing(groups: list[CellRuns]) -> str:
     text = f"{counted(ok, 'run')} of {counted(len(groups), 'cell')}"
     text += f"; {up} gave up and are in no mean" if up else ""
     return text + (f"; {broken} failed" if broken else "")
+
+
+# How runs are spread: a box for each group with every run as a point; bars with intervals.
+
+
+MOST_DISTRIBUTIONS = 40
+"""Boxes in one chart."""
+
+
+def draw_distributions(
+    axes: Any, groups: Sequence[CellRuns], bounds: MeasureBounds = UNBOUNDED
+) -> None:
+    """Draw a box for each cell, the first at the top. Raises InputError if there are too many."""
+    if len(groups) > MOST_DISTRIBUTIONS:
+        raise InputError(f"{len(groups)} boxes are too many: leave cells out with --where")
+    places = np.arange(len(groups))[::-1]
+    axes.boxplot(
+        [group.values for group in groups],
+        positions=places,
+        orientation="horizontal",
+        widths=0.55,
+        showfliers=False,
+        medianprops={"color": COLOURS[0]},
+        manage_ticks=False,
+    )
+    off = np.random.default_rng(0)
+    for place, group in zip(places, groups, strict=True):
+        at = place + off.uniform(-0.18, 0.18, len(group.values))
+        axes.plot(group.values, at, ".", color=COLOURS[0], alpha=0.45, markersize=4, clip_on=False)
+        words = []
+        if group.gave_up:
+            words.append((f"{group.gave_up} gave up", CENSORED))
+        if group.broken:
+            words.append((f"{group.broken} failed", FAILED))
+        for number, (text, colour) in enumerate(words):
+            where = axes.get_yaxis_transform()
+            axes.text(1.01, place - 0.25 * number, text, color=colour, fontsize=8, transform=where)
+    axes.set_yticks(places, [label(group.axes) or "all runs" for group in groups], fontsize=9)
+    axes.grid(axis="x")
+    axes.set_xlim(*measure_limits([v for group in groups for v in group.values], bounds))
+
+
+# How a flock of each cell of a map looks at its end, drawn small into the cell.
+
+
+MOST = 150
+"""Cells whose flocks are drawn."""
+MOST_STEPS = 50_000_000
+"""Steps of agents that are run again for it."""
+PART = 0.84
+"""Of a cell's width, the rest is its colour."""
+
+
+def draw_snapshots(axes: Any, reader: StoreReader, at: dict[int, tuple[int, int]]) -> None:
+    """Draw the flock of each cell's first run at its end; `at` is where a cell stands on the map.
+
+    It is run again for that. Raises InputError if there are too many, or too long runs.
+    """
+    first: dict[int, tuple[int, int]] = {}
+    for cell, seed, status, _, _, ticks, _ in reader.runs([]):
+        if status in ("ok", "gave-up") and cell in at:
+            first.setdefault(cell, (seed, ticks))
+    steps = sum(
+        ticks * reader.cells[cell]["identity"]["spec"]["agents"]
+        for cell, (_, ticks) in first.items()
+    )
+    if len(first) > MOST or steps > MOST_STEPS:
+        raise InputError(
+            f"the flocks of {len(first)} cells, {steps:.2g} steps of agents, are too much to draw: "
+            f"leave cells out with --where, {MOST} and {MOST_STEPS:.2g} are allowed"
+        )
+    places = places_of(reader)
+    for cell, (seed, ticks) in first.items():
+        flock = Flock(spec_at(reader, places[cell], seed))
+        flock.run(ticks)
+        column, row = at[cell]
+        margin = 0.5 * (1.0 - PART)
+        corner = column + margin, row + margin
+        draw_flock(axes.inset_axes([*corner, PART, PART], transform=axes.transData), flock)
+
+
+def draw_flock(inset: Any, flock: Flock) -> None:
+    """Draw a flock from above: arrows along its headings, as large as its world or itself."""
+    low, size = flock.world.low, flock.world.size
+    position, heading = flock.position, flock.heading
+    inset.quiver(
+        *position.T[:2], *heading.T[:2],
+        angles="xy", pivot="mid", scale=14.0, width=0.02, headwidth=5, color="black",
+    )  # fmt: skip
+    if all(flock.world.wraps[:2]):
+        inset.set_xlim(low[0], low[0] + size[0])
+        inset.set_ylim(low[1], low[1] + size[1])
+    else:
+        inset.margins(0.1)
+    inset.set_aspect("equal", adjustable="box" if all(flock.world.wraps[:2]) else "datalim")
+    inset.set_xticks([])
+    inset.set_yticks([])
+    inset.grid(False)
+    inset.patch.set_alpha(0.75)

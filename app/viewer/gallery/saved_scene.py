@@ -298,8 +298,8 @@ def pack_scene(scene: SavedScene) -> str:
     """A scene as a parameter of an address. Raises InputError for one that is too large.
 
     >>> from agents.spec import Spec
-    >>> from app.viewer.run.run_preset import at_home
-    >>> unpacked(packed(SavedScene("mine", at_home("vem", agents=30)))).title
+    >>> from app.viewer.run.run_preset import preset_spec
+    >>> unpack_scene(pack_scene(SavedScene("mine", preset_spec("vem", agents=30)))).title
     'mine'
     """
     text = zlib.compress(scene.command().encode(), 9)
@@ -341,7 +341,7 @@ DRAWN = "its world was changed: save the scene as a file and run"
 def command_line(scene: SavedScene) -> str:
     """What opens the run from a shell, as far as words can say it.
 
-    >>> command_line(SavedScene("mine", at_home("vem", agents=30, parameters={"eta": 0.5})))
+    >>> command_line(SavedScene("mine", preset_spec("vem", agents=30, parameters={"eta": 0.5})))
     'flockscope lab vem --agents 30 --seed 1 --set eta=0.5'
     """
     spec = scene.spec
@@ -361,7 +361,7 @@ def command_line(scene: SavedScene) -> str:
 def python(scene: SavedScene) -> str:
     """A script that makes the run.
 
-    >>> print(python(SavedScene("mine", at_home("vem", agents=30))))
+    >>> print(python(SavedScene("mine", preset_spec("vem", agents=30))))
     from flockscope import Flock
     <BLANKLINE>
     flock = Flock("vem", agents=30, seed=1)

@@ -30,10 +30,9 @@ from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.lab.panels.laboratory_plots import LaboratoryPlots
 from app.viewer.lab.panels.model_guide import Guide, TryRunner
 from app.viewer.lab.panels.numbers_table import MoreNumbers, NumbersTable
-from app.viewer.lab.panels.run_panel import RunPanel
+from app.viewer.lab.panels.run_panel import RunPanel, TimeLinePanel
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.lab.panels.sweep_panel import SweepPanel
-from app.viewer.lab.panels.time_line_panel import TimeLinePanel
 from app.viewer.lab.panels.world_panel import WorldPanel
 from app.viewer.lab.picture_exporter import PictureExporter
 from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests

@@ -270,7 +270,7 @@ def angle(plan: Injection, pose: Pose) -> float:
 def wrapped_degrees(turned: float) -> float:
     """An angle (rad) in (-180, 180] deg.
 
-    >>> behind(-math.pi), behind(0.5 * math.pi)
+    >>> wrapped_degrees(-math.pi), wrapped_degrees(0.5 * math.pi)
     (180.0, 90.0)
     """
     degrees = math.degrees(math.remainder(turned, 2.0 * math.pi))

@@ -46,7 +46,7 @@ class ArmingCode:
     """A code made by chance at the start; it is shown in the terminal and nowhere else.
 
     >>> code = ArmingCode()
-    >>> code.tried(code.digits), code.tried("12"), code.left
+    >>> code.check(code.digits), code.check("12"), code.left
     ('right', 'no code', 5)
     """
 

@@ -64,11 +64,11 @@ class WorkThrottle:
     The first time does not count: it may have had to compile.
 
     >>> rate_limit = WorkThrottle(period=0.25, share=0.1)
-    >>> rate_limit.spent(now=-9.0, seconds=3.0)
-    >>> rate_limit.due(now=0.0)
+    >>> rate_limit.note_duration(now=-9.0, seconds=3.0)
+    >>> rate_limit.is_due(now=0.0)
     True
-    >>> rate_limit.spent(now=0.0, seconds=0.05)  # took 50 ms: not again before 500 ms have passed
-    >>> rate_limit.due(now=0.4)
+    >>> rate_limit.note_duration(now=0.0, seconds=0.05)  # 50 ms: not again within 500 ms
+    >>> rate_limit.is_due(now=0.4)
     False
     """
 

@@ -100,7 +100,7 @@ def thin_ticks(at: np.ndarray, most: int) -> np.ndarray:
     They are the first in intervals that stay where they are while the curves grow or move on, so
     that nothing trembles; and the last, which is now.
 
-    >>> thinned(np.arange(10.0), 5)
+    >>> thin_ticks(np.arange(10.0), 5)
     array([0, 2, 4, 6, 8, 9])
     """
     if len(at) <= most:

@@ -73,7 +73,7 @@ def format_observable(name: str, value: float | None) -> str:
 def format_short(value: float) -> str:
     """A number in three figures or so; what only rounding has left of nothing is nothing.
 
-    >>> few(6.52e-14), few(0.01234), few(1234.5), few(216035.0), few(3.2e9), few(math.inf)
+    >>> tuple(map(format_short, (6.52e-14, 0.01234, 1234.5, 216035.0, 3.2e9, math.inf)))
     ('0', '0.0123', '1\u202f234', '216\u202f035', '3.2e+09', 'far')
     """
     if math.isnan(value):

@@ -94,7 +94,7 @@ def plot_csv(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 def plain_cell(cell: Any) -> Any:
     """A cell of a table: whole numbers without a point, nothing for nan.
 
-    >>> plain(np.float64(3.0)), plain(0.1), plain(np.nan), plain("x")
+    >>> plain_cell(np.float64(3.0)), plain_cell(0.1), plain_cell(np.nan), plain_cell("x")
     (3, 0.1, '', 'x')
     """
     if not isinstance(cell, float):

@@ -41,7 +41,7 @@ SMALL = {"_": LOWERED, "^": RAISED}
 def plain_symbol(symbol: str) -> str:
     r"""A LaTeX symbol as text; what Unicode has no small figures for keeps its `_` or `^`.
 
-    >>> plain(r"v_{max}"), plain(r"\\eta"), plain(r"k_{IU}"), plain(r"w^{nei}"), plain(r"v^0")
+    >>> tuple(map(plain_symbol, (r"v_{max}", r"\\eta", r"k_{IU}", r"w^{nei}", r"v^0")))
     ('vₘₐₓ', 'η', 'k_IU', 'w^nei', 'v⁰')
     """
     text = re.sub(r"\\(?:mathrm|text|operatorname|mathcal)\b", "", symbol)
@@ -196,7 +196,7 @@ def widen_range(limits: Range, value: float, allowed: Range) -> Range:
 
     A scale of logarithms has no place for 0; a value there stands at its left end.
 
-    >>> widened((0.5, 20.0), 3.0, (0.1, 100.0)), widened((0.5, 20.0), 30.0, (0.1, 100.0))
+    >>> widen_range((0.5, 20.0), 3.0, (0.1, 100.0)), widen_range((0.5, 20.0), 30.0, (0.1, 100.0))
     ((0.5, 20.0), (0.5, 50.0))
     """
     low, high = limits
@@ -213,9 +213,9 @@ def slider_stops(low: float, high: float, step: float, default: float) -> list[f
     On a scale of logarithms they have two figures; else they are multiples of the step, or of a
     rounder one where they would be too many, or too few.
 
-    >>> stops(0.0, 1.0, 0.25, 0.3)[:8]
+    >>> slider_stops(0.0, 1.0, 0.25, 0.3)[:8]
     [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35]
-    >>> stops(1.0, 500.0, 1.0, 30.0)[:12]
+    >>> slider_stops(1.0, 500.0, 1.0, 30.0)[:12]
     [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2.0, 2.1]
     """
     if is_wide(low, high):

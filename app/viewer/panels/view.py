@@ -83,7 +83,9 @@ class ViewPanel:
     def offer(self, choices: tuple[str, ...]) -> None:
         """Let agents be coloured by these: as was chosen, or else by the first of them."""
         colour = self.form["colour"]
-        if colour.value != self.offered:  # somebody has chosen it, though `coloured` is yet to run
+        if (
+            colour.value != self.offered
+        ):  # somebody has chosen it, though `remember_colouring` is yet to run
             self.colour = colour.value
         self.offering = True
         if tuple(colour.options) != choices:

@@ -49,10 +49,10 @@ class CompileEstimate:
         """How much longer it may take, for people.
 
         >>> later = CompileEstimate(0.0, 8.0, True)
-        >>> later.words(3.2), later.words(9.0)
+        >>> later.describe(3.2), later.describe(9.0)
         ('about 5 s more', 'any moment now')
         >>> first = CompileEstimate(0.0, 15.0, False)
-        >>> first.words(1.0), first.words(16.0)
+        >>> first.describe(1.0), first.describe(16.0)
         ('usually some 15 s', 'longer than usual')
         """
         left = self.expected - (now - self.began)

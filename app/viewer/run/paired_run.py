@@ -75,7 +75,7 @@ def parameters_by_name(flock_or_model: Any) -> dict[str, DeclaredParameter]:
 def shared_model_parameters(first: str, second: str) -> frozenset[str]:
     """The same for models by name.
 
-    >>> sorted(shared_by("vem", "ivem-a"))
+    >>> sorted(shared_model_parameters("vem", "ivem-a"))
     ['eta', 'k', 'neighbours', 'r', 'v0']
     """
     return shared_parameters(

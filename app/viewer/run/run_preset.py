@@ -49,7 +49,7 @@ def preset_spec(model: str = DEFAULT, **options: Any) -> CompleteSpec:
 
     What is None counts as not given; the seed is 1 then. Raises InputError.
 
-    >>> at_home("hwvem").world, at_home("hwvem", world="open").world
+    >>> preset_spec("hwvem").world, preset_spec("hwvem", world="open").world
     ('wrap', 'open')
     """
     given_options = {name: value for name, value in options.items() if value is not None}
@@ -59,7 +59,7 @@ def preset_spec(model: str = DEFAULT, **options: Any) -> CompleteSpec:
 def lively_speed(spec: Spec) -> float:
     """Ticks per second at which a run can be watched: five times as fast as a body's seconds pass.
 
-    >>> lively_speed(at_home("hwvem"))
+    >>> lively_speed(preset_spec("hwvem"))
     15.0
     """
     if find_model(spec.model).body.unit == "ticks":
@@ -77,8 +77,8 @@ def tick_of(spec: Spec) -> float:
 def drawing_defaults(spec: Spec) -> DrawingDefaults:
     """How a run is drawn as long as nobody chooses otherwise.
 
-    >>> usual_of(at_home("squashing-cars")).look.colour, usual_of(at_home("vem")).look.colour
-    ('each its own', 'heading')
+    >>> [drawing_defaults(preset_spec(name)).look.colour for name in ("squashing-cars", "vem")]
+    ['each its own', 'heading']
     """
     model = find_model(spec.model)
     return default_style(model, spec.agents, tick_of(spec))

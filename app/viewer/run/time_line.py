@@ -64,7 +64,7 @@ class RunCheckpoint:
 class CheckpointHistory:
     """Moments of one run, ticks rising: the first, and the denser the closer to the last.
 
-    >>> CheckpointHistory().before(5) is None
+    >>> CheckpointHistory().last_before(5) is None
     True
     """
 

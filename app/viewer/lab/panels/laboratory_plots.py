@@ -321,7 +321,7 @@ def mark_points(some: np.ndarray, at: np.ndarray, values: np.ndarray, lasts: flo
 def short_name(name: str) -> str:
     """An observable in the words of its card, if it has one of its own.
 
-    >>> briefly("angular-momentum"), briefly("connectivity")
+    >>> short_name("angular-momentum"), short_name("connectivity")
     ('rotation', 'connectivity')
     """
     card = OBSERVABLES[name].card

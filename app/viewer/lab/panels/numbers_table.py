@@ -184,7 +184,7 @@ def numbers_html(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str
 def format_in_full(cell: object) -> str:
     """A cell in all its figures.
 
-    >>> full(1 / 3), full(3.0), full(float("nan")), full("m")
+    >>> tuple(map(format_in_full, (1 / 3, 3.0, float("nan"), "m")))
     ('0.3333333333333333', '3', '–', 'm')
     """
     if not isinstance(cell, int | float):

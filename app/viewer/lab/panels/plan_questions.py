@@ -105,7 +105,7 @@ def add_answer(
 ) -> dict[str, Any]:
     """The options of a reading with an answer more.
 
-    >>> with_answer({"unit": "mm"}, PlanChoice("Walls", {"roles": {"wall": ["A"]}}), 0.2)
+    >>> add_answer({"unit": "mm"}, PlanChoice("Walls", {"roles": {"wall": ["A"]}}), 0.2)
     {'unit': 'mm', 'roles': {'wall': ['A']}, 'thickness': 0.2}
     """
     roles: dict[str, list[str]] = {

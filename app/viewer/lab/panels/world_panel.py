@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 import viser
 
-from app.front.controls import set_value
-from app.viewer.editing import forms
-from app.viewer.editing.editor import Editor
+from app.front.controls import show
+from app.viewer.editing.editor import CORNERS, Editor, disc, polygon
 from app.viewer.editing.free_places import floor_place, obstacle_hit
 from app.viewer.editing.layout_file import ENDINGS
 from app.viewer.lab.panels.plan_questions import PlanQuestions
@@ -212,7 +211,7 @@ class WorldPanel(WorldControls):
             self.add_corner(place, editor.world)
         elif self.tool.value == DISC:
             radius = float(self.sliders["radius"].value)
-            self.add(lambda: forms.disc(place, radius))
+            self.add(lambda: disc(place, radius))
         else:
             width, depth, turn = (
                 float(self.sliders[name].value) for name in ("width", "depth", "turn")
@@ -358,8 +357,8 @@ class WorldPanel(WorldControls):
         if any(np.hypot(corner[0] - x, corner[1] - y) < near for x, y in ends):
             self.add_polygon()
             self.corners.clear()
-        elif len(self.corners) >= forms.CORNERS:
-            self.simulation.notices.put(f"a polygon has {forms.CORNERS} corners at most")
+        elif len(self.corners) >= CORNERS:
+            self.simulation.notices.put(f"a polygon has {CORNERS} corners at most")
         else:
             self.corners.append(corner)
         self.refresh()
@@ -367,7 +366,7 @@ class WorldPanel(WorldControls):
     def add_polygon(self) -> None:
         """Make an obstacle of the corners."""
         corners = tuple(self.corners)
-        self.add(lambda: forms.polygon(corners))
+        self.add(lambda: polygon(corners))
 
     # What the panel shows.
 

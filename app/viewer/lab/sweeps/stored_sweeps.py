@@ -17,11 +17,11 @@ from app.studies.charts.run_group import CellRuns, is_number
 from app.studies.runs.database import FILE
 from app.studies.runs.store_reader import StoreReader
 from app.studies.study_runner import SPEC
-from app.studies.sweeps.sweep_groups import groups_of
 from app.studies.sweeps.sweep_picture import draw
 from app.studies.sweeps.sweep_table import (
     as_csv,
     axes_of,
+    groups_of,
     measured_columns,
     places_of,
     spec_at,

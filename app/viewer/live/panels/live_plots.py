@@ -162,7 +162,7 @@ class LivePlot:
 def values_at_times(at: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values at some of the times `at` as values at all of them, NaN where there is none.
 
-    >>> at_times(np.array([1.0, 2.0, 3.0]), np.array([2.0, 9.0]), np.array([7.0, 8.0]))
+    >>> values_at_times(np.array([1.0, 2.0, 3.0]), np.array([2.0, 9.0]), np.array([7.0, 8.0]))
     array([nan,  7., nan])
     """
     result, is_there = np.full(len(at), np.nan), np.isin(times, at)
@@ -173,9 +173,9 @@ def values_at_times(at: np.ndarray, times: np.ndarray, values: np.ndarray) -> np
 def round_limits(curves: Sequence[np.ndarray], floor: bool) -> tuple[float, float]:
     """Round numbers below and above all known values, from 0 if `floor`; they seldom change.
 
-    >>> around([np.array([10.1, np.nan]), np.array([14.3])], floor=True)
+    >>> round_limits([np.array([10.1, np.nan]), np.array([14.3])], floor=True)
     (0.0, 15.0)
-    >>> around([np.array([-52.0, 34.0])], floor=False)
+    >>> round_limits([np.array([-52.0, 34.0])], floor=False)
     (-75.0, 50.0)
     """
     finite = np.concatenate([values[np.isfinite(values)] for values in curves])

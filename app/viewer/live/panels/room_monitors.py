@@ -107,7 +107,7 @@ def milliseconds(seconds: float) -> str:
 def format_age(seconds: float) -> str:
     """How old a pose is, in steps that do not flicker.
 
-    >>> aged(0.004), aged(0.057), aged(1.27), aged(math.inf)
+    >>> format_age(0.004), format_age(0.057), format_age(1.27), format_age(math.inf)
     ('0 ms', '60 ms', '1.3 s', 'never')
     """
     if math.isinf(seconds):

@@ -161,7 +161,7 @@ def facts(state: SessionState, status: Status | None, plan: Injection) -> str:
 def describe_injected(plan: Injection) -> str:
     """What the injected car does, in words.
 
-    >>> injected(Injection())
+    >>> describe_injected(Injection())
     'circle of 2 m, 1.1 m/s'
     """
     match plan.path:

@@ -197,7 +197,7 @@ def line(words: str) -> str:
 def describe_tries(count: int) -> str:
     """How many are left, in words.
 
-    >>> tries(1)
+    >>> describe_tries(1)
     '1 try is left'
     """
     return "1 try is left" if count == 1 else f"{count} tries are left"

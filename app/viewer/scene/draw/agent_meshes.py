@@ -93,7 +93,7 @@ def wings() -> Mesh:
 def wing_scales(angle: np.ndarray) -> np.ndarray:
     """Scales (N, 3) of the wings' mesh that turn both wings up by an angle (N,), rad.
 
-    >>> beaten(np.array([0.0])).tolist()
+    >>> wing_scales(np.array([0.0])).tolist()
     [[1.0, 1.0, 0.0]]
     """
     return np.column_stack([np.ones(len(angle)), np.cos(angle), np.sin(angle)])

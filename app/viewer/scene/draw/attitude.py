@@ -39,7 +39,7 @@ def attitude(heading: np.ndarray) -> np.ndarray:
 def roll_attitudes(wxyz: np.ndarray, roll: np.ndarray) -> np.ndarray:
     """Quaternions (N, 4) after a roll (N,), rad, about the nose; right wing down above 0.
 
-    >>> rolled(attitude(np.array([[1.0, 0.0]])), np.array([0.0])).tolist()
+    >>> roll_attitudes(attitude(np.array([[1.0, 0.0]])), np.array([0.0])).tolist()
     [[1.0, 0.0, 0.0, 0.0]]
     """
     w, x, y, z = np.asarray(wxyz, dtype=float).T
@@ -79,7 +79,7 @@ LEVEL = np.column_stack([np.cos(half), 0.0 * half, 0.0 * half, np.sin(half)]).as
 def rounded_places(at: np.ndarray, length: float) -> np.ndarray:
     """Places (N, 3) of agents of some length, in steps that are a power of 2, float32.
 
-    >>> places(np.array([[1.0 / 3.0, 0.0, 0.0]]), length=0.2)[0, 0]
+    >>> rounded_places(np.array([[1.0 / 3.0, 0.0, 0.0]]), length=0.2)[0, 0]
     np.float32(0.3334961)
     """
     step = min(FINE, 2.0 ** math.floor(math.log2(max(OF_LENGTH * length, 1e-9))))

@@ -71,7 +71,7 @@ class Stage:
     def to_display(self, position: np.ndarray) -> np.ndarray:
         """Positions (..., dim) in the world -> (..., 3) on the display.
 
-        >>> Stage(2, (20.0, 10.0), (True, True)).shown(np.array([20.0, 5.0])).tolist()
+        >>> Stage(2, (20.0, 10.0), (True, True)).to_display(np.array([20.0, 5.0])).tolist()
         [5.0, 0.0, 0.0]
         """
         position = np.asarray(position, dtype=float)
@@ -91,7 +91,7 @@ class Stage:
         return np.asarray(points, dtype=float)[..., : self.dim] / self.scale + self.middle
 
     def place_in_world(self, points: np.ndarray) -> np.ndarray:
-        """The inverse of `placed`: (..., 3) on the display -> (..., 3) in the world."""
+        """The inverse of `place_on_display`: (..., 3) on the display -> (..., 3) in the world."""
         middle = np.zeros(3)
         middle[: self.dim] = self.middle
         return np.asarray(points, dtype=float) / self.scale + middle

@@ -150,7 +150,7 @@ def drawn_height(world: World) -> float:
 def find_changed(before: Sequence[Any], now: Sequence[Any]) -> int | None:
     """Which obstacle alone is different now, or has been added at the end; None if it is not one.
 
-    >>> the_changed("abc", "axc"), the_changed("ab", "abc"), the_changed("abc", "ab")
+    >>> find_changed("abc", "axc"), find_changed("ab", "abc"), find_changed("abc", "ab")
     (1, 2, None)
     """
     if len(now) not in (len(before), len(before) + 1):

@@ -92,7 +92,7 @@ class TimeScale:
 def age_marks(span: float) -> np.ndarray:
     """Ages at round distances from 0 to at most `span`, at most `MOST` of them.
 
-    >>> marks(0.6).tolist(), marks(20.0).tolist()
+    >>> age_marks(0.6).tolist(), age_marks(20.0).tolist()
     ([0.0, 0.2, 0.4, 0.6], [0.0, 5.0, 10.0, 15.0, 20.0])
     """
     least = span / (MOST - 1)

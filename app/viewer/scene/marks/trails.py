@@ -78,7 +78,7 @@ def thin_knots(ticks: np.ndarray, now: int, length: int, knots: int) -> np.ndarr
 
     A knot stays as long as it is shown: nothing flickers.
 
-    >>> thinned(np.arange(10), 10, 8, 4).tolist()
+    >>> thin_knots(np.arange(10), 10, 8, 4).tolist()
     [2, 4, 6, 8]
     """
     indices = np.flatnonzero(ticks >= now - length)

@@ -308,7 +308,7 @@ OTHER_WORDS = {"yellow": "gold", "purple": "plum", "cyan": "sky", "gray": "grey"
 def identity_colours(ids: np.ndarray) -> np.ndarray:
     """Identities (N,), which begin at 1 -> colours (N, 3); from the thirteenth on they come again.
 
-    >>> len(np.unique(by_identity(np.arange(1, 14)), axis=0))
+    >>> len(np.unique(identity_colours(np.arange(1, 14)), axis=0))
     12
     """
     return COLOURS[(np.asarray(ids, int) - 1) % len(COLOURS)]
@@ -318,7 +318,7 @@ def car_colours(names: Sequence[str]) -> dict[str, np.ndarray]:
     """The colours of cars by their names, which keep their order: one that is called by a colour
     has that, the others have those that are left, in turn.
 
-    >>> [css(one) for one in by_name(["car 2", "red"]).values()]
+    >>> [css(one) for one in car_colours(["car 2", "red"]).values()]
     ['#016cff', '#e30010']
     """
     requested: dict[str, str] = {}

@@ -12,7 +12,7 @@ from contextlib import ExitStack
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
-from app.cli.terminal import INTERRUPTED, make_console
+from app.cli.terminal.console import INTERRUPTED, make_console
 from worlds.number_text import duration
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ LINE_EVERY = 30.0
 
 
 class Progress:
-    """A context manager; call `at` as often as you like."""
+    """A context manager; call `update` as often as you like."""
 
     def __init__(self, title: str, quiet: bool = False):
         self.title = title

@@ -10,7 +10,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from app.cli.terminal import REFUSED, one_line, with_one_line_errors
+from app.cli.terminal.console import REFUSED, one_line, with_one_line_errors
 from worlds.input_error import InputError, nearest, needed, shortened, suggestion
 
 USAGE_ERROR: type[Exception] = typer.BadParameter.__bases__[0]
