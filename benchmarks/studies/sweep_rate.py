@@ -18,7 +18,7 @@ from pathlib import Path
 
 from agents import Flock
 from app.studies.sweeps.checked_sweep import Sweep
-from app.studies.sweeps.sweep_api import requested_sweep
+from app.studies.sweeps.sweep_api import StudyArguments
 from app.studies.sweeps.sweep_runner import run_sweep
 
 KINDS = ((50, 100, 1.0), (300, 100, 0.5), (1000, 1000, 0.05))
@@ -76,10 +76,10 @@ def main() -> None:
     print("".join(f"{head:>15}" for head in heads))
     for agents, ticks, share in KINDS:
         runs = max(len(ETA) * 2, int(options.runs * share) // len(ETA) * len(ETA))
-        sweep = requested_sweep(
-            "vem", {"kind": "grid", "axes": {"eta": ETA}}, runs // len(ETA), ticks,
-            ["polarisation"], "", 1, {"agents": agents}, None,
-        )  # fmt: skip
+        study = StudyArguments(
+            "vem", runs // len(ETA), ticks, observe=["polarisation"], words={"agents": agents}
+        )
+        sweep = study.sweep({"kind": "grid", "axes": {"eta": ETA}}, None)
         plain_loop(agents, ticks, len(ETA))
         loop = plain_loop(agents, ticks, min(runs, 800))
         start = measure_start(sweep, options.workers)

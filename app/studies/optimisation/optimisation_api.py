@@ -15,7 +15,7 @@ from app.studies.optimisation.optimisation_result import OptimisationResult
 from app.studies.optimisation.optimisation_runner import optimise as carry_out
 from app.studies.optimisation.study import Study, read_study, study_of
 from app.studies.search import Algorithm
-from app.studies.sweeps.sweep_api import axis_bounds, is_file, result_folder, values_of
+from app.studies.sweeps.sweep_api import StudyArguments, axis_bounds, result_folder
 from app.studies.sweeps.sweep_results import Results
 from worlds.input_error import InputError
 
@@ -118,12 +118,13 @@ def optimise(
 
     Begun again with the same folder it goes on where it was stopped. Raises InputError.
     """
-    if is_file(what):
-        if vary or least or most or keep or words or observe or until or where:
-            raise InputError(f"{str(what)!r} says itself what is searched: give folder and workers")
+    arguments = StudyArguments(what, runs, ticks, observe, words, until, hold)
+    if arguments.is_file:
+        searched = "what is searched: give folder and workers"
+        arguments.demand_nothing_else(searched, vary, least, most, keep, where)
         study = read_study(Path(str(what)))
     else:
-        values = values_of(what, runs, ticks, observe, until, hold, words)
+        values = arguments.table()
         values["replicates"]["fresh"] = fresh
         values["search"] = {
             "algorithm": algorithm,

@@ -17,7 +17,7 @@ from app.studies.charts.mean_line import interval_sides
 from app.studies.measure import SHARE, UNBOUNDED
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sensitivity.sensitivity_result import Sensitivity, analyse, design_of
-from app.studies.sweeps.sweep_api import axis_bounds, is_file, requested_sweep, result_folder
+from app.studies.sweeps.sweep_api import StudyArguments, axis_bounds, result_folder
 from app.studies.sweeps.sweep_results import Results
 from app.studies.sweeps.sweep_runner import run_sweep
 from app.studies.workers.processes import cores
@@ -178,7 +178,8 @@ def sensitivity(
     Raises InputError for what cannot be run, and for runs of which no index can be found.
     """
     design = None
-    if not is_file(what):
+    arguments = StudyArguments(what, runs, ticks, observe, words)
+    if not arguments.is_file:
         if not vary:
             raise InputError("vary is needed: which parameters may matter, each with its bounds?")
         if kind not in ("saltelli", "morris"):
@@ -188,7 +189,7 @@ def sensitivity(
         design = {"kind": kind, "axes": axes, "seed": seed, **size}
     elif vary:
         raise InputError(f"{str(what)!r} says itself what is varied: leave vary out")
-    sweep = requested_sweep(what, design, runs, ticks, observe, "", 1, words, tell)
+    sweep = arguments.sweep(design, tell)
     design_of(sweep)
     place = result_folder(folder)
     run_sweep(sweep, place, workers=workers or cores(), tell=tell)

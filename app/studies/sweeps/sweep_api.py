@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +66,8 @@ def sweep(
         for name, axis in (vary or {}).items()
     }
     design = {"kind": "grid", "where": where, "axes": axes} if vary else None
-    sweep = requested_sweep(what, design, runs, ticks, observe, until, hold, words, tell)
+    arguments = StudyArguments(what, runs, ticks, observe, words, until, hold)
+    sweep = arguments.sweep(design, tell)
     folder = result_folder(folder)
     run_sweep(sweep, folder, workers=workers or cores(), tell=tell)
     return Results(folder)
@@ -79,58 +81,57 @@ def result_folder(folder: str | Path | None) -> Path:
     return Path(folder)
 
 
-def is_file(what: str | Path | Spec) -> bool:
-    """Whether this names a file that says all that is to be run."""
-    return isinstance(what, Path) or (isinstance(what, str) and what.endswith(".toml"))
+@dataclass(frozen=True)
+class StudyArguments:
+    """What a call of `sweep`, `sensitivity` or `optimise` says of its runs, as `sweep` takes it."""
 
+    what: str | Path | Spec
+    runs: int
+    ticks: int
+    observe: Sequence[str | Mapping[str, Any]]
+    words: Mapping[str, Any]
+    until: str = ""
+    hold: int = 1
 
-def requested_sweep(
-    what: str | Path | Spec,
-    design: Mapping[str, Any] | None,
-    runs: int,
-    ticks: int,
-    observe: Sequence[str | Mapping[str, Any]],
-    until: str,
-    hold: int,
-    words: Mapping[str, Any],
-    tell: Callable[[str], Any] | None,
-) -> Sweep:
-    """The sweep that is asked for. Raises InputError."""
-    if is_file(what):
-        if design or words or observe or until:
-            raise InputError(f"{str(what)!r} says itself what is run: give folder and workers only")
-        return read_sweep(Path(str(what)), tell)
-    values = values_of(what, runs, ticks, observe, until, hold, words)
-    if design is not None:
-        values["design"] = [dict(design)]
-    return sweep_of(values, KeyLocations(CALL), Path(), tell)
+    @property
+    def is_file(self) -> bool:
+        """Whether `what` names a file, which says all that is to be run."""
+        what = self.what
+        return isinstance(what, Path) or (isinstance(what, str) and what.endswith(".toml"))
 
+    def demand_nothing_else(self, allowed: str, *more: Any) -> None:
+        """Refuse what a file says itself; `more` are arguments of one kind of study."""
+        if self.words or self.observe or self.until or any(more):
+            raise InputError(f"{str(self.what)!r} says itself {allowed}")
 
-def values_of(
-    what: str | Path | Spec,
-    runs: int,
-    ticks: int,
-    observe: Sequence[str | Mapping[str, Any]],
-    until: str,
-    hold: int,
-    words: Mapping[str, Any],
-) -> dict[str, Any]:
-    """What a file would say of the runs, but for their design. Raises InputError."""
-    run: dict[str, Any] = spec_table(what) if isinstance(what, Spec) else {"model": str(what)}
-    run["ticks"] = ticks
-    for name, value in words.items():
-        if name in RunOptions.model_fields:
-            run[name] = plain_value(value)
-        else:
-            run.setdefault("parameters", {})[name] = plain_value(value)
-    values: dict[str, Any] = {"run": run, "replicates": {"count": runs}}
-    if until:
-        values["stop"] = {"when": until, "hold": hold}
-    if observe:
-        values["observe"] = [
-            {"name": entry} if isinstance(entry, str) else dict(entry) for entry in observe
-        ]
-    return values
+    def table(self) -> dict[str, Any]:
+        """What a file would say of the runs, but for their design. Raises InputError."""
+        what = self.what
+        run: dict[str, Any] = spec_table(what) if isinstance(what, Spec) else {"model": str(what)}
+        run["ticks"] = self.ticks
+        for name, value in self.words.items():
+            if name in RunOptions.model_fields:
+                run[name] = plain_value(value)
+            else:
+                run.setdefault("parameters", {})[name] = plain_value(value)
+        values: dict[str, Any] = {"run": run, "replicates": {"count": self.runs}}
+        if self.until:
+            values["stop"] = {"when": self.until, "hold": self.hold}
+        if self.observe:
+            values["observe"] = [
+                {"name": entry} if isinstance(entry, str) else dict(entry) for entry in self.observe
+            ]
+        return values
+
+    def sweep(self, design: Mapping[str, Any] | None, tell: Callable[[str], Any] | None) -> Sweep:
+        """The sweep that is asked for. Raises InputError."""
+        if self.is_file:
+            self.demand_nothing_else("what is run: give folder and workers only", design)
+            return read_sweep(Path(str(self.what)), tell)
+        values = self.table()
+        if design is not None:
+            values["design"] = [dict(design)]
+        return sweep_of(values, KeyLocations(CALL), Path(), tell)
 
 
 def spec_table(spec: Spec) -> dict[str, Any]:
