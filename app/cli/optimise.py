@@ -11,18 +11,15 @@ from app.cli.sweep.run import (
     BROKEN,
     AsJson,
     Drawn,
-    Limit,
-    Nice,
     Overwrite,
     Quiet,
-    RetryFailed,
-    Workers,
-    demand_sound,
+    RunnerOptions,
     print_warnings,
     progress_bar,
 )
 from app.cli.terminal.console import make_console
 from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
+from app.cli.terminal.usage import with_option_groups
 from app.results_folder import PICTURES
 
 if TYPE_CHECKING:
@@ -34,17 +31,16 @@ FAULTS = 20
 """Failed runs that are named."""
 
 
+@with_option_groups
 def optimise(
     what: Annotated[str, typer.Argument(help="FILE.toml, or the folder of one to go on with.")],
+    *,
     out: Annotated[
         Path | None, typer.Option(help="Folder of its runs. \\[default: results/NAME]")
     ] = None,
     picture: Drawn = None,
     overwrite: Overwrite = False,
-    workers: Workers = None,
-    nice: Nice = 0,
-    retry_failed: RetryFailed = False,
-    limit: Limit = None,
+    runner: RunnerOptions,
     json_asked: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -61,7 +57,7 @@ def optimise(
     from worlds.file_writer import demand_writable
     from worlds.input_error import InputError
 
-    demand_sound(workers, nice, limit)
+    runner.check()
     if Path(what).suffix.lower() == ".toml":
         study, own = read_study(Path(what)), folder_of(Path(what).stem)
     elif is_sweep(folder_of(what)):
@@ -75,7 +71,7 @@ def optimise(
     if not quiet:
         for variant in study.variants:
             print_warnings(variant.sweep)
-    done = carry_out_search(study, folder, workers, nice, retry_failed, limit, quiet)
+    done = carry_out_search(study, folder, runner, quiet)
     for line in done.broken[:FAULTS]:
         print_stderr(f"flockscope: {line}")
     if done.answer is None:
@@ -96,10 +92,7 @@ def optimise(
 def carry_out_search(
     study: Study,
     folder: Path,
-    workers: int | None,
-    nice: int,
-    retry: bool,
-    limit: int | None,
+    runner: RunnerOptions,
     quiet: bool,
 ) -> OptimisationReport:
     """Carry out the search."""
@@ -109,10 +102,10 @@ def carry_out_search(
         return carry_out(
             study,
             folder,
-            workers=workers,
-            nice=nice,
-            retry=retry,
-            limit=limit,
+            workers=runner.workers,
+            nice=runner.nice,
+            retry=runner.retry_failed,
+            limit=runner.limit,
             tell=None if quiet else print_stderr,
             at=lambda share, words: progress.update(share, None, words),
         )

@@ -11,26 +11,25 @@ from app.cli.sweep.run import (
     BROKEN,
     AsJson,
     Drawn,
-    Limit,
-    Nice,
     Overwrite,
     Quiet,
-    RetryFailed,
-    Workers,
+    RunnerOptions,
     carry_out_sweep,
-    demand_sound,
     print_warnings,
 )
 from app.cli.terminal.console import make_console
 from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
+from app.cli.terminal.usage import with_option_groups
 from app.results_folder import PICTURES
 
 if TYPE_CHECKING:
     from app.studies.sensitivity.sensitivity_result import Sensitivity
 
 
+@with_option_groups
 def sensitivity(
     what: Annotated[str, typer.Argument(help="FILE.toml, or a sweep to go on with.")],
+    *,
     observable: Annotated[
         str | None, typer.Option(help="What is analysed. \\[default: all that is measured]")
     ] = None,
@@ -39,10 +38,7 @@ def sensitivity(
     ] = None,
     picture: Drawn = None,
     overwrite: Overwrite = False,
-    workers: Workers = None,
-    nice: Nice = 0,
-    retry_failed: RetryFailed = False,
-    limit: Limit = None,
+    runner: RunnerOptions,
     json_asked: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -59,7 +55,7 @@ def sensitivity(
     from worlds.file_writer import demand_writable
     from worlds.input_error import unknown
 
-    demand_sound(workers, nice, limit)
+    runner.check()
     sweep, own = read_complete_sweep(what, None if quiet else print_stderr)
     folder = out or own
     design_of(sweep)
@@ -69,7 +65,7 @@ def sensitivity(
         demand_writable("--picture", picture, overwrite, ENDINGS)
     if not quiet:
         print_warnings(sweep)
-    done = carry_out_sweep(sweep, folder, workers, nice, retry_failed, limit, quiet)
+    done = carry_out_sweep(sweep, folder, runner, quiet)
     if done.broken:
         print_stderr(
             f"flockscope: {done.broken} runs failed: flockscope sweep show {folder} names them"

@@ -10,56 +10,31 @@ import typer
 
 from app.cli.sweep.run import run
 from app.cli.sweep.show import show
-from app.cli.sweep.sweep_choice import (
-    Fixed,
-    Hold,
-    Name,
-    Observes,
-    Over,
-    Runs,
-    Seconds,
-    Ticks,
-    Until,
-    Vary,
-    find_sweep_folder,
-    is_sweep,
-    read_sweep_options,
-)
+from app.cli.sweep.sweep_choice import Name, SweepOptions, find_sweep_folder, is_sweep
 from app.cli.terminal.console import one_line
 from app.cli.terminal.outcome_table import as_json, print_written_files
-from app.cli.terminal.usage import command_group
+from app.cli.terminal.usage import command_group, with_option_groups
 from app.results_folder import RESULTS
-from app.settings import check_whole_number
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
 
 # `flockscope sweep check`: all cells checked, and what they will take; nothing is run.
 
 
+@with_option_groups
 def check(
     what: Annotated[str, typer.Argument(help="FILE.toml, or a MODEL with --vary.")],
-    vary: Vary = None,
-    fixed: Fixed = None,
-    runs: Runs = None,
-    ticks: Ticks = None,
-    seconds: Seconds = None,
-    observe: Observes = "",
-    over: Over = None,
-    until: Until = "",
-    hold: Hold = 1,
+    options: SweepOptions,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Check every cell of a sweep. Print how many runs it has and how long they take.
 
     The first ticks of some cells are timed; nothing is kept.
     """
-    check_whole_number("--runs", runs, 1)
     from app.studies.sweeps.estimate import describe_other_worlds, estimate
     from app.studies.workers.processes import cores
 
-    sweep, _ = read_sweep_options(
-        what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, None
-    )
+    sweep, _ = options.read(what, None)
     result = estimate(sweep)
     warnings = describe_other_worlds(sweep)
     if json_asked:

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,21 +25,11 @@ from app.cli.sweep.clusters import (
     describe_cluster,
     read_cluster_options,
 )
-from app.cli.sweep.sweep_choice import (
-    Fixed,
-    Hold,
-    Observes,
-    Over,
-    Runs,
-    Seconds,
-    Ticks,
-    Until,
-    Vary,
-    read_sweep_options,
-)
+from app.cli.sweep.sweep_choice import SweepOptions
 from app.cli.terminal.console import INTERRUPTED
 from app.cli.terminal.outcome_table import as_json, print_stderr
 from app.cli.terminal.progress import Progress, StopSignals
+from app.cli.terminal.usage import with_option_groups
 from app.settings import check_whole_number
 from worlds.number_text import counted, duration
 
@@ -67,11 +58,20 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")]
 
 
-def demand_sound(workers: int | None, nice: int, limit: int | None) -> None:
-    """Refuse numbers that cannot be. Raises InputError."""
-    check_whole_number("--workers", workers, 1, MOST_WORKERS)
-    check_whole_number("--nice", nice, 0, 19)
-    check_whole_number("--limit", limit, 1)
+@dataclass(frozen=True)
+class RunnerOptions:
+    """How runs are made, of every command that makes many."""
+
+    workers: Workers = None
+    nice: Nice = 0
+    retry_failed: RetryFailed = False
+    limit: Limit = None
+
+    def check(self) -> None:
+        """Refuse numbers that cannot be. Raises InputError."""
+        check_whole_number("--workers", self.workers, 1, MOST_WORKERS)
+        check_whole_number("--nice", self.nice, 0, 19)
+        check_whole_number("--limit", self.limit, 1)
 
 
 @contextmanager
@@ -98,10 +98,7 @@ def print_warnings(sweep: Sweep) -> None:
 def carry_out_sweep(
     sweep: Sweep,
     folder: Path,
-    workers: int | None,
-    nice: int,
-    retry: bool,
-    limit: int | None,
+    runner: RunnerOptions,
     quiet: bool,
     cluster: Cluster | None = None,
 ) -> StudyReport:
@@ -117,36 +114,27 @@ def carry_out_sweep(
         return run_sweep(
             sweep,
             folder,
-            workers=workers or cores(),
-            nice=nice,
-            retry=retry,
-            limit=limit,
+            workers=runner.workers or cores(),
+            nice=runner.nice,
+            retry=runner.retry_failed,
+            limit=runner.limit,
             cluster=cluster,
             tell=None if quiet else print_stderr,
             at=progress.update,
         )
 
 
+@with_option_groups
 def run(
     what: Annotated[
         str, typer.Argument(help="FILE.toml, a MODEL with --vary, or a sweep to go on with.")
     ],
-    vary: Vary = None,
-    fixed: Fixed = None,
-    runs: Runs = None,
-    ticks: Ticks = None,
-    seconds: Seconds = None,
-    observe: Observes = "",
-    over: Over = None,
-    until: Until = "",
-    hold: Hold = 1,
+    *,
+    options: SweepOptions,
     out: Annotated[
         Path | None, typer.Option(help="Folder of the sweep. \\[default: results/NAME]")
     ] = None,
-    workers: Workers = None,
-    nice: Nice = 0,
-    retry_failed: RetryFailed = False,
-    limit: Limit = None,
+    runner: RunnerOptions,
     cluster: OnCluster = "",
     dry_run: DryRun = False,
     jobs: Jobs = None,
@@ -165,25 +153,20 @@ def run(
 
     The exit code is 3 if any run failed or was killed: `flockscope sweep show` names them.
     """
-    check_whole_number("--runs", runs, 1)
-    check_whole_number("--over", over, 1)
-    check_whole_number("--hold", hold, 1)
-    demand_sound(workers, nice, limit)
+    runner.check()
     listener = None if quiet else print_stderr
-    sweep, own = read_sweep_options(
-        what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, listener
-    )
+    sweep, own = options.read(what, listener)
     folder = out or own
     queue_options = {"jobs": jobs, "cores": cores, "memory": memory, "walltime": walltime}
     queue_options |= {"queue": queue, "account": account}
-    made_on = read_cluster_options(sweep, cluster, workers, dry_run, **queue_options)
+    made_on = read_cluster_options(sweep, cluster, runner.workers, dry_run, **queue_options)
     if dry_run and made_on is not None:
         print_job(made_on, quiet)
         return
     if not quiet:
         print_warnings(sweep)
     began = time.monotonic()
-    done = carry_out_sweep(sweep, folder, workers, nice, retry_failed, limit, quiet, made_on)
+    done = carry_out_sweep(sweep, folder, runner, quiet, made_on)
     files = draw_all(sweep, folder) if plot and done.made + done.taken else []
     report(sweep, folder, done, files, time.monotonic() - began, json_asked, quiet)
     if done.broken:

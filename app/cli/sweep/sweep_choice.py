@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,7 +11,7 @@ import typer
 
 from app.cli.options.run_length import demand_one_length, ticks_asked
 from app.results_folder import RESULTS
-from app.settings import assignment, names, numbers, value
+from app.settings import assignment, check_whole_number, names, numbers, value
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -46,42 +47,85 @@ Hold = Annotated[int, typer.Option(help="Ticks for which --until has to hold.")]
 Name = Annotated[str, typer.Argument(help="A sweep in results/, or its folder.")]
 
 
-def read_sweep_options(
-    what: str,
-    vary: list[str] | None,
-    fixed: list[str] | None,
-    runs: int | None,
-    ticks: int | None,
-    seconds: float | None,
-    observe: str,
-    over: int | None,
-    until: str,
-    hold: int,
-    tell: Any,
-) -> tuple[Sweep, Path]:
-    """The sweep and its folder, where no other is asked for. Raises InputError."""
-    from app.studies.key_lines import KeyLocations
-    from app.studies.sweeps.checked_sweep import sweep_of
+@dataclass(frozen=True)
+class SweepOptions:
+    """What `sweep run` and `sweep check` are given of a sweep that no file says."""
 
-    options = {
-        "--vary": vary, "--set": fixed, "--runs": runs, "--ticks": ticks, "--observe": observe,
-        "--over": over, "--until": until, "--seconds": seconds,
-    }  # fmt: skip
-    if is_complete_sweep(what):
-        for name, option_value in options.items():
-            if option_value:
-                raise InputError(f"{name} cannot be given with {what}, which says it already")
-        return read_complete_sweep(what, tell)
-    if not vary:
-        raise InputError(
-            f"{what!r} is no FILE.toml and no folder of a sweep; for a model give --vary "
-            "NAME=FROM:TO:COUNT"
-        )
-    demand_one_length(ticks, seconds, least=1)
-    ticks = ticks if seconds is None else ticks_of(what, vary, fixed or [], seconds)
-    values, places = from_options(what, vary, fixed or [], runs, ticks, observe, over, until, hold)
-    sweep = sweep_of(values, KeyLocations("the command line", options=places), Path(), tell)
-    return sweep, RESULTS / "-".join([Path(what).stem, *sweep.axes])
+    vary: Vary = None
+    fixed: Fixed = None
+    runs: Runs = None
+    ticks: Ticks = None
+    seconds: Seconds = None
+    observe: Observes = ""
+    over: Over = None
+    until: Until = ""
+    hold: Hold = 1
+
+    def read(self, what: str, tell: Any) -> tuple[Sweep, Path]:
+        """The sweep and its folder, where no other is asked for. Raises InputError."""
+        from app.studies.key_lines import KeyLocations
+        from app.studies.sweeps.checked_sweep import sweep_of
+
+        check_whole_number("--runs", self.runs, 1)
+        check_whole_number("--over", self.over, 1)
+        check_whole_number("--hold", self.hold, 1)
+        options = {
+            "--vary": self.vary, "--set": self.fixed, "--runs": self.runs, "--ticks": self.ticks,
+            "--observe": self.observe, "--over": self.over, "--until": self.until,
+            "--seconds": self.seconds,
+        }  # fmt: skip
+        if is_complete_sweep(what):
+            for name, option_value in options.items():
+                if option_value:
+                    raise InputError(f"{name} cannot be given with {what}, which says it already")
+            return read_complete_sweep(what, tell)
+        if not self.vary:
+            raise InputError(
+                f"{what!r} is no FILE.toml and no folder of a sweep; for a model give --vary "
+                "NAME=FROM:TO:COUNT"
+            )
+        demand_one_length(self.ticks, self.seconds, least=1)
+        values, places = self.table(what)
+        keys = KeyLocations("the command line", options=places)
+        sweep = sweep_of(values, keys, Path(), tell)
+        return sweep, RESULTS / "-".join([Path(what).stem, *sweep.axes])
+
+    def table(self, model: str) -> tuple[dict[str, Any], dict[str, str]]:
+        """What a file would say, and which option each key is from. Raises InputError."""
+        from app.studies.sweeps.sweep_file import RunOptions
+
+        ticks = self.ticks
+        if self.seconds is not None:
+            ticks = ticks_of(model, self.vary or [], self.fixed or [], self.seconds)
+        run: dict[str, Any] = {"model": model, "ticks": 1000 if ticks is None else ticks}
+        places = {"model": "MODEL", "ticks": "--ticks", "count": "--runs", "when": "--until"}
+        for setting in self.fixed or []:
+            name, given_value = assignment(setting)
+            places[name] = f"--set {setting}"
+            if name in RunOptions.model_fields:
+                run[name] = given_value
+            else:
+                run.setdefault("parameters", {})[name] = given_value
+        axes: dict[str, Any] = {}
+        for setting in self.vary or []:
+            name, axis = axis_of(setting)
+            places[name] = f"--vary {setting}"
+            axes[name] = axis
+        values: dict[str, Any] = {"run": run, "design": [{"kind": "grid", "axes": axes}]}
+        if self.runs is not None:
+            values["replicates"] = {"count": self.runs}
+        if self.until:
+            values["stop"] = {"when": self.until, "hold": self.hold}
+        observed = names(self.observe)
+        places |= {"observe": "--observe", "over": "--over"}
+        if observed:
+            values["observe"] = [
+                {"name": name} if self.over is None else {"name": name, "over": self.over}
+                for name in observed
+            ]
+        elif self.over is not None:
+            raise InputError("--over needs --observe: of what is the mean to be taken?")
+        return values, places
 
 
 def ticks_of(model: str, vary: list[str], fixed: list[str], seconds: float) -> int | None:
@@ -141,50 +185,6 @@ def read_sweep_folder(folder: Path) -> tuple[dict[str, Any], KeyLocations, Path]
     text = read_text(f"sweep {str(path)!r}", path)
     origin = Path(StoreReader(folder).state.get("from_folder", folder))
     return toml(text, str(path)), KeyLocations(str(path), text), origin
-
-
-def from_options(
-    model: str,
-    vary: list[str],
-    fixed: list[str],
-    runs: int | None,
-    ticks: int | None,
-    observe: str,
-    over: int | None,
-    until: str,
-    hold: int,
-) -> tuple[dict[str, Any], dict[str, str]]:
-    """What a file would say, and which option each key is from. Raises InputError."""
-    from app.studies.sweeps.sweep_file import RunOptions
-
-    run: dict[str, Any] = {"model": model, "ticks": 1000 if ticks is None else ticks}
-    places = {"model": "MODEL", "ticks": "--ticks", "count": "--runs", "when": "--until"}
-    for setting in fixed:
-        name, given_value = assignment(setting)
-        places[name] = f"--set {setting}"
-        if name in RunOptions.model_fields:
-            run[name] = given_value
-        else:
-            run.setdefault("parameters", {})[name] = given_value
-    axes: dict[str, Any] = {}
-    for setting in vary:
-        name, axis = axis_of(setting)
-        places[name] = f"--vary {setting}"
-        axes[name] = axis
-    values: dict[str, Any] = {"run": run, "design": [{"kind": "grid", "axes": axes}]}
-    if runs is not None:
-        values["replicates"] = {"count": runs}
-    if until:
-        values["stop"] = {"when": until, "hold": hold}
-    observed = names(observe)
-    places |= {"observe": "--observe", "over": "--over"}
-    if observed:
-        values["observe"] = [
-            {"name": name} if over is None else {"name": name, "over": over} for name in observed
-        ]
-    elif over is not None:
-        raise InputError("--over needs --observe: of what is the mean to be taken?")
-    return values, places
 
 
 def axis_of(setting: str) -> tuple[str, Any]:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from typing import Annotated, Any, NoReturn
+from dataclasses import fields, is_dataclass
+from functools import wraps
+from typing import Annotated, Any, NoReturn, get_type_hints
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -73,6 +76,39 @@ class CommandGroup(TyperGroup):
                 ctx,
             )
         return super().resolve_command(ctx, args)
+
+
+def with_option_groups(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The command with the options of its groups: each parameter that is a dataclass is one.
+
+    Typer knows functions only, so options that several commands share would be repeated in each.
+    """
+    hints = get_type_hints(command, include_extras=True)
+    groups: dict[str, Any] = {name: kind for name, kind in hints.items() if is_dataclass(kind)}
+    signature = inspect.signature(command)
+    options: list[inspect.Parameter] = []
+    for name, parameter in signature.parameters.items():
+        if name not in groups:
+            options.append(parameter.replace(kind=parameter.KEYWORD_ONLY, annotation=hints[name]))
+            continue
+        kinds = get_type_hints(groups[name], include_extras=True)
+        options += [
+            inspect.Parameter(
+                own.name, parameter.KEYWORD_ONLY, default=own.default, annotation=kinds[own.name]
+            )
+            for own in fields(groups[name])
+        ]
+
+    @wraps(command)
+    def called(**arguments: Any) -> Any:
+        given = {
+            name: kind(**{own.name: arguments.pop(own.name) for own in fields(kind)})
+            for name, kind in groups.items()
+        }
+        return command(**given, **arguments)
+
+    called.__signature__ = signature.replace(parameters=options)  # type: ignore[attr-defined]
+    return called
 
 
 def command_group(summary: str, functions: Mapping[str, Callable[..., Any]]) -> typer.Typer:
