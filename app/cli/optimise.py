@@ -46,9 +46,9 @@ def optimise(
 ) -> None:
     """Search for the values of parameters that make a measure least or most.
 
-    The best is told on seeds that the search has not seen, beside the default, with what ties with
-    it. The same call goes on after any stop: the search is begun again and takes what it has seen
-    from the store. The exit code is 3 if any run failed.
+    Fresh seeds judge the best point, beside the default and the points that tie with it. Call it
+    again to go on after a stop: finished runs come from the store. The exit code is 3 if any run
+    failed.
     """
     from app.cli.sweep.sweep_choice import folder_of, is_sweep, read_sweep_folder
     from app.figure import ENDINGS

@@ -117,7 +117,7 @@ def test_the_order_in_words():
     assert said == [
         "order depends most on a (S_T 0.80 ± 0.10), then on b (S_T 0.20 ± 0.10), then on c "
         "(S_T 0.10 ± 0.12)",
-        "b and c are not told apart: their intervals are wider than they are different",
+        "b and c cannot be told apart: their intervals are wider than they are different",
         "no influence is seen of c",
         "each by itself, the axes explain 80% of the variance",
         "chance makes up 30% of the variance between cells: more seeds are needed",

@@ -103,7 +103,7 @@ def test_what_is_deleted_cannot_be_dragged_and_comes_back_with_its_key():
     first, second = editor.now.keys
     gone = editor.delete(first)
     assert gone.now.keys == (second,)
-    with pytest.raises(MissingObstacleError, match="not there any more"):
+    with pytest.raises(MissingObstacleError, match="does not exist any more"):
         gone.move(first, (1.0, 0.0))
     assert gone.move(second, (1.0, 0.0)).now.obstacle(second).centre == (9.0, 4.0)
     assert gone.undo().move(first, (1.0, 0.0)).now.obstacle(first).centre == (4.0, 4.0)
@@ -222,7 +222,7 @@ def test_what_a_browser_may_not_ask_for_is_refused_in_one_line(change, words):
 def test_there_are_no_more_than_so_many_obstacles():
     discs = tuple(Disc(centre=(float(k), 5.0), radius=0.1) for k in range(MOST_OBSTACLES))
     editor = Editor.of(World("full", (600.0, 10.0), ("open", "open"), obstacles=discs))
-    with pytest.raises(InputError, match="there may be no more"):
+    with pytest.raises(InputError, match="no more are allowed"):
         editor.add(disc((3, 4), 1.0))
     assert len(editor.delete(editor.newest_key).add(disc((3, 4), 1.0)).world.obstacles) == 500
 

@@ -238,4 +238,4 @@ def test_several_people_at_once_leave_a_sound_world_and_a_running_flock(simulati
     told = set()
     while not simulation.notices.empty():
         told.add(simulation.notices.get())
-    assert {line for line in told if "not there any more" not in line} == set()
+    assert {line for line in told if "does not exist any more" not in line} == set()

@@ -251,7 +251,7 @@ def test_parameters_are_those_of_the_tick_that_is_gone_on_from(simulate):
     shown(live, 40)
     seek(live, 0)
     assert live.state.values["eta"] == 1.5
-    with pytest.raises(InputError, match="looked back at"):
+    with pytest.raises(InputError, match="you look back at tick"):
         live.set("eta", 0.9).result(60)
     live.time_line.to_now().result(60)
     assert live.state.values["eta"] == 0.2

@@ -132,7 +132,7 @@ def describe_progress(value: dict[str, Any]) -> str:
         time_left = duration(value["seconds_left"])
         lines.append(f"{value['rate']:.3g} runs a second, {time_left} left (pid {value['pid']})")
     if value["others"]:
-        lines.append(f"{value['others']} runs of other cells or versions are kept beside")
+        lines.append(f"{value['others']} runs of other cells or versions are in the store too")
     return "\n".join(lines)
 
 
@@ -160,9 +160,7 @@ def stop(
     end = time.monotonic() + TIMEOUT
     while is_locked(folder):
         if time.monotonic() > end:
-            raise InputError(
-                f"{str(folder)!r} has not stopped within {TIMEOUT:g} s: it was asked to"
-            )
+            raise InputError(f"{str(folder)!r} has not stopped within {TIMEOUT:g} s")
         time.sleep(0.1)
     if not quiet:
         typer.echo(f"stopped: {folder}", err=True)

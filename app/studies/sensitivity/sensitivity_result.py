@@ -198,7 +198,7 @@ class Sensitivity:
         for influence, other in zip(self.influences, self.influences[1:], strict=False):
             if not are_distinct(influence.total, other.total):
                 yield (
-                    f"{influence.axis} and {other.axis} are not told apart: their intervals are "
+                    f"{influence.axis} and {other.axis} cannot be told apart: their intervals are "
                     "wider "
                     "than they are different"
                 )

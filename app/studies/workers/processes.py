@@ -180,13 +180,12 @@ class ProcessExecutor:
                 process.halted = True
                 process.child.kill()
                 at, _ = process.remaining_tasks()
-                what = "a process that was to make runs"
+                what = "a process for runs"
                 if at is not None:
                     what = f"the process of cell {at.cell}, seed {at.seed}"
                 self.tell(
                     f"{what} has stood still for {now - (process.lived or 0.0):.0f} s: it is "
-                    "ended, "
-                    "and what it had to do is done by another"
+                    "killed, and another one takes its runs"
                 )
 
     def start_process(self) -> WorkerProcess:
@@ -262,9 +261,7 @@ class ProcessExecutor:
             self.stillborn += code != 0 and not process.overran  # 0: it was asked for nothing
             if self.stillborn >= STILLBORN * self.workers:
                 why = f" ({reason})" if reason and code is not None else ""
-                raise InputError(
-                    f"no process that makes runs can be begun: they end with {how}{why}"
-                )
+                raise InputError(f"no process for runs can start: they end with {how}{why}")
             return
         at = replace(at, tries=at.tries + 1)
         if process.overran:

@@ -46,7 +46,7 @@ class WorldVersion:
     def place(self, key: int) -> int:
         """Where in the world's tuple an obstacle is. Raises Gone."""
         if key not in self.keys:
-            raise MissingObstacleError("that obstacle is not there any more")
+            raise MissingObstacleError("that obstacle does not exist any more")
         return self.keys.index(key)
 
     def obstacle(self, key: int) -> Any:
@@ -86,7 +86,7 @@ class Editor:
     def add(self, obstacle: Any) -> Editor:
         """One more obstacle."""
         if len(self.world.obstacles) >= MOST_OBSTACLES:
-            raise InputError(f"there are {MOST_OBSTACLES} obstacles, and there may be no more")
+            raise InputError(f"there are {MOST_OBSTACLES} obstacles already: no more are allowed")
         demand_fitting(obstacle, self.world)
         world = replace_obstacles(self.world, (*self.world.obstacles, obstacle))
         demand_allowed(world, len(world.obstacles) - 1)

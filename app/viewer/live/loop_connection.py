@@ -257,7 +257,7 @@ class LoopConnection:
         """The trouble in words if no new status has come for too long; else empty."""
         if time.monotonic() - self.heard < SILENCE:
             return ""
-        return "the control loop does not answer: what is shown is old"
+        return "the control loop does not answer: the page shows old values"
 
 
 def notice_of(event: Event, armed_by: str = "") -> str:

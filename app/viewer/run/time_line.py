@@ -165,7 +165,7 @@ class TimeLine:
             now = self.present or self.checkpoint(run)
             then = now if tick >= now.tick else self.history.last_before(tick)
             if then is None:
-                raise InputError("nothing is kept yet of this run to look back at")
+                raise InputError("this run has no past to look back at yet")
             self.present = None if then is now else now
             restore(run, then)
             values, others = run.values, run.beside_values
@@ -183,14 +183,14 @@ class TimeLine:
         if isinstance(run, Playback):
             if run.stored.recording.spec.is_late:
                 raise InputError(
-                    f"{run.stored.name} cannot be gone on from: it has not what messages on their "
-                    "way tell, which only saved states have"
+                    f"{run.stored.name} cannot go on: only saved states hold the messages that are "
+                    "on their way"
                 )
             host.begin(replace(run.stored, tick=run.flock.tick))
         elif self.present is not None:
             then = self.history.last_before(run.flock.tick)
             if then is None:
-                raise InputError("nothing is kept of this run that it could go on from")
+                raise InputError("this run has no earlier tick to go on from")
             self.present = None
             self.history.cut(then.tick)
             number = host.state.run + 1
@@ -229,8 +229,8 @@ class TimeLine:
             raise recording_error(run.stored)
         if self.present is not None and run is not None:
             raise InputError(
-                f"this is tick {run.flock.tick}, looked back at: go on from here, or back to now, "
-                "before anything is changed"
+                f"you look back at tick {run.flock.tick}: go on from here, or go back to now, "
+                "before you change anything"
             )
 
     def forget(self) -> None:

@@ -169,7 +169,7 @@ class TimeLinePanel:
             "Past",
             (GO_ON, TO_NOW),
             visible=False,
-            hint="Go on makes the tick that is shown the present: what came after it is given up",
+            hint="Go on from the tick that you see; the page forgets what came after it",
         )
         self.slider.on_update(self.drag_slider)
         self.actions.on_click(self.press_button)
