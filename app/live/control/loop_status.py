@@ -111,6 +111,7 @@ class Events:
     def __init__(self, limit: int = EVENTS_KEPT) -> None:
         self.count = 0
         self.kept: deque[Event] = deque(maxlen=limit)
+        # The count and the events that are kept change together: a reader must not see one alone.
         self.lock = threading.Lock()
 
     def add(self, *events: Event) -> None:

@@ -87,6 +87,7 @@ class EmulatedPlant:
     def __init__(self, lab: Lab):
         names = [field.name for field in fields(Mechanics) if field.name in lab.parameters]
         mechanics = Mechanics(**{name: float(lab.parameters[name]) for name in names})
+        # The thread of the cars moves them, that of the tracking looks: never at half a step.
         self.lock = threading.Lock()
         self.cars: dict[int, RollingCar] = {}
         self.names = {car.address: name for name, car in lab.cars.items()}

@@ -44,9 +44,11 @@ class Operator:
         self.line, child_end = spawn.Pipe(duplex=True)
         stops, self.stops = spawn.Pipe(duplex=False)
         """The emergency stop's own way, on which nothing else ever waits."""
+        # A pipe mixes what two threads write at once, and the page and the terminal both ask. Who
+        # needs both locks takes `lock` first: `close` alone does.
         self.lock = threading.Lock()
         self.stopping = threading.Lock()
-        """Of the emergency stop's way alone."""
+        """Of the emergency stop's way alone: a stop never waits for a status or a request."""
         self.stopped: float | None = None
         """When the stop was sent that nobody has asked to undo, s."""
         self.numbers = itertools.count(1)

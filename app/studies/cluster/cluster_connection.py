@@ -41,6 +41,7 @@ TIMEOUT = 30.0
 IDLE: dict[str, list[ProcessExecutor]] = {}
 """Processes that wait for the next chunk, by the job that they are for."""
 LOCK = threading.Lock()
+"""Of `IDLE`: a worker of Dask may make several chunks at once, each on a thread."""
 
 
 class SweepScheduler(Scheduler):

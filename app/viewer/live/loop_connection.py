@@ -56,6 +56,7 @@ class ParameterChanges:
     def __init__(self, notify: Callable[[str], None], clock: Callable[[], float] = time.monotonic):
         self.notify = notify
         self.clock = clock
+        # Browsers begin changes on viser's threads; the room's thread hears what came of them.
         self.lock = threading.Lock()
         self.waiting: list[ParameterChange] = []
         self.heard: list[tuple[ParameterChange, InputError | None]] = []

@@ -54,6 +54,7 @@ class ArmingCode:
         self.digits = f"{secrets.randbelow(10**DIGITS):0{DIGITS}d}"
         self.left = TRIES
         """Wrong codes until it is off."""
+        # Without it browsers that guess at once would all be let in by the same last try.
         self.trying = threading.Lock()
 
     @property
@@ -120,7 +121,8 @@ class Session(SessionRequests):
         self.code = ArmingCode()
         """What a browser needs to arm, for as long as this page is served."""
         self.parting = threading.Lock()
-        """Held while a loop is closed, never while one is opened."""
+        """Held while a loop is closed, never while one is opened, which takes seconds: `close` has
+        to stop the cars meanwhile."""
         self.traced = ""
         """The error whose traceback was printed last."""
         self.thread = threading.Thread(target=self.run, name="room", daemon=True)

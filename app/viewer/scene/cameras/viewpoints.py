@@ -89,6 +89,7 @@ class Viewpoints:
 
     def __init__(self, server: ViserServer) -> None:
         self._server = server
+        # Browsers come, go and choose on viser's threads; the drawing has one of its own.
         self._lock = threading.Lock()
         self._followed: dict[int, tuple[int, int]] = {}
         """Client -> which of the flocks, and identity of the agent its camera follows."""
