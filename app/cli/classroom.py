@@ -14,7 +14,7 @@ import typer
 from app.cli.options.run_arguments import is_file
 from app.cli.options.serving_options import AllowHost, Host, OpenBrowser, Port
 from app.cli.terminal.progress import StopSignals, exit_process
-from app.front.origin import LOOPBACK, allowed
+from app.front.origin import LOOPBACK, parse_allowed_host
 from app.results_folder import RESULTS
 from app.studies.workers.processes import cores
 from worlds.file_writer import demand_writable

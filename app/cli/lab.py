@@ -24,7 +24,7 @@ from app.cli.options.run_arguments import (
 from app.cli.options.serving_options import AllowHost, Host, OpenBrowser, Port, announce
 from app.cli.terminal.progress import StopSignals, exit_process
 from app.cli.terminal.usage import Rules, first_of, model_name
-from app.front.origin import allowed
+from app.front.origin import parse_allowed_host
 from app.settings import assignment
 from app.viewer.run.run_preset import preset_spec
 from worlds.input_error import InputError

@@ -133,7 +133,7 @@ def measure_stops(page: LivePage, repeats: int, by_message: bool, flooded: bool)
         floods = []
         for kinds in FLOODERS[: 3 if flooded else 0]:
             seconds = str(30.0 + 3.0 * repeats)
-            command = ("-m", "tests.attacks.flooder", str(port), seconds, *kinds)
+            command = ("-m", "tests.attacks.flooder", str(port), seconds, "--wait", *kinds)
             floods.append(program(stack, *command))
         for flood in floods:
             assert flood.stdout.readline() == "floods\n"

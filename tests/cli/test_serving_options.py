@@ -10,7 +10,7 @@ import ifaddr
 import pytest
 
 from app.cli.options.serving_options import announce
-from app.front.origin import elsewhere, here, interface_addresses
+from app.front.origin import interface_addresses, local_address, network_addresses
 from cli.calling import refusal
 
 ADAPTERS = [

@@ -17,8 +17,15 @@ from agents.flock import Flock
 from agents.spec import Spec
 from app.front.message_filter import MessageFilter
 from app.front.page_front import Front
-from app.front.server import admit_browsers, close_server, entrances, front_of, open_server, stops
-from app.front.waiting import Admission
+from app.front.relay import HELD, Admission
+from app.front.server import (
+    admit_browsers,
+    close_server,
+    entrances,
+    front_of,
+    on_emergency_stop,
+    open_server,
+)
 from app.live.laboratory.lab_file import example
 from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory

@@ -12,7 +12,8 @@ from urllib.parse import parse_qs, quote
 
 from aiohttp import web
 
-from app.front.page_front import Answering, Front, content, text_response
+from app.front.http_server import Request, text_response
+from app.front.page_front import Answering, Front
 from app.viewer.gallery.saved_scene import SavedScene, command_line, pack_scene, python
 from app.viewer.gallery.scene_collection import GalleryCard, cards, find_scene, pictures
 from worlds.input_error import InputError

@@ -106,7 +106,7 @@ class ViewPanel:
         self.colour = values["colour"]
         self.offer(tuple(dict.fromkeys([*self.form["colour"].options, self.colour])))
         for name, control in self.form.handles.items():
-            show(control, values[name])
+            set_value(control, values[name])
 
     def changed_values(self) -> dict[str, Any]:
         """What is not as usual, by the names of the controls."""

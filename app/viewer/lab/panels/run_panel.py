@@ -75,7 +75,7 @@ class RunPanel:
         """Go to the speed of the list that is nearest to one (ticks per second)."""
         finite = [choice for choice in self.speeds.values() if math.isfinite(choice)]
         nearest = min(finite, key=lambda choice: abs(math.log(choice / speed)))
-        show(self.speed, speed_text(nearest))
+        set_value(self.speed, speed_text(nearest))
         self.simulation.run_at(nearest)
 
     def change_speed(self, by: int) -> None:
@@ -207,7 +207,7 @@ class TimeLinePanel:
             if getattr(self.slider, name) != value:
                 setattr(self.slider, name, value)
         if time.monotonic() - self.moved > HELD and self.slider.value != line.at:
-            show(self.slider, line.at)
+            set_value(self.slider, line.at)
 
 
 def describe_time_line(line: TimeLineState, frame: Frame) -> str:

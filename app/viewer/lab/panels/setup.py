@@ -83,7 +83,7 @@ class SetupPanel:
         """A model brings its own number of agents, its dimensions, its world and its options."""
         model = MODELS[model_titled(self.model.value)]
         for name, control in self.plain.items():
-            show(control, control_value(name, default_value(name, model)))
+            set_value(control, control_value(name, default_value(name, model)))
         if event.client is None:
             return
         if world_title(model.world) in self.worlds:
@@ -187,7 +187,7 @@ class SetupPanel:
         self.running = state.spec, state.beside
         if state.run != self.shown_run:
             self.shown_run = state.run
-            show(self.seed, state.spec.seed)
+            set_value(self.seed, state.spec.seed)
         changed = ", ".join(describe_differences(self.chosen_pairing(), self.running))
         self.note.content = block(
             f'<div class="fs-note">Changed: <b>{changed}</b>. Press Setup to use it.</div>'

@@ -325,7 +325,7 @@ class SweepPanel:
             self.which.options = names
         chosen = self.sweeps.chosen if self.sweeps.chosen in names else names[0]
         if self.which.value != chosen:
-            show(self.which, chosen)
+            set_value(self.which, chosen)
         sweep, drawing = state.of(chosen), state.shown
         set_html(self.status, block(status(sweep, state)))
         set_html(self.picture, block(state.picture) if state.picture else "")
@@ -333,7 +333,7 @@ class SweepPanel:
             if tuple(self.column.options) != drawing.columns:
                 self.column.options = drawing.columns
             if self.column.value != drawing.column:
-                show(self.column, drawing.column)
+                set_value(self.column, drawing.column)
         set_visible(self.column, drawing is not None and len(drawing.columns) > 1)
         set_visible(self.table, drawing is not None)
         set_visible(self.take, drawing is not None)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from app.front.controls import show
+from app.front.controls import set_value
 from app.viewer.editing.editor import CORNERS, Editor, disc, polygon
 from app.viewer.editing.free_places import floor_place, obstacle_hit
 from app.viewer.editing.layout_file import ENDINGS

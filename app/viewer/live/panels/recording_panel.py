@@ -8,7 +8,7 @@ from pathlib import Path
 
 import viser
 
-from app.front.controls import show
+from app.front.controls import set_value
 from app.viewer.live.panels.state_panel import describe_client
 from app.viewer.live.room_replay import recording_names, size
 from app.viewer.live.session import Session
@@ -126,7 +126,7 @@ class RecordingPanel:
         names = recording_names(self.session.shelf) or (NONE,)
         if tuple(self.earlier.options) != names:
             self.earlier.options = names
-            show(self.earlier, names[0])
+            set_value(self.earlier, names[0])
         self.told.content = block(describe_folder(state, self.session.shelf))
         if state.recording:
             self.line.content = block(describe_size(state.recording, now - self.begun[1]))
