@@ -14,7 +14,7 @@ from agents.flock_world import find_world
 from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
 from app.cli.options.run_arguments import (
-    Asked,
+    GivenOptions,
     demand_parameters,
     is_file,
     option_name,
@@ -63,7 +63,7 @@ def lab(
         ),
     ] = None,
     *,
-    options: Asked,
+    options: GivenOptions,
     set: Annotated[
         list[str] | None,
         typer.Option("--set", help="A parameter, NAME=VALUE, of either model; may be repeated."),
@@ -133,7 +133,7 @@ def open_argument(
     scene: str | None,
     model: str | None,
     beside: str | None,
-    options: Asked,
+    options: GivenOptions,
     settings: list[str] | None,
 ) -> SavedScene | StoredFlock | None:
     """The file or the scene that is asked for; the first one where nothing is. Raises

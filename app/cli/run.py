@@ -11,7 +11,7 @@ import typer
 
 from app.cli.options.run_arguments import (
     STATE,
-    Asked,
+    GivenOptions,
     compared_model,
     demand_alone,
     file_argument,
@@ -58,7 +58,7 @@ def run(
     ] = None,
     rule: Rules = None,
     *,
-    options: Asked,
+    options: GivenOptions,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
@@ -224,7 +224,7 @@ def default_observables(flock: Flock, over: int | None) -> list[str]:
 def build_flock(
     file: Path | None,
     model: str | None,
-    options: Asked,
+    options: GivenOptions,
     settings: list[str],
     threads: int,
     interpret: bool,
@@ -249,7 +249,7 @@ def build_flock(
 def load_flock(
     state: Path,
     spec: Path | None,
-    options: Asked,
+    options: GivenOptions,
     settings: list[str],
     threads: int,
     interpret: bool,

@@ -14,12 +14,12 @@ from app.strict_table import Value
 from app.studies.experiment_file import (
     PLAIN,
     START,
+    DeclaredClaim,
     ExpectedVerdict,
     Overrides,
     PaperRow,
     PaperSweep,
     PublishedMeasure,
-    Said,
     with_goal,
 )
 from app.studies.measure import Measure, Settings
@@ -93,7 +93,7 @@ class Experiment:
     not_compared: dict[str, str]
     notes: dict[str, str]
     cases: list[Case]
-    said: list[Said]
+    said: list[DeclaredClaim]
     """What the paper claims."""
 
     @property

@@ -306,7 +306,7 @@ class ReachClaim(StatedClaim):
         return self
 
 
-Said = Annotated[
+DeclaredClaim = Annotated[
     OrderClaim
     | EveryRunClaim
     | NearClaim
@@ -342,4 +342,4 @@ class ExperimentFile[Kind: Settings](StrictTable):
     notes: dict[str, str] = Field(default_factory=dict)
     rows: list[PaperRow] = Field(default_factory=list)
     sweeps: list[PaperSweep] = Field(default_factory=list)
-    claims: list[Said] = Field(default_factory=list)
+    claims: list[DeclaredClaim] = Field(default_factory=list)

@@ -24,7 +24,7 @@ from worlds.input_error import InputError, nearest, shortened, unknown
 from worlds.text_file import read_text, toml
 from worlds.world import World
 
-Asked = dict[str, Any]
+GivenOptions = dict[str, Any]
 """Options of a run, by name; None for those that are not given."""
 NAMED = re.compile(r"unknown (?:parameter|key) '([^']*)'|unknown (\w+)|(\w+)")
 """What a refusal is about."""
@@ -91,7 +91,7 @@ class Origins(dict[str, str]):
 
 
 def requested_run(
-    model: str | None, options: Asked, settings: list[str], file: Path | None = None
+    model: str | None, options: GivenOptions, settings: list[str], file: Path | None = None
 ) -> tuple[Spec, Origins]:
     """The run, and where its values are from. Raises InputError naming what is wrong and where."""
     values, origins = ({}, Origins()) if file is None else read(file)

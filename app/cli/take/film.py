@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.options.run_arguments import Asked, with_options
+from app.cli.options.run_arguments import GivenOptions, with_options
 from app.cli.options.run_length import demand_one_length, ticks_asked
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, browser, camera_request, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
@@ -70,7 +70,7 @@ def film(
     ] = None,
     rule: Rules = None,
     *,
-    options: Asked,
+    options: GivenOptions,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,

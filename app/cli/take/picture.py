@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.options.run_arguments import Asked, with_options
+from app.cli.options.run_arguments import GivenOptions, with_options
 from app.cli.take.renderer import AUTO, BROWSER, PLAIN, browser, camera_request, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
 from app.cli.terminal.console import INTERRUPTED
@@ -34,7 +34,7 @@ def picture(
     ] = None,
     rule: Rules = None,
     *,
-    options: Asked,
+    options: GivenOptions,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
@@ -118,7 +118,7 @@ def picture(
 def flock_to_draw(
     spec: str | None,
     rule: Rules,
-    options: Asked,
+    options: GivenOptions,
     settings: list[str],
     tick: int | None,
     quiet: bool,

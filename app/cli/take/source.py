@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-from app.cli.options.run_arguments import Asked, option_name
+from app.cli.options.run_arguments import GivenOptions, option_name
 from app.cli.run import build_flock
 from app.cli.terminal.outcome_table import print_stderr
 from app.cli.terminal.usage import first_of, model_name
@@ -25,7 +25,7 @@ def is_recording(what: str | None) -> TypeGuard[str]:
     return what is not None and Path(what).suffix.lower() in STATES
 
 
-def recording_of(what: str, options: Asked, settings: list[str], rule: Any) -> Recording:
+def recording_of(what: str, options: GivenOptions, settings: list[str], rule: Any) -> Recording:
     """The recording that is named; what a run takes beside it is refused. Raises InputError."""
     for name, value in {**options, "set": settings or None, "rule": rule or None}.items():
         if value is not None:
@@ -39,7 +39,7 @@ def recording_of(what: str, options: Asked, settings: list[str], rule: Any) -> R
 
 
 def flock_of(
-    what: str | None, options: Asked, settings: list[str], rule: Any, quiet: bool
+    what: str | None, options: GivenOptions, settings: list[str], rule: Any, quiet: bool
 ) -> Flock:
     """The flock of a model's name, of a FILE.py or of a spec (TOML), compiled. Raises
     InputError."""

@@ -20,6 +20,7 @@ from app.studies.claims.sweep_claims import (
 )
 from app.studies.experiment import Experiment
 from app.studies.experiment_file import (
+    DeclaredClaim,
     EnduranceClaim,
     EqualityClaim,
     EveryRunClaim,
@@ -31,7 +32,6 @@ from app.studies.experiment_file import (
     PaperSweep,
     PhaseClaim,
     ReachClaim,
-    Said,
     ScalingClaim,
     SizeClaim,
 )
@@ -98,7 +98,7 @@ FLAT = 0.05
 """Change of a mean, as a share of it, that is hardly any."""
 
 
-def claims(verdicts: list[Verdict], declared_claims: Sequence[Said] = ()) -> list[Claim]:
+def claims(verdicts: list[Verdict], declared_claims: Sequence[DeclaredClaim] = ()) -> list[Claim]:
     """Whether the runs do what the paper says; claims about rows that were not run are left out."""
     swept = group_by_sweep(main_verdicts(verdicts))
     several = len({sweep.model for sweep, _, _ in swept}) > 1
@@ -114,7 +114,7 @@ def claims(verdicts: list[Verdict], declared_claims: Sequence[Said] = ()) -> lis
     return results
 
 
-def judge_claim(declared: Said, points: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
+def judge_claim(declared: DeclaredClaim, points: list[Verdict]) -> list[tuple[str, ClaimVerdict]]:
     """What a claim says of the runs in words, and the answer."""
     if isinstance(declared, OrderClaim):
         sizes: list[int | None] = [*declared.agents] or [None]

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from app.studies.claims.sweep_claims import HALF
 from app.studies.experiment import Experiment
 from app.studies.experiment_file import (
+    DeclaredClaim,
     EnduranceClaim,
     EveryRunClaim,
     FasterClaim,
     PhaseClaim,
-    Said,
 )
 from app.studies.judge.claim_verdict import runs_for_share
 from app.studies.judge.comparison import runs_to_agree
@@ -62,7 +62,7 @@ def questions(experiment: Experiment) -> Iterator[tuple[str, int | None]]:
                 yield f"{measure.symbol} agrees", runs_to_agree(published)
 
 
-def rows_of(experiment: Experiment, claim: Said) -> int:
+def rows_of(experiment: Experiment, claim: DeclaredClaim) -> int:
     """How many cases a claim is about; none where those that it names are not run."""
     labels = set(getattr(claim, "labels", [])) or {getattr(claim, "label", "")} - {""}
     sizes, tick = getattr(claim, "agents", []), getattr(claim, "tick", None)
@@ -74,7 +74,7 @@ def rows_of(experiment: Experiment, claim: Said) -> int:
     )
 
 
-def runs_needed(experiment: Experiment, claim: Said, rows: int) -> int | None:
+def runs_needed(experiment: Experiment, claim: DeclaredClaim, rows: int) -> int | None:
     """Runs with which a claim can be borne out if no run speaks against it."""
     if isinstance(claim, EveryRunClaim):
         if experiment.runs == 1:

@@ -66,7 +66,7 @@ HOLDS, DOES_NOT, UNDECIDED = (
 TOO_FEW = ClaimVerdict("undecided", FEWEST_RUNS)
 
 
-def decide[Said: str](word_at: Callable[[float], Said], of: int = 1) -> tuple[Said, float]:
+def decide[WordT: str](word_at: Callable[[float], WordT], of: int = 1) -> tuple[WordT, float]:
     """The word that `word_at` gives at 99 %, and its p-value.
 
     `of`: how many such questions are asked at once; each is then answered more strictly, so that

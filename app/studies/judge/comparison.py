@@ -47,14 +47,14 @@ WELCH_NOTE = (
     "that of the larger where it is less (Welch); z and d: measured less published mean, in "
     "standard errors and in standard deviations of a run"
 )
-BesideWord = Literal["agrees", "differs", "undecided", "by construction"]
+ComparisonWord = Literal["agrees", "differs", "undecided", "by construction"]
 
 
 @dataclass(frozen=True)
 class MeanComparison:
     """A measured and a published mean; NaN stands for what a sample without spread does not say."""
 
-    word: BesideWord
+    word: ComparisonWord
     difference: float
     """Measured less published mean; of runs given up: at least."""
     interval: tuple[float, float] = (math.nan, math.nan)
@@ -98,7 +98,7 @@ def compare_means(values: RunRanges, published: PublishedMeasure) -> MeanCompari
         return comparison
     tolerance = TOLERANCE * float(typical_spread(values.least))
 
-    def word_at(confidence: float) -> BesideWord:
+    def word_at(confidence: float) -> ComparisonWord:
         return difference_word(
             difference_limits(values, published_values, mean, confidence), tolerance
         )
@@ -127,7 +127,7 @@ def effect_sizes(
     return z, difference / scale if scale > 0.0 else math.nan
 
 
-def difference_word(limits: ConfidenceInterval, tolerance: float) -> BesideWord:
+def difference_word(limits: ConfidenceInterval, tolerance: float) -> ComparisonWord:
     """What a difference says."""
     if limits.low > 0.0 or limits.high < 0.0:
         return "differs"

@@ -48,7 +48,7 @@ from app.viewer.run.frame_builder import FrameRequest, WatchPageRequest
 from app.viewer.run.run_preset import drawing_defaults, lively_speed, preset_spec
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
-from app.viewer.run.stored_flock import LARGEST, Beginning
+from app.viewer.run.stored_flock import LARGEST, InitialState
 from app.viewer.scene.drawing import Drawing, Rates
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.colouring import COLOURINGS
@@ -94,7 +94,7 @@ class Laboratory:
         beside: Spec | None = None,
         threads: int = 1,
         server: viser.ViserServer | None = None,
-        opened: SavedScene | Beginning | None = None,
+        opened: SavedScene | InitialState | None = None,
         waits: bool = False,
         results: Path = RESULTS,
         allowance: Allowance | None = None,
@@ -274,7 +274,7 @@ class Laboratory:
             self.waits = False
             self.simulation.go()
 
-    def open(self, opened: SavedScene | Beginning) -> None:
+    def open(self, opened: SavedScene | InitialState) -> None:
         """Set up a scene, a state or a recording in all browsers, and let it run.
 
         Raises InputError for what an allowance does not allow.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from agents.spec import CompleteSpec, Spec
 from app.viewer.measuring.observable_format import format_thousands
-from app.viewer.run.stored_flock import Beginning, StoredFlock
+from app.viewer.run.stored_flock import InitialState, StoredFlock
 from worlds.input_error import InputError
 from worlds.world import World
 
@@ -49,7 +49,7 @@ class Allowance:
     upload: int = 1_000_000
     """Bytes of a file at most."""
 
-    def demand(self, spec: CompleteSpec, beside: Spec | None, stored: Beginning | None) -> None:
+    def demand(self, spec: CompleteSpec, beside: Spec | None, stored: InitialState | None) -> None:
         """Raise InputError for a run that is too much, before it is built."""
         flocks = 1 if beside is None else 2
         self.demand_agents(flocks * spec.agents)

@@ -15,7 +15,7 @@ from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.paired_run import PairedRun
-from app.viewer.run.stored_flock import Beginning, StoredFlock
+from app.viewer.run.stored_flock import InitialState, StoredFlock
 from worlds.input_error import InputError
 from worlds.world import World
 
@@ -109,7 +109,7 @@ class FlockRunBuilder:
         self.build = build
         self.build_beside = build_beside
 
-    def flock(self, spec: Spec, stored: Beginning | None, **more: Any) -> Flock:
+    def flock(self, spec: Spec, stored: InitialState | None, **more: Any) -> Flock:
         """The flock of a run, where it begins: with the spec's parameters and world, also if it is
         gone on from a state. Raises InputError.
         """
@@ -129,7 +129,7 @@ class FlockRunBuilder:
         self,
         flock: Flock,
         beside: Spec | None,
-        stored: Beginning | None,
+        stored: InitialState | None,
         number: int,
         request: FrameRequest,
         watched: frozenset[str],

@@ -12,7 +12,7 @@ from agents.spec import CompleteSpec, Spec
 from app.viewer.run.command_queue import GO
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.simulation_thread import Models, SimulationThread
-from app.viewer.run.stored_flock import Beginning
+from app.viewer.run.stored_flock import InitialState
 
 
 class Simulation(SimulationThread):
@@ -32,7 +32,7 @@ class Simulation(SimulationThread):
         """Build a new flock; of several set-ups at once only the last is built."""
         return self.tell(lambda: self.schedule(spec, beside), "set up")
 
-    def open(self, stored: Beginning) -> Future:
+    def open(self, stored: InitialState) -> Future:
         """Go on from a saved state, or play a recording."""
         return self.tell(lambda: self.begin(stored), "set up")
 

@@ -11,7 +11,7 @@ from agents.spec import CompleteSpec, Spec
 from app.front.client_addresses import RateLimit
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.flock_run import FlockRun
-from app.viewer.run.stored_flock import Beginning
+from app.viewer.run.stored_flock import InitialState
 from worlds.input_error import InputError
 from worlds.world import World
 
@@ -180,7 +180,7 @@ class SimulationLimits:
         if self.allowance is not None:
             self.share.set_share(self.allowance.share if self.seen else self.allowance.unseen_share)
 
-    def demand(self, spec: CompleteSpec, beside: Spec | None, stored: Beginning | None) -> None:
+    def demand(self, spec: CompleteSpec, beside: Spec | None, stored: InitialState | None) -> None:
         """Raise InputError for a run that is too much, before it is built."""
         if self.allowance is not None:
             self.allowance.demand(spec, beside, stored)

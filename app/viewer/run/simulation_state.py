@@ -8,7 +8,7 @@ from typing import Any
 
 from agents.spec import CompleteSpec, Spec
 from app.viewer.run.kernel_compiler import CompileEstimate
-from app.viewer.run.stored_flock import Beginning
+from app.viewer.run.stored_flock import InitialState
 
 # That there is something new to draw, told to each of those who draw it.
 
@@ -63,7 +63,7 @@ class SimulationState:
     beside: Spec | None = None
     """A second model, whose flock flies in the same world from the same start: what it has of its
     own."""
-    stored: Beginning | None = None
+    stored: InitialState | None = None
     """The saved state, recording or flock that it began from."""
     line: TimeLineState | None = None
     """Along which ticks it can be moved."""

@@ -28,7 +28,7 @@ from app.viewer.run.kernel_compiler import KernelCompiler, Preview, is_quick
 from app.viewer.run.paired_run import companion
 from app.viewer.run.simulation_limits import SimulationLimits
 from app.viewer.run.simulation_state import ChangeNotifier, SimulationState
-from app.viewer.run.stored_flock import Beginning
+from app.viewer.run.stored_flock import InitialState
 from app.viewer.run.time_line import TimeLine
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
@@ -41,7 +41,7 @@ OBEDIENCE = 0.03
 
 Models = tuple[str, str | None]
 """Names of the model and of the one beside it."""
-Next = tuple[CompleteSpec, Spec | None, Beginning | None]
+PendingRun = tuple[CompleteSpec, Spec | None, InitialState | None]
 """A run, what is beside it, and what it begins from if that is not its start."""
 
 
@@ -61,7 +61,7 @@ class SimulationThread:
         build: Callable[..., Flock] = Flock,
         build_beside: Callable[[Flock, Spec], Flock] = companion,
         compiling: Callable[[Sequence[Flock]], KernelCompiler] = KernelCompiler,
-        stored: Beginning | None = None,
+        stored: InitialState | None = None,
         allowance: Allowance | None = None,
         clock: Callable[[], float] = time.perf_counter,
     ):
@@ -89,7 +89,7 @@ class SimulationThread:
         self.wanted = FrameRequest()
         self.watched: frozenset[str] = frozenset()
         self.pace = self.keeping.pace(speed)
-        self.next: Next | None = spec, beside, stored
+        self.next: PendingRun | None = spec, beside, stored
         """What is to be set up."""
         self.stale = False
         """Whether the flock has changed since the last frame."""
@@ -282,7 +282,7 @@ class SimulationThread:
             beside_values=self.run.beside_values,
         )
 
-    def new_run(self, flock: Flock, beside: Spec | None, stored: Beginning | None) -> FlockRun:
+    def new_run(self, flock: Flock, beside: Spec | None, stored: InitialState | None) -> FlockRun:
         """The run of a flock, and of the one beside it. Raises InputError."""
         number = self.state.run + 1
         run = self.building.run(flock, beside, stored, number, self.wanted, self.watched)
@@ -379,11 +379,11 @@ class SimulationThread:
             flock_run.warned = words
 
     def schedule(
-        self, spec: CompleteSpec, beside: Spec | None, stored: Beginning | None = None
+        self, spec: CompleteSpec, beside: Spec | None, stored: InitialState | None = None
     ) -> None:
         self.next = spec, beside, stored
 
-    def begin(self, stored: Beginning) -> None:
+    def begin(self, stored: InitialState) -> None:
         self.next = stored.spec, None, stored
 
     def switch(self, on: bool) -> None:

@@ -125,7 +125,7 @@ class InMemoryFlock:
         return resume(self.run, self.now, build, **more)
 
 
-Beginning = StoredFlock | InMemoryFlock
+InitialState = StoredFlock | InMemoryFlock
 """What a run begins from, if not from its start."""
 
 

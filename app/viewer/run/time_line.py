@@ -23,7 +23,7 @@ from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.flock_run_builder import Playback, recording_error
 from app.viewer.run.paired_run import PairedRun
 from app.viewer.run.simulation_state import SimulationState, TimeLineState
-from app.viewer.run.stored_flock import Beginning
+from app.viewer.run.stored_flock import InitialState
 from worlds.input_error import InputError
 
 # What is kept of a live run, so that one can look back and go on from there.
@@ -126,7 +126,7 @@ class TimeLineHost(Protocol):
 
     def require_run(self) -> FlockRun: ...
 
-    def begin(self, stored: Beginning) -> None: ...
+    def begin(self, stored: InitialState) -> None: ...
 
 
 class TimeLine:
