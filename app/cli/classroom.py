@@ -16,7 +16,7 @@ from app.cli.options.serving_options import AllowHost, Host, OpenBrowser, Port
 from app.cli.terminal.progress import StopSignals, exit_process
 from app.front.origin import LOOPBACK, parse_allowed_host
 from app.results_folder import RESULTS
-from app.studies.workers.processes import cores
+from app.studies.workers.process_executor import cores
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError
 

@@ -155,7 +155,7 @@ def carry_out_paper(
 ) -> ExperimentReport:
     """Carry out the experiment; after Ctrl-C tell how to go on."""
     from app.studies.experiment_runner import run_experiment
-    from app.studies.workers.processes import cores
+    from app.studies.workers.process_executor import cores
 
     started = time.monotonic()
     again = f"flockscope {shlex.join(sys.argv[1:])}"

@@ -20,7 +20,7 @@ from app.studies.cluster.cluster_options import Cluster
 from app.studies.runs.database import BROKEN, Outcome
 from app.studies.runs.store import Store, number
 from app.studies.runs.store_reader import StoreReader, readable
-from app.studies.workers.processes import ProcessExecutor
+from app.studies.workers.process_executor import ProcessExecutor
 from app.studies.workers.run_executors import InlineExecutor, RunExecutor, Task
 from worlds.file_writer import write_text
 from worlds.input_error import InputError

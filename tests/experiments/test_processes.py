@@ -9,7 +9,7 @@ from collections import deque
 import pytest
 
 from app.studies.runs.database import Outcome
-from app.studies.workers.processes import ProcessExecutor, WorkerProcess
+from app.studies.workers.process_executor import ProcessExecutor, RunProcess
 from app.studies.workers.run_executors import AwakeClock, Task
 from experiments.jobs import Sums
 from worlds.input_error import InputError
@@ -95,7 +95,7 @@ def test_a_run_that_hangs_is_killed_and_the_others_are_made():
 def test_a_process_that_is_halted_is_told_of_and_replaced_and_a_slow_one_goes_on(
     tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("app.studies.workers.processes.SILENT", 6.0)
+    monkeypatch.setattr("app.studies.workers.process_executor.SILENT", 6.0)
     payloads = {2: "halt once", 4: "work", 6: "halt"}
     tasks = [Task(1, seed, payloads.get(seed)) for seed in range(9)]
     kept, said = {}, []
@@ -114,7 +114,7 @@ def test_a_clock_that_jumps_neither_kills_a_run_nor_makes_it_long():
     now, kept = [0.0], []
     processes = ProcessExecutor(Sums(), 1, limit=100.0)
     processes.awake = AwakeClock(lambda: now[0])
-    process = WorkerProcess(bytearray(8), deque([Task(1, 0, None)]))
+    process = RunProcess(bytearray(8), deque([Task(1, 0, None)]))
     processes.processes.append(process)
     process.started[0] = 1
     for moment in (0.5, 1.0, 86_401.0, 86_401.5):

@@ -32,7 +32,7 @@ def check(
     The first ticks of some cells are timed; nothing is kept.
     """
     from app.studies.sweeps.estimate import describe_other_worlds, estimate
-    from app.studies.workers.processes import cores
+    from app.studies.workers.process_executor import cores
 
     sweep, _ = options.read(what, None)
     result = estimate(sweep)

@@ -104,7 +104,7 @@ def carry_out_sweep(
 ) -> StudyReport:
     """Carry out the sweep."""
     from app.studies.sweeps.sweep_runner import run_sweep
-    from app.studies.workers.processes import cores
+    from app.studies.workers.process_executor import cores
 
     if cluster is not None and not quiet:
         from app.cli.sweep.clusters import describe_cluster

@@ -23,7 +23,7 @@ from distributed.core import Status
 from agents.spec import versions
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.runs.database import Outcome
-from app.studies.workers.processes import ProcessExecutor
+from app.studies.workers.process_executor import ProcessExecutor
 from app.studies.workers.run_executors import Task
 from worlds.input_error import InputError
 from worlds.plug_ins import demand

@@ -22,7 +22,7 @@ from agents.spec import versions
 from app.studies.cluster.cluster_connection import ClusterConnection, log_folder, open_cluster
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.runs.database import Outcome
-from app.studies.workers.processes import BEAT, FIRST_GUESS
+from app.studies.workers.process_executor import BEAT, FIRST_GUESS
 from app.studies.workers.run_executors import Beat, Keep, Task
 from app.studies.workers.run_worker import WorkerSetup
 from worlds.input_error import InputError

@@ -17,7 +17,7 @@ from app.studies.optimisation.evaluations import (
 from app.studies.optimisation.optimisation_result import OptimisationResult, make_result
 from app.studies.optimisation.study import Study
 from app.studies.search import search
-from app.studies.workers.processes import cores
+from app.studies.workers.process_executor import cores
 
 
 @dataclass

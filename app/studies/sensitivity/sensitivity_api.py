@@ -20,7 +20,7 @@ from app.studies.sensitivity.sensitivity_result import Sensitivity, analyse, des
 from app.studies.sweeps.sweep_api import StudyArguments, axis_bounds, result_folder
 from app.studies.sweeps.sweep_results import Results
 from app.studies.sweeps.sweep_runner import run_sweep
-from app.studies.workers.processes import cores
+from app.studies.workers.process_executor import cores
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError, unknown
 from worlds.number_text import counted

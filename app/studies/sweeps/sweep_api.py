@@ -16,7 +16,7 @@ from app.studies.sweeps.checked_sweep import Sweep, read_sweep, sweep_of
 from app.studies.sweeps.sweep_file import RunOptions
 from app.studies.sweeps.sweep_results import Results
 from app.studies.sweeps.sweep_runner import run_sweep
-from app.studies.workers.processes import cores
+from app.studies.workers.process_executor import cores
 from worlds.input_error import InputError
 
 TEMPORARY: list[tempfile.TemporaryDirectory[str]] = []

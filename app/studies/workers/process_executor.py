@@ -45,7 +45,7 @@ FIRST_GUESS = 0.05
 
 
 @dataclass
-class WorkerProcess:
+class RunProcess:
     """One worker, the runs that were sent to it, and how far it is."""
 
     started: mmap.mmap
@@ -126,8 +126,8 @@ class ProcessExecutor:
         self.timeout = timeout
         self.workers = workers
         self.limit = math.inf if limit is None else limit
-        self.processes: list[WorkerProcess] = []
-        self.events: queue.SimpleQueue[tuple[WorkerProcess, list[Outcome] | None]] = (
+        self.processes: list[RunProcess] = []
+        self.events: queue.SimpleQueue[tuple[RunProcess, list[Outcome] | None]] = (
             queue.SimpleQueue()
         )
         self.stillborn = 0
@@ -188,13 +188,13 @@ class ProcessExecutor:
                     "killed, and another one takes its runs"
                 )
 
-    def start_process(self) -> WorkerProcess:
+    def start_process(self) -> RunProcess:
         """A new process."""
         named = tempfile.NamedTemporaryFile(prefix="flockscope-", delete=False)  # noqa: SIM115
         with named:
             named.truncate(mmap.PAGESIZE)
         with open(named.name, "r+b") as file:
-            process = WorkerProcess(mmap.mmap(file.fileno(), mmap.PAGESIZE))
+            process = RunProcess(mmap.mmap(file.fileno(), mmap.PAGESIZE))
         process.child = ChildProcess(
             RunWorker,
             self.setup,
@@ -206,7 +206,7 @@ class ProcessExecutor:
         ).start()
         return process
 
-    def send(self, process: WorkerProcess, tasks: list[Task]) -> None:
+    def send(self, process: RunProcess, tasks: list[Task]) -> None:
         """Send runs to a process; one that is gone has said so in `events`."""
         process.waiting.extend(tasks)
         future = process.child.ask(
@@ -232,7 +232,7 @@ class ProcessExecutor:
             self.send(process, [ahead.popleft() for _ in range(min(some, len(ahead)))])
 
     def take_report(
-        self, process: WorkerProcess, outcomes: list[Outcome] | None, ahead: deque[Task], keep: Keep
+        self, process: RunProcess, outcomes: list[Outcome] | None, ahead: deque[Task], keep: Keep
     ) -> None:
         """Take what a process reports, or that it is gone."""
         if outcomes is None:
@@ -249,7 +249,7 @@ class ProcessExecutor:
             self.seconds += 0.1 * (max(outcome.seconds, 1e-5) - self.seconds)
             keep(task, outcome)
 
-    def replace_process(self, process: WorkerProcess, ahead: deque[Task], keep: Keep) -> None:
+    def replace_process(self, process: RunProcess, ahead: deque[Task], keep: Keep) -> None:
         """Put the runs of a process that is gone back, the one that it was at with its count."""
         self.processes.remove(process)
         code, reason = process.child.exit_code, process.child.reason
