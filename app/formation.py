@@ -36,7 +36,7 @@ def table(
 ) -> dict[str, Path]:
     """Write rows of numbers as CSV into the folder; the file by kind. Raises InputError."""
     path = folder / f"{name}.csv"
-    lines = [",".join(head), *(",".join(f"{one:.9g}" for one in row) for row in rows)]
+    lines = [",".join(head), *(",".join(f"{value:.9g}" for value in row) for row in rows)]
     make_folder(folder)
     write_text("table", path, "\n".join(lines) + "\n")
     return {"csv": path}
@@ -52,12 +52,12 @@ SCALE = 0.8
 """Share that is drawn in the strongest colour."""
 
 
-def from_above(core: float, above: float) -> np.ndarray:
+def shares_from_above(core: float, above: float) -> np.ndarray:
     """Shares (len(BACK), len(ASIDE)) of a bird with its middle there."""
     return upwash_share(BACK[:, None], ASIDE[None], above, core)
 
 
-def across(core: float, behind: float) -> np.ndarray:
+def shares_across(core: float, behind: float) -> np.ndarray:
     """Shares (len(UP), len(ASIDE))."""
     return upwash_share(behind, ASIDE[None], UP[:, None], core)
 
@@ -67,8 +67,8 @@ def draw_behind(figure: Any, core: float, above: float, behind: float, best: Spa
     figure.set_size_inches(11.0, 5.2)
     left, right = figure.subplots(1, 2)
     levels = {"cmap": SHADES, "vmin": -SCALE, "vmax": SCALE, "shading": "gouraud"}
-    left.pcolormesh(ASIDE, -BACK, from_above(core, above), rasterized=True, **levels)
-    mesh = right.pcolormesh(ASIDE, UP, across(core, behind), rasterized=True, **levels)
+    left.pcolormesh(ASIDE, -BACK, shares_from_above(core, above), rasterized=True, **levels)
+    mesh = right.pcolormesh(ASIDE, UP, shares_across(core, behind), rasterized=True, **levels)
     for axes, there in ((left, -behind), (right, 0.0)):
         axes.plot([-0.5, 0.5], [0.0, 0.0], color=INK, linewidth=4)
         axes.plot([-1 - best.tip, 1 + best.tip], [there, there], "+", color="white", markersize=9)

@@ -134,7 +134,7 @@ def serve(requests: BinaryIO, replies: BinaryIO) -> None:
         worker = worker(*arguments)
     except BaseException as error:
         write_message(replies, MessageKind.FAULT, one_line(error).encode(errors="replace"))
-        leave(1)
+        exit_process(1)
     if first:
         with suppress(Exception):
             getattr(worker, first[0])(*first[1:])
@@ -144,11 +144,11 @@ def serve(requests: BinaryIO, replies: BinaryIO) -> None:
             for message in carry_out(worker, content, is_trusted):
                 write_message(replies, *message)
     except queue.Empty:
-        leave(0)
+        exit_process(0)
     except BaseException:  # SystemExit too: in the usual farewell our thread would be in the way
         traceback.print_exc()
-        leave(1)
-    leave(0)
+        exit_process(1)
+    exit_process(0)
 
 
 def watch_parent(requests: BinaryIO, inbox: queue.SimpleQueue[bytes | None]) -> None:
@@ -178,7 +178,7 @@ def carry_out(worker: Any, content: bytes, is_trusted: bool) -> Iterator[tuple[M
         yield MessageKind.FAULT, one_line(error).encode(errors="replace")
 
 
-def leave(code: int) -> NoReturn:
+def exit_process(code: int) -> NoReturn:
     """End at once: threads of libraries may end the usual farewell with another code."""
     for stream in (sys.stdout, sys.stderr):
         with suppress(Exception):

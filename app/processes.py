@@ -232,8 +232,8 @@ class ChildProcess:
                             continue  # it was taken back
                         self._working = request
                     self._is_starting = running is None
-            for one, error in late:
-                one.fail(error)
+            for late_request, error in late:
+                late_request.fail(error)
             if late:
                 continue
             if running is None and not closing:
@@ -281,7 +281,11 @@ class ChildProcess:
         """The requests whose time runs. Where others are waited for without end, as their process
         is not killed, that of those who wait does too; else theirs begins with their turn."""
         waiting = [] if self.restarts else self._queue
-        return [one for one in (self._working, *waiting) if one and not one.future.done()]
+        return [
+            request
+            for request in (self._working, *waiting)
+            if request and not request.future.done()
+        ]
 
     def _seconds_left(self) -> float | None:
         first = min(map(self._deadline, self._timed()), default=math.inf)
@@ -291,18 +295,19 @@ class ChildProcess:
     def _take_late(self) -> list[tuple[Request, ProcessTimeoutError]]:
         """Take out the requests that are late; a process that is replaced is killed."""
         now = time.monotonic()
-        late = [one for one in self._timed() if self._deadline(one) <= now]
+        late = [request for request in self._timed() if self._deadline(request) <= now]
         if not late:
             return []
-        self._queue = [one for one in self._queue if one not in late]
+        self._queue = [request for request in self._queue if request not in late]
         heapq.heapify(self._queue)
         if self.restarts:
             self.kill()
         if self._running is not None and not self._running.is_ready:
-            begun = f"the process has not begun within {self.limits.start:g} s"
-            return [(one, ProcessTimeoutError(begun)) for one in late]
+            message = f"the process has not begun within {self.limits.start:g} s"
+            return [(request, ProcessTimeoutError(message)) for request in late]
         return [
-            (one, ProcessTimeoutError(f"it took longer than {one.timeout:g} s")) for one in late
+            (request, ProcessTimeoutError(f"it took longer than {request.timeout:g} s"))
+            for request in late
         ]
 
     # The thread that takes replies, and notices the end.

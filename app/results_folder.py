@@ -27,12 +27,12 @@ def demand_folder(option: str, folder: Path, files: Iterable[str], overwrite: bo
     """
     named = f"{option} {str(folder)!r}"
     try:
-        there = next(one for one in (folder, *folder.absolute().parents) if one.exists())
+        existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "it is no name that a folder can have"
         raise InputError(f"{named} cannot be written: {reason}") from None
-    if not there.is_dir() or not os.access(there, os.W_OK):
-        raise InputError(f"{named} cannot be written: {str(there)!r} is no folder to write to")
+    if not existing.is_dir() or not os.access(existing, os.W_OK):
+        raise InputError(f"{named} cannot be written: {str(existing)!r} is no folder to write to")
     if folder.is_dir():
         for file in files:
             demand_writable("result", folder / file, overwrite)

@@ -53,14 +53,14 @@ class RunningProcess:
         context: Any = multiprocessing.get_context(method)
         if method == "forkserver":
             context.set_forkserver_preload([process_worker.__name__, *preload])
-        ours, theirs = socket.socketpair()
-        with ours, theirs:  # the streams go on when the socket is closed
+        parent_end, child_end = socket.socketpair()
+        with parent_end, child_end:  # the streams go on when the socket is closed
             self.process = context.Process(
-                target=process_worker.serve_socket, args=(theirs,), daemon=True
+                target=process_worker.serve_socket, args=(child_end,), daemon=True
             )
             with self.forking:
                 self.process.start()
-            self.requests, self.replies = ours.makefile("wb"), ours.makefile("rb")
+            self.requests, self.replies = parent_end.makefile("wb"), parent_end.makefile("rb")
 
     def spawn(self, environment: Mapping[str, str], stderr: int | None) -> None:
         """Start an interpreter.

@@ -45,12 +45,12 @@ def names(text: str) -> list[str]:
 def numbers(option: str, text: str) -> list[float]:
     """The numbers of a list with commas. Raises InputError naming the option."""
     try:
-        made = [float(part) for part in names(text)]
+        values = [float(part) for part in names(text)]
     except ValueError:
-        made = []
-    if not made:
+        values = []
+    if not values:
         raise InputError(f"{option} {text!r} is not a number, or numbers with commas")
-    return made
+    return values
 
 
 def whole_numbers(option: str, text: str) -> list[int]:
@@ -65,12 +65,12 @@ MOST = 10**15
 """The largest count, unless there is a reason for a smaller one."""
 
 
-def at_least(option: str, value: int | None, least: int, most: int = MOST) -> None:
+def check_whole_number(option: str, value: int | None, least: int, most: int = MOST) -> None:
     """Refuse a whole number outside [least, most]. Raises InputError naming the option."""
     if value is None:
         return
     if value < least:
-        shown = shorten(value)
-        raise InputError(f"{option} {shown} is not allowed: a whole number >= {least} is needed")
+        text = shorten(value)
+        raise InputError(f"{option} {text} is not allowed: a whole number >= {least} is needed")
     if value > most:
         raise InputError(f"{option} {shorten(value)} is not allowed: the largest is {most}")

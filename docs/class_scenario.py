@@ -24,7 +24,7 @@ import segno
 from PIL import Image
 from websockets.exceptions import WebSocketException
 
-from app.viewer.gallery.saved_scene import SavedScene, packed
+from app.viewer.gallery.saved_scene import SavedScene, pack_scene
 from tests.classroom.running import Person, Running, roster
 
 NAMES = (
@@ -109,7 +109,7 @@ class Program:
     def take(self, scene: SavedScene) -> None:
         """Have one's flock begin with a scene. Raises RuntimeError where the class refuses it."""
         headers = {"X-Flockscope": "scene", "Sec-Fetch-Site": "same-origin"}
-        answer = self.person.ask(f"/open?scene={packed(scene)}&sure=1", headers=headers)
+        answer = self.person.ask(f"/open?scene={pack_scene(scene)}&sure=1", headers=headers)
         if answer.status != 200:
             raise RuntimeError(answer.text)
 

@@ -24,7 +24,7 @@ from agents.engine.cache import global_values
 from agents.flock import Flock
 from agents.models.declare import DeclaredParameter, declared
 from agents.observables.catalogue import OBSERVABLES, default_charts
-from app.cli.choices import LISTED, declared_rows
+from app.cli.choices import LISTED, list_declarations
 from worlds.layout import read_layout
 
 HERE = Path(__file__).parent / "rules"
@@ -322,7 +322,7 @@ def pages() -> dict[str, str]:
 
 def kept_list() -> str:
     """What `flockscope list` shows of what is built in, as it is kept."""
-    return json.dumps(declared_rows(), indent=1, ensure_ascii=False) + "\n"
+    return json.dumps(list_declarations(), indent=1, ensure_ascii=False) + "\n"
 
 
 def main() -> None:

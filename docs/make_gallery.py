@@ -23,7 +23,7 @@ from rule_scenes import Scene, flock_of, scene_of
 
 from agents import Flock
 from agents.catalogue import MODELS
-from app.viewer.gallery.scene_collection import PICTURES, built_in, scene_names
+from app.viewer.gallery.scene_collection import PICTURES, built_in_scene, scene_names
 from app.worlds.world_picture import LOOK, draw_plan
 from worlds.generators import draw_obstacles
 from worlds.layout import layout_names, world
@@ -93,7 +93,7 @@ def main(only: tuple[str, ...] = ()) -> None:
     PICTURES.mkdir(exist_ok=True)
     for name in scene_names():
         if not only or name in only:
-            saved, scene = built_in(name), SCENES[name]
+            saved, scene = built_in_scene(name), SCENES[name]
             flock = Flock(saved.spec)
             save(name, draw(flock, scene, scene.ticks[0]))
     for name, model in MODELS.items():

@@ -19,11 +19,11 @@ from PIL import Image
 from playwright.sync_api import sync_playwright
 
 from agents.spec import Spec
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 
 SIZES = ((390, 844), (1100, 700), (1440, 900), (1920, 1080))
 THEMES = ("light", "dark")
@@ -75,8 +75,8 @@ def tab(name: str) -> Callable[[Any], None]:
     return lambda page: page.get_by_role("tab", name=name, exact=True).click()
 
 
-PLANE = at_home("hwvem", agents=250, seed=7, parameters={"eta": 0.6})
-SPACE = at_home("hwvem", agents=700, seed=3, dim=3, parameters={"eta": 0.7})
+PLANE = preset_spec("hwvem", agents=250, seed=7, parameters={"eta": 0.6})
+SPACE = preset_spec("hwvem", agents=700, seed=3, dim=3, parameters={"eta": 0.7})
 SCENES: dict[str, tuple[Callable[[], Any], Callable[[Any], None]]] = {
     "plane": (lambda: flock(PLANE, 45), as_it_opens),
     "setup": (lambda: flock(PLANE, 45), tab("Setup")),

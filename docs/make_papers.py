@@ -7,8 +7,8 @@ With files, of all papers or of one, their results are stored beside the text fi
 `docs/papers/NAME.json`, and the pictures that they name with them. A line `{NAME}` of the text
 becomes the table and the claims of that experiment, `{counted}` how many rows of Liu et al. 2021
 agree, `{changed}` the words that are others than in `docs/papers/before.json`, `{judge}` what
-`benchmarks/judge.py --json` has printed into `docs/papers/judge.json`. A test holds the page
-against all of them.
+`benchmarks/studies/judge.py --json` has printed into `docs/papers/judge.json`. A test holds the
+page against all of them.
 """
 
 from __future__ import annotations

@@ -19,12 +19,12 @@ from PIL import Image
 from playwright.sync_api import sync_playwright
 
 from agents.spec import Spec
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.operating.lab_choices import Choices
 from app.viewer.gallery.scene_collection import find_scene
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from worlds.generators import generate
 
 HERE = Path(__file__).parent / "review"
@@ -70,7 +70,7 @@ def run_to(laboratory: Laboratory, tick: int) -> None:
 
 def agent_card(browser: Any) -> None:
     """An agent is clicked among blocks in space."""
-    laboratory = Laboratory(at_home("guarded", seed=1), port=0, speed=math.inf, running=False)
+    laboratory = Laboratory(preset_spec("guarded", seed=1), port=0, speed=math.inf, running=False)
     run_to(laboratory, 2000)
     sight = Sight(browser, laboratory)
     sight.page.keyboard.press("f")
@@ -83,7 +83,7 @@ def agent_card(browser: Any) -> None:
 
 def beside(browser: Any) -> None:
     """Two models, for long."""
-    spec, second = at_home("boundary-points", seed=3), Spec("olfati-saber")
+    spec, second = preset_spec("boundary-points", seed=3), Spec("olfati-saber")
     laboratory = Laboratory(spec, port=0, speed=math.inf, running=False, beside=second)
     run_to(laboratory, 20_000)
     Sight(browser, laboratory).keep("beside")
@@ -93,7 +93,7 @@ def beside(browser: Any) -> None:
 
 def dark(browser: Any) -> None:
     """A browser that asks for dark pages; then a server that goes away."""
-    spec = at_home("hwvem", agents=100, seed=7, parameters={"eta": 0.3})
+    spec = preset_spec("hwvem", agents=100, seed=7, parameters={"eta": 0.3})
     laboratory = Laboratory(spec, port=0, running=False)
     run_to(laboratory, 140)
     Sight(browser, laboratory, "dark").keep("dark")
@@ -105,7 +105,7 @@ def dark(browser: Any) -> None:
 
 def first_view(browser: Any) -> None:
     """A mission as it opens."""
-    laboratory = Laboratory(at_home("hwvem-nav", seed=3), port=0, running=False)
+    laboratory = Laboratory(preset_spec("hwvem-nav", seed=3), port=0, running=False)
     Sight(browser, laboratory).keep("first-view")
     laboratory.close()
 
@@ -121,7 +121,7 @@ def vicsek(browser: Any) -> None:
 def maze(browser: Any) -> None:
     """Boids in a maze."""
     world = generate("maze", 5, (60.0, 40.0), "solid")
-    laboratory = Laboratory(at_home("reynolds", world=world), port=0, running=False)
+    laboratory = Laboratory(preset_spec("reynolds", world=world), port=0, running=False)
     run_to(laboratory, 300)
     Sight(browser, laboratory).keep("maze")
     laboratory.close()

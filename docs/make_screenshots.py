@@ -17,11 +17,11 @@ import numpy as np
 from playwright.sync_api import sync_playwright
 
 from agents.spec import Spec
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.scene.shown.drawing_style import STEP_OFF
 
 HERE = Path(__file__).parent
@@ -41,18 +41,18 @@ ARGUMENTS = [
 
 def main(only: tuple[str, ...] = ()) -> None:
     """The plane, an agent from close, space; then missions. `only` these, or all."""
-    plane = at_home("hwvem", agents=250, seed=7, parameters={"eta": 0.6})
-    space = at_home("hwvem", agents=700, seed=3, dim=3, parameters={"eta": 0.7})
-    zones = at_home("couzin", dim=3, agents=150, seed=3, parameters={"dr_a": 4.0})
-    riders = at_home("couzin", dim=3, agents=100, seed=3)
-    echelons = at_home("echelon", seed=4)
-    mission = at_home("hwvem-nav", seed=3)
-    yard = at_home("hwvem-nav", world="obstacles", agents=80, seed=3)
-    pocket = at_home("boundary-points", seed=3)
-    rooms = at_home("hwvem-nav", world="rooms-3d", agents=150, seed=3)
-    cars = at_home("squashing-cars", seed=2)
-    beside = at_home("hwvem-nav", seed=3)
-    pockets = at_home("boundary-points", seed=3)
+    plane = preset_spec("hwvem", agents=250, seed=7, parameters={"eta": 0.6})
+    space = preset_spec("hwvem", agents=700, seed=3, dim=3, parameters={"eta": 0.7})
+    zones = preset_spec("couzin", dim=3, agents=150, seed=3, parameters={"dr_a": 4.0})
+    riders = preset_spec("couzin", dim=3, agents=100, seed=3)
+    echelons = preset_spec("echelon", seed=4)
+    mission = preset_spec("hwvem-nav", seed=3)
+    yard = preset_spec("hwvem-nav", world="obstacles", agents=80, seed=3)
+    pocket = preset_spec("boundary-points", seed=3)
+    rooms = preset_spec("hwvem-nav", world="rooms-3d", agents=150, seed=3)
+    cars = preset_spec("squashing-cars", seed=2)
+    beside = preset_spec("hwvem-nav", seed=3)
+    pockets = preset_spec("boundary-points", seed=3)
     for name, *scene in (
         ("laboratory.png", plane, 15.0, 45, in_layers),
         ("laboratory-agent.png", plane, 15.0, 45, from_close),

@@ -14,8 +14,8 @@ import pytest
 from oracles import vicsek_family as family
 
 ROOT = Path(__file__).parents[1]
-sys.path.append(str(ROOT / "benchmarks"))
-from batch_run import by_mesa, by_sweep  # noqa: E402
+sys.path += [str(ROOT / "benchmarks" / folder) for folder in ("engine", "studies")]
+from batch_run import run_as_sweep, run_with_mesa  # noqa: E402
 from reference import COMPILER, reference  # noqa: E402
 
 compiler = pytest.mark.skipif(shutil.which(COMPILER) is None, reason=f"no {COMPILER}")
@@ -23,7 +23,8 @@ compiler = pytest.mark.skipif(shutil.which(COMPILER) is None, reason=f"no {COMPI
 
 def printed(name, *arguments):
     """What a benchmark prints."""
-    command = [sys.executable, str(ROOT / "benchmarks" / name), *arguments]
+    (path,) = (ROOT / "benchmarks").glob(f"*/{name}")
+    command = [sys.executable, str(path), *arguments]
     return subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout
 
 
@@ -91,9 +92,9 @@ def test_a_tree_is_compared_with_another():
 
 
 def test_a_commit_is_checked_out_and_removed():
-    from against import other
+    from against import check_out
 
-    with other("HEAD") as tree:
+    with check_out("HEAD") as tree:
         assert (tree.path / "agents" / "flock.py").is_file()
     assert not tree.path.exists()
 
@@ -125,9 +126,9 @@ def test_a_tick_that_would_last_too_long_is_left_out_with_a_word():
 
 
 def test_mesa_and_a_sweep_find_the_same():
-    found = by_sweep(20, 10, range(1, 4), 1)
+    found = run_as_sweep(20, 10, range(1, 4), 1)
     assert len(found) == 12
-    assert found == by_mesa(20, 10, range(1, 4), 1)
+    assert found == run_with_mesa(20, 10, range(1, 4), 1)
 
 
 def test_the_rate_of_sweeps_is_printed_for_each_kind_of_run():

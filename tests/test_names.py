@@ -25,7 +25,7 @@ ALLOWED = {
     "app/viewer/scene": {"safe", "car"},  # what the legend calls one
     "app/cli/live": {"safe"},
     "app/cli/take/recording.py": {"car"},  # a real one
-    "app/cli/outcome_table.py": {"crashes"},  # who crashed, in the JSON of a run
+    "app/cli/terminal/outcome_table.py": {"crashes"},  # who crashed, in the JSON of a run
     "app/cli/formation.py": {"thesis"},  # a spacing that a thesis gives
     "app/cli/world.py": {"layers"},  # of a drawing
 }

@@ -31,7 +31,7 @@ from agents import Flock
 from app.cli.main import load
 from app.studies.experiment_file import PaperRow, PaperSweep
 from app.viewer.lab.panels.setup import SetupPanel
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation_state import SimulationState
 
 OPTIONS, Spec = spec.OPTIONS, spec.Spec
@@ -56,7 +56,7 @@ class Gui:
 
 
 gui = Gui()
-panel = SetupPanel(gui, SimulationState(at_home("vem", gait="trot")))
+panel = SetupPanel(gui, SimulationState(preset_spec("vem", gait="trot")))
 for name, option in OPTIONS.items():
     for command in ("run", "lab"):
         [made] = [one for one in load(command).params if one.name == name]

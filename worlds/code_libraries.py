@@ -3,7 +3,7 @@
 numba optimises every function by itself, copies into it all that it calls, optimises it again and
 makes machine code of it. The hundred functions of a loop are all inlined into it, so here they stay
 as they were written down, and only the loop is optimised and made machine code: half to three
-quarters of the time until a model's first tick (`benchmarks/first_start.py`).
+quarters of the time until a model's first tick (`benchmarks/pages/first_start.py`).
 
 This builds on inner classes of numba, as they are in the versions of `TRIED`. Another version
 compiles in its own way.

@@ -19,7 +19,7 @@ from app.classroom.workers.laboratory_status import LaboratoryStatus
 from app.classroom.workers.laboratory_worker import NICENESS, Laboratories
 from app.classroom.workers.worker_process import WorkerProcess
 from app.processes import ChildError, ProcessLostError
-from app.studies.workers.processes import cores
+from app.studies.workers.process_executor import cores
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.run.allowance import Allowance
 from worlds.input_error import InputError

@@ -13,7 +13,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from app.cli.terminal import make_console
+from app.cli.terminal.console import make_console
 from worlds.number_text import counted
 
 Rows = list[dict[str, Any]]
@@ -41,21 +41,21 @@ def models() -> Rows:
 
     return [
         {
-            "name": one.name,
-            "title": one.title,
-            "dimensions": list(one.dimensions),
-            "informed": one.informed,
-            "world": one.world,
-            "agents": one.agents,
-            "wish": one.rule.wish,
-            "body": one.body.name,
-            "time_unit": one.body.unit,
-            "sees_obstacles": one.sees_obstacles,
-            "forces": list(one.rule.forces + one.body.forces),
-            "summary": one.summary,
-            "source": one.rule.source,
+            "name": model.name,
+            "title": model.title,
+            "dimensions": list(model.dimensions),
+            "informed": model.informed,
+            "world": model.world,
+            "agents": model.agents,
+            "wish": model.rule.wish,
+            "body": model.body.name,
+            "time_unit": model.body.unit,
+            "sees_obstacles": model.sees_obstacles,
+            "forces": list(model.rule.forces + model.body.forces),
+            "summary": model.summary,
+            "source": model.rule.source,
         }
-        for one in MODELS.values()
+        for model in MODELS.values()
     ]
 
 
@@ -64,24 +64,24 @@ def parameters() -> Rows:
     from agents.catalogue import MODELS
     from agents.models.declare import declared
 
-    found: dict[tuple, dict[str, Any]] = {}
+    rows: dict[tuple, dict[str, Any]] = {}
     for model in MODELS.values():
-        for one in declared(model.parameters):
-            row = found.setdefault(
-                (one.name, one.default, one.allowed, one.description),
+        for parameter in declared(model.parameters):
+            row = rows.setdefault(
+                (parameter.name, parameter.default, parameter.allowed, parameter.description),
                 {
-                    "name": one.name,
-                    "symbol": one.symbol,
-                    "default": one.default,
-                    "allowed": one.allowed,
-                    "unit": one.unit,
+                    "name": parameter.name,
+                    "symbol": parameter.symbol,
+                    "default": parameter.default,
+                    "allowed": parameter.allowed,
+                    "unit": parameter.unit,
                     "models": [],
-                    "description": one.description,
-                    "source": one.source,
+                    "description": parameter.description,
+                    "source": parameter.source,
                 },
             )
             row["models"].append(model.name)
-    return list(found.values())
+    return list(rows.values())
 
 
 def worlds() -> Rows:
@@ -96,8 +96,13 @@ def observables() -> Rows:
     from agents.observables.catalogue import OBSERVABLES
 
     return [
-        {"name": one.name, "unit": one.unit, "range": str(one.range), "title": one.title}
-        for one in OBSERVABLES.values()
+        {
+            "name": observable.name,
+            "unit": observable.unit,
+            "range": str(observable.range),
+            "title": observable.title,
+        }
+        for observable in OBSERVABLES.values()
     ]
 
 
@@ -105,24 +110,27 @@ def papers() -> Rows:
     """Tables and figures that `flockscope paper` repeats."""
     from app.studies.experiment_reader import experiment_names, read_experiment
 
-    made = [read_experiment(name) for name in experiment_names()]
-    return [{"name": one.name, "title": one.title, "source": one.source} for one in made]
+    experiments = [read_experiment(name) for name in experiment_names()]
+    return [
+        {"name": experiment.name, "title": experiment.title, "source": experiment.source}
+        for experiment in experiments
+    ]
 
 
 def lessons() -> Rows:
     """Lessons that `flockscope class` opens a class on."""
     from app.classroom.lessons.lessons import find_lesson, lesson_names
 
-    made = [(name, find_lesson(name)) for name in lesson_names()]
+    lessons = [(name, find_lesson(name)) for name in lesson_names()]
     return [
         {
             "name": name,
-            "title": one.title,
-            "model": one.spec.model,
-            "agents": one.spec.agents,
-            "watch": one.watch,
+            "title": scene.title,
+            "model": scene.spec.model,
+            "agents": scene.spec.agents,
+            "watch": scene.watch,
         }
-        for name, one in made
+        for name, scene in lessons
     ]
 
 
@@ -136,25 +144,25 @@ KINDS = {
 }
 
 
-def declared_rows() -> dict[str, Rows]:
+def list_declarations() -> dict[str, Rows]:
     """The rows of all kinds, made from the declarations."""
-    return {kind: made() for kind, made in KINDS.items()}
+    return {kind: list_rows() for kind, list_rows in KINDS.items()}
 
 
-def is_current() -> bool:
+def is_list_current() -> bool:
     """Whether no declaration is newer than the rows that are kept."""
     newest = max((file.stat().st_mtime for of in DECLARED for file in ROOT.glob(of)), default=0.0)
     return newest <= LISTED.stat().st_mtime + TOGETHER
 
 
-def rows(brought: bool = False) -> dict[str, Rows]:
+def rows(has_rule_file: bool = False) -> dict[str, Rows]:
     """The rows of all kinds; from the declarations if they are newer than the rows that are kept,
-    or if more is `brought` than is built in."""
+    or if more is `has_rule_file` than is built in."""
     plugged = any(entry_points(group=f"flockscope.{group}") for group in PLUG_INS)
-    if brought or plugged or not is_current():
-        return declared_rows()
-    kept: dict[str, Rows] = json.loads(LISTED.read_text(encoding="utf-8"))
-    return kept
+    if has_rule_file or plugged or not is_list_current():
+        return list_declarations()
+    stored: dict[str, Rows] = json.loads(LISTED.read_text(encoding="utf-8"))
+    return stored
 
 
 def names(rows: dict[str, Rows]) -> dict[str, list[str]]:
@@ -175,19 +183,19 @@ ARTICLES = {
 }
 
 
-def show_tables(made: dict[str, Rows]) -> None:
+def show_tables(rows_by_kind: dict[str, Rows]) -> None:
     """Print tables for people."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
     console = make_console()
-    for kind, rows in made.items():
+    for kind, rows in rows_by_kind.items():
         columns = ON_SCREEN.get(kind) or tuple(rows[0])
         table = Table(*columns, title=kind, title_justify="left", box=SIMPLE_HEAD)
         table.columns[0].no_wrap = True
         for row in rows:
-            told = {**row, "what it does": describe_model(row)} if kind == "models" else row
-            table.add_row(*(cell(told[name]) for name in columns))
+            entry = {**row, "what it does": describe_model(row)} if kind == "models" else row
+            table.add_row(*(cell(entry[name]) for name in columns))
         console.print(table)
 
 
@@ -203,7 +211,7 @@ def describe_model(model: dict[str, Any]) -> str:
 def cell(value: Any) -> str:
     """A value as a cell shows it."""
     if isinstance(value, list):
-        return ", ".join(cell(one) for one in value)
+        return ", ".join(cell(item) for item in value)
     if isinstance(value, bool):
         return "true" if value else "false"
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.file_argument import is_file
-from app.cli.progress import StopSignals, leave
-from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port
+from app.cli.options.run_arguments import is_file
+from app.cli.options.serving_options import AllowHost, Host, OpenBrowser, Port
+from app.cli.terminal.progress import StopSignals, exit_process
 from app.front.origin import LOOPBACK, parse_allowed_host
 from app.results_folder import RESULTS
-from app.studies.workers.processes import cores
+from app.studies.workers.process_executor import cores
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError
 
@@ -65,11 +65,11 @@ def classroom(
 ) -> None:
     """Open a class: students enter by a code on the wall, and have flocks of their own."""
     if (certificate is None) != (key is None):
-        given = "--certificate" if key is None else "--key"
+        option = "--certificate" if key is None else "--key"
         raise InputError(
-            f"{given} is given alone: a certificate needs its key (PEM), and the reverse"
+            f"{option} is given alone: a certificate needs its key (PEM), and the reverse"
         )
-    path = out or (Path(scene) if scene and scene.endswith(FILE) else usual_place())
+    path = out or (Path(scene) if scene and scene.endswith(FILE) else default_file())
     if path.suffix != FILE:
         raise InputError(f"--out {str(path)!r} is no name of a class's file: it ends in {FILE}")
     if out is not None and str(out) != scene:
@@ -79,12 +79,12 @@ def classroom(
     from app.classroom.class_keeper import ClassKeeper
     from app.classroom.front.serving import ClassFront
 
-    made = open_class(scene, students, workers or 2 * cores())
-    keeping = ClassKeeper(made, path)
-    front = ClassFront(made, host, port, names, pair)
+    classroom = open_class(scene, students, workers or 2 * cores())
+    keeping = ClassKeeper(classroom, path)
+    front = ClassFront(classroom, host, port, names, pair)
     with StopSignals() as stopping:
         asyncio.run(serve(front, keeping, host, stopping, open_browser))
-    leave()
+    exit_process()
 
 
 def open_class(name: str | None, seats: int, workers: int) -> Classroom:
@@ -104,7 +104,7 @@ def open_class(name: str | None, seats: int, workers: int) -> Classroom:
     return Classroom(scene, seats, workers, RESULTS)
 
 
-def usual_place() -> Path:
+def default_file() -> Path:
     """A file that is not there yet, named for the time."""
     now = datetime.now().strftime("%Y-%m-%d-%H%M%S")
     return RESULTS / "classes" / f"{now}{FILE}"
@@ -128,11 +128,11 @@ async def serve(
         while not stopping.asked and not classroom.is_over:
             await asyncio.sleep(LOOK)
             if time.monotonic() >= due:
-                await keep(keeping)
+                await save_regularly(keeping)
                 due = time.monotonic() + EVERY
     finally:
         typer.echo("", err=True)
-        await keep(keeping)
+        await save_regularly(keeping)
         if classroom.is_over:
             keeping.forget_keys()
             await asyncio.sleep(FAREWELL)
@@ -143,7 +143,7 @@ async def serve(
         typer.echo(f"the class {ended} {str(keeping.path)!r}: flockscope class {keeping.path}")
 
 
-async def keep(keeping: ClassKeeper) -> None:
+async def save_regularly(keeping: ClassKeeper) -> None:
     """Keep the class; what cannot be written is said, and tried again later."""
     try:
         await keeping.keep()

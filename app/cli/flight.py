@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, tell_written
-from app.cli.progress import Progress
-from app.cli.usage import command_group
-from app.flight.request import FREQUENCY, SPEED, TWIST, asked_speed, request, within
+from app.cli.terminal.outcome_table import as_json, print_written_files
+from app.cli.terminal.progress import Progress
+from app.cli.terminal.usage import command_group
+from app.flight.request import FREQUENCY, SPEED, TWIST, check_range, check_speed, request
 from app.results_folder import demand_folder, picture_files
 from app.settings import numbers
 from worlds.number_text import counted
@@ -48,12 +48,14 @@ def aircraft(json_asked: AsJson = False) -> None:
     values = declared(Aircraft)
     if json_asked:
         names = ("name", "symbol", "unit", "default", "low", "high", "description", "source")
-        typer.echo(as_json([{name: getattr(one, name) for name in names} for one in values]))
-        return
-    for one in values:
         typer.echo(
-            f"{one.name:<15} {one.default:<7.4g} in {one.allowed:<18}"
-            f" {one.description} ({one.source})"
+            as_json([{name: getattr(parameter, name) for name in names} for parameter in values])
+        )
+        return
+    for parameter in values:
+        typer.echo(
+            f"{parameter.name:<15} {parameter.default:<7.4g} in {parameter.allowed:<18}"
+            f" {parameter.description} ({parameter.source})"
         )
 
 
@@ -76,34 +78,42 @@ def trim(
     Prints them with power, energy per metre and stability, and draws lift, thrust and power over
     a wing beat.
     """
-    asked_speed("--speed", speed)
-    asked = request(frequency, twist, settings)
+    check_speed("--speed", speed)
+    flight_request = request(frequency, twist, settings)
     demand_folder("--out", out, ("beat.csv", *picture_files("beat", pictures)), overwrite)
     from agents.flight.trim import trim as search
     from app.flight.trim_report import as_value, beat_columns, lines, write_sheet
 
     with Progress("flight trim", quiet) as progress:
-        made = search(asked.aircraft, speed, frequency=frequency, twist=asked.twist, at=progress.at)
-        value = as_value(made)
+        trim = search(
+            flight_request.aircraft,
+            speed,
+            frequency=frequency,
+            twist=flight_request.twist,
+            at=progress.update,
+        )
+        value = as_value(trim)
     files = {"beat": out / "beat.csv"}
-    write_sheet(files["beat"], beat_columns(made.beat, frequency))
+    write_sheet(files["beat"], beat_columns(trim.beat, frequency))
     if pictures:
-        from app.flight.flight_pictures import draw_beat, one_beat, paint
+        from app.flight.flight_pictures import draw_beat, single_beat, write_figures
 
         title = (
             f"One wing beat in level flight at {speed:g} m/s, {frequency:g} Hz\n"
             f"A = {value['amplitude']:.1f} deg, R = {twist:g} deg,"
             f" {value['energy_per_metre']:.3g} J/m"
         )
-        weight = asked.aircraft.weight
-        files |= paint(lambda f: draw_beat(f, one_beat(made.beat), weight), title, out, "beat")
+        weight = flight_request.aircraft.weight
+        files |= write_figures(
+            lambda f: draw_beat(f, single_beat(trim.beat), weight), title, out, "beat"
+        )
     if json_asked:
         value["files"] = {kind: str(path) for kind, path in files.items()}
         typer.echo(as_json(value))
     else:
         typer.echo("\n".join(lines(value)))
     if not quiet:
-        tell_written(*files.values())
+        print_written_files(*files.values())
 
 
 # `flockscope flight sweep`: the level flights over speed, and the U curve.
@@ -126,46 +136,46 @@ def sweep(
 
     A speed at which no level flight is found is named and left out.
     """
-    wanted = sorted({asked_speed("--speeds", one) for one in numbers("--speeds", speeds)})
-    asked = request(frequency, twist, settings)
+    speeds_asked = sorted({check_speed("--speeds", value) for value in numbers("--speeds", speeds)})
+    flight_request = request(frequency, twist, settings)
     demand_folder("--out", out, ("sweep.csv", *picture_files("sweep", pictures)), overwrite)
-    from app.flight.trim_report import swept, write_sheet
+    from app.flight.trim_report import sweep_speeds, write_sheet
 
     with Progress("flight sweep", quiet) as progress:
-        rows, missing = swept(asked, wanted, progress.at)
+        rows, missing = sweep_speeds(flight_request, speeds_asked, progress.update)
     files = {"sweep": out / "sweep.csv"}
     columns = [name for name in rows[0] if name not in ("multipliers", "stable")]
     write_sheet(files["sweep"], {name: [row[name] for row in rows] for name in columns})
     if pictures:
-        from app.flight.flight_pictures import draw_curve, paint
+        from app.flight.flight_pictures import draw_curve, write_figures
 
         title = f"Level flight over speed: {frequency:g} Hz, R = {twist:g} deg"
-        files |= paint(lambda figure: draw_curve(figure, rows), title, out, "sweep")
+        files |= write_figures(lambda figure: draw_curve(figure, rows), title, out, "sweep")
     if json_asked:
-        made: dict[str, Any] = {"rows": rows, "without_flight": missing}
-        made["files"] = {kind: str(path) for kind, path in files.items()}
-        typer.echo(as_json(made))
+        result: dict[str, Any] = {"rows": rows, "without_flight": missing}
+        result["files"] = {kind: str(path) for kind, path in files.items()}
+        typer.echo(as_json(result))
     else:
         typer.echo("\n".join(speed_table(rows)))
         for speed in missing:
             typer.echo(f"{speed:8.3g}    no level flight was found")
     if not quiet:
-        tell_written(*files.values())
+        print_written_files(*files.values())
 
 
 def speed_table(rows: list[dict[str, Any]]) -> list[str]:
     """The rows for people."""
-    made = ["speed m/s  A deg  tail deg  pitch deg  power W   J/m  towed W  |mu|"]
+    lines = ["speed m/s  A deg  tail deg  pitch deg  power W   J/m  towed W  |mu|"]
     for row in rows:
         towed = "" if row["towing_power"] is None else f"{row['towing_power']:.3f}"
-        made.append(
+        lines.append(
             f"{row['speed']:8.3g} {row['amplitude']:7.2f} {row['tail']:9.2f} {row['pitch']:10.2f}"
             f" {row['power']:8.3f} {row['energy_per_metre']:6.3f} {towed:>8}"
             f" {row['largest_multiplier']:6.3f}{'' if row['stable'] else '  unstable'}"
         )
     best = min(rows, key=lambda row: row["energy_per_metre"])
-    made.append(f"least: {best['energy_per_metre']:.3f} J/m at {best['speed']:g} m/s")
-    return made
+    lines.append(f"least: {best['energy_per_metre']:.3f} J/m at {best['speed']:g} m/s")
+    return lines
 
 
 # `flockscope flight simulate`: a flight in time, from trim and pushed.
@@ -197,43 +207,45 @@ def simulate(
 
     Draws the flight over time, and lift, thrust and power averaged over its wing beats.
     """
-    asked_speed("--speed", speed)
-    within("--seconds", seconds, 0.1, LONGEST, "s")
-    asked = request(frequency, twist, settings)
+    check_speed("--speed", speed)
+    check_range("--seconds", seconds, 0.1, LONGEST, "s")
+    flight_request = request(frequency, twist, settings)
     demand_folder(
         "--out",
         out,
         ("history.csv", *picture_files("history", pictures), *picture_files("beats", pictures)),
         overwrite,
     )
-    from app.flight.compared_flight import flown, pushes
+    from app.flight.compared_flight import fly_pushed, parse_pushes
     from app.flight.trim_report import beat_columns, write_sheet
 
-    moved = pushes(push or [])
+    moved = parse_pushes(push or [])
     with Progress("flight simulate", quiet) as progress:
-        made = flown(asked, speed, seconds, moved, progress.at)
+        flight = fly_pushed(flight_request, speed, seconds, moved, progress.update)
     files = {"history": out / "history.csv"}
-    write_sheet(files["history"], beat_columns(made.flown, frequency))
+    write_sheet(files["history"], beat_columns(flight.flown, frequency))
     if pictures:
-        from app.flight.flight_pictures import averaged, draw_beat, draw_history, paint
+        from app.flight.flight_pictures import draw_beat, draw_history, mean_beat, write_figures
 
-        said = ", ".join(push or []) or "none"
-        title = f"A flight from trim at {speed:g} m/s, {frequency:g} Hz; push: {said}"
-        drawn = paint(lambda f: draw_history(f, made.flown, made.level), title, out, "history")
-        files |= {f"history-{kind}": path for kind, path in drawn.items()}
-        if made.beats:
-            mean, weight = averaged(made.flown, made.per_beat), asked.aircraft.weight
-            title += f"\nmean of {counted(made.beats, 'wing beat')}, with their least and largest"
-            drawn = paint(lambda f: draw_beat(f, mean, weight), title, out, "beats")
-            files |= {f"beats-{kind}": path for kind, path in drawn.items()}
-    value: dict[str, Any] = made.value()
+        text = ", ".join(push or []) or "none"
+        title = f"A flight from trim at {speed:g} m/s, {frequency:g} Hz; push: {text}"
+        more_files = write_figures(
+            lambda f: draw_history(f, flight.flown, flight.level), title, out, "history"
+        )
+        files |= {f"history-{kind}": path for kind, path in more_files.items()}
+        if flight.beats:
+            mean, weight = mean_beat(flight.flown, flight.per_beat), flight_request.aircraft.weight
+            title += f"\nmean of {counted(flight.beats, 'wing beat')}, with their least and largest"
+            more_files = write_figures(lambda f: draw_beat(f, mean, weight), title, out, "beats")
+            files |= {f"beats-{kind}": path for kind, path in more_files.items()}
+    value: dict[str, Any] = flight.value()
     if json_asked:
         value["files"] = {kind: str(path) for kind, path in files.items()}
         typer.echo(as_json(value))
     else:
-        typer.echo("\n".join(made.lines()))
+        typer.echo("\n".join(flight.lines()))
     if not quiet:
-        tell_written(*files.values())
+        print_written_files(*files.values())
 
 
 # `flockscope flight payload`: speed, power and endurance over the mass that is carried.
@@ -277,50 +289,50 @@ def payload(
     body and changes its mass alone. The battery's own mass is part of the aircraft's.
     """
     grams = sorted(
-        {within("--loads", one, 0.0, HEAVIEST, "g") for one in numbers("--loads", loads)}
+        {check_range("--loads", value, 0.0, HEAVIEST, "g") for value in numbers("--loads", loads)}
     )
     if speed is not None:
-        asked_speed("--speed", speed)
-    within("--battery", battery, 0.01, 1000.0, "Wh")
-    within("--efficiency", efficiency, 0.01, 1.0, "")
-    asked = request(frequency, twist, settings)
+        check_speed("--speed", speed)
+    check_range("--battery", battery, 0.01, 1000.0, "Wh")
+    check_range("--efficiency", efficiency, 0.01, 1.0, "")
+    flight_request = request(frequency, twist, settings)
     demand_folder("--out", out, ("payload.csv", *picture_files("payload", pictures)), overwrite)
-    from app.flight.load import Battery, carried, loaded
+    from app.flight.load import Battery, compute_loads, load_aircraft
     from app.flight.trim_report import write_sheet
 
-    kilograms = [one / 1000.0 for one in grams]
+    kilograms = [load / 1000.0 for load in grams]
     for load in kilograms:
-        loaded(asked.aircraft, load, "--loads")
+        load_aircraft(flight_request.aircraft, load, "--loads")
     source = Battery(battery, efficiency)
     with Progress("flight payload", quiet) as progress:
-        rows, missing = carried(asked, kilograms, source, speed, progress.at)
+        rows, missing = compute_loads(flight_request, kilograms, source, speed, progress.update)
     files = {"payload": out / "payload.csv"}
     columns = [name for name in rows[0] if name not in ("multipliers", "stable")]
     write_sheet(files["payload"], {name: [row[name] for row in rows] for name in columns})
     if pictures:
-        from app.flight.flight_pictures import draw_load, paint
+        from app.flight.flight_pictures import draw_load, write_figures
 
         where = "at the speed of least power" if speed is None else f"at {speed:g} m/s"
         title = f"Level flight {where} over the load: {frequency:g} Hz, R = {twist:g} deg"
-        files |= paint(
+        files |= write_figures(
             lambda f: draw_load(f, rows, describe_battery(source)), title, out, "payload"
         )
     if json_asked:
-        made: dict[str, Any] = {
+        result: dict[str, Any] = {
             "battery": battery,
             "efficiency": efficiency,
             "rows": rows,
-            "without_flight": [1000.0 * one for one in missing],
+            "without_flight": [1000.0 * load for load in missing],
         }
-        made["files"] = {kind: str(path) for kind, path in files.items()}
-        typer.echo(as_json(made))
+        result["files"] = {kind: str(path) for kind, path in files.items()}
+        typer.echo(as_json(result))
     else:
         typer.echo("\n".join(load_table(rows)))
         for load in missing:
             typer.echo(f"{1000.0 * load:6.4g}    no level flight was found")
         typer.echo(f"endurance and range: {describe_battery(source)}")
     if not quiet:
-        tell_written(*files.values())
+        print_written_files(*files.values())
 
 
 def describe_battery(battery: Battery) -> str:
@@ -330,15 +342,15 @@ def describe_battery(battery: Battery) -> str:
 
 def load_table(rows: list[dict[str, Any]]) -> list[str]:
     """The rows for people."""
-    made = ["load g  mass kg  speed m/s  A deg  power W    J/m  endurance h  range km  |mu|"]
-    made += [
+    lines = ["load g  mass kg  speed m/s  A deg  power W    J/m  endurance h  range km  |mu|"]
+    lines += [
         f"{row['load']:6.4g} {row['mass']:8.3f} {row['speed']:10.3g} {row['amplitude']:6.2f}"
         f" {row['power']:8.3f} {row['energy_per_metre']:6.3f} {row['endurance']:12.3f}"
         f" {row['range']:9.2f} {row['largest_multiplier']:5.3f}"
         f"{'' if row['stable'] else '  unstable'}"
         for row in rows
     ]
-    return made
+    return lines
 
 
 flight = command_group(

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, tell_written
-from app.cli.progress import Progress
-from app.cli.usage import command_group
+from app.cli.terminal.outcome_table import as_json, print_written_files
+from app.cli.terminal.progress import Progress
+from app.cli.terminal.usage import command_group
 from app.results_folder import demand_folder, picture_files
-from app.settings import at_least, numbers
+from app.settings import check_whole_number, numbers
 from worlds.input_error import InputError
 from worlds.memory import demand_memory
 
@@ -62,7 +62,7 @@ def spacing(
         files |= write_picture(
             out, "spacing", lambda fig: draw_spacing(fig, core, behind, above, best)
         )
-    made = {
+    result = {
         "core": core,
         "behind": behind,
         "above": above,
@@ -77,7 +77,7 @@ def spacing(
         f"(2.8)                 {THESIS_SPACING:+.4f} b = {THESIS_SPACING * span:+.3f} m,"
         f" middles {(1 + THESIS_SPACING) * span:.3f} m apart: {100 * at_thesis:.1f} % saved there",
     ]
-    tell(made, lines, files, json_asked, quiet)
+    print_result(result, lines, files, json_asked, quiet)
 
 
 def vee(
@@ -106,8 +106,8 @@ def vee(
     """Print what a V of birds saves, exact and with jitter: percent and joules per metre."""
     if not 1 <= birds <= 200:
         raise InputError(f"--birds {birds} is not allowed: a whole number from 1 to 200 is needed")
-    at_least("--draws", draws, 1, MOST_DRAWS)
-    at_least("--seed", seed, 0)
+    check_whole_number("--draws", draws, 1, MOST_DRAWS)
+    check_whole_number("--seed", seed, 0)
     demand("--step", step, -6.0, 6.0)
     demand("--induced", induced, 0.0, 1.0)
     if tip is not None:
@@ -115,27 +115,27 @@ def vee(
     if energy is not None:
         demand("--energy", energy, 0.0, 1e6)
     sizes = numbers("--jitter", jitter)
-    for one in sizes:
-        demand("--jitter", one, 0.0, 10.0)
+    for size in sizes:
+        demand("--jitter", size, 0.0, 10.0)
     demand_memory(f"--draws {draws}", float(draws) * birds * BYTES_OF_A_DRAW)
     demand_folder("--out", out, ("vee.csv", *picture_files("vee", pictures)), overwrite)
     from agents.observables.formation import vee as placed
     from agents.observables.formation import vee_saved
     from app.formation import draw_vee, table, write_picture
 
-    alone = trimmed(speed) if energy is None else energy
+    alone = energy_per_metre(speed) if energy is None else energy
     rows = []
     with Progress("vee", quiet) as progress:
-        for done, one in enumerate(sizes):
-            progress.at(done / len(sizes))
-            shares = vee_saved(birds, one, draws if one > 0.0 else 1, step, tip, seed)
-            rows.append(row(one, shares.mean(axis=1), induced, alone))
-    files = table(out, "vee", list(rows[0]), (list(one.values()) for one in rows))
+        for done, size in enumerate(sizes):
+            progress.update(done / len(sizes))
+            shares = vee_saved(birds, size, draws if size > 0.0 else 1, step, tip, seed)
+            rows.append(row(size, shares.mean(axis=1), induced, alone))
+    files = table(out, "vee", list(rows[0]), (list(row.values()) for row in rows))
     exact = vee_saved(birds, step=step, tip=tip)[0]
     if pictures:
         places = placed(birds, step, tip)
         files |= write_picture(out, "vee", lambda figure: draw_vee(figure, places, exact, rows))
-    made = {
+    result = {
         "birds": birds,
         "step": step,
         "draws": draws,
@@ -151,14 +151,14 @@ def vee(
         "jitter/b  induced drag saved  power saved (5 to 95 % of draws)    J/m a bird saves",
     ]
     lines += [
-        f"{one['jitter']:8.2f}  {one['saved']:17.1f} %  {one['power']:9.1f} %"
-        f" ({one['power_5']:.1f} to {one['power_95']:.1f})  {one['energy']:22.4f}"
-        for one in rows
+        f"{row['jitter']:8.2f}  {row['saved']:17.1f} %  {row['power']:9.1f} %"
+        f" ({row['power_5']:.1f} to {row['power_95']:.1f})  {row['energy']:22.4f}"
+        for row in rows
     ]
-    tell(made, lines, files, json_asked, quiet)
+    print_result(result, lines, files, json_asked, quiet)
 
 
-def behind_one(
+def draw_saving_map(
     core: Core = 0.04,
     behind: Annotated[float, typer.Option(help="Where the wake is cut across, in spans.")] = 1.0,
     above: Above = 0.0,
@@ -173,24 +173,24 @@ def behind_one(
     demand("--above", above, -20.0, 20.0)
     demand_folder("--out", out, ("map.csv", *picture_files("map")), overwrite)
     from agents.observables.formation import best_spacing
-    from app.formation import ASIDE, BACK, draw_behind, from_above, table, write_picture
+    from app.formation import ASIDE, BACK, draw_behind, shares_from_above, table, write_picture
 
     best = best_spacing(core, behind)
     rows = (
-        (back, aside, one)
-        for back, line in zip(BACK, from_above(core, above), strict=True)
-        for aside, one in zip(ASIDE, line, strict=True)
+        (back, aside, value)
+        for back, line in zip(BACK, shares_from_above(core, above), strict=True)
+        for aside, value in zip(ASIDE, line, strict=True)
     )
     files = table(out, "map", ["behind_per_span", "aside_per_span", "saved"], rows)
     files |= write_picture(
         out, "map", lambda figure: draw_behind(figure, core, above, behind, best)
     )
-    made = {"core": core, "behind": behind, "above": above, "best": best._asdict()}
+    result = {"core": core, "behind": behind, "above": above, "best": best._asdict()}
     line = (
         f"{behind:g} b behind a bird the best wing-tip spacing is {best.tip:+.4f} b:"
         f" {100 * best.saved:.1f} % of the induced drag saved"
     )
-    tell(made, [line], files, json_asked, quiet)
+    print_result(result, [line], files, json_asked, quiet)
 
 
 def row(jitter: float, shares: Any, induced: float, alone: float) -> dict[str, float]:
@@ -209,7 +209,7 @@ def row(jitter: float, shares: Any, induced: float, alone: float) -> dict[str, f
     }
 
 
-def trimmed(speed: float) -> float:
+def energy_per_metre(speed: float) -> float:
     """Energy per metre of the thesis's aircraft in trim, J/m. Raises InputError."""
     from agents.flight.aircraft import Aircraft
     from agents.flight.trim import trim
@@ -223,16 +223,16 @@ def demand(option: str, value: float, low: float, high: float) -> None:
         raise InputError(f"{option} {value:g} is outside [{low:g}, {high:g}]")
 
 
-def tell(
-    made: dict[str, Any], lines: list[str], files: dict[str, Path], json_asked: bool, quiet: bool
+def print_result(
+    result: dict[str, Any], lines: list[str], files: dict[str, Path], json_asked: bool, quiet: bool
 ) -> None:
     """Print the outcome as lines or as JSON, and where the files are."""
     if json_asked:
-        typer.echo(as_json(made | {"files": {kind: str(path) for kind, path in files.items()}}))
+        typer.echo(as_json(result | {"files": {kind: str(path) for kind, path in files.items()}}))
     else:
         typer.echo("\n".join(lines))
     if not quiet:
-        tell_written(*files.values())
+        print_written_files(*files.values())
 
 
 formation = command_group(
@@ -240,6 +240,6 @@ formation = command_group(
     {
         "spacing": spacing,
         "vee": vee,
-        "map": behind_one,
+        "map": draw_saving_map,
     },
 )

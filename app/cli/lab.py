@@ -13,14 +13,20 @@ from agents.catalogue import model as find_model
 from agents.flock_world import find_world
 from agents.models.declare import checked
 from agents.spec import DEFAULT, Spec
-from app.cli.file_argument import is_file
-from app.cli.progress import StopSignals, leave
-from app.cli.run_arguments import Asked, demand_parameters, option_name, requested_run, with_options
-from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
-from app.cli.usage import Rules, by_name, first_of
+from app.cli.options.run_arguments import (
+    GivenOptions,
+    demand_parameters,
+    is_file,
+    option_name,
+    requested_run,
+    with_options,
+)
+from app.cli.options.serving_options import AllowHost, Host, OpenBrowser, Port, announce
+from app.cli.terminal.progress import StopSignals, exit_process
+from app.cli.terminal.usage import Rules, first_of, model_name
 from app.front.origin import parse_allowed_host
 from app.settings import assignment
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -40,7 +46,7 @@ def lab(
         typer.Argument(
             help=f"Model: {', '.join(MODELS)}, or a FILE: a rule (FILE.py), a scene or a spec "
             "(TOML), a saved state or a recording (Parquet).",
-            callback=by_name,
+            callback=model_name,
             show_default=DEFAULT,
         ),
     ] = None,
@@ -53,11 +59,11 @@ def lab(
         str | None,
         typer.Option(
             help="A second model, beside it in the same world from the same start.",
-            callback=by_name,
+            callback=model_name,
         ),
     ] = None,
     *,
-    asked: Asked,
+    options: GivenOptions,
     set: Annotated[
         list[str] | None,
         typer.Option("--set", help="A parameter, NAME=VALUE, of either model; may be repeated."),
@@ -78,15 +84,15 @@ def lab(
     names = tuple(parse_allowed_host(name) for name in allow_host or ())
     model = first_of(model, rule)
     file, model = (model, None) if is_file(model) else (None, model)
-    opened = opened_by(file, scene, model, beside, asked, set)
+    opened = open_argument(file, scene, model, beside, options, set)
     model = model or DEFAULT
     own, others = parameters(find_model(model).name, set or [], beside)
-    request, origins = requested_run(model, asked, [])
-    with origins.named():
+    request, origins = requested_run(model, options, [])
+    with origins.naming_origins():
         if isinstance(request.size, tuple):
             sides = list(request.size)
             raise InputError(f"size = {sides} is not allowed: here all sides are alike")
-        spec = at_home(**{**dict(request), "parameters": own})
+        spec = preset_spec(**{**dict(request), "parameters": own})
         find_world(spec, find_model(spec.model))
         second = None if beside is None else Spec(beside, parameters=others)
     if opened is not None:
@@ -100,7 +106,7 @@ def lab(
             from app.viewer.lab.laboratory import Laboratory
             from app.viewer.run.paired_run import companion
 
-            with origins.named():
+            with origins.naming_origins():
                 if not hasattr(opened, "recording"):  # which has been looked at as it was read
                     flock = Flock(spec, threads=threads)
                     if second is not None:
@@ -119,26 +125,26 @@ def lab(
             waits=True,
         )
         serve(laboratory, stopping)
-    leave()
+    exit_process()
 
 
-def opened_by(
+def open_argument(
     file: str | None,
     scene: str | None,
     model: str | None,
     beside: str | None,
-    asked: Asked,
+    options: GivenOptions,
     settings: list[str] | None,
 ) -> SavedScene | StoredFlock | None:
     """The file or the scene that is asked for; the first one where nothing is. Raises
     InputError."""
     from app.viewer.gallery.scene_collection import FIRST, find_scene
 
-    given = [name for name, value in asked.items() if value is not None]
+    given_names = [name for name, value in options.items() if value is not None]
     others = [
         *(["MODEL"] if model else []),
         *(["--beside"] if beside else []),
-        *map(option_name, given),
+        *map(option_name, given_names),
     ]
     others += ["--set"] if settings else []
     if scene is not None and file is not None:
@@ -162,28 +168,30 @@ def parameters(
 
     A name that both have without sharing it means the first model's. Raises InputError.
     """
-    given = dict(assignment(setting) for setting in settings)
+    values = dict(assignment(setting) for setting in settings)
     names = [model] if beside is None else [model, find_model(beside).name]
-    demand_parameters(given, [find_model(name).parameters for name in names])
+    demand_parameters(values, [find_model(name).parameters for name in names])
     if beside is None:
-        return lively(model, given), {}
-    from app.viewer.run.paired_run import shared_by
+        return parameters_with_noise(model, values), {}
+    from app.viewer.run.paired_run import shared_model_parameters
 
-    both = shared_by(model, find_model(beside).name)
+    both = shared_model_parameters(model, find_model(beside).name)
     first, second = (set(MODELS[name].parameters.model_fields) for name in (model, beside))
-    others = {name: value for name, value in given.items() if name in second - first}
-    own = lively(model, {name: value for name, value in given.items() if name not in others})
-    more = lively(beside, others)
+    others = {name: value for name, value in values.items() if name in second - first}
+    own = parameters_with_noise(
+        model, {name: value for name, value in values.items() if name not in others}
+    )
+    more = parameters_with_noise(beside, others)
     return own, {name: value for name, value in more.items() if name not in both}
 
 
-def lively(model: str, given: dict[str, Any]) -> dict[str, Any]:
+def parameters_with_noise(model: str, values: dict[str, Any]) -> dict[str, Any]:
     """The given parameters of a model, checked, and a little noise. Raises InputError."""
     declared = MODELS[model].parameters
     noise = declared.model_fields.get("eta")
     moved = {"eta": NOISE} if noise is not None and noise.default == 0.0 else {}
-    made = checked(declared, moved | given, "--set").model_dump()
-    return {name: made[name] for name in moved | given}
+    parameters = checked(declared, moved | values, "--set").model_dump()
+    return {name: parameters[name] for name in moved | values}
 
 
 def serve(laboratory: Any, stopping: StopSignals) -> None:

@@ -11,8 +11,8 @@ import typer
 from typer.core import TyperCommand
 from typer.main import get_command
 
-from app.cli.terminal import guard_streams, with_one_line_errors
-from app.cli.usage import CommandGroup, OneCommand
+from app.cli.terminal.console import guard_streams, with_one_line_errors
+from app.cli.terminal.usage import CommandGroup, OneCommand
 
 
 class Entry(NamedTuple):
@@ -44,9 +44,11 @@ COMMANDS = {
     "world": Entry(".world", "world", "List, draw, check, import and make worlds."),
     "formation": Entry(".formation", "formation", "Say what birds save in formation flight."),
     "list": Entry(".listing", "listing", "List models, worlds, observables, papers, lessons."),
-    "check": Entry(".check", "check", "Check that a model keeps to what every model does."),
-    "warm": Entry(".warm", "warm", "Compile models in advance."),
-    "cite": Entry(".cite", "cite", "Print the papers of a model as BibTeX."),
+    "check": Entry(
+        ".model_commands", "check", "Check that a model keeps to what every model does."
+    ),
+    "warm": Entry(".model_commands", "warm", "Compile models in advance."),
+    "cite": Entry(".model_commands", "cite", "Print the papers of a model as BibTeX."),
     "recording": Entry(
         ".take.recording", "recording", "Show what a recording holds; write it as CSV."
     ),
@@ -54,7 +56,7 @@ COMMANDS = {
         ".take.picture", "picture", "Draw a flock in its world, with legend and scale."
     ),
     "film": Entry(".take.film", "film", "Film a flock in its world: MP4, WebM or GIF."),
-    "recover": Entry(".recover", "recover", "Save the recording of a run that was killed."),
+    "recover": Entry(".take.recording", "recover", "Save the recording of a run that was killed."),
 }
 
 
@@ -97,9 +99,9 @@ def load(name: str) -> Any:
 app = typer.Typer(cls=Commands, no_args_is_help=False, pretty_exceptions_enable=False)
 
 
-def show_version(asked: bool) -> None:
+def show_version(is_requested: bool) -> None:
     """Print the version and stop."""
-    if asked:
+    if is_requested:
         from importlib.metadata import version
 
         typer.echo(f"flockscope {version('flockscope')}")
@@ -127,6 +129,6 @@ def main() -> None:
     """Entry point of the command line; without a command, options are those of `lab`."""
     guard_streams()
     warnings.showwarning = show_warning
-    given = sys.argv[1:]
-    bare = not given or (given[0].startswith("-") and given[0] not in OWN_OPTIONS)
-    app(args=["lab", *given] if bare else given, prog_name="flockscope")
+    arguments = sys.argv[1:]
+    is_bare = not arguments or (arguments[0].startswith("-") and arguments[0] not in OWN_OPTIONS)
+    app(args=["lab", *arguments] if is_bare else arguments, prog_name="flockscope")

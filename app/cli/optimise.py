@@ -7,22 +7,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, tell, tell_written
 from app.cli.sweep.run import (
     BROKEN,
     AsJson,
     Drawn,
-    Limit,
-    Nice,
     Overwrite,
     Quiet,
-    RetryFailed,
-    Workers,
-    demand_sound,
-    under_way,
-    warn,
+    RunnerOptions,
+    print_warnings,
+    progress_bar,
 )
-from app.cli.terminal import make_console
+from app.cli.terminal.console import make_console
+from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
+from app.cli.terminal.usage import with_option_groups
 from app.results_folder import PICTURES
 
 if TYPE_CHECKING:
@@ -34,52 +31,51 @@ FAULTS = 20
 """Failed runs that are named."""
 
 
+@with_option_groups
 def optimise(
     what: Annotated[str, typer.Argument(help="FILE.toml, or the folder of one to go on with.")],
+    *,
     out: Annotated[
         Path | None, typer.Option(help="Folder of its runs. \\[default: results/NAME]")
     ] = None,
     picture: Drawn = None,
     overwrite: Overwrite = False,
-    workers: Workers = None,
-    nice: Nice = 0,
-    retry_failed: RetryFailed = False,
-    limit: Limit = None,
+    runner: RunnerOptions,
     json_asked: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Search for the values of parameters that make a measure least or most.
 
-    The best is told on seeds that the search has not seen, beside the default, with what ties with
-    it. The same call goes on after any stop: the search is begun again and takes what it has seen
-    from the store. The exit code is 3 if any run failed.
+    Fresh seeds judge the best point, beside the default and the points that tie with it. Call it
+    again to go on after a stop: finished runs come from the store. The exit code is 3 if any run
+    failed.
     """
-    from app.cli.sweep.sweep_choice import begun_in, folder_of, is_sweep
+    from app.cli.sweep.sweep_choice import folder_of, is_sweep, read_sweep_folder
     from app.figure import ENDINGS
     from app.studies.optimisation.optimisation_picture import draw
     from app.studies.optimisation.study import read_study, study_of
     from worlds.file_writer import demand_writable
     from worlds.input_error import InputError
 
-    demand_sound(workers, nice, limit)
+    runner.check()
     if Path(what).suffix.lower() == ".toml":
         study, own = read_study(Path(what)), folder_of(Path(what).stem)
     elif is_sweep(folder_of(what)):
         own = folder_of(what)
-        study = study_of(*begun_in(own))
+        study = study_of(*read_sweep_folder(own))
     else:
         raise InputError(f"{what!r} is no FILE.toml and no folder of an optimisation")
     folder = out or own
     if picture is not None:
         demand_writable("--picture", picture, overwrite, ENDINGS)
     if not quiet:
-        for one in study.variants:
-            warn(one.sweep)
-    done = carry_out_search(study, folder, workers, nice, retry_failed, limit, quiet)
+        for variant in study.variants:
+            print_warnings(variant.sweep)
+    done = carry_out_search(study, folder, runner, quiet)
     for line in done.broken[:FAULTS]:
-        tell(f"flockscope: {line}")
+        print_stderr(f"flockscope: {line}")
     if done.answer is None:
-        tell(f"not all points are evaluated; go on with: flockscope optimise {folder}")
+        print_stderr(f"not all points are evaluated; go on with: flockscope optimise {folder}")
         raise typer.Exit(BROKEN if done.broken else 0)
     names = [f"convergence.{kind}" for kind in PICTURES]
     files = [picture] if picture is not None else [folder / name for name in names]
@@ -87,8 +83,8 @@ def optimise(
         draw(study, done.course, done.answer, path)
     report(study, folder, done, done.answer, files, json_asked)
     if not quiet:
-        tell(f"{done.made} runs made, {done.taken} taken from {folder}")
-        tell_written(*files)
+        print_stderr(f"{done.made} runs made, {done.taken} taken from {folder}")
+        print_written_files(*files)
     if done.broken:
         raise typer.Exit(BROKEN)
 
@@ -96,25 +92,22 @@ def optimise(
 def carry_out_search(
     study: Study,
     folder: Path,
-    workers: int | None,
-    nice: int,
-    retry: bool,
-    limit: int | None,
+    runner: RunnerOptions,
     quiet: bool,
 ) -> OptimisationReport:
     """Carry out the search."""
     from app.studies.optimisation.optimisation_runner import optimise as carry_out
 
-    with under_way(folder, quiet) as progress:
+    with progress_bar(folder, quiet) as progress:
         return carry_out(
             study,
             folder,
-            workers=workers,
-            nice=nice,
-            retry=retry,
-            limit=limit,
-            tell=None if quiet else tell,
-            at=lambda share, words: progress.at(share, None, words),
+            workers=runner.workers,
+            nice=runner.nice,
+            retry=runner.retry_failed,
+            limit=runner.limit,
+            tell=None if quiet else print_stderr,
+            at=lambda share, words: progress.update(share, None, words),
         )
 
 
@@ -137,8 +130,8 @@ def report(
             "failed": done.broken,
             **answer.value,
             "course": [
-                {"point": one.point, "means": one.means, "is_good": one.is_good}
-                for one in done.course
+                {"point": point.point, "means": point.means, "is_good": point.is_good}
+                for point in done.course
             ],
             "files": [str(path) for path in files],
         }
@@ -147,17 +140,17 @@ def report(
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from app.cli.sweep.show import plain
+    from app.cli.sweep.show import format_axis_value
 
     table = Table(
         "", *study.default, *answer.goals, box=SIMPLE_HEAD,
         title=f"{study.title}, {answer.fresh} fresh seeds", title_justify="left",
     )  # fmt: skip
     last = [answer.ties.furthest] if answer.ties and answer.ties.furthest else []
-    for one in (answer.default, *answer.best, *last):
-        values = [plain(one.point[name]) for name in study.default]
+    for point in (answer.default, *answer.best, *last):
+        values = [format_axis_value(point.point[name]) for name in study.default]
         table.add_row(
-            one.what, *values, *("-" if mean is None else str(mean) for mean in one.means)
+            point.what, *values, *("-" if mean is None else str(mean) for mean in point.means)
         )
     console = make_console()
     console.print(table)

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import ASTRAY, as_json, tell_written
-from app.cli.progress import Progress, StopSignals
-from app.cli.terminal import INTERRUPTED, make_console
+from app.cli.terminal.console import INTERRUPTED, make_console
+from app.cli.terminal.outcome_table import ASTRAY, as_json, print_written_files
+from app.cli.terminal.progress import Progress, StopSignals
 from app.results_folder import demand_folder, picture_files
-from app.settings import at_least, names, whole_numbers
+from app.settings import check_whole_number, names, whole_numbers
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
 
@@ -76,48 +76,61 @@ def paper(
     is named, and its seed left out. The exit code is 4 if an agent of a run was seen inside an
     obstacle or beyond a solid edge, 3 if a run failed.
     """
-    at_least("--seed", seed, 0)
-    at_least("--workers", workers, 1, MOST_WORKERS)
+    check_whole_number("--seed", seed, 0)
+    check_whole_number("--workers", workers, 1, MOST_WORKERS)
     if everything == (name is not None):
         raise InputError("say which paper, or --all: see `flockscope list papers`")
     if everything and (agents or models):
         raise InputError("--all takes all sizes and models: leave --agents and --models out")
     from app.studies.experiment_reader import experiment_names, find_experiment
 
-    wholes = [find_experiment(one) for one in ([name] if name else experiment_names())]
-    at_least("--runs", runs, min(2, *(one.runs for one in wholes)), MOST_RUNS)
-    asked = [one.narrowed(names(models), whole_numbers("--agents", agents)) for one in wholes]
+    wholes = [
+        find_experiment(paper_name) for paper_name in ([name] if name else experiment_names())
+    ]
+    check_whole_number(
+        "--runs", runs, min(2, *(experiment.runs for experiment in wholes)), MOST_RUNS
+    )
+    experiments = [
+        experiment.select(names(models), whole_numbers("--agents", agents)) for experiment in wholes
+    ]
     base = out or Path("results")
-    folders = {one.name: out if name and out else base / one.name for one in asked}
-    for one in asked:
-        demand_results(folders[one.name], one.name, pictures, overwrite)
+    folders = {
+        experiment.name: out if name and out else base / experiment.name
+        for experiment in experiments
+    }
+    for experiment in experiments:
+        demand_results(folders[experiment.name], experiment.name, pictures, overwrite)
     outcomes = []
-    for one in asked:
-        begun = time.monotonic()
-        count = runs or one.runs
+    for experiment in experiments:
+        started = time.monotonic()
+        count = runs or experiment.runs
         if not quiet:
-            tell_prospects(one, count)
-        done = carry_out_paper(one, folders[one.name], count, seed, workers, quiet, retry_failed)
-        seconds = time.monotonic() - begun
-        outcomes.append(outcome_of(one, done, folders[one.name], seed, seconds, pictures))
+            print_prospects(experiment, count)
+        done = carry_out_paper(
+            experiment, folders[experiment.name], count, seed, workers, quiet, retry_failed
+        )
+        seconds = time.monotonic() - started
+        outcomes.append(
+            outcome_of(experiment, done, folders[experiment.name], seed, seconds, pictures)
+        )
     report(outcomes, everything, json_asked, quiet)
-    astray = [line for one in outcomes for line in one.done.astray]
-    failed = [line for one in outcomes for line in one.done.failed]
+    astray = [line for outcome in outcomes for line in outcome.done.astray]
+    failed = [line for outcome in outcomes for line in outcome.done.failed]
     for line in astray + failed:
-        tell(f"flockscope: {line}")
+        print_stderr(f"flockscope: {line}")
     if astray:
         raise typer.Exit(ASTRAY)
-    if failed or (strict and any(one.differs for one in outcomes)):
+    if failed or (strict and any(outcome.differs for outcome in outcomes)):
         raise typer.Exit(DIFFERS)
 
 
-def tell_prospects(experiment: Experiment, runs: int) -> None:
+def print_prospects(experiment: Experiment, runs: int) -> None:
     """Say which of its claims so many runs can decide."""
-    from app.studies.claims.prospects import prospects
+    from app.studies.claims.prospects import describe_prospects
 
-    said = prospects(experiment, runs)
-    if said:
-        tell(f"{experiment.name}: {said}")
+    text = describe_prospects(experiment, runs)
+    if text:
+        print_stderr(f"{experiment.name}: {text}")
 
 
 def demand_results(folder: Path, name: str, pictures: bool, overwrite: bool) -> None:
@@ -127,8 +140,8 @@ def demand_results(folder: Path, name: str, pictures: bool, overwrite: bool) -> 
     """
     runs = folder / RUNS
     demand_folder("--out", folder, (RUNS,), overwrite=True)
-    theirs = ("summary.csv", *picture_files(name, pictures))
-    demand_folder("--out", folder, theirs, overwrite or runs.is_file())
+    file_names = ("summary.csv", *picture_files(name, pictures))
+    demand_folder("--out", folder, file_names, overwrite or runs.is_file())
 
 
 def carry_out_paper(
@@ -141,31 +154,31 @@ def carry_out_paper(
     retry: bool,
 ) -> ExperimentReport:
     """Carry out the experiment; after Ctrl-C tell how to go on."""
-    from app.studies.experiment_runner import conduct
-    from app.studies.workers.processes import cores
+    from app.studies.experiment_runner import run_experiment
+    from app.studies.workers.process_executor import cores
 
-    begun = time.monotonic()
+    started = time.monotonic()
     again = f"flockscope {shlex.join(sys.argv[1:])}"
     stopped = f"flockscope: stopped; finished runs are in {folder / RUNS}; go on with: {again}"
     try:
         with StopSignals(at_once=stopped), Progress(experiment.name, quiet) as progress:
-            done = conduct(
+            done = run_experiment(
                 experiment,
                 folder,
                 runs=runs,
                 seed=seed,
                 workers=workers or cores(),
-                tell=None if quiet else tell,
-                at=progress.at,
+                tell=None if quiet else print_stderr,
+                at=progress.update,
                 retry=retry,
             )
     except KeyboardInterrupt:
-        tell(stopped)
+        print_stderr(stopped)
         raise typer.Exit(INTERRUPTED) from None
     if not quiet:
-        spent = duration(time.monotonic() - begun)
-        made = counted(done.made, "run")
-        tell(f"{made} made in {spent}, {done.taken} taken from {folder / RUNS}")
+        spent = duration(time.monotonic() - started)
+        runs_text = counted(done.made, "run")
+        print_stderr(f"{runs_text} made in {spent}, {done.taken} taken from {folder / RUNS}")
     return done
 
 
@@ -183,7 +196,7 @@ class PaperOutcome:
     @property
     def differs(self) -> bool:
         """Whether anything differs from what was published, or does not hold."""
-        words = [one.word for one in self.made] + [one.word for one in self.said]
+        words = [verdict.word for verdict in self.made] + [claim.word for claim in self.said]
         return "differs" in words or "does not hold" in words
 
     @property
@@ -208,43 +221,46 @@ def outcome_of(
     pictures: bool,
 ) -> PaperOutcome:
     """Judge what was measured, and write summary and picture."""
-    from app.studies.claims.claims import claims
-    from app.studies.claims.verdict_table import verdicts
+    from app.studies.claims.claims import claims, verdicts
     from app.studies.reports.report_formats import write_summary
 
-    made = verdicts(experiment, done.measured)
+    rows = verdicts(experiment, done.measured)
     files = {"runs": folder / RUNS, "summary": folder / "summary.csv"}
-    write_summary(files["summary"], made)
+    write_summary(files["summary"], rows)
     if pictures:
         from app.studies.figures import draw
 
-        files |= draw(experiment, made, folder, seed)
-    return PaperOutcome(experiment, done, made, claims(made, experiment.said), files, seconds)
+        files |= draw(experiment, rows, folder, seed)
+    return PaperOutcome(experiment, done, rows, claims(rows, experiment.said), files, seconds)
 
 
 def report(outcomes: list[PaperOutcome], everything: bool, json_asked: bool, quiet: bool) -> None:
     """Print the outcomes."""
     if json_asked:
-        values = [one.value for one in outcomes]
+        values = [outcome.value for outcome in outcomes]
         typer.echo(as_json({"papers": values} if everything else values[0]))
     else:
         from app.studies.reports.overview import overview
         from app.studies.reports.report_formats import show
 
         console = make_console()
-        for one in outcomes:
-            show(console, one.experiment, one.made, one.said)
+        for outcome in outcomes:
+            show(console, outcome.experiment, outcome.made, outcome.said)
         if everything:
-            console.print(overview([(one.experiment, one.made, one.said) for one in outcomes]))
+            console.print(
+                overview([(outcome.experiment, outcome.made, outcome.said) for outcome in outcomes])
+            )
     if not quiet:
-        tell_written(*(outcomes[0].files.values() if not everything else folders_of(outcomes)))
+        print_written_files(
+            *(outcomes[0].files.values() if not everything else folders_of(outcomes))
+        )
 
 
 def folders_of(outcomes: list[PaperOutcome]) -> list[Path]:
     """The folders that files were written to."""
-    return list(dict.fromkeys(one.files["runs"].parent for one in outcomes))
+    return list(dict.fromkeys(outcome.files["runs"].parent for outcome in outcomes))
 
 
-def tell(line: str) -> None:
+def print_stderr(line: str) -> None:
     """A line on stderr."""
     typer.echo(line, err=True)

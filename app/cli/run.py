@@ -9,14 +9,31 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from app.cli.file_argument import STATE, demand_alone, file_argument, is_file, shown_beside
-from app.cli.length import Seconds, Ticks, demand_one_length, ticks_asked
-from app.cli.outcome_table import StrayAgentCheck, as_json, outcome, show, tell, tell_written
-from app.cli.progress import Progress, run_ticks
-from app.cli.run_arguments import Asked, option_name, requested_run, set_by, with_options
-from app.cli.terminal import INTERRUPTED
-from app.cli.usage import Rules, by_name, first_of
-from app.settings import at_least, names
+from app.cli.options.run_arguments import (
+    STATE,
+    GivenOptions,
+    compared_model,
+    demand_alone,
+    file_argument,
+    is_file,
+    option_name,
+    read_settings,
+    requested_run,
+    with_options,
+)
+from app.cli.options.run_length import Seconds, Ticks, demand_one_length, ticks_asked
+from app.cli.terminal.console import INTERRUPTED
+from app.cli.terminal.outcome_table import (
+    StrayAgentCheck,
+    as_json,
+    outcome,
+    print_stderr,
+    print_written_files,
+    show,
+)
+from app.cli.terminal.progress import Progress, run_ticks
+from app.cli.terminal.usage import Rules, first_of, model_name
+from app.settings import check_whole_number, names
 from app.studies.workers.kernels import compile_loop
 from worlds.file_writer import demand_distinct_files, demand_writable, write_text
 from worlds.input_error import InputError
@@ -36,12 +53,12 @@ def run(
         typer.Argument(
             help="A model, see `flockscope list`, or a FILE: a rule (FILE.py), a scene or a spec "
             "(TOML), a saved state or a recording (Parquet).",
-            callback=by_name,
+            callback=model_name,
         ),
     ] = None,
     rule: Rules = None,
     *,
-    asked: Asked,
+    options: GivenOptions,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
@@ -97,8 +114,8 @@ def run(
     obstacle or beyond a solid edge.
     """
     demand_one_length(ticks, seconds)
-    at_least("--every", every, 1)
-    at_least("--over", over, 1)
+    check_whole_number("--every", every, 1)
+    check_whole_number("--over", over, 1)
     if seconds is None:
         demand_long_enough(over, DEFAULT_TICKS if ticks is None else ticks)
     demand_outputs(save, save_spec, record, overwrite)
@@ -106,51 +123,53 @@ def run(
     from agents.recordings.recorder import Recorder
     from agents.run_records import Follower
 
-    wanted = None if observe is None else known_observables(observe, over)
+    observed_names = None if observe is None else known_observables(observe, over)
     if is_file(model):
-        spec, state, model = told_by(model or "", spec, state)
+        spec, state, model = split_spec_and_state(model or "", spec, state)
     model = model if spec or state else first_of(model, rule)
     if state:
-        flock = loaded(state, spec, {"model": model, **asked}, settings or [], threads, interpret)
+        flock = load_flock(
+            state, spec, {"model": model, **options}, settings or [], threads, interpret
+        )
     else:
-        flock = built(spec, model, asked, settings or [], threads, interpret, quiet)
+        flock = build_flock(spec, model, options, settings or [], threads, interpret, quiet)
     body = flock.model.body
     length = ticks_asked(ticks, seconds, flock.model.name, body.unit, flock.dt)
     length = DEFAULT_TICKS if length is None else length
     demand_long_enough(over, length)
     if flock.warning and not quiet:
-        tell(f"flockscope: {flock.warning}")
-    compile_loop(flock, None if quiet else tell)
+        print_stderr(f"flockscope: {flock.warning}")
+    compile_loop(flock, None if quiet else print_stderr)
     if save_spec:
         write_text("--save-spec", save_spec, flock.spec.to_toml(), overwrite)
-    observed = default_observables(flock, over) if wanted is None else wanted
+    observed = default_observables(flock, over) if observed_names is None else observed_names
     follower = Follower(flock, [name for name in observed if not OBSERVABLES[name].is_table])
     lookout = StrayAgentCheck(flock)
-    first, begun = flock.tick, time.perf_counter()
+    first, started = flock.tick, time.perf_counter()
     with Progress(f"{flock.model.name}, {counted(len(flock.ids), 'agent')}", quiet) as progress:
         recorder = Recorder(record, flock, overwrite) if record else None
-        whole = run_ticks(
-            flock, length, progress, recorder, every, follower.note_values, over or 0, lookout.look
+        is_complete = run_ticks(
+            flock, length, progress, recorder, every, follower.note_values, over or 0, lookout.check
         )
-    took = time.perf_counter() - begun
-    lookout.look()
+    took = time.perf_counter() - started
+    lookout.check()
     if save:
         flock.save(save)
-    if not whole:
-        stopped(flock, first + length, record, save, every)
-    made = outcome(flock, observed, length, took, follower.series if over else None)
+    if not is_complete:
+        exit_stopped(flock, first + length, record, save, every)
+    result = outcome(flock, observed, length, took, follower.series if over else None)
     if not quiet:
-        tell_written(record, save, save_spec)
+        print_written_files(record, save, save_spec)
         if record and length % every:
-            tell(odd_end(flock.tick, length, every))
+            print_stderr(describe_uneven_end(flock.tick, length, every))
     if lookout.found is not None:
-        made["astray"] = str(lookout.found)
+        result["astray"] = str(lookout.found)
     if json_asked:
         files = {"recording": record, "state": save, "spec_file": save_spec}
-        typer.echo(as_json({**made, **{name: str(path) for name, path in files.items() if path}}))
+        typer.echo(as_json({**result, **{name: str(path) for name, path in files.items() if path}}))
     else:
-        show(made, flock)
-    lookout.leave()
+        show(result, flock)
+    lookout.exit_if_found()
 
 
 def demand_long_enough(over: int | None, ticks: int) -> None:
@@ -159,7 +178,7 @@ def demand_long_enough(over: int | None, ticks: int) -> None:
         raise InputError(f"--over {over} is more than --ticks {ticks}, the ticks that are run")
 
 
-def odd_end(last: int, ticks: int, every: int) -> str:
+def describe_uneven_end(last: int, ticks: int, every: int) -> str:
     """What is told of a recording whose last frames are closer to each other than the others."""
     return (
         f"flockscope: frames are {counted(every, 'tick')} apart, but the last, of tick {last}, "
@@ -167,7 +186,7 @@ def odd_end(last: int, ticks: int, every: int) -> str:
     )
 
 
-def told_by(
+def split_spec_and_state(
     name: str, spec: Path | None, state: Path | None
 ) -> tuple[Path | None, Path | None, str | None]:
     """What --spec, --state and MODEL are where a file says which run it is. Raises InputError."""
@@ -182,26 +201,30 @@ def known_observables(text: str, over: int | None) -> list[str]:
     from agents.observables.catalogue import OBSERVABLES
 
     if text == "all":
-        return [one.name for one in OBSERVABLES.values() if over or not one.over]
-    found = [known_observable(name) for name in names(text)]
-    for name in found:
+        return [
+            observable.name for observable in OBSERVABLES.values() if over or not observable.over
+        ]
+    observable_names = [known_observable(name) for name in names(text)]
+    for name in observable_names:
         if OBSERVABLES[name].over and not over:
             raise InputError(f"--observe {name} is measured over a run: give --over TICKS too")
-    return found
+    return observable_names
 
 
 def default_observables(flock: Flock, over: int | None) -> list[str]:
     """What is observed where nothing is asked for."""
     from agents.observables.catalogue import OBSERVABLES, telling_observables
 
-    measured = [one.name for one in OBSERVABLES.values() if one.over] if over else []
+    measured = (
+        [observable.name for observable in OBSERVABLES.values() if observable.over] if over else []
+    )
     return telling_observables(flock) + measured
 
 
-def built(
+def build_flock(
     file: Path | None,
     model: str | None,
-    asked: Asked,
+    options: GivenOptions,
     settings: list[str],
     threads: int,
     interpret: bool,
@@ -210,23 +233,23 @@ def built(
     """The flock of a spec and options. Raises InputError."""
     from agents import Flock
 
-    spec, origins = requested_run(model, asked, settings, file)
-    beside = None if file is None else shown_beside(file)
+    spec, origins = requested_run(model, options, settings, file)
+    beside = None if file is None else compared_model(file)
     if beside and not quiet:
-        tell(f"flockscope: {beside}, which {file} shows beside it, is not run")
-    with origins.named():
+        print_stderr(f"flockscope: {beside}, which {file} shows beside it, is not run")
+    with origins.naming_origins():
         flock = Flock(spec, threads=threads, interpret=interpret)
     now = flock.spec.versions
     other = [f"{k} {v}, here {now[k]}" for k, v in spec.versions.items() if now.get(k, v) != v]
     if other and not quiet:
-        tell(f"flockscope: the spec was written with {'; '.join(other)}")
+        print_stderr(f"flockscope: the spec was written with {'; '.join(other)}")
     return flock
 
 
-def loaded(
+def load_flock(
     state: Path,
     spec: Path | None,
-    asked: Asked,
+    options: GivenOptions,
     settings: list[str],
     threads: int,
     interpret: bool,
@@ -234,14 +257,14 @@ def loaded(
     """The flock of a saved state, with `--set` changing its parameters. Raises InputError."""
     from agents import Flock
 
-    for name, value in {**asked, "spec": spec}.items():
+    for name, value in {**options, "spec": spec}.items():
         if value is not None:
             raise InputError(
                 f"{option_name(name)} {value} cannot be given with {state}, which says it already"
             )
-    parameters, origins = set_by(settings)
+    parameters, origins = read_settings(settings)
     flock = Flock.load(state, threads=threads, interpret=interpret)
-    with origins.named():
+    with origins.naming_origins():
         flock.set(**parameters)
     return flock
 
@@ -265,16 +288,16 @@ def demand_outputs(
             demand_writable(option, path, overwrite, endings)
 
 
-def stopped(
+def exit_stopped(
     flock: Flock, last: int, record: Path | None, save: Path | None, every: int
 ) -> NoReturn:
     """Tell how to go on from a run that was asked to stop."""
     from agents.recordings.recorder import SHEET
 
     line = f"flockscope: stopped at tick {flock.tick} of {last}; "
-    kept = [str(path) for path in (record, save) if path]
-    if kept:
-        line += f"written: {', '.join(kept)}; "
+    files = [str(path) for path in (record, save) if path]
+    if files:
+        line += f"written: {', '.join(files)}; "
     again = ["flockscope", "run", "--ticks", str(last - flock.tick)]
     again += ["--threads", str(flock.threads)] if flock.threads > 1 else []
     if record and record.suffix.lower() != SHEET:
@@ -287,5 +310,5 @@ def stopped(
         line += "no run goes on from a CSV (--save FILE keeps the state)"
     else:
         line += "nothing was kept (--save FILE keeps the state)"
-    tell(line)
+    print_stderr(line)
     raise typer.Exit(INTERRUPTED)

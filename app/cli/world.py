@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.choices import show_tables
-from app.cli.outcome_table import as_json, tell_written
-from app.cli.terminal import REFUSED
-from app.cli.usage import command_group
-from app.settings import assignment, at_least, names, numbers
+from app.cli.terminal.console import REFUSED
+from app.cli.terminal.outcome_table import as_json, print_written_files
+from app.cli.terminal.usage import command_group
+from app.settings import assignment, check_whole_number, names, numbers
 from worlds.file_writer import demand_writable, write_text
 from worlds.input_error import InputError
 from worlds.number_text import counted
@@ -27,7 +27,7 @@ SIDE = 10.0
 """Side of the box of a layout that leaves it open, m."""
 
 
-def given_world(name: str, dim: int | None = None, size: str | None = None, seed: int = 0) -> World:
+def load_world(name: str, dim: int | None = None, size: str | None = None, seed: int = 0) -> World:
     """The world of a built-in name or a layout file, sound or not. Raises InputError.
 
     Without `size` it is the layout's own, else SIDE. Random obstacles are drawn from `seed`.
@@ -35,23 +35,23 @@ def given_world(name: str, dim: int | None = None, size: str | None = None, seed
     from worlds.generators import draw_obstacles
     from worlds.layout import read_layout, world_from_layout
 
-    made = world_from_layout(read_layout(name), name, dim, sides(size), lambda _: SIDE)
-    at_least("--seed", seed, 0)
-    return draw_obstacles(made, seed)
+    world = world_from_layout(read_layout(name), name, dim, sides(size), lambda _: SIDE)
+    check_whole_number("--seed", seed, 0)
+    return draw_obstacles(world, seed)
 
 
 def sides(text: str | None) -> float | tuple[float, ...] | None:
     """One side for all axes, or one per axis. Raises InputError."""
     if text is None:
         return None
-    made = numbers("--size", text)
-    return made[0] if len(made) == 1 else tuple(made)
+    lengths = numbers("--size", text)
+    return lengths[0] if len(lengths) == 1 else tuple(lengths)
 
 
-def edges_asked(text: str) -> str | tuple[str, ...]:
+def parse_edges(text: str) -> str | tuple[str, ...]:
     """One word for all sides, or one per axis."""
-    made = names(text)
-    return made[0] if len(made) == 1 else tuple(made)
+    edges = names(text)
+    return edges[0] if len(edges) == 1 else tuple(edges)
 
 
 LAYOUTS = (".toml",)
@@ -65,17 +65,17 @@ def demand_new(
     demand_writable(option, path, overwrite, endings)
 
 
-def write_layout(made: World, path: Path) -> None:
+def write_layout(world: World, path: Path) -> None:
     """Write the layout of a world, which must be sound. Raises InputError."""
     from worlds.checks import demand_sound
 
-    demand_sound(made)
-    write_text("--out", path, made.to_toml())
+    demand_sound(world)
+    write_text("--out", path, world.to_toml())
 
 
-def size_text(made: World) -> str:
+def size_text(world: World) -> str:
     """The sides of the box."""
-    return " x ".join(f"{side:g}" for side in made.size) + " m"
+    return " x ".join(f"{side:g}" for side in world.size) + " m"
 
 
 # `flockscope world check`: what is wrong with a layout, and what it holds.
@@ -91,29 +91,29 @@ def check(
 
     The exit code is 2 if it has an error, and 0 if it has warnings only.
     """
-    made = given_world(name, dim, seed=seed)
+    world = load_world(name, dim, seed=seed)
     from app.worlds.contents import contents
     from worlds.checks import problems
 
-    found = problems(made)
-    sound = all(one.severity != "error" for one in found)
-    holds = contents(made) if sound else None
+    faults = problems(world)
+    sound = all(fault.severity != "error" for fault in faults)
+    holds = contents(world) if sound else None
     if json_asked:
         rows = [
             {"severity": p.severity, "feature": p.feature, "place": p.place, "text": p.text}
-            for p in found
+            for p in faults
         ]
-        typer.echo(as_json({"world": made.name, "sound": sound, "problems": rows, "holds": holds}))
+        typer.echo(as_json({"world": world.name, "sound": sound, "problems": rows, "holds": holds}))
     else:
-        for one in found:
-            typer.echo(f"{one.severity}: {one.text}")
+        for fault in faults:
+            typer.echo(f"{fault.severity}: {fault.text}")
         if holds:
-            typer.echo(f"{made.name} is sound: {size_text(made)}, {described(holds)}")
+            typer.echo(f"{world.name} is sound: {size_text(world)}, {describe_contents(holds)}")
     if not sound:
         raise typer.Exit(REFUSED)
 
 
-def described(holds: dict[str, Any]) -> str:
+def describe_contents(holds: dict[str, Any]) -> str:
     """What a world holds, in words."""
     return (
         f"{counted(holds['obstacles'], 'obstacle')}, "
@@ -143,10 +143,10 @@ def worlds() -> list[dict[str, Any]]:
     """
     from worlds.layout import layout_names, read_layout
 
-    found = []
+    rows = []
     for name in layout_names():
         layout = read_layout(name)
-        found.append(
+        rows.append(
             {
                 "name": name,
                 "title": layout.get("title", ""),
@@ -157,7 +157,7 @@ def worlds() -> list[dict[str, Any]]:
                 "mission": sorted(layout.get("mission", {})),
             }
         )
-    return found
+    return rows
 
 
 # `flockscope world make`: a layout of random obstacles.
@@ -182,19 +182,19 @@ def make(
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Make a world of random obstacles; the same seed and parameters give the same world."""
-    at_least("--seed", seed, 0)
+    check_whole_number("--seed", seed, 0)
     demand_new("--out", out, overwrite)
     from worlds.generators import generate
 
-    given = dict(assignment(setting) for setting in settings or [])
-    made = generate(kind, seed, sides(size) or 0.0, edges_asked(edges), dim, "--set", **given)
-    write_layout(made, out)
-    solid = len(made.obstacles)
+    values = dict(assignment(setting) for setting in settings or [])
+    world = generate(kind, seed, sides(size) or 0.0, parse_edges(edges), dim, "--set", **values)
+    write_layout(world, out)
+    solid = len(world.obstacles)
     if json_asked:
-        typer.echo(as_json({"layout": str(out), "obstacles": solid, "size": made.size}))
+        typer.echo(as_json({"layout": str(out), "obstacles": solid, "size": world.size}))
     else:
-        typer.echo(f"{counted(solid, 'obstacle')} in {size_text(made)}")
-    tell_written(out)
+        typer.echo(f"{counted(solid, 'obstacle')} in {size_text(world)}")
+    print_written_files(out)
 
 
 # `flockscope world show`: the picture of a world.
@@ -219,18 +219,18 @@ def show(
     """Draw a world: obstacles, edges, start, path and goal; in space from above and in front."""
     path = out or Path(f"{Path(name).name.removesuffix('.toml')}.png")
     demand_new("--out", path, overwrite, PICTURES)
-    made = given_world(name, dim, size, seed)
-    if points and made.dim == 3:
+    world = load_world(name, dim, size, seed)
+    if points and world.dim == 3:
         raise InputError("--points is not allowed in space: boundary points are made in the plane")
     from app.worlds.contents import points as boundary_points
     from app.worlds.world_picture import draw_world
     from worlds.checks import demand_sound
 
-    demand_sound(made)
-    draw_world(made, path, boundary_points(made) if points else None)
+    demand_sound(world)
+    draw_world(world, path, boundary_points(world) if points else None)
     if json_asked:
         typer.echo(as_json({"picture": str(path)}))
-    tell_written(path)
+    print_written_files(path)
 
 
 # `flockscope world import`: a layout from a drawing, or from a map of another program.
@@ -328,7 +328,7 @@ def import_drawing(
     demand_new("--out", out, overwrite)
     from worlds.readers import assign_roles, geometry_of, open_drawing, world_and_notes
 
-    asked = {
+    roles = {
         "walkable": walkable,
         "obstacle": obstacle,
         "wall": wall,
@@ -338,32 +338,32 @@ def import_drawing(
         "ignore": ignore,
     }
     drawing = open_drawing(file)
-    rows = assign_roles(drawing, {role: layers for role, layers in asked.items() if layers})
+    rows = assign_roles(drawing, {role: layers for role, layers in roles.items() if layers})
     try:
         geometry = geometry_of(drawing, rows, scale, unit, thickness, join, drop_lines, degrees)
     except InputError:
         if not quiet:
             report(table(rows))
         raise
-    made, mission = world_and_notes(geometry, edges_asked(edges), margin, to_origin)
-    write_layout(made, out)
+    world, mission = world_and_notes(geometry, parse_edges(edges), margin, to_origin)
+    write_layout(world, out)
     notes = (*geometry.changes, *mission)
     if not quiet:
         report(table(rows))
         report([f"flockscope: {file}: {note}" for note in notes])
-    free = free_area(made)
-    solid = len(made.obstacles)
+    free = free_area(world)
+    solid = len(world.obstacles)
     if json_asked:
-        value = {"layout": str(out), "obstacles": solid, "size": made.size, "low": made.low}
+        value = {"layout": str(out), "obstacles": solid, "size": world.size, "low": world.low}
         layers = [
             {"layer": row.layer, "entities": row.entities, "role": row.role, "why": row.why}
             for row in rows
         ]
         typer.echo(as_json({**value, "free_area": free, "layers": layers, "notes": notes}))
     else:
-        typer.echo(f"{counted(solid, 'obstacle')} in {size_text(made)}, {free:.6g} m² free")
+        typer.echo(f"{counted(solid, 'obstacle')} in {size_text(world)}, {free:.6g} m² free")
     if not quiet:
-        tell_written(out)
+        print_written_files(out)
 
 
 def report(lines: Sequence[str]) -> None:
@@ -382,7 +382,7 @@ def table(rows: Sequence[LayerRole]) -> list[str]:
     cells += [(printable(row.layer), row.entities, row.role or "?", row.why) for row in rows]
     wide = [min(max(len(cell[k]) for cell in cells), WIDEST) for k in range(3)]
     return [
-        "  ".join([*(one.ljust(w) for one, w in zip(cell[:3], wide, strict=True)), cell[3]])
+        "  ".join([*(text.ljust(w) for text, w in zip(cell[:3], wide, strict=True)), cell[3]])
         for cell in cells
     ]
 
@@ -397,11 +397,11 @@ def printable(name: str) -> str:
     return safe if len(safe) <= LONGEST else safe[: LONGEST - 3] + "..."
 
 
-def free_area(made: World) -> float:
+def free_area(world: World) -> float:
     """The area of the box that is not solid, m²."""
     from app.worlds.contents import free_share
 
-    return free_share(made) * made.size[0] * made.size[1]
+    return free_share(world) * world.size[0] * world.size[1]
 
 
 world = command_group(

@@ -16,7 +16,9 @@ from app.results_folder import PICTURES, make_folder
 LIFT, THRUST, POWER, FAINT, OTHER = "#2166ac", "#2a9d5c", "#c0392b", "#9aa3ad", "#b07d12"
 
 
-def paint(draw: Callable[[Any], None], title: str, folder: Path, name: str) -> dict[str, Path]:
+def write_figures(
+    draw: Callable[[Any], None], title: str, folder: Path, name: str
+) -> dict[str, Path]:
     """Let `draw` fill a figure and write NAME.png and NAME.svg; the files by kind.
 
     Raises InputError if they cannot be written.
@@ -56,19 +58,19 @@ class Beat(NamedTuple):
 NAMES = ("lift", "thrust", "power")
 
 
-def one_beat(beat: Any) -> Beat:
+def single_beat(beat: Any) -> Beat:
     """The only wing beat of a `History`."""
     phase = np.arange(beat.time.size) / beat.time.size
     flap, twist = np.degrees(beat.flap), np.degrees(beat.twist)
     return Beat(phase, flap, twist, beat.lift, beat.thrust, beat.power, {})
 
 
-def averaged(track: Any, per_beat: int) -> Beat:
+def mean_beat(track: Any, per_beat: int) -> Beat:
     """The mean wing beat of a `History` of whole beats with `per_beat` instants each."""
-    whole = track.time.size // per_beat * per_beat
+    complete = track.time.size // per_beat * per_beat
 
     def by_beat(name: str) -> np.ndarray:
-        return getattr(track, name)[:whole].reshape(-1, per_beat)
+        return getattr(track, name)[:complete].reshape(-1, per_beat)
 
     bands = {name: np.stack((by_beat(name).min(0), by_beat(name).max(0))) for name in NAMES}
     mean = {name: by_beat(name).mean(0) for name in NAMES}
@@ -91,11 +93,15 @@ def draw_beat(figure: Any, beat: Beat, weight: float) -> None:
     low, high = panels[0].get_ylim()
     panels[0].set_ylim(low - 0.25 * (high - low), high)
     panels[0].legend(fontsize=9, loc="lower left", ncols=2)
-    shown = zip(NAMES, ("lift / N", "thrust less drag / N", "power of the shafts / W"), strict=True)
-    for axes, (name, title), colour in zip(panels[1:], shown, (LIFT, THRUST, POWER), strict=True):
+    captions = zip(
+        NAMES, ("lift / N", "thrust less drag / N", "power of the shafts / W"), strict=True
+    )
+    for axes, (name, title), colour in zip(
+        panels[1:], captions, (LIFT, THRUST, POWER), strict=True
+    ):
         values = getattr(beat, name)
         if name in beat.bands:
-            low, high = (np.append(one, one[0]) for one in beat.bands[name])
+            low, high = (np.append(value, value[0]) for value in beat.bands[name])
             axes.fill_between(phase, low, high, color=colour, alpha=0.18, linewidth=0.0)
         line(axes, values, colour, "")
         axes.axhline(values.mean(), color=colour, linewidth=1.0, linestyle="--")
@@ -185,13 +191,13 @@ def draw_history(figure: Any, flown: Any, trimmed: Any) -> None:
     """Four panels of a flown `History`; behind it in grey the flight without a push."""
     figure.set_size_inches(10.0, 6.4)
     panels = figure.subplots(2, 2, sharex=True).ravel()
-    shown = (
+    curves = (
         ("speed", "speed / m/s", LIFT, 1.0),
         ("pitch", "pitch / deg", OTHER, np.degrees(1.0)),
         ("height", "height / m", THRUST, 1.0),
         ("power", "power of the shafts / W", POWER, 1.0),
     )
-    for axes, (name, title, colour, factor) in zip(panels, shown, strict=True):
+    for axes, (name, title, colour, factor) in zip(panels, curves, strict=True):
         axes.plot(
             trimmed.time,
             factor * getattr(trimmed, name),

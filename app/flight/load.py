@@ -31,24 +31,24 @@ class Battery(NamedTuple):
         return self.energy * self.efficiency / power
 
 
-def loaded(aircraft: Aircraft, load: float, origin: str = "") -> Aircraft:
+def load_aircraft(aircraft: Aircraft, load: float, origin: str = "") -> Aircraft:
     """The aircraft with a load, kg, spread over its body. Raises InputError if that is too
     heavy."""
     fields = aircraft.model_dump() | {"mass": aircraft.mass + load}
     heaviest = Aircraft.model_fields["mass"]
-    most = max(one.le for one in heaviest.metadata if hasattr(one, "le"))
+    most = max(item.le for item in heaviest.metadata if hasattr(item, "le"))
     if fields["mass"] > most:
         raise InputError(
             f"{origin or 'load'} {1000.0 * load:g} g is outside "
             f"[0, {1000.0 * (most - aircraft.mass):g}] g with mass = {aircraft.mass:g} kg"
         )
-    made = Aircraft(**fields)
-    demand_possible(made)
-    return made
+    craft = Aircraft(**fields)
+    demand_possible(craft)
+    return craft
 
 
-def carried(
-    asked: FlightRequest,
+def compute_loads(
+    request: FlightRequest,
     loads: list[float],
     battery: Battery,
     speed: float | None,
@@ -62,80 +62,82 @@ def carried(
     near: Trim | None = None
     for done, load in enumerate(loads):
         at(done / len(loads))
-        craft = loaded(asked.aircraft, load)
-        found = (
-            cheapest(asked, craft, near) if speed is None else first_trim(asked, craft, speed, near)
+        craft = load_aircraft(request.aircraft, load)
+        trim = (
+            cheapest(request, craft, near)
+            if speed is None
+            else first_trim(request, craft, speed, near)
         )
-        if found is None:
+        if trim is None:
             missing.append(load)
             continue
-        near = found
-        rows.append(value_of(found, load, battery))
+        near = trim
+        rows.append(load_values(trim, load, battery))
     if not rows:
         raise InputError(
             "no level flight was found with any load of "
-            f"{', '.join(f'{1000.0 * one:g}' for one in loads)} g: try another speed, frequency "
+            f"{', '.join(f'{1000.0 * load:g}' for load in loads)} g: try another speed, frequency "
             "or twist"
         )
     return rows, missing
 
 
-def value_of(made: Trim, load: float, battery: Battery) -> dict[str, Any]:
+def load_values(trim: Trim, load: float, battery: Battery) -> dict[str, Any]:
     """A flight with a load as JSON has it."""
-    hours = battery.hours(made.power)
+    hours = battery.hours(trim.power)
     return {
         "load": 1000.0 * load,
-        "mass": made.aircraft.mass,
-        **as_value(made),
+        "mass": trim.aircraft.mass,
+        **as_value(trim),
         "endurance": hours,
-        "range": hours * SECONDS * made.speed / 1000.0,
+        "range": hours * SECONDS * trim.speed / 1000.0,
     }
 
 
-def flight(asked: FlightRequest, craft: Aircraft, speed: float, near: Trim | None) -> Trim | None:
+def flight(request: FlightRequest, craft: Aircraft, speed: float, near: Trim | None) -> Trim | None:
     """The level flight at a speed, m/s, found from a known one; None if it is not found so."""
     if not SPEEDS[0] <= speed <= SPEEDS[1]:
         return None
     try:
-        return trim(craft, speed, frequency=asked.frequency, twist=asked.twist, near=near)
+        return trim(craft, speed, frequency=request.frequency, twist=request.twist, near=near)
     except InputError:
         return None
 
 
 def first_trim(
-    asked: FlightRequest, craft: Aircraft, speed: float, near: Trim | None
+    request: FlightRequest, craft: Aircraft, speed: float, near: Trim | None
 ) -> Trim | None:
     """The same, from the flight with the load before or, if that does not lead there, from none."""
-    found = None if near is None else flight(asked, craft, speed, near)
-    return found or flight(asked, craft, speed, None)
+    result = None if near is None else flight(request, craft, speed, near)
+    return result or flight(request, craft, speed, None)
 
 
-def cheapest(asked: FlightRequest, craft: Aircraft, near: Trim | None) -> Trim | None:
+def cheapest(request: FlightRequest, craft: Aircraft, near: Trim | None) -> Trim | None:
     """The level flight of the least power; None if there is none at the speeds that are tried.
 
     Speeds are tried faster and slower in strides that halve: power over speed is a U.
     """
-    best = first_flight(asked, craft, near)
+    best = first_flight(request, craft, near)
     stride = STRIDE
-    known: dict[float, Trim | None] = {} if best is None else {best.speed: best}
+    trims: dict[float, Trim | None] = {} if best is None else {best.speed: best}
     while best is not None and stride >= LEAST_STRIDE:
         for speed in (best.speed + stride, best.speed - stride):
-            if speed not in known:
-                known[speed] = flight(asked, craft, speed, best)
-        flights = [one for one in known.values() if one is not None]
-        better = min(flights, key=lambda one: one.power)
+            if speed not in trims:
+                trims[speed] = flight(request, craft, speed, best)
+        flights = [trim for trim in trims.values() if trim is not None]
+        better = min(flights, key=lambda trim: trim.power)
         if better is best:
             stride *= 0.5
         best = better
     return best
 
 
-def first_flight(asked: FlightRequest, craft: Aircraft, near: Trim | None) -> Trim | None:
+def first_flight(request: FlightRequest, craft: Aircraft, near: Trim | None) -> Trim | None:
     """A level flight to begin with, at the speed of the load before or faster."""
     speed = SPEED if near is None else near.speed
     while speed <= SPEEDS[1]:
-        found = first_trim(asked, craft, speed, near)
-        if found is not None:
-            return found
+        trim = first_trim(request, craft, speed, near)
+        if trim is not None:
+            return trim
         speed += STRIDE
     return None

@@ -27,18 +27,18 @@ class FlightRequest:
     """Of the wing tip, rad."""
 
 
-def within(option: str, value: float, low: float, high: float, unit: str) -> float:
+def check_range(option: str, value: float, low: float, high: float, unit: str) -> float:
     """The value, if it is in [low, high]. Raises InputError naming the option."""
     if not low <= value <= high:
         raise InputError(f"{option} {value:g} {unit} is outside [{low:g}, {high:g}] {unit}")
     return value
 
 
-def asked_speed(option: str, speed: float) -> float:
+def check_speed(option: str, speed: float) -> float:
     """A speed in m/s that a trim takes. Raises InputError."""
     from agents.flight.trim import SPEEDS
 
-    return within(option, speed, *SPEEDS, "m/s")
+    return check_range(option, speed, *SPEEDS, "m/s")
 
 
 def request(frequency: float, twist: float, settings: list[str] | None) -> FlightRequest:
@@ -47,10 +47,10 @@ def request(frequency: float, twist: float, settings: list[str] | None) -> Fligh
     from agents.flight.trim import FREQUENCIES, TWISTS
     from agents.models.declare import checked
 
-    within("--frequency", frequency, *FREQUENCIES, "Hz")
-    within("--twist", twist, math.degrees(TWISTS[0]), math.degrees(TWISTS[1]), "deg")
-    given = dict(assignment(setting) for setting in settings or [])
-    craft = checked(Aircraft, given, "--set")
+    check_range("--frequency", frequency, *FREQUENCIES, "Hz")
+    check_range("--twist", twist, math.degrees(TWISTS[0]), math.degrees(TWISTS[1]), "deg")
+    values = dict(assignment(setting) for setting in settings or [])
+    craft = checked(Aircraft, values, "--set")
     assert isinstance(craft, Aircraft)
     demand_possible(craft, "--set")
     return FlightRequest(craft, frequency, math.radians(twist))

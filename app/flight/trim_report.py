@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 def write_sheet(path: Path, columns: Mapping[str, Sequence[Any]]) -> None:
     """Write columns of one length under their names; None stays empty. Raises InputError."""
     rows = (
-        ["" if one is None else f"{float(one):.9g}" for one in row]
+        ["" if value is None else f"{float(value):.9g}" for value in row]
         for row in zip(*columns.values(), strict=True)
     )
     make_folder(path.parent)
@@ -36,11 +36,11 @@ def beat_columns(beat: Any, frequency: float) -> dict[str, Any]:
     """Columns of one wing beat or more, angles in degrees; `beat` is a `History`."""
     import numpy as np
 
-    made = {"time_s": beat.time, "beats": beat.time * frequency}
+    columns = {"time_s": beat.time, "beats": beat.time * frequency}
     for name, unit in COLUMNS.items():
         values = getattr(beat, name)
-        made[f"{name}_{unit}"] = np.degrees(values) if unit.startswith("deg") else values
-    return made
+        columns[f"{name}_{unit}"] = np.degrees(values) if unit.startswith("deg") else values
+    return columns
 
 
 COLUMNS = {
@@ -61,45 +61,45 @@ COLUMNS = {
 """Columns of a `History` and their units."""
 
 
-def towing_power(made: Trim) -> float | None:
+def towing_power(trim: Trim) -> float | None:
     """Drag of the aircraft with still wings times its speed, W; None where still wings stall."""
     from agents.flight.trim import glide
 
     try:
-        return glide(made.aircraft, made.speed).drag * made.speed
+        return glide(trim.aircraft, trim.speed).drag * trim.speed
     except InputError:
         return None
 
 
-def as_value(made: Trim) -> dict[str, Any]:
+def as_value(trim: Trim) -> dict[str, Any]:
     """A trim as JSON has it; angles in degrees, multipliers as [real, imaginary]."""
-    towed = towing_power(made)
+    towed = towing_power(trim)
     return {
-        "speed": made.speed,
-        "frequency": made.frequency,
-        "twist": math.degrees(made.controls.flapping.twist),
-        "amplitude": math.degrees(made.amplitude),
-        "tail": math.degrees(made.tail),
-        "pitch": math.degrees(made.beat.pitch.mean()),
-        "power": made.power,
-        "power_without_regain": made.power_without_regain,
-        "energy_per_metre": made.energy_per_metre,
-        "cost_of_transport": made.cost_of_transport,
+        "speed": trim.speed,
+        "frequency": trim.frequency,
+        "twist": math.degrees(trim.controls.flapping.twist),
+        "amplitude": math.degrees(trim.amplitude),
+        "tail": math.degrees(trim.tail),
+        "pitch": math.degrees(trim.beat.pitch.mean()),
+        "power": trim.power,
+        "power_without_regain": trim.power_without_regain,
+        "energy_per_metre": trim.energy_per_metre,
+        "cost_of_transport": trim.cost_of_transport,
         "towing_power": towed,
-        "propulsive_efficiency": None if towed is None else towed / made.power,
-        "multipliers": [[one.real, one.imag] for one in made.multipliers],
-        "largest_multiplier": float(np.abs(made.multipliers[0])),
-        "stable": made.stable,
-        "residual": made.residual,
+        "propulsive_efficiency": None if towed is None else towed / trim.power,
+        "multipliers": [[multiplier.real, multiplier.imag] for multiplier in trim.multipliers],
+        "largest_multiplier": float(np.abs(trim.multipliers[0])),
+        "stable": trim.stable,
+        "residual": trim.residual,
     }
 
 
 def lines(value: dict[str, Any]) -> list[str]:
     """A trim for people, from its value."""
-    first = [complex(*one) for one in value["multipliers"][:4]]
+    first = [complex(*multiplier) for multiplier in value["multipliers"][:4]]
     fading = "stable: a small push dies out" if value["stable"] else "unstable: a push grows"
     towed = value["towing_power"]
-    made = [
+    lines = [
         f"level flight at {value['speed']:g} m/s, {value['frequency']:g} Hz,"
         f" twist R = {value['twist']:g} deg",
         f"  flap amplitude A   {value['amplitude']:.2f} deg",
@@ -111,21 +111,21 @@ def lines(value: dict[str, Any]) -> list[str]:
         f"   ({value['cost_of_transport']:.3f} of the weight)",
     ]
     if towed is not None:
-        made.append(
+        lines.append(
             f"  towed, wings still {towed:.3f} W"
             f"   (propulsive efficiency {towed / value['power']:.2f})"
         )
-    made.append(
-        f"  multipliers        |mu| = {', '.join(f'{abs(one):.3f}' for one in first)}   {fading}"
+    lines.append(
+        f"  multipliers        |mu| = {', '.join(f'{abs(mu):.3f}' for mu in first)}   {fading}"
     )
-    return made
+    return lines
 
 
 # Trims over speed.
 
 
-def swept(
-    asked: FlightRequest, speeds: list[float], at: Callable[[float], None]
+def sweep_speeds(
+    request: FlightRequest, speeds: list[float], at: Callable[[float], None]
 ) -> tuple[list[dict[str, Any]], list[float]]:
     """Values of the trims at speeds (m/s, rising), and the speeds without a level flight.
 
@@ -133,33 +133,34 @@ def swept(
     flight at all.
     """
     middle = min(speeds, key=lambda speed: abs(speed - SPEED))
-    order = [one for one in speeds if one >= middle]
-    order += [one for one in reversed(speeds) if one < middle]
-    found: dict[float, Trim] = {}
+    order = [speed for speed in speeds if speed >= middle]
+    order += [speed for speed in reversed(speeds) if speed < middle]
+    trims: dict[float, Trim] = {}
     rows: dict[float, dict[str, Any]] = {}
     missing = []
     for done, speed in enumerate(order):
-        near = min(found, key=lambda other: abs(other - speed), default=None)
+        near = min(trims, key=lambda other: abs(other - speed), default=None)
 
         def share(part: float, done: int = done) -> None:
             at((done + part) / len(order))
 
         try:
-            found[speed] = trim(
-                asked.aircraft,
+            trims[speed] = trim(
+                request.aircraft,
                 speed,
-                frequency=asked.frequency,
-                twist=asked.twist,
-                near=None if near is None else found[near],
+                frequency=request.frequency,
+                twist=request.twist,
+                near=None if near is None else trims[near],
                 at=share,
             )
         except InputError:
             missing.append(speed)
             continue
-        rows[speed] = as_value(found[speed])
+        rows[speed] = as_value(trims[speed])
     if not rows:
         raise InputError(
-            f"no level flight was found at any speed of {', '.join(f'{one:g}' for one in speeds)}"
+            "no level flight was found at any speed of "
+            f"{', '.join(f'{speed:g}' for speed in speeds)}"
             " m/s: try other speeds, or another frequency or twist"
         )
     return [rows[speed] for speed in sorted(rows)], sorted(missing)

@@ -48,13 +48,13 @@ def name_of(text: str) -> str:
     return BUILT_IN_NAMES.get(text, text)
 
 
-def same(one: str, other: str) -> bool:
+def is_same_name(text: str, other: str) -> bool:
     """Whether two names differ in capitals and spaces only.
 
-    >>> same("Second  room", "second room "), same("room 1", "room 2")
+    >>> is_same_name("Second  room", "second room "), is_same_name("room 1", "room 2")
     (True, False)
     """
-    return one.casefold().split() == other.casefold().split()
+    return text.casefold().split() == other.casefold().split()
 
 
 def demand_name(name: str, others: Iterable[str]) -> None:
@@ -62,7 +62,7 @@ def demand_name(name: str, others: Iterable[str]) -> None:
     if not name.strip() or not name.isprintable():
         raise InputError(f"nothing can be called {name!r}")
     for other in others:
-        if same(name, other):
+        if is_same_name(name, other):
             raise InputError(f"{name!r} cannot be told from {other!r}")
 
 

@@ -24,21 +24,21 @@ class LinkAddress(NamedTuple):
             raise InputError(f"the link {self.text!r} does not say {what}: for example {example}")
         return self.where
 
-    def whole(self, **known: tuple[int, int, int]) -> dict[str, int]:
+    def whole(self, **ranges: tuple[int, int, int]) -> dict[str, int]:
         """The options, all whole numbers, each given as (default, least, most).
 
         Raises InputError for an option that is not known or a value that is not allowed.
         """
-        found = {name: default for name, (default, _, _) in known.items()}
+        values = {name: default for name, (default, _, _) in ranges.items()}
         for name, value in self.options.items():
-            if name not in known:
-                if not known:
+            if name not in ranges:
+                if not ranges:
                     raise InputError(
                         f"the link {self.text!r} has no options, but {name!r} is given"
                     )
-                raise unknown("option", name, known, self.text)
-            found[name] = self.number(name, value, known[name][1], known[name][2])
-        return found
+                raise unknown("option", name, ranges, self.text)
+            values[name] = self.number(name, value, ranges[name][1], ranges[name][2])
+        return values
 
     def number(self, name: str, value: str, least: int, most: int) -> int:
         """A whole number within [least, most]; raises InputError if the value is not one."""

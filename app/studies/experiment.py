@@ -14,12 +14,12 @@ from app.strict_table import Value
 from app.studies.experiment_file import (
     PLAIN,
     START,
+    DeclaredClaim,
     ExpectedVerdict,
     Overrides,
     PaperRow,
     PaperSweep,
     PublishedMeasure,
-    Said,
     with_goal,
 )
 from app.studies.measure import Measure, Settings
@@ -93,7 +93,7 @@ class Experiment:
     not_compared: dict[str, str]
     notes: dict[str, str]
     cases: list[Case]
-    said: list[Said]
+    said: list[DeclaredClaim]
     """What the paper claims."""
 
     @property
@@ -102,39 +102,39 @@ class Experiment:
 
         One, or those of a sweep there and back, or a row's at all of its ticks.
         """
-        found: list[list[int]] = []
+        groups: list[list[int]] = []
         for k, case in enumerate(self.cases):
-            last = self.cases[found[-1][-1]] if found else None
-            if last is not None and goes_on(last, case):
-                found[-1].append(k)
+            last = self.cases[groups[-1][-1]] if groups else None
+            if last is not None and continues_run(last, case):
+                groups[-1].append(k)
             else:
-                found.append([k])
-        return found
+                groups.append([k])
+        return groups
 
-    def narrowed(self, models: list[str], agents: list[int]) -> Experiment:
+    def select(self, models: list[str], agents: list[int]) -> Experiment:
         """Only some models (or labels) and sizes; empty lists keep all.
 
         Raises InputError for unknown ones.
         """
         named = {name for case in self.cases for name in (case.spec.model, case.label)}
-        for kind, asked, known in (
+        for kind, requested, available in (
             ("model", models, named),
             ("agents", agents, {case.agents for case in self.cases}),
         ):
-            for one in asked:
-                if one not in known:
-                    names = [str(name) for name in sorted(known)]
-                    raise unknown(kind, str(one), names, self.name)
-        kept = [
+            for value in requested:
+                if value not in available:
+                    names = [str(name) for name in sorted(available)]
+                    raise unknown(kind, str(value), names, self.name)
+        kept_cases = [
             case
             for case in self.cases
             if (not models or case.spec.model in models or case.label in models)
             and (not agents or case.agents in agents)
         ]
-        return replace(self, cases=kept)
+        return replace(self, cases=kept_cases)
 
 
-def goes_on(last: Case, case: Case) -> bool:
+def continues_run(last: Case, case: Case) -> bool:
     """Whether a case is the next of the same run."""
     if case.tick is not None:
         return last.row is case.row and last.tick is not None and last.tick < case.tick
@@ -147,15 +147,15 @@ def flock_of(case: Case, seed: int) -> Flock:
     spec, row = case.spec.but(seed=seed), case.row
     overrides = row.mission if row else PLAIN
     if spec.size is None:
-        bare = row is not None and not row.obstacles
+        is_bare = row is not None and not row.obstacles
         name = overrides.scene or spec.world
-        spec = spec.but(world=world_of(name, spec.dim, bare, overrides))
+        spec = spec.but(world=world_of(name, spec.dim, is_bare, overrides))
     if overrides.turned:
-        return turned_flock(spec)
+        return make_rotated_flock(spec)
     return Flock(spec, start=overrides.ranks.start(case.agents, seed) if overrides.ranks else None)
 
 
-def turned_flock(spec: Spec) -> Flock:
+def make_rotated_flock(spec: Spec) -> Flock:
     """The flock of one start in a scene that the seed turns. Raises InputError."""
     flock = Flock(spec.but(seed=START))
     rng = np.random.default_rng(spec.seed)
@@ -171,10 +171,10 @@ def turned_flock(spec: Spec) -> Flock:
 
 
 @cache
-def world_of(name: str, dim: int | None, bare: bool, overrides: Overrides) -> World:
-    """The world of a layout in the layout's own size; `bare` without its obstacles.
+def world_of(name: str, dim: int | None, is_bare: bool, overrides: Overrides) -> World:
+    """The world of a layout in the layout's own size; `is_bare` without its obstacles.
 
     Raises InputError if the overrides change a part of the mission that the world does not have.
     """
-    found = with_goal(build_world(name, dim), overrides)
-    return replace(found, obstacles=(), random=None) if bare else found
+    world = with_goal(build_world(name, dim), overrides)
+    return replace(world, obstacles=(), random=None) if is_bare else world

@@ -79,8 +79,8 @@ def with_goal(world: World, overrides: Overrides) -> World:
     if overrides.speed is None and overrides.rests is None:
         return world
     if world.mission is None or world.mission.goal is None:
-        said = "rests" if overrides.speed is None else f"speed = {overrides.speed:g}"
-        raise InputError(f"{said}: the world {world.name!r} has no goal")
+        text = "rests" if overrides.speed is None else f"speed = {overrides.speed:g}"
+        raise InputError(f"{text}: the world {world.name!r} has no goal")
     if overrides.rests is not None:
         goal = Goal(route=(overrides.rests,))
     else:
@@ -306,7 +306,7 @@ class ReachClaim(StatedClaim):
         return self
 
 
-Said = Annotated[
+DeclaredClaim = Annotated[
     OrderClaim
     | EveryRunClaim
     | NearClaim
@@ -342,4 +342,4 @@ class ExperimentFile[Kind: Settings](StrictTable):
     notes: dict[str, str] = Field(default_factory=dict)
     rows: list[PaperRow] = Field(default_factory=list)
     sweeps: list[PaperSweep] = Field(default_factory=list)
-    claims: list[Said] = Field(default_factory=list)
+    claims: list[DeclaredClaim] = Field(default_factory=list)

@@ -92,21 +92,21 @@ def check_sizes(file: ExperimentFile, path: Path) -> None:
     """Refuse a file that gives sizes, but not for all rows."""
     if file.sizes or file.settings.kind == "convergence":
         rows = [row.agents for row in file.rows if row.size is None]
-        for n in rows + [n for one in file.sweeps for n in one.agents]:
+        for n in rows + [n for sweep in file.sweeps for n in sweep.agents]:
             if str(n) not in file.sizes:
                 raise InputError(f"agents = {n} has no side in [sizes] ({path})")
 
 
 def check_measures(file: ExperimentFile, path: Path) -> None:
     """Refuse a file that names a measure which its kind of runs does not have."""
-    known = [one.name for one in file.settings.measures]
+    measure_names = [measure.name for measure in file.settings.measures]
     named: list[Iterable[str]] = [file.report, file.expected, file.not_compared]
     named += [row.published for row in file.rows]
     named.append(claim.measure for claim in file.claims)
     for names in named:
         for name in names:
-            if name not in known:
-                raise unknown("measure", name, known, str(path))
+            if name not in measure_names:
+                raise unknown("measure", name, measure_names, str(path))
     for claim in file.claims:
         if isinstance(claim, PhaseClaim):
             words = file.settings.measure(claim.measure).words

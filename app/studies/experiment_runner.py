@@ -34,7 +34,7 @@ PER_SIGNAL = 3.0
 """How many times dearer a tick is for each signal of the rule."""
 
 
-def guess(ticks: float, agents: int, signals: int) -> float:
+def guess_seconds(ticks: float, agents: int, signals: int) -> float:
     """Seconds that a run of so many ticks may take; `signals` of the rule."""
     return ticks * (agents + 1) * PER_AGENT_TICK * (1.0 + PER_SIGNAL * signals)
 
@@ -66,14 +66,14 @@ class Result:
 
 def run_trial(trial: Trial, settings: Settings) -> list[Result]:
     """Run a flock to the end of each of its cases."""
-    begun = time.perf_counter()
+    started = time.perf_counter()
     flock = flock_of(trial.cases[0], trial.seed)
     astray: list[str] = []
 
     def look() -> None:
-        found = None if astray else flock.stray()
-        if found is not None:
-            astray.append(str(found))
+        stray_agents = None if astray else flock.stray()
+        if stray_agents is not None:
+            astray.append(str(stray_agents))
 
     results: list[Result] = []
     for case in trial.cases:
@@ -82,8 +82,8 @@ def run_trial(trial: Trial, settings: Settings) -> list[Result]:
         measures = settings.run(flock, look)
         ended = time.perf_counter()
         look()
-        results.append(Result(measures, ended - begun, "".join(astray)))
-        begun = ended
+        results.append(Result(measures, ended - started, "".join(astray)))
+        started = ended
     return results
 
 
@@ -104,7 +104,7 @@ class Trials:
     def run(self, path: int, seed: int) -> Outcome:
         """Make a run; what it gave in its later cases is the rest."""
         results = run_trial(Trial(self.paths[path], seed), self.settings)
-        first, *rest = [outcome_of(one) for one in results]
+        first, *rest = [outcome_of(result) for result in results]
         return first._replace(rest=tuple(rest))
 
 
@@ -124,8 +124,10 @@ def outcome_of(result: Result) -> Outcome:
 
 def result_of(outcome: Outcome, settings: Settings) -> Result:
     """What the store kept as a result."""
-    found = {one.name: outcome.values[column_of(one.name)] for one in settings.measures}
-    measures = {name: math.nan if one == NAN else one for name, one in found.items()}
+    values = {
+        measure.name: outcome.values[column_of(measure.name)] for measure in settings.measures
+    }
+    measures = {name: math.nan if value == NAN else value for name, value in values.items()}
     return Result(measures, outcome.seconds, outcome.astray)
 
 
@@ -148,9 +150,9 @@ def fingerprint(case: Case, settings: Settings) -> str:
     digest.update(json.dumps(flock.parameters.model_dump(), sort_keys=True).encode())
     digest.update(inspect.getsource(type(settings)).encode())
     digest.update(flock.loop.cache_folder.name.encode())
-    seen: set[int] = set()
+    visited: set[int] = set()
     for kernel in settings.measured_by:
-        feed(kernel, digest, seen)
+        feed(kernel, digest, visited)
     for array in flock.engine.surroundings:
         digest.update(np.asarray(array).tobytes())
     digest.update(flock.position.tobytes())
@@ -192,10 +194,10 @@ class RunPlan:
         self.outcomes = runner.outcomes
         self.paths = experiment.paths
         self.missing = [
-            [seed for seed in self.seeds if not self.has(path, seed)] for path in self.paths
+            [seed for seed in self.seeds if not self.has_run(path, seed)] for path in self.paths
         ]
 
-    def has(self, path: list[int], seed: int) -> bool:
+    def has_run(self, path: list[int], seed: int) -> bool:
         """Whether the store has a run in all of its cases."""
         return all((self.numbers[k], seed) in self.outcomes for k in path)
 
@@ -203,12 +205,12 @@ class RunPlan:
         """Seconds that a run of each path may take, where one is to be made, by its first ticks."""
         cases = self.experiment.cases
         return {
-            n: sum(self.guess(cases[k]) for k in path) * slowness(cases[path[0]])
+            n: sum(self.guess_seconds(cases[k]) for k in path) * slowness(cases[path[0]])
             for n, path in enumerate(self.paths)
             if self.missing[n]
         }
 
-    def guess(self, case: Case) -> float:
+    def guess_seconds(self, case: Case) -> float:
         """Seconds that a run of a case may take."""
         from agents.catalogue import model
 
@@ -216,7 +218,7 @@ class RunPlan:
         published = case.published(settings.measures[0].name)
         dt = flock_of(case, 0).dt
         ticks = settings.ticks(published.mean if published else None, dt)
-        return guess(ticks, case.agents, len(model(case.spec.model).columns))
+        return guess_seconds(ticks, case.agents, len(model(case.spec.model).columns))
 
     def tasks(self, guesses: dict[int, float]) -> list[Task]:
         """The runs that the store lacks, the longest first."""
@@ -230,7 +232,7 @@ class RunPlan:
         return [(self.numbers[k], part) for k, part in zip(path, parts, strict=True)]
 
     @property
-    def sound(self) -> list[int]:
+    def sound_seeds(self) -> list[int]:
         """The seeds whose runs all came to an end: a mean over others would compare unlike runs."""
         broken = {
             seed
@@ -241,46 +243,46 @@ class RunPlan:
         return [seed for seed in self.seeds if seed not in broken]
 
     @property
-    def measured(self) -> list[MeasuredCase]:
+    def measured_cases(self) -> list[MeasuredCase]:
         """All cases with their runs. Raises InputError if a run of every seed is broken."""
-        seeds = self.sound
+        seeds = self.sound_seeds
         if not seeds:
             raise InputError(
-                f"{self.experiment.name}: of every seed a run failed: {self.failed[0]}"
+                f"{self.experiment.name}: of every seed a run failed: {self.failed_runs[0]}"
             )
-        return [self.measured_of(k, seeds) for k in range(len(self.experiment.cases))]
+        return [self.measured_case(k, seeds) for k in range(len(self.experiment.cases))]
 
     @property
-    def astray(self) -> list[str]:
+    def stray_runs(self) -> list[str]:
         """The runs in which an agent was seen where it cannot be, in words."""
-        return self.told(lambda outcome: outcome.astray)
+        return self.describe_runs(lambda outcome: outcome.astray)
 
     @property
-    def failed(self) -> list[str]:
+    def failed_runs(self) -> list[str]:
         """The runs that failed or were killed, in words."""
-        return self.told(lambda outcome: outcome.reason)
+        return self.describe_runs(lambda outcome: outcome.reason)
 
-    def told(self, words: Callable[[Outcome], str]) -> list[str]:
+    def describe_runs(self, words: Callable[[Outcome], str]) -> list[str]:
         """Each run of which there is something to tell, with that."""
-        found: dict[tuple[int, int], str] = {}
+        messages: dict[tuple[int, int], str] = {}
         for number, case in zip(self.numbers, self.experiment.cases, strict=True):
             spec = case.spec
             parameters = json.dumps(spec.parameters, sort_keys=True, separators=(",", ":"))
             for seed in self.seeds:
-                said = words(self.outcomes[number, seed])
-                if said:
+                message = words(self.outcomes[number, seed])
+                if message:
                     run = f"{spec.model}, N = {case.agents}, {parameters}, seed {seed}"
-                    found[number, seed] = f"{run}: {said}"
-        return list(found.values())
+                    messages[number, seed] = f"{run}: {message}"
+        return list(messages.values())
 
-    def measured_of(self, case: int, seeds: list[int]) -> MeasuredCase:
+    def measured_case(self, case: int, seeds: list[int]) -> MeasuredCase:
         """A case (by its number) with its runs."""
         number = self.numbers[case]
         settings = self.experiment.settings
-        found = [self.outcomes[number, seed] for seed in seeds]
-        results = [result_of(one, settings).measures for one in found]
-        names = [one.name for one in settings.measures]
-        values = {name: [one[name] for one in results] for name in names}
+        outcomes = [self.outcomes[number, seed] for seed in seeds]
+        results = [result_of(outcome, settings).measures for outcome in outcomes]
+        names = [measure.name for measure in settings.measures]
+        values = {name: [result[name] for result in results] for name in names}
         return MeasuredCase(self.experiment.cases[case], values)
 
 
@@ -288,14 +290,14 @@ def cell_of(case: Case, experiment: Experiment) -> tuple[str, str]:
     """The hash and the JSON of a case, as the store has them. Raises InputError."""
     spec = case.spec
     identity = {"model": spec.model, "agents": case.agents, "parameters": spec.parameters}
-    basis = {"all else": checked_fingerprint(case, experiment)}
+    basis = {"all else": named_fingerprint(case, experiment)}
     key = canonical({"identity": identity, "basis": basis})
     axes = {"label": case.label, "agents": case.agents, **spec.parameters}
-    kept = {"axes": axes, "identity": identity, "basis": basis}
-    return hashlib.sha256(key.encode()).hexdigest()[:24], canonical(kept)
+    content = {"axes": axes, "identity": identity, "basis": basis}
+    return hashlib.sha256(key.encode()).hexdigest()[:24], canonical(content)
 
 
-def checked_fingerprint(case: Case, experiment: Experiment) -> str:
+def named_fingerprint(case: Case, experiment: Experiment) -> str:
     """The case's fingerprint. Raises InputError naming the experiment if it cannot be built."""
     try:
         return fingerprint(case, experiment.settings)
@@ -313,11 +315,11 @@ def slowness(case: Case) -> float:
     flock.run(1)
     ticks, seconds = 1, 0.0
     while seconds < ENOUGH and ticks < MOST_TICKS:
-        begun = time.perf_counter()
+        started = time.perf_counter()
         flock.run(ticks)
-        seconds = time.perf_counter() - begun
+        seconds = time.perf_counter() - started
         ticks *= 2
-    return 2.0 * seconds / guess(ticks, case.agents, len(model(case.spec.model).columns))
+    return 2.0 * seconds / guess_seconds(ticks, case.agents, len(model(case.spec.model).columns))
 
 
 def compile_models(experiment: Experiment, tell: Tell | None) -> None:
@@ -330,14 +332,14 @@ def compile_models(experiment: Experiment, tell: Tell | None) -> None:
         experiment.settings.compile(flock)
 
 
-def warn(experiment: Experiment, tell: Tell) -> None:
+def warn_of_passing(experiment: Experiment, tell: Tell) -> None:
     """Tell of each model of an experiment whose agents go through what is solid."""
     flocks = [flock_of(case, 0) for case in experiment.cases]
     for words in dict.fromkeys(flock.warning for flock in flocks if flock.passing):
         tell(f"flockscope: {words}")
 
 
-def conduct(
+def run_experiment(
     experiment: Experiment,
     folder: Path,
     *,
@@ -364,7 +366,7 @@ def conduct(
             "kind": "paper",
             "title": experiment.title,
             "axes": list(axes),
-            "columns": [column_of(one.name) for one in settings.measures],
+            "columns": [column_of(measure.name) for measure in settings.measures],
         },
         lambda: None,
         workers=workers,
@@ -380,7 +382,7 @@ def conduct(
         tasks: list[Task] = []
         if any(plan.missing):
             if tell is not None:
-                warn(experiment, tell)
+                warn_of_passing(experiment, tell)
             compile_models(experiment, tell)
             runner.progress.guesses = plan.guesses()
             tasks = plan.tasks(runner.progress.guesses)
@@ -393,8 +395,8 @@ def conduct(
         return ExperimentReport(
             len(tasks),
             runs * len(plan.paths) - len(tasks),
-            runner.broken,
-            measured=plan.measured,
-            astray=plan.astray,
-            failed=plan.failed,
+            runner.failed_count,
+            measured=plan.measured_cases,
+            astray=plan.stray_runs,
+            failed=plan.failed_runs,
         )

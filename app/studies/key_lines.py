@@ -7,19 +7,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 
-def line_of(text: str, key: str, table: str = "") -> int | None:
+def find_line(text: str, key: str, table: str = "") -> int | None:
     """The line (from 1) on which `key` of `[table]` is set; None if it cannot be found.
 
-    >>> line_of("model = 'vem'\\n[parameters]\\neta = 9", "eta", "parameters")
+    >>> find_line("model = 'vem'\\n[parameters]\\neta = 9", "eta", "parameters")
     3
     """
-    here = ""
+    current_table = ""
     inline = None
     for number, line in enumerate(text.splitlines(), 1):
         header = re.match(r"\s*\[\[?\s*([^\]]+?)\s*\]", line)
         if header:
-            here = header[1]
-        elif here == table and sets(line, key):
+            current_table = header[1]
+        elif current_table == table and sets(line, key):
             return number
         elif inline is None and table and sets_inline(line, key):
             inline = number
@@ -38,7 +38,7 @@ def sets_inline(line: str, key: str) -> bool:
 
 def place(path: object, text: str, key: str, table: str = "") -> str:
     """File and line of a key, as messages name them: `experiments/fig5.toml, line 12`."""
-    line = line_of(text, key, table)
+    line = find_line(text, key, table)
     return f"{path}, line {line}" if line else str(path)
 
 
@@ -58,12 +58,12 @@ class KeyLocations:
     text: str = ""
     options: Mapping[str, str] = field(default_factory=dict)
 
-    def of(self, key: str, table: str = "", design: int | None = None) -> str:
+    def describe(self, key: str, table: str = "", design: int | None = None) -> str:
         """File and line of a key of a table, of the design of that number where one is given."""
         if key in self.options:
             return self.options[key]
         first, text = self._block(design) if design is not None else (0, self.text)
-        line = line_of(text, key, table)
+        line = find_line(text, key, table)
         return f"{self.origin}, line {first + line}" if line else self.origin
 
     def _block(self, design: int) -> tuple[int, str]:
@@ -78,11 +78,13 @@ class KeyLocations:
         return first, "\n".join(lines[first:last])
 
 
-def about(refusal: str) -> str:
+def name_in_refusal(refusal: str) -> str:
     """The word that a refusal is about.
 
-    >>> about("eta = 9 rad is outside [0, 6.28] rad"), about("unknown parameter 'p9' (known: p1)")
-    ('eta', 'p9')
+    >>> name_in_refusal("eta = 9 rad is outside [0, 6.28] rad")
+    'eta'
+    >>> name_in_refusal("unknown parameter 'p9' (known: p1)")
+    'p9'
     """
-    found = NAMED.match(refusal)
-    return found[found.lastindex or 0] if found else ""
+    match = NAMED.match(refusal)
+    return match[match.lastindex or 0] if match else ""

@@ -117,4 +117,4 @@ class Settings(StrictTable):
     @classmethod
     def measure(cls, name: str) -> Measure:
         """The measure of that name. Raises KeyError."""
-        return {one.name: one for one in cls.measures}[name]
+        return {measure.name: measure for measure in cls.measures}[name]

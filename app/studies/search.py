@@ -57,9 +57,9 @@ def search(
     """
     demand_package(algorithm)
     if algorithm == "cma":
-        return by_cma(dimensions, judge, evaluations, population, seed)
+        return search_with_cma(dimensions, judge, evaluations, population, seed)
     shape = dimensions, objectives, constraints
-    return by_pymoo(algorithm, shape, judge, evaluations, population, seed)
+    return search_with_pymoo(algorithm, shape, judge, evaluations, population, seed)
 
 
 def demand_package(algorithm: Algorithm) -> None:
@@ -68,7 +68,7 @@ def demand_package(algorithm: Algorithm) -> None:
     demand(package, f"a search by {TITLES[algorithm]}", "experiments")
 
 
-def by_pymoo(
+def search_with_pymoo(
     algorithm: Algorithm,
     shape: tuple[int, int, int],
     judge: Judge,
@@ -89,24 +89,26 @@ def by_pymoo(
     Config.warnings["not_compiled"] = False
     dimensions, objectives, constraints = shape
     problem = Problem(n_var=dimensions, n_obj=objectives, n_ieq_constr=constraints, xl=0.0, xu=1.0)
-    made = {"ga": GA, "pso": PSO, "nsga2": NSGA2}[algorithm](pop_size=population)
-    made.setup(problem, termination=NoTermination(), seed=seed, verbose=False)
+    optimiser = {"ga": GA, "pso": PSO, "nsga2": NSGA2}[algorithm](pop_size=population)
+    optimiser.setup(problem, termination=NoTermination(), seed=seed, verbose=False)
     left = evaluations
     while left > 0:
-        asked = made.ask()
-        if asked is None or len(asked) == 0:
+        candidates = optimiser.ask()
+        if candidates is None or len(candidates) == 0:
             return "converged"
-        points = np.clip(asked.get("X").astype(float), 0.0, 1.0)[:left]
-        found = judge(points)
+        points = np.clip(candidates.get("X").astype(float), 0.0, 1.0)[:left]
+        scores = judge(points)
         left -= len(points)
         if left > 0:
-            static = StaticProblem(problem, F=found.objectives, G=found.violations)
-            Evaluator().eval(static, asked)
-            made.tell(infills=asked)
+            static = StaticProblem(problem, F=scores.objectives, G=scores.violations)
+            Evaluator().eval(static, candidates)
+            optimiser.tell(infills=candidates)
     return "evaluations"
 
 
-def by_cma(dimensions: int, judge: Judge, evaluations: int, population: int, seed: int) -> End:
+def search_with_cma(
+    dimensions: int, judge: Judge, evaluations: int, population: int, seed: int
+) -> End:
     """A search of cma's; points that are not allowed are worse than all others, by how far."""
     import cma
 
@@ -120,19 +122,19 @@ def by_cma(dimensions: int, judge: Judge, evaluations: int, population: int, see
         "verbose": -9,
         "verb_log": 0,
     }
-    made = cma.CMAEvolutionStrategy(dimensions * [0.5], 0.3, options)
+    strategy = cma.CMAEvolutionStrategy(dimensions * [0.5], 0.3, options)
     left = evaluations
     while left > 0:
-        asked = made.ask()
-        points = np.clip(np.array(asked, float), 0.0, 1.0)[:left]
-        found = judge(points)
+        candidates = strategy.ask()
+        points = np.clip(np.array(candidates, float), 0.0, 1.0)[:left]
+        scores = judge(points)
         left -= len(points)
         if left <= 0:
             break
-        broken = np.maximum(found.violations, 0.0).sum(axis=1)
-        values = np.where(broken > 0.0, PENALTY * (1.0 + broken), found.objectives[:, 0])
-        made.tell(asked, values.tolist())
-        why = made.stop()
+        broken = np.maximum(scores.violations, 0.0).sum(axis=1)
+        values = np.where(broken > 0.0, PENALTY * (1.0 + broken), scores.objectives[:, 0])
+        strategy.tell(candidates, values.tolist())
+        why = strategy.stop()
         if why:
             return "flat" if "tolflatfitness" in why or np.ptp(values) == 0.0 else "converged"
     return "evaluations"

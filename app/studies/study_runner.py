@@ -20,7 +20,7 @@ from app.studies.cluster.cluster_options import Cluster
 from app.studies.runs.database import BROKEN, Outcome
 from app.studies.runs.store import Store, number
 from app.studies.runs.store_reader import StoreReader, readable
-from app.studies.workers.processes import Processes
+from app.studies.workers.process_executor import ProcessExecutor
 from app.studies.workers.run_executors import InlineExecutor, RunExecutor, Task
 from worlds.file_writer import write_text
 from worlds.input_error import InputError
@@ -211,7 +211,7 @@ class StudyRunner:
 
     def plan(self, cells: Sequence[tuple[str, str]]) -> list[int]:
         """Take a plan: the hash and the JSON of each of its cells; their numbers in the store."""
-        numbers = self.store.lay_out(cells)
+        numbers = self.store.store_plan(cells)
         self.cells = set(numbers)
         self.statuses = Counter(
             outcome.status for (cell, _), outcome in self.outcomes.items() if cell in self.cells
@@ -221,20 +221,20 @@ class StudyRunner:
     def run(self, tasks: Iterable[Task]) -> bool:
         """Make runs; False if it was stopped, or as many as were allowed are made."""
         room = None if self.limit is None else max(0, self.limit - self.made)
-        found = list(islice(tasks, None if room is None else room + 1))
-        allowed = found[:room]
+        next_tasks = list(islice(tasks, None if room is None else room + 1))
+        allowed = next_tasks[:room]
         if allowed:
             if self.stopped:
                 return False
             if not self.progress.guesses:
                 self.progress.expect(task.cell for task in allowed)
-            if not self.begun().run(allowed, self.keep, self.beat):
+            if not self.make_executor().run(allowed, self.store_outcome, self.commit_and_report):
                 return False
-            self.beat()
-            self.store.keep()
-        return len(allowed) == len(found)
+            self.commit_and_report()
+            self.store.commit()
+        return len(allowed) == len(next_tasks)
 
-    def begun(self) -> RunExecutor:
+    def make_executor(self) -> RunExecutor:
         """What makes runs: a cluster, processes, or for so little that it is soon done, neither."""
         if self.executor is None:
             self.prepare()
@@ -243,7 +243,7 @@ class StudyRunner:
             self.executor = self.stack.enter_context(executor)
         return self.executor
 
-    def keep(self, task: Task, outcome: Outcome) -> None:
+    def store_outcome(self, task: Task, outcome: Outcome) -> None:
         """Take a run that is over."""
         for cell, part in self.parts(task, outcome):
             self.store.add(cell, task.seed, part)
@@ -253,19 +253,19 @@ class StudyRunner:
         self.made += 1
         self.progress.add(task.cell, outcome.seconds)
 
-    def beat(self) -> bool:
+    def commit_and_report(self) -> bool:
         """Commit, tell how far it is; whether it is to stop."""
         workers = max(1, self.executor.workers if self.executor else 1)
         progress = self.progress
         self.store.tell(progress=progress.value(workers), runs=self.wanted)
-        self.store.beat()
-        words = progress.describe(self.broken, self.statuses["gave-up"])
+        self.store.commit_if_due()
+        words = progress.describe(self.failed_count, self.statuses["gave-up"])
         self.at(progress.share, progress.seconds / workers, words)
         self.stopped = self.stopped or (self.folder / STOP).exists()
         return self.stopped
 
     @property
-    def broken(self) -> int:
+    def failed_count(self) -> int:
         """Runs of the planned cells that failed or were killed."""
         return sum(self.statuses[status] for status in BROKEN)
 
@@ -279,14 +279,16 @@ def executor_of(runner: StudyRunner) -> RunExecutor:
         return ClusterExecutor(
             runner.job, runner.cluster, runner.workers, runner.nice, runner.timeout, runner.tell
         )
-    return Processes(runner.job, runner.workers, runner.nice, runner.timeout, tell=runner.tell)
+    return ProcessExecutor(
+        runner.job, runner.workers, runner.nice, runner.timeout, tell=runner.tell
+    )
 
 
 def demand_kind(folder: Path, kind: str) -> None:
     """Refuse a folder that has the runs of a paper for other runs, and others' for a paper."""
-    there = StoreReader(folder).state.get("kind") if readable(folder) else None
-    if there is None or (there == "paper") == (kind == "paper"):
+    stored_kind = StoreReader(folder).state.get("kind") if readable(folder) else None
+    if stored_kind is None or (stored_kind == "paper") == (kind == "paper"):
         return
-    if there == "paper":
+    if stored_kind == "paper":
         raise InputError(f"{str(folder)!r} has the runs of a paper: give the sweep another folder")
     raise InputError(f"{str(folder)!r} has other runs: give the paper another folder")

@@ -237,7 +237,7 @@ class NotebookView:
         simulation = self.laboratory.simulation
 
         def taken() -> InMemoryFlock:
-            flock = simulation.sound_run().flock
+            flock = simulation.require_run().flock
             return InMemoryFlock(flock.spec, flock.snapshot())
 
         answer: Future[InMemoryFlock] = simulation.tell(taken)

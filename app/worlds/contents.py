@@ -39,4 +39,4 @@ def free_share(world: World) -> float:
 
 def points(world: World) -> np.ndarray:
     """The boundary points of a world in the plane, (M, 2), m."""
-    return boundary_points(world, [one for _, parts in solids(world, 0.0) for one in parts], 0.0)
+    return boundary_points(world, [part for _, parts in solids(world, 0.0) for part in parts], 0.0)

@@ -85,14 +85,14 @@ NUMBERED = 12
 def draw_mission(axes: Any, world: World, plane: tuple[int, int] = (0, 1)) -> list[Any]:
     """Draw the mission, if there is one, as seen on two of the axes; returns signs to explain."""
     mission: Mission | None = world.mission
-    seen = list(plane)
+    plane_axes = list(plane)
     signs: list[Any] = []
     if mission and mission.start:
-        signs.append(draw_start(axes, mission.start, world.dim, seen))
+        signs.append(draw_start(axes, mission.start, world.dim, plane_axes))
     if mission and mission.path:
-        signs.append(draw_path(axes, mission.path, seen))
+        signs.append(draw_path(axes, mission.path, plane_axes))
     if mission and mission.goal:
-        signs.append(draw_goal(axes, mission.goal, mission.settle, seen))
+        signs.append(draw_goal(axes, mission.goal, mission.settle, plane_axes))
     return signs
 
 
@@ -107,35 +107,36 @@ def start_box(start: StartRegion, dim: int) -> tuple[np.ndarray, np.ndarray]:
 def reaches(world: World) -> list[np.ndarray]:
     """Places of the mission that a plan has to show."""
     mission = world.mission
-    found: list[np.ndarray] = []
+    pieces: list[np.ndarray] = []
     if mission and mission.start:
-        found += [corner[:2] for corner in start_box(mission.start, world.dim)]
+        pieces += [corner[:2] for corner in start_box(mission.start, world.dim)]
     if mission and mission.path:
-        found += [np.array(point[:2]) for point in mission.path.waypoints]
+        pieces += [np.array(point[:2]) for point in mission.path.waypoints]
     if mission and mission.goal:
-        found += [np.array(point[:2]) for point in mission.goal.route]
-    return found
+        pieces += [np.array(point[:2]) for point in mission.goal.route]
+    return pieces
 
 
-def draw_start(axes: Any, start: StartRegion, dim: int, seen: list[int]) -> Any:
+def draw_start(axes: Any, start: StartRegion, dim: int, plane_axes: list[int]) -> Any:
     """The start region."""
     from matplotlib.patches import Patch, Rectangle
 
     low, high = start_box(start, dim)
     axes.add_patch(
-        Rectangle(tuple(low[seen]), *(high - low)[seen], facecolor=START + "30", edgecolor=START,
+        Rectangle(tuple(low[plane_axes]), *(high - low)[plane_axes],
+                  facecolor=START + "30", edgecolor=START,
                   linewidth=1.2, zorder=3)
     )  # fmt: skip
     of = f" of {AGENTS} agents" if start.high is None else ""
     return Patch(facecolor=START + "30", edgecolor=START, label=f"start{of}")
 
 
-def draw_path(axes: Any, path: MissionPath, seen: list[int]) -> Any:
+def draw_path(axes: Any, path: MissionPath, plane_axes: list[int]) -> Any:
     """Waypoints, joined by a line, with the circles within which the next one is taken."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Circle
 
-    points = np.array(path.waypoints)[:, seen]
+    points = np.array(path.waypoints)[:, plane_axes]
     line = np.vstack([points, points[:1]]) if path.closed else points
     axes.plot(*line.T, color=PATH, linewidth=1.4, linestyle=(0, (6, 2.5)), zorder=5)
     many = len(points) > NUMBERED
@@ -151,12 +152,12 @@ def draw_path(axes: Any, path: MissionPath, seen: list[int]) -> Any:
                   label="path of the information agents")  # fmt: skip
 
 
-def draw_goal(axes: Any, goal: Goal, settle: float, seen: list[int]) -> Any:
+def draw_goal(axes: Any, goal: Goal, settle: float, plane_axes: list[int]) -> Any:
     """The goal's route and, where it begins, a star with the circle within which it is reached."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Circle
 
-    points = np.array(goal.route)[:, seen]
+    points = np.array(goal.route)[:, plane_axes]
     if len(points) > 1:
         line = np.vstack([points, points[:1]]) if goal.closed else points
         axes.plot(*line.T, color=GOAL, linewidth=1.3, linestyle=(0, (1, 1.5)), zorder=5)
@@ -252,16 +253,16 @@ def edge_signs(world: World) -> list[Any]:
     """What the lines around the box are."""
     from matplotlib.lines import Line2D
 
-    made = []
+    handles = []
     if "solid" in world.edges:
-        made.append(Line2D([], [], color=SOLID_EDGE, linewidth=EDGE, label="solid edge"))
+        handles.append(Line2D([], [], color=SOLID_EDGE, linewidth=EDGE, label="solid edge"))
     if "wrap" in world.edges:
-        made.append(
+        handles.append(
             Line2D(
                 [], [], color=PALE, linewidth=1.3, linestyle=(0, (4, 2)), label="edge that wraps"
             )
         )
-    return made
+    return handles
 
 
 def fill(axes: Any, outline: shapely.Geometry, face: Any, edge: str, order: float = 2.0) -> None:
@@ -293,15 +294,15 @@ LONG_IN_SPACE = 8.2
 
 def solids(world: World) -> list[tuple[shapely.Geometry, shapely.Geometry, float, float]]:
     """Each solid: its outline from above, from the front, its top, and its nearest y."""
-    found = []
-    for one in world.obstacles:
-        for outline, bottom, top in one.spans():
+    faces = []
+    for obstacle in world.obstacles:
+        for outline, bottom, top in obstacle.spans():
             low = world.low[2] if bottom is None else bottom
             high = world.low[2] + world.size[2] if top is None else top
             x0, y0, x1, _ = outline.bounds
-            found.append((outline, shapely.box(x0, low, x1, high), high, y0))
-        found += [round_solid(centre, radius) for centre, radius in one.spheres()]
-    return found
+            faces.append((outline, shapely.box(x0, low, x1, high), high, y0))
+        faces += [round_solid(centre, radius) for centre, radius in obstacle.spheres()]
+    return faces
 
 
 def round_solid(
@@ -327,18 +328,18 @@ def draw_space(figure: Any, world: World) -> list[Any]:
     heights = Normalize(world.low[2], world.low[2] + world.size[2])
     colour = LinearSegmentedColormap.from_list("heights", HEIGHTS)
     floor(above, world)
-    found = solids(world)
-    for k, (outline, _, top, _) in enumerate(sorted(found, key=lambda solid: solid[2])):
-        fill(above, outline, colour(heights(top)), SOLID_EDGE, 2.0 + k / (len(found) + 1))
+    faces = solids(world)
+    for k, (outline, _, top, _) in enumerate(sorted(faces, key=lambda solid: solid[2])):
+        fill(above, outline, colour(heights(top)), SOLID_EDGE, 2.0 + k / (len(faces) + 1))
     edges(above, world)
     signs = edge_signs(world) + draw_mission(above, world)
-    far_first = sorted(found, key=lambda solid: -solid[3])
+    far_first = sorted(faces, key=lambda solid: -solid[3])
     draw_front(front, world, [(face, colour(heights(top))) for _, face, top, _ in far_first])
     above.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     ruled(above, "x", "y")
     ruled(front, "x", "z")
     above.set_xlabel("")
-    if found:
+    if faces:
         bar = figure.colorbar(
             ScalarMappable(heights, colour), ax=[above, front], shrink=0.6, pad=0.02, aspect=32
         )
@@ -347,11 +348,11 @@ def draw_space(figure: Any, world: World) -> list[Any]:
     return signs
 
 
-def draw_front(axes: Any, world: World, found: list[tuple[shapely.Geometry, Any]]) -> None:
+def draw_front(axes: Any, world: World, faces: list[tuple[shapely.Geometry, Any]]) -> None:
     """The view along +y, the nearest solid on top."""
     floor(axes, world, (0, 2))
-    for k, (outline, face) in enumerate(found):
-        fill(axes, outline, face, SOLID_EDGE, 2.0 + k / (len(found) + 1))
+    for k, (outline, face) in enumerate(faces):
+        fill(axes, outline, face, SOLID_EDGE, 2.0 + k / (len(faces) + 1))
     edges(axes, world, (0, 2))
     draw_mission(axes, world, (0, 2))
 

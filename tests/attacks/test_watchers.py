@@ -10,7 +10,7 @@ import pytest
 
 from app.front.message_filter import KINDS, KNOWN
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.watching.watch_page import HEARD, WatchPage
 from tests.attacks.raw import Raw, said
 from tests.live.stand_in import StandIn
@@ -33,7 +33,7 @@ VALUES = (True, 3.0, "side", "nothing")
 
 @pytest.fixture(scope="module")
 def laboratory():
-    made = Laboratory(at_home("hwvem", agents=30, seed=2), port=0, running=False)
+    made = Laboratory(preset_spec("hwvem", agents=30, seed=2), port=0, running=False)
     assert made.simulation.ready.wait(180)
     until(lambda: made.parameters.controls)
     made.scene.show_leader_gizmo(True)

@@ -16,7 +16,7 @@ import pytest
 from agents.catalogue import MODELS
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.setup import NOBODY
-from app.viewer.run.run_preset import at_home, world_title
+from app.viewer.run.run_preset import preset_spec, world_title
 from tests.browser.window import COMPILED, Window, is_compiled
 from tests.viewer.waiting import until
 
@@ -38,7 +38,7 @@ GPU, the page of a running flock can stand still for longer than a test waits.
 """
 POLICY = "Content Security Policy"
 """Stands in what a browser says of all that a policy forbids but `eval`, which is an error."""
-START = at_home(agents=60, seed=3, parameters={"eta": 0.3})
+START = preset_spec(agents=60, seed=3, parameters={"eta": 0.3})
 
 
 def absent(what: str) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.front.server import admit_browsers, close_server, open_server
-from app.viewer.panels.shell import dress
+from app.viewer.panels.shell import set_look
 from tests.viewer.waiting import until
 
 AWAY = (5.0, 30.0, 150.0)
@@ -21,7 +21,7 @@ LOST = "Connection lost, trying again"
 def opened(port: int = 0):
     """A server whose page is a button."""
     server = open_server(port=port)
-    dress(server.gui, "flockscope")
+    set_look(server.gui, "flockscope")
     server.gui.add_button("Here")
     admit_browsers(server)
     return server

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from agents.models.declare import DeclaredParameter
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from tests.browser.contrast import faint
 from tests.viewer.waiting import until
 
@@ -134,7 +134,7 @@ def test_what_is_changed_is_marked_so_that_it_can_be_read_in_both_themes(slider)
 
 def test_a_wide_range_above_zero_is_looked_at_by_its_logarithm(slider, window, laboratory):
     before = laboratory.simulation.state.run
-    laboratory.simulation.setup(at_home("hwvem-nav", world="obstacles"))
+    laboratory.simulation.setup(preset_spec("hwvem-nav", world="obstacles"))
     until(lambda: laboratory.simulation.state.run > before)
     until(lambda: "c_att" in laboratory.parameters.controls)
     slide = slider("c_att")
@@ -157,7 +157,7 @@ def test_sliders_go_on_after_one_was_taken_away_while_it_was_held(slider, labora
     before, state = slider("eta"), laboratory.simulation.state
     before.page.mouse.move(*before.at(before.thumb_at()))
     before.page.mouse.down()
-    laboratory.simulation.setup(at_home("hwvem-nav", world="obstacles"))
+    laboratory.simulation.setup(preset_spec("hwvem-nav", world="obstacles"))
     until(lambda: laboratory.simulation.state.run > state.run)
     until(lambda: before.root.count() == 0, what="other sliders")
     before.page.mouse.up()

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from ezdxf import units
 
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from tests.browser.window import Window
 from tests.viewer.waiting import until
 from worlds.layout import world_from_layout
 
-START = at_home("hwvem-nav", world="obstacles")
+START = preset_spec("hwvem-nav", world="obstacles")
 
 
 class Builder:
@@ -39,7 +39,7 @@ class Builder:
         until(lambda: self.camera() is not None, 20, "the browser to tell the size of its picture")
         camera = self.camera()
         stage = self.laboratory.scene._sights[0].picture.stage
-        place = stage.placed(np.array([x, y, height]))
+        place = stage.place_on_display(np.array([x, y, height]))
         ahead = camera.look_at - camera.position
         away = place - camera.position - ahead * (place[2] - camera.position[2]) / ahead[2]
         half = np.tan(0.5 * camera.fov) * (camera.position[2] - place[2])

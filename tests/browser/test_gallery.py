@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from app.viewer.gallery.saved_scene import SavedScene, packed
-from app.viewer.gallery.scene_collection import built_in
-from app.viewer.run.run_preset import at_home
+from app.viewer.gallery.saved_scene import SavedScene, pack_scene
+from app.viewer.gallery.scene_collection import built_in_scene
+from app.viewer.run.run_preset import preset_spec
 from tests.browser.window import COMPILED, is_compiled
 from tests.viewer.waiting import until
 
@@ -20,7 +20,7 @@ def runs(laboratory, model: str) -> bool:
 def anew(laboratory):
     """The laboratory, whose flock stands and looks as usual again afterwards."""
     yield laboratory
-    laboratory.open(SavedScene("start", at_home(agents=60, seed=3, parameters={"eta": 0.3})))
+    laboratory.open(SavedScene("start", preset_spec(agents=60, seed=3, parameters={"eta": 0.3})))
     until(lambda: runs(laboratory, "hwvem"))
     laboratory.simulation.pause().result(60)
 
@@ -42,7 +42,7 @@ def test_a_scene_is_found_in_the_gallery_and_opened(window, anew):
     page.locator(".fs-sheet input").fill("one knows")
     page.locator(".fs-choice:visible").first.click()
     until(lambda: anew.simulation.state.spec.agents == 1000, 60)
-    page.get_by_text(built_in("spread").watch).wait_for()
+    page.get_by_text(built_in_scene("spread").watch).wait_for()
     until(lambda: page.locator(".fs-sheet").count() == 0)
     until(lambda: is_compiled(anew.simulation), COMPILED)
     until(lambda: window.card("agents") == "1\u202f001", 60)
@@ -63,7 +63,7 @@ def test_the_gallery_closes_by_escape_a_click_beside_it_and_its_button(window):
 
 def test_an_address_opens_its_scene_and_asks_where_others_watch(window, anew, chromium):
     assert window.page.url
-    scene = packed(SavedScene("mine", at_home("vem", agents=44, seed=9)))
+    scene = pack_scene(SavedScene("mine", preset_spec("vem", agents=44, seed=9)))
     other = chromium.new_page(viewport={"width": 900, "height": 600})
     other.goto(f"{anew.address}/?scene={scene}")
     other.get_by_text("It replaces the run that others watch too.").wait_for(timeout=60_000)

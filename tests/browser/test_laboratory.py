@@ -10,7 +10,7 @@ import pytest
 import viser
 
 from agents.catalogue import MODELS
-from app.viewer.lab.panels.model_guide import is_done, now
+from app.viewer.lab.panels.model_guide import current_value, is_done
 from tests.browser.conftest import START
 from tests.browser.window import COMPILED, Window, is_compiled
 from tests.viewer.waiting import until
@@ -110,7 +110,10 @@ def test_the_guide_does_what_it_proposes_and_takes_it_back(window, laboratory, a
     simulation, page = laboratory.simulation, window.page
     offered = MODELS[START.model].to_try
     number, one = next((n, one) for n, one in enumerate(offered) if one.anew == anew)
-    run, before = simulation.state.run, {name: now(simulation.state, name) for name in one.set}
+    run, before = (
+        simulation.state.run,
+        {name: current_value(simulation.state, name) for name in one.set},
+    )
     assert not is_done(simulation.state, one)
     page.keyboard.press("h")
     window.tab("Try this")
@@ -120,7 +123,7 @@ def test_the_guide_does_what_it_proposes_and_takes_it_back(window, laboratory, a
     until(lambda: simulation.state.running and simulation.frame.tick > 0, what="a flock that runs")
     assert (simulation.state.run > run) == anew
     page.get_by_role("button", name="Take it back", exact=True).click()
-    until(lambda: {name: now(simulation.state, name) for name in one.set} == before)
+    until(lambda: {name: current_value(simulation.state, name) for name in one.set} == before)
     page.get_by_role("button", name="Do it", exact=True).nth(len(offered) - 1).wait_for()
     page.keyboard.press("Escape")
     until(lambda: page.locator(".fs-page").count() == 0, what="the guide to be closed")

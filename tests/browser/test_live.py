@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import TimeoutError as PlaywrightTimeout
 
-from app.live.laboratory.example import FILE
-from app.live.laboratory.lab_file import lab_from_toml
+from app.live.laboratory.lab_file import EXAMPLE_FILE, lab_from_toml
 from app.live.operating.lab_choices import Choices
 from app.viewer.live.page import LivePage
 from tests.browser.conftest import obeyed
@@ -28,7 +27,9 @@ SOON = 60.0
 def patient() -> str:
     """The example with slow cars and one simulated one, which bears a machine that is busy."""
     text = (
-        FILE.read_text().replace("speed = 1.0", "speed = 0.5").replace("fence = 0.5", "fence = 0.7")
+        EXAMPLE_FILE.read_text()
+        .replace("speed = 1.0", "speed = 0.5")
+        .replace("fence = 0.5", "fence = 0.7")
     )
     limits = "stale = 0.25\nlong_gap = 10.0\nfrozen = 1.2\nunattended = 30.0\n"
     return f"{text}\n[limits]\n{limits}[simulated]\ncars = 1\n"

@@ -8,7 +8,7 @@ import pytest
 
 from agents.motion import Motion
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 from tests.browser.window import Window
 from tests.viewer.stub_flock import StubCompiling
@@ -28,7 +28,7 @@ def laboratory(monkeypatch):
     monkeypatch.setattr(
         "app.viewer.lab.laboratory.Simulation", partial(Simulation, compiling=StubCompiling)
     )
-    made = Laboratory(at_home("vem", agents=40, seed=3), port=0, speed=30.0)
+    made = Laboratory(preset_spec("vem", agents=40, seed=3), port=0, speed=30.0)
     yield made
     made.close()
 

@@ -23,7 +23,7 @@ def client_of(laboratory, known):
 def on_page(page, laboratory, client, row) -> tuple[float, float]:
     """Where a browser shows an agent, pixels."""
     camera, canvas = client.camera, page.locator("canvas[data-engine]").bounding_box()
-    away = np.array(laboratory.scene.where(row)) - camera.position
+    away = np.array(laboratory.scene.display_place(row)) - camera.position
     ahead = camera.look_at - camera.position
     ahead = ahead / np.linalg.norm(ahead)
     right = np.cross(ahead, camera.up_direction)

@@ -43,7 +43,7 @@ def test_two_watch_what_a_third_leads_and_each_sees_its_own_agent(
             assert one.page.get_by_role("button", name=label, exact=True).count() == 0
         assert one.page.locator("input[type=file]").count() == 0
 
-    until(lambda: watching.scene.where(17), 60)
+    until(lambda: watching.scene.display_place(17), 60)
     first.close_notices()
     first.page.wait_for_timeout(1000)
     first.page.mouse.click(*on_page(first, watching, 0, 17))

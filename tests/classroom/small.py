@@ -6,9 +6,9 @@ from datetime import UTC, datetime
 
 from app.classroom.collect.hand_in import Point, hand_in
 from app.classroom.collect.question import question_of
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 
-SCENE = at_home("vem", agents=30, size=3.0, parameters={"eta": 0.4})
+SCENE = preset_spec("vem", agents=30, size=3.0, parameters={"eta": 0.4})
 VALUES = {
     "title": "Order against noise",
     "parameter": "eta",
@@ -17,7 +17,7 @@ VALUES = {
     "values": [0.0, 1.5, 3.0, 4.5, 6.0],
 }
 ORDER = question_of(VALUES, SCENE)
-LED = at_home("hwvem", agents=30, size=3.0, world="wrap-plain", parameters={"eta": 0.0})
+LED = preset_spec("hwvem", agents=30, size=3.0, world="wrap-plain", parameters={"eta": 0.0})
 AGREE = question_of(
     {
         "title": "Until all agree",

@@ -11,14 +11,19 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_the_benchmark_prints_the_time_of_a_result():
-    command = [sys.executable, str(ROOT / "benchmarks" / "collect.py"), "--students", "3"]
+    command = [sys.executable, str(ROOT / "benchmarks" / "pages" / "collect.py"), "--students", "3"]
     said = subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout
     assert len(re.findall(r"\d ms a result", said)) == 2
     assert re.search(r"the class's file: saved in \d+ ms, opened in \d+ ms", said)
 
 
 def test_the_benchmark_of_a_class_prints_what_students_get():
-    command = [sys.executable, str(ROOT / "benchmarks" / "classroom.py"), "--students", "2"]
+    command = [
+        sys.executable,
+        str(ROOT / "benchmarks" / "pages" / "classroom.py"),
+        "--students",
+        "2",
+    ]
     few = ("--seconds", "4", "--idle", "1")
     said = subprocess.run([*command, *few], check=True, capture_output=True, text=True).stdout
     assert "2 students, flocks of 300 agents" in said
@@ -28,7 +33,12 @@ def test_the_benchmark_of_a_class_prints_what_students_get():
 
 
 def test_the_benchmark_of_an_attack_prints_how_long_the_honest_wait():
-    command = [sys.executable, str(ROOT / "benchmarks" / "class_attack.py"), "--honest", "2"]
+    command = [
+        sys.executable,
+        str(ROOT / "benchmarks" / "pages" / "class_attack.py"),
+        "--honest",
+        "2",
+    ]
     few = ("--dishonest", "1", "--seconds", "6")
     said = subprocess.run([*command, *few], check=True, capture_output=True, text=True).stdout
     assert "2 honest, 1 dishonest and one slow student" in said

@@ -32,7 +32,7 @@ from app.classroom.collect.question import question_of
 from app.classroom.student import Role, same, student_name
 from app.viewer.gallery.saved_scene import SavedScene, read_scene
 from app.viewer.gallery.scene_collection import find_scene
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from tests.classroom.small import ORDER, SCENE, VALUES, WHEN, made, told
 from worlds.input_error import InputError
 
@@ -40,8 +40,10 @@ from worlds.input_error import InputError
 def small_class() -> ClassState:
     """A class of three, one of whom has built obstacles; two questions, one answered."""
     scene = SavedScene("Order", SCENE, watch="what to see", look={"colour": "heading"})
-    world = replace(Flock(at_home("vem", world="obstacles", agents=10)).world, name="mine")
-    own = SavedScene.from_toml(SavedScene("Mine", at_home("vem", world=world)).to_toml(), "mine")
+    world = replace(Flock(preset_spec("vem", world="obstacles", agents=10)).world, name="mine")
+    own = SavedScene.from_toml(
+        SavedScene("Mine", preset_spec("vem", world=world)).to_toml(), "mine"
+    )
     order = Collection(question_of(VALUES | {"free": ["v0"]}, SCENE))
     for name in ("Ada", "Zoë 山"):
         spec = order.begins(name, SCENE)

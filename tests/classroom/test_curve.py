@@ -15,9 +15,9 @@ from app.classroom.collect.question import question_of
 from app.studies.runs.database import FILE
 from app.studies.sweeps.checked_sweep import read_sweep
 from app.studies.sweeps.sweep_results import Results
-from app.studies.sweeps.sweep_runner import conduct
+from app.studies.sweeps.sweep_runner import run_sweep
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps, demand_from_page
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from tests.classroom.small import AGREE, LED, ORDER, SCENE, VALUES
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
@@ -30,7 +30,7 @@ def results(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
     for question, scene in ((ORDER, SCENE), (AGREE, LED)):
         asked = CurveAsked(question, scene, runs=3)
-        conduct(asked.sweep(folder), folder / asked.name, workers=1)
+        run_sweep(asked.sweep(folder), folder / asked.name, workers=1)
     flockscope.sweep(SCENE.but(seed=None), vary={"eta": [0.0, 1.0], "v0": [0.1, 0.2]}, runs=1,
                      ticks=40, observe=[{"name": "polarisation", "over": 10}], workers=1,
                      folder=folder / "both")  # fmt: skip
@@ -77,13 +77,13 @@ def test_the_laboratory_s_sweeps_begin_it(tmp_path):
 
 def test_a_world_of_ones_own_goes_along(tmp_path):
     world = replace(build_world("obstacles", 2, None, lambda _: 1.0), name="mine")
-    scene = at_home("vem", world=world, agents=10)
+    scene = preset_spec("vem", world=world, agents=10)
     question = question_of(VALUES | {"values": [0.0, 1.0]}, scene)
     asked = CurveAsked(question, scene, runs=1)
     folder = tmp_path / asked.name
     folder.mkdir()
     (folder / "world.toml").write_text(asked.world())
-    conduct(asked.sweep(folder), folder, workers=1)
+    run_sweep(asked.sweep(folder), folder, workers=1)
     assert curve_of(folder, question, scene).differs == ()
     fewer = scene.but(world=replace(Flock(scene).world, obstacles=world.obstacles[1:]))
     assert curve_of(folder, question, fewer).differs == ("own obstacles",)

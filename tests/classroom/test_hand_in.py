@@ -17,7 +17,7 @@ from app.classroom.collect.hand_in import hand_in, warm_up
 from app.classroom.collect.question import question_of
 from app.classroom.collect.run_cost import mean_neighbours
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from tests.classroom.small import AGREE, LED, ORDER, SCENE, VALUES, WHEN, made
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
@@ -75,7 +75,7 @@ def test_a_point_opens_the_same_run_again():
 @pytest.mark.parametrize("world", layout_names())
 def test_points_of_every_world_can_be_opened(world):
     model = "vem" if build_world(world, None, None, lambda _: 5.0).dim == 2 else "couzin"
-    scene = at_home(model, world=world, agents=10)
+    scene = preset_spec(model, world=world, agents=10)
     asked = {"observe": "polarisation"}
     values = VALUES | {"ticks": 2, "measure": asked, "parameter": "agents", "values": []}
     try:
@@ -156,7 +156,7 @@ def test_what_differs_from_the_scene_is_said(spec, differs):
 
 
 def test_own_obstacles_are_said():
-    scene = at_home("vem", world="obstacles", agents=10)
+    scene = preset_spec("vem", world="obstacles", agents=10)
     question = question_of(VALUES, scene)
     world = Flock(scene).world
     fewer = replace(world, obstacles=world.obstacles[1:], name="obstacles-edited")
@@ -174,7 +174,7 @@ def test_a_free_parameter_is_no_difference_and_is_kept():
     [
         (SCENE.but(agents=5001), "5,001 agents are too many"),
         (SCENE.but(start="given"), "given places"),
-        (at_home("couzin"), "couzin has no such parameter"),
+        (preset_spec("couzin"), "couzin has no such parameter"),
         (SCENE.but(model="nothing"), "no model 'nothing'"),
         (SCENE.but(parameters={"eta": 9.0}), "eta = 9.0"),
         (SCENE.but(size=(3.0, 4.0)), "all sides are alike"),
@@ -217,7 +217,7 @@ def test_what_it_costs_goes_by_pairs_and_not_by_agents_alone(agents, size, refus
 
 
 def test_who_looks_at_the_nearest_looks_at_few_however_far_they_reach():
-    near = at_home("topological", agents=1000, size=2.0, parameters={"k": 7, "r": 5.0})
+    near = preset_spec("topological", agents=1000, size=2.0, parameters={"k": 7, "r": 5.0})
     assert mean_neighbours(near) == 9 * 8
     every = near.but(parameters={"neighbours": "metric", "r": 5.0})
     assert mean_neighbours(every) == 1000

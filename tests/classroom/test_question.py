@@ -15,7 +15,7 @@ from agents.observables.catalogue import OBSERVABLES
 from app.classroom.collect.question import question_from_toml, question_of
 from app.classroom.collect.question_choices import measures_of, parameters_of, ready_for
 from app.viewer.gallery.scene_collection import find_scene, scene_names
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from tests.classroom.small import AGREE, LED, ORDER, SCENE, VALUES
 from worlds.input_error import InputError
 
@@ -134,8 +134,8 @@ def test_ready_questions_are_those_whose_parameter_the_model_has(name):
 
 
 def test_the_four_lessons_each_have_a_question():
-    names = {spec.model: [one.name for one in ready_for(spec)]
-             for spec in map(at_home, ("vem", "hwvem", "couzin", "active-brownian"))}  # fmt: skip
+    specs = map(preset_spec, ("vem", "hwvem", "couzin", "active-brownian"))
+    names = {spec.model: [one.name for one in ready_for(spec)] for spec in specs}
     assert names == {
         "vem": ["order-against-noise"],
         "hwvem": ["order-against-noise", "who-leads", "beat-the-paper"],

@@ -19,8 +19,8 @@ from app.classroom.student import Role
 from app.classroom.workers.measuring import MadeRun, ProcessorTimeLimit
 from app.classroom.workers.worker_process import WorkerProcess
 from app.processes import ProcessLostError, ProcessTimeoutError
-from app.viewer.gallery.saved_scene import SavedScene, packed
-from app.viewer.run.run_preset import at_home
+from app.viewer.gallery.saved_scene import SavedScene, pack_scene
+from app.viewer.run.run_preset import preset_spec
 from tests.classroom.running import BUSY, roster, running
 from tests.classroom.small import SCENE
 from tests.viewer.waiting import until
@@ -33,9 +33,9 @@ ASKED = {
     "ticks": 500,
     "values": [20.0, 30.0],
 }
-ENDLESS = at_home("squashing-best", agents=500, size=20.0, world="wrap")
+ENDLESS = preset_spec("squashing-best", agents=500, size=20.0, world="wrap")
 """Of few pairs, each of which takes it a thousand times what one takes other models."""
-SLOW = at_home("hwvem", agents=2000, size=9.0)
+SLOW = preset_spec("hwvem", agents=2000, size=9.0)
 """As much as may be handed in: a few seconds of a core."""
 
 
@@ -258,7 +258,7 @@ def test_the_teacher_sees_whose_run_was_ended_and_why(tmp_path):
         teacher, ada, eve = ours.teacher(), ours.student("Ada"), ours.student("Eve")
         assert teacher.do("ask", question=ASKED | {"values": []}).status == 200
         with ada.connect(), eve.connect():
-            scene = packed(SavedScene("Endless", ENDLESS))
+            scene = pack_scene(SavedScene("Endless", ENDLESS))
             marked = {"X-Flockscope": "scene", "Sec-Fetch-Site": "same-origin"}
             assert until(
                 lambda: eve.ask(f"/open?scene={scene}&sure=1", headers=marked).status == 200, BUSY

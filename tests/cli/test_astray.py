@@ -8,9 +8,9 @@ from experiments.small import small
 
 from agents import Flock
 from agents.state.agent_rows import StrayAgents
-from app.studies.experiment_runner import conduct
+from app.studies.experiment_runner import run_experiment
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sweeps.sweep_table import wide
+from app.studies.sweeps.sweep_table import wide_table
 from cli.calling import call, refusal
 from worlds.obstacles import Box
 from worlds.world import World
@@ -77,10 +77,10 @@ def test_a_state_with_an_agent_in_an_obstacle_is_refused(tmp_path):
 def test_the_row_of_an_experiment_tells_of_its_run(tmp_path, monkeypatch):
     found = StrayAgents(7, 6, 40, np.array([1.0, 2.0]), 0.25, 1)
     monkeypatch.setattr(Flock, "stray", lambda flock: found if flock.seed == 2 else None)
-    done = conduct(
+    done = run_experiment(
         small(tmp_path), tmp_path, runs=2, seed=1, workers=1, tell=None, at=lambda *_: None
     )
-    columns = wide(StoreReader(tmp_path))
+    columns = wide_table(StoreReader(tmp_path))
     rows = list(zip(columns["seed"], columns["astray"], strict=True))
     assert set(rows) == {(1, None), (2, str(found))}
     assert len(done.astray) == len(rows) / 2

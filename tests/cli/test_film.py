@@ -21,8 +21,8 @@ from imageio_ffmpeg import count_frames_and_secs, read_frames
 
 from agents import Flock
 from agents.recordings.recorder import Recorder
-from app.cli.take.film import planned
-from app.cli.take.renderer import aim_of
+from app.cli.take.film import plan_film
+from app.cli.take.renderer import camera_request
 from app.viewer.pictures.browser import GUARD, find_browser
 from app.viewer.pictures.film_writer import Encoder, pictures
 from app.viewer.pictures.picture_camera import Camera, CameraRequest
@@ -84,15 +84,15 @@ def test_ticks_that_are_left_out_at_the_end_are_said(tmp_path):
 
 def test_which_ticks_are_shown():
     ticks = list(range(301))
-    assert planned(ticks, 0, 300, None, 30.0, 30.0).ticks == ticks
-    plan = planned(ticks, 0, 300, None, 300.0, 30.0)
+    assert plan_film(ticks, 0, 300, None, 30.0, 30.0).ticks == ticks
+    plan = plan_film(ticks, 0, 300, None, 300.0, 30.0)
     assert (plan.ticks, plan.fps) == (list(range(0, 301, 10)), 30.0)
-    plan = planned(ticks, 50, 100, 25, 50.0, 30.0)
+    plan = plan_film(ticks, 50, 100, 25, 50.0, 30.0)
     assert (plan.ticks, plan.fps, plan.left_out) == ([50, 75, 100], 2.0, 0)
-    assert planned(ticks, 50, 110, 25, 50.0, 30.0).left_out == 10
-    assert planned([0, 20, 40], 0, 40, None, 60.0, 30.0).fps == 3.0
+    assert plan_film(ticks, 50, 110, 25, 50.0, 30.0).left_out == 10
+    assert plan_film([0, 20, 40], 0, 40, None, 60.0, 30.0).fps == 3.0
     with pytest.raises(InputError, match="no tick from 41 to 50"):
-        planned([0, 20, 40], 41, 50, None, 60.0, 30.0)
+        plan_film([0, 20, 40], 41, 50, None, 60.0, 30.0)
 
 
 @pytest.mark.parametrize(("dim", "follow"), [(2, None), (2, 5), (3, None), (3, 5)])
@@ -238,10 +238,10 @@ def test_a_camera_goes_round():
     """Once in the film, or as many degrees a second as asked for; its agents stay in sight."""
     first, last = snapshots((0, 20), dim=3)
     begin, end = (shot(now, look_of(now, None)) for now in (first, last))
-    camera = aim_of("round", None, None, 1.0, 40).camera(begin)
+    camera = camera_request("round", None, None, 1.0, 40).camera(begin)
     at, half_way = (camera.view(one, 1.2).position for one in (begin, end))
     assert np.allclose(half_way, at * [-1.0, -1.0, 1.0])
-    quarter = aim_of("round", None, -45.0, 10.0, 20).camera(begin).view(end, 1.2).position
+    quarter = camera_request("round", None, -45.0, 10.0, 20).camera(begin).view(end, 1.2).position
     assert np.allclose(quarter, [at[1], -at[0], at[2]])
     assert not camera.follow
     seen, _ = CameraAxes.of(camera.view(end, 1.2)).seen(end.made.at)

@@ -17,8 +17,7 @@ from pathlib import Path
 import pytest
 from live.natnet_emulator import Body, NatNetEmulator, free_port
 
-from app.live.laboratory.example import FILE, example
-from app.live.laboratory.lab_file import lab_from_toml
+from app.live.laboratory.lab_file import EXAMPLE_FILE, example, lab_from_toml
 from app.live.links.link_catalogue import open_link
 from app.live.operating.flock_driver import FlockDriver
 from app.live.operating.lab_choices import laboratory
@@ -35,7 +34,7 @@ def room(tmp_path):
     """Writes the example's laboratory with another source, link and whatever else."""
 
     def written(**changes):
-        text = FILE.read_text().replace("serial:/dev/ttyUSB0?baud=57600", "dry")
+        text = EXAMPLE_FILE.read_text().replace("serial:/dev/ttyUSB0?baud=57600", "dry")
         for old, new in changes.items():
             assert old in text
             text = text.replace(old, new)

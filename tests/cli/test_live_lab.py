@@ -6,9 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.cli.live.console import SessionConsole
-from app.cli.live.lab import lab
-from app.cli.progress import StopSignals
+from app.cli.live.lab import SessionConsole, lab
+from app.cli.terminal.progress import StopSignals
 from app.live.control.loop_status import Event
 from worlds.input_error import InputError
 
@@ -44,7 +43,7 @@ class StubSession:
 )
 def test_any_key_that_means_nothing_else_is_the_emergency_stop(pressed, actions):
     session = StubSession()
-    SessionConsole(session, StopSignals(), verbose=False).obey(pressed)
+    SessionConsole(session, StopSignals(), verbose=False).handle_key(pressed)
     assert session.asked == [(action, "terminal") for action in actions]
 
 
@@ -53,15 +52,17 @@ def test_it_prints_each_event_once_and_why_a_room_is_not_open(capsys):
         Event(1, 1.0, "arm", "armed", cause="browser 2"), trouble="no frame within 5 s"
     )
     console = SessionConsole(session, StopSignals(), verbose=True)
-    console.see()
-    console.see()
+    console.print_news()
+    console.print_news()
     told = capsys.readouterr()
     assert told.out.split() == ["0.00", "s", "arm", "armed", "(browser", "2)"]
     assert told.err == "no frame within 5 s\n"
 
 
 def test_quiet_it_prints_no_event(capsys):
-    SessionConsole(StubSession(Event(1, 1.0, "arm", "armed")), StopSignals(), verbose=False).see()
+    SessionConsole(
+        StubSession(Event(1, 1.0, "arm", "armed")), StopSignals(), verbose=False
+    ).print_news()
     assert capsys.readouterr().out == ""
 
 

@@ -20,7 +20,7 @@ from app.viewer.gallery.saved_scene import SavedScene, command_line
 from app.viewer.gallery.scene_collection import find_scene, scene_names
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameRequest
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from tests.cli.calling import call
 
 ROOT = Path(__file__).parents[2]
@@ -182,14 +182,14 @@ def test_papers_that_models_name_are_there(commands_printed):
 def files(tmp_path_factory):
     """The files that are typed: as the page gives them, with what was changed on the way."""
     folder = tmp_path_factory.mktemp("printed")
-    spec = at_home("vem", agents=12, seed=1)
+    spec = preset_spec("vem", agents=12, seed=1)
     run = FlockRun(Flock(spec), 1, FrameRequest())
     run.advance(3)
     run.change(lambda run: run.set("eta", 1.0))
     run.advance(3)
     made = {name: folder / name for name in ("spec.toml", "scene.toml", "state.parquet")}
     made["spec.toml"].write_bytes(run.spec())
-    made["state.parquet"].write_bytes(run.saved())
+    made["state.parquet"].write_bytes(run.save())
     made["scene.toml"].write_text(SavedScene("mine", spec).to_toml())
     sweep = {"run": {"model": "vem", "ticks": 3, "agents": 5}, "replicates": {"count": 1}}
     sweep |= {"design": [{"kind": "grid", "axes": {"eta": [0.0, 1.0]}}]}

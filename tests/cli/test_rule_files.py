@@ -68,11 +68,11 @@ def test_what_a_run_keeps_goes_on_with_the_rule_named_again(mine, tmp_path):
 
 def test_its_setup_offers_it_in_the_laboratory(mine):
     from app.viewer.lab.panels.setup import MODELS as OFFERED
-    from app.viewer.run.run_preset import at_home
+    from app.viewer.run.run_preset import preset_spec
 
     name = from_file(str(mine)).name
     assert OFFERED[name].title == "Fading Vicsek model"
-    assert Flock(at_home(name, agents=5)).model.name == "fading"
+    assert Flock(preset_spec(name, agents=5)).model.name == "fading"
 
 
 def test_a_typing_error_is_one_line(mine):

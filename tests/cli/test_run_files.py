@@ -10,7 +10,7 @@ import pytest
 from agents.flock import Flock
 from agents.spec import Spec
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from tests.cli.calling import call, refusal
 from worlds.layout import world
 
@@ -27,7 +27,7 @@ def observed(*args) -> tuple[dict, str]:
 
 @pytest.fixture
 def spec():
-    return at_home("vem", **RUN)
+    return preset_spec("vem", **RUN)
 
 
 def test_a_spec_runs_as_its_flock_does(tmp_path, spec):
@@ -55,7 +55,7 @@ def test_a_scene_is_run_without_its_page(tmp_path, spec):
 
 
 def test_a_scene_carries_its_own_world(tmp_path):
-    spec = at_home("vem", agents=12, seed=2, world=world("obstacles"))
+    spec = preset_spec("vem", agents=12, seed=2, world=world("obstacles"))
     path = tmp_path / "scene.toml"
     path.write_text(SavedScene("mine", spec).to_toml())
     flock = Flock(spec)

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import ifaddr
 import pytest
 
-from app.cli.serving_options import announce
+from app.cli.options.serving_options import announce
 from app.front.origin import interface_addresses, local_address, network_addresses
 from cli.calling import refusal
 

@@ -7,7 +7,7 @@ import sys
 
 CLOSING = """
 import os, signal, threading
-from app.cli.progress import StopSignals
+from app.cli.terminal.progress import StopSignals
 
 def interrupt():
     os.kill(os.getpid(), signal.SIGINT)

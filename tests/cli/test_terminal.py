@@ -25,7 +25,7 @@ PRINTS = f"""
 import json, logging, sys, warnings
 import typer
 from app.cli import main
-from app.cli.terminal import rewrite_line
+from app.cli.terminal.console import rewrite_line
 text = {HOSTILE!r}
 
 def everything(*_, **__):
@@ -38,7 +38,7 @@ def everything(*_, **__):
     warnings.warn(text)
     rewrite_line(text)
     from rich.table import Table
-    from app.cli.terminal import make_console
+    from app.cli.terminal.console import make_console
     table = Table(title=text)
     table.add_column(text, no_wrap=True)
     table.add_row(text)
@@ -113,7 +113,7 @@ def store_of_a_stranger(folder):
     """A sweep with a hostile folder, axis, value, column and reason, and one with such a title."""
     axis, column = NAME + "axis", NAME + "column"
     with Store(folder / "results" / NAME, [column]) as store:
-        [cell] = store.lay_out([("a", json.dumps({"axes": {axis: NAME}}))])
+        [cell] = store.store_plan([("a", json.dumps({"axes": {axis: NAME}}))])
         store.tell(kind="sweep", axes=[axis], columns=[column], runs=2)
         store.add(cell, 1, Outcome("ok", {column: 0.5}))
         store.add(cell, 2, Outcome("failed", {}, NAME))
@@ -172,7 +172,7 @@ def test_a_cell_is_cut_after_it_was_escaped():
     """Rich measures what is shown: a line of the table is no wider than the table."""
     program = """
 from rich.table import Table
-from app.cli.terminal import guard_streams, make_console
+from app.cli.terminal.console import guard_streams, make_console
 guard_streams()
 table = Table("name", "value")
 table.add_row(chr(27) * 30, "1")

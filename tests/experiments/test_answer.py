@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.studies.claims.verdict_table import ranges_of_runs
+from app.studies.claims.claims import ranges_of_runs
 from app.studies.experiment_file import PublishedMeasure
 from app.studies.figures.mission import MissionSettings
 from app.studies.judge.claim_verdict import (
@@ -15,12 +15,12 @@ from app.studies.judge.claim_verdict import (
     HOLDS,
     UNDECIDED,
     ClaimVerdict,
-    all_of,
-    any_of,
-    by_construction,
+    join_all,
+    join_any,
     mean_above,
     mean_within,
     share_of_runs,
+    verdict_by_construction,
 )
 from app.studies.judge.comparison import compare
 from app.studies.judge.judge import RunRanges, ranges_of, share_interval
@@ -45,7 +45,7 @@ def test_equal_runs_say_nothing_of_a_mean():
     for value in (2.0, 0.0, -1.0):
         answer = mean_above(ranges_of(np.full(100, value)))
         assert (answer.word, answer.why) == ("undecided", "all runs are equal")
-    rounded = ranges_of([0.1 + 0.2] * 10).minus(ranges_of([0.3] * 10))
+    rounded = ranges_of([0.1 + 0.2] * 10).subtract(ranges_of([0.3] * 10))
     assert mean_above(rounded).why == "all runs are equal", "but for rounding"
 
 
@@ -54,9 +54,9 @@ def test_equal_runs_of_a_bounded_measure_do():
         values = np.full(runs, value)
         return RunRanges(values, values, (0.0, 1.0))
 
-    assert mean_above(always(1.0, 50).plus(-0.5)) == HOLDS
-    assert mean_above(always(0.0, 50).plus(-0.5)) == DOES_NOT
-    few = mean_above(always(1.0, 6).plus(-0.5))
+    assert mean_above(always(1.0, 50).add(-0.5)) == HOLDS
+    assert mean_above(always(0.0, 50).add(-0.5)) == DOES_NOT
+    few = mean_above(always(1.0, 6).add(-0.5))
     assert few.needed == 8, "0.005 ** (1 / 8) is the first above a half"
 
 
@@ -68,17 +68,17 @@ def test_few_runs_decide_no_mean():
 
 def test_a_run_that_was_given_up_is_at_least_its_limit():
     given_up = ranges_of([*np.linspace(28.0, 32.0, 19), None], limit=40)
-    assert mean_above(given_up.plus(-20.0)) == HOLDS
-    smaller = mean_above(given_up.plus(-60.0))
+    assert mean_above(given_up.add(-20.0)) == HOLDS
+    smaller = mean_above(given_up.add(-60.0))
     assert (smaller.word, smaller.why) == ("undecided", "1 of 20 runs given up")
     assert mean_within(given_up, 30.0, 15.0).word == "undecided"
 
 
 def test_an_order_of_runs_that_were_given_up():
     slow, quick = ranges_of([None] * 20, limit=100), ranges_of(np.linspace(10.0, 12.0, 20))
-    assert mean_above(slow.minus(quick)) == HOLDS
-    assert mean_above(quick.minus(slow)).word == "does not hold"
-    assert mean_above(slow.minus(slow)).word == "undecided"
+    assert mean_above(slow.subtract(quick)) == HOLDS
+    assert mean_above(quick.subtract(slow)).word == "does not hold"
+    assert mean_above(slow.subtract(slow)).word == "undecided"
 
 
 def test_whether_a_mean_is_near_a_value():
@@ -104,7 +104,7 @@ def test_the_runs_that_are_said_to_decide_do():
 def test_more_runs_are_asked_for_than_there_are_where_a_few_may_be_far_from_all_others(runs):
     values = RunRanges(np.array(runs), np.array(runs), (0.0, 100.0), rare=True)
     for bound in (2.0, 50.0, 97.0):
-        answer = mean_above(values.plus(-bound))
+        answer = mean_above(values.add(-bound))
         assert answer.needed is None or answer.needed > len(runs)
 
 
@@ -130,11 +130,11 @@ def test_more_successes_are_asked_for_than_there_are_beside_published_ones(runs,
 
 def test_a_rare_failure_that_few_runs_cannot_show_asks_for_more_of_them():
     values = np.full(20, 100.0) - np.linspace(0.0, 0.1, 20)
-    few = mean_above(RunRanges(values, values, (0.0, 100.0), rare=True).plus(-90.0))
+    few = mean_above(RunRanges(values, values, (0.0, 100.0), rare=True).add(-90.0))
     assert few.word == "undecided"
     assert few.needed is not None
     more = np.full(few.needed, 100.0) - np.linspace(0.0, 0.1, few.needed)
-    assert mean_above(RunRanges(more, more, (0.0, 100.0), rare=True).plus(-90.0)) == HOLDS
+    assert mean_above(RunRanges(more, more, (0.0, 100.0), rare=True).add(-90.0)) == HOLDS
 
 
 @pytest.mark.parametrize("theirs", [[], [95.0, 96.0] * 20])
@@ -218,25 +218,25 @@ def test_what_is_said_of_a_share_of_runs():
 
 def test_parts_make_a_whole():
     some = ClaimVerdict("undecided", 30)
-    assert all_of([HOLDS, HOLDS]) == HOLDS
-    assert all_of([HOLDS, some]) == some
-    assert all_of([some, UNDECIDED]) == UNDECIDED
-    assert all_of([some, DOES_NOT]) == DOES_NOT
-    assert any_of([some, HOLDS]) == HOLDS
-    assert any_of([DOES_NOT, some]) == some
-    assert any_of([DOES_NOT, DOES_NOT]) == DOES_NOT
+    assert join_all([HOLDS, HOLDS]) == HOLDS
+    assert join_all([HOLDS, some]) == some
+    assert join_all([some, UNDECIDED]) == UNDECIDED
+    assert join_all([some, DOES_NOT]) == DOES_NOT
+    assert join_any([some, HOLDS]) == HOLDS
+    assert join_any([DOES_NOT, some]) == some
+    assert join_any([DOES_NOT, DOES_NOT]) == DOES_NOT
 
 
 def test_the_chance_of_a_whole_is_that_of_its_parts():
     parts = [ClaimVerdict("holds", p=0.001), ClaimVerdict("holds", p=0.004)]
-    assert all_of(parts).p == 0.004
-    assert any_of(parts).p == 0.001
+    assert join_all(parts).p == 0.004
+    assert join_any(parts).p == 0.001
 
 
 def test_what_cannot_fail_says_so_unless_it_fails():
-    assert by_construction(HOLDS).word == "by construction"
-    assert by_construction(UNDECIDED).word == "by construction"
-    assert by_construction(DOES_NOT) == DOES_NOT
+    assert verdict_by_construction(HOLDS).word == "by construction"
+    assert verdict_by_construction(UNDECIDED).word == "by construction"
+    assert verdict_by_construction(DOES_NOT) == DOES_NOT
 
 
 def word(measured, **published):

@@ -15,8 +15,8 @@ from cli.calling import call, refusal, start, wait_until
 
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.runs.store_reader import StoreReader, readable
-from app.studies.sweeps.sweep_runner import conduct
-from app.studies.sweeps.sweep_table import as_csv, long, wide
+from app.studies.sweeps.sweep_runner import run_sweep
+from app.studies.sweeps.sweep_table import as_csv, long_table, wide_table
 from app.studies.workers.run_executors import Task
 from experiments.jobs import Sums
 from experiments.test_sweep_file import read
@@ -51,7 +51,7 @@ SMALL, LARGE = TEXT.replace("TICKS", "300"), TEXT.replace("TICKS", "2000")
 
 
 def tables(folder):
-    return as_csv(wide(StoreReader(folder))), as_csv(long(StoreReader(folder)))
+    return as_csv(wide_table(StoreReader(folder))), as_csv(long_table(StoreReader(folder)))
 
 
 def done(folder):
@@ -64,7 +64,7 @@ def one_machine(tmp_path_factory):
     made = {}
     for text in (SMALL, LARGE):
         folder = tmp_path_factory.mktemp("one")
-        conduct(read(folder, text=text), folder / "out", workers=2)
+        run_sweep(read(folder, text=text), folder / "out", workers=2)
         made[text] = tables(folder / "out")
     return made
 
@@ -135,7 +135,7 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path, one_machine):
     thread = threading.Thread(target=kill_one)
     thread.start()
     sweep = read(tmp_path, text=LARGE)
-    made = conduct(sweep, tmp_path / "out", workers=2, cluster=Cluster(kind="local"))
+    made = run_sweep(sweep, tmp_path / "out", workers=2, cluster=Cluster(kind="local"))
     thread.join()
     assert len(killed) == 1
     assert (made.made, made.broken, made.whole) == (120, 0, True)
@@ -221,7 +221,7 @@ def test_jobs_of_a_queue_make_the_runs_and_are_replaced(tmp_path, slurm, one_mac
 
     monkeypatch.setattr(ClusterExecutor, "fetch", too_late)
     with dask_config({"distributed.deploy.lost-worker-timeout": "1s"}):
-        made = conduct(read(tmp_path, text=LARGE), tmp_path / "out", workers=9, cluster=cluster)
+        made = run_sweep(read(tmp_path, text=LARGE), tmp_path / "out", workers=9, cluster=cluster)
     assert (made.made, made.broken, made.whole) == (120, 0, True)
     assert tables(tmp_path / "out") == one_machine[LARGE]
     script = (slurm / "job.sh").read_text()
@@ -257,7 +257,7 @@ def test_a_worker_whose_time_is_over_hands_on_what_it_has(tmp_path, one_machine)
                 with Client(address.removeprefix("dask:"), set_as_default=False) as client:
                     left.extend(client.retire_workers([min(client.nthreads())], close_workers=True))
 
-        made = conduct(
+        made = run_sweep(
             read(tmp_path, text=LARGE), out, workers=1, cluster=Cluster(kind=address), at=at
         )
     assert len(left) == 1
@@ -282,7 +282,7 @@ def test_what_a_queue_says_to_a_job_is_told(tmp_path, slurm):
     (slurm / "sbatch").write_text("#!/bin/sh\necho 'invalid partition specified' >&2; exit 1\n")
     cluster = Cluster(kind="slurm", shared=str(tmp_path / "shared"))
     with pytest.raises(InputError, match=r"takes no job: sbatch: invalid partition specified"):
-        conduct(read(tmp_path, text=SMALL), tmp_path / "out", workers=1, cluster=cluster)
+        run_sweep(read(tmp_path, text=SMALL), tmp_path / "out", workers=1, cluster=cluster)
 
 
 @pytest.mark.parametrize(

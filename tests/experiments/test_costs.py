@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.studies.experiment_runner import guess
+from app.studies.experiment_runner import guess_seconds
 from app.studies.study_runner import StudyProgress
 
 
@@ -54,5 +54,5 @@ def test_nothing_to_do_is_done():
 
 
 def test_long_runs_of_large_flocks_are_guessed_longest():
-    slow, quick = guess(4060.0, 500, 2), guess(140.0, 100, 0)
+    slow, quick = guess_seconds(4060.0, 500, 2), guess_seconds(140.0, 100, 0)
     assert slow > 100 * quick

@@ -12,7 +12,14 @@ from app.studies.experiment import flock_of
 from app.studies.experiment_file import PLAIN, Overrides, Ranks, with_goal
 from app.studies.experiment_reader import read_file
 from app.studies.experiment_runner import fingerprint
-from app.studies.figures.driving import Drive, DrivingSettings, gaps, lags, lap_of, nearest
+from app.studies.figures.driving import (
+    Drive,
+    DrivingSettings,
+    lags,
+    lap_of,
+    nearest_car,
+    nearest_distances,
+)
 from app.studies.figures.squash import SquashSettings
 from worlds.input_error import InputError
 from worlds.layout import world
@@ -91,24 +98,24 @@ def test_a_car_is_locked_that_keeps_its_lag():
 
 def test_distances_are_those_of_pairs():
     position = np.random.default_rng(2).normal(size=(4, 5, 2))
-    for frame, found in zip(position, gaps(position), strict=True):
+    for frame, found in zip(position, nearest_distances(position), strict=True):
         for i in range(5):
             others = [(math.dist(frame[i], frame[j]), j) for j in range(5) if j != i]
             assert found[i] == pytest.approx(min(others)[0])
-            assert nearest(frame, i) == min(others)[1]
+            assert nearest_car(frame, i) == min(others)[1]
 
 
 def test_what_a_predator_does_is_no_collision():
     place = np.zeros((2, 3, 2))
     hunts = np.array([True, False, False])
     met = np.zeros((3, 3), int)
-    assert not drive_of(place, met, hunts).collided
+    assert not drive_of(place, met, hunts).has_collision
     met[2, 0] = 1
-    assert drive_of(place, met, hunts).caught
-    assert not drive_of(place, met, hunts).collided
-    assert drive_of(place, met, hunts, crashes=1).collided
+    assert drive_of(place, met, hunts).has_caught
+    assert not drive_of(place, met, hunts).has_collision
+    assert drive_of(place, met, hunts, crashes=1).has_collision
     met[1, 2] = 1
-    assert drive_of(place, met, hunts).collided
+    assert drive_of(place, met, hunts).has_collision
 
 
 @pytest.mark.parametrize(("reverse", "stuck"), [(False, 100), (True, 0)])
@@ -117,10 +124,10 @@ def test_cars_that_meet_head_on_are_stuck_unless_they_back_out(reverse, stuck):
     flock = Flock("squashing-cars", start=start, world="cars-circle", rng=1, reverse=reverse,
                   beta=0.0, noise_xy=0.0, noise_yaw=0.0)  # fmt: skip
     settings = DrivingSettings(world="cars-circle", limit=12.0)
-    drive = settings.driven(flock)
-    assert drive.collided
+    drive = settings.drive(flock)
+    assert drive.has_collision
     assert {row for _, row in drive.touched} <= {0, 1}
-    found = settings.measured(flock, drive, lap_of(flock))
+    found = settings.measure_drive(flock, drive, lap_of(flock))
     assert (found["collision"], found["stuck"], found["ok"]) == (100, stuck, 0)
 
 
@@ -130,12 +137,12 @@ def test_a_car_that_leaves_the_area_is_outside():
     lap = lap_of(flock)
     goal = flock.goal_at(np.arange(lap + 1))
     position = np.stack([goal, 0.7 * goal], axis=1)
-    found = settings.measured(flock, drive_of(position), lap)
+    found = settings.measure_drive(flock, drive_of(position), lap)
     assert (found["ok"], found["locked"], found["outside"]) == (100, 100, 0)
     assert found["lag"] == pytest.approx(0.0, abs=1e-9)
     assert found["apart"] == pytest.approx(0.3 * np.linalg.norm(goal, axis=1).mean())
     position[5, 1] = 3.06, 0.0
-    found = settings.measured(flock, drive_of(position), lap)
+    found = settings.measure_drive(flock, drive_of(position), lap)
     assert (found["ok"], found["locked"], found["outside"]) == (0, 100, 100)
     assert [found[name] for name in ("collision", "stuck", "caught", "chased")] == [None] * 4
 

@@ -4,7 +4,7 @@ import pytest
 
 from app.package_files import EXPERIMENTS
 from app.studies.experiment_reader import experiment_names, read_experiment
-from app.studies.key_lines import line_of, place
+from app.studies.key_lines import find_line, place
 from experiments.small import TEXT, small
 from worlds.input_error import InputError
 
@@ -42,10 +42,10 @@ def test_rows_inherit_the_settings(tmp_path):
 
 def test_narrowing(tmp_path):
     whole = small(tmp_path)
-    assert [case.spec.model for case in whole.narrowed(["vem"], []).cases] == ["vem"]
-    assert [case.agents for case in whole.narrowed([], [20]).cases] == [20]
+    assert [case.spec.model for case in whole.select(["vem"], []).cases] == ["vem"]
+    assert [case.agents for case in whole.select([], [20]).cases] == [20]
     with pytest.raises(InputError, match="unknown agents '13'"):
-        whole.narrowed([], [13])
+        whole.select([], [13])
 
 
 @pytest.mark.parametrize(
@@ -72,11 +72,11 @@ def test_a_wrong_file_is_refused_with_its_line(tmp_path, before, after, words):
 
 def test_lines_of_keys():
     text = 'a = 1\n[t]\na = 2\n"b c" = 3\n[[rows]]\na = 4\n[u]\nx = { a = 5, b = 6 }\n'
-    assert line_of(text, "a") == 1
-    assert line_of(text, "a", "t") == 3
-    assert line_of(text, "b c", "t") == 4
-    assert line_of(text, "a", "rows") == 6
-    assert line_of(text, "b", "x") == 8
-    assert line_of(text, "c") is None
+    assert find_line(text, "a") == 1
+    assert find_line(text, "a", "t") == 3
+    assert find_line(text, "b c", "t") == 4
+    assert find_line(text, "a", "rows") == 6
+    assert find_line(text, "b", "x") == 8
+    assert find_line(text, "c") is None
     assert place("f.toml", text, "c") == "f.toml"
     assert place("f.toml", text, "a", "t") == "f.toml, line 3"

@@ -9,14 +9,13 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment import flock_of
 from app.studies.experiment_file import EveryRunClaim
 from app.studies.experiment_reader import experiment_names, read_experiment, read_file
-from app.studies.experiment_runner import MeasuredCase, conduct, fingerprint
+from app.studies.experiment_runner import MeasuredCase, fingerprint, run_experiment
 from app.studies.figures.gathering import GatheringSettings, edges_of, faces_of, groups_of
-from app.studies.judge.verdict import of
+from app.studies.judge.verdict import verdicts_on
 from app.studies.reports.report_formats import show
 from app.studies.runs.store_reader import StoreReader
 from worlds.input_error import InputError
@@ -61,7 +60,9 @@ def done(tmp_path_factory):
     """The small experiment carried out, and its folder."""
     folder = tmp_path_factory.mktemp("gathering")
     experiment = small(folder)
-    made = conduct(experiment, folder, runs=3, seed=1, workers=2, tell=None, at=lambda *_: None)
+    made = run_experiment(
+        experiment, folder, runs=3, seed=1, workers=2, tell=None, at=lambda *_: None
+    )
     return experiment, made, folder
 
 
@@ -132,7 +133,7 @@ def test_a_wrong_file_is_refused(tmp_path, before, after, words):
 
 def test_printed_runs_are_compared_with_their_own_spread(done):
     experiment, made, _ = done
-    rows = of(verdicts(experiment, made.measured), "at_0")
+    rows = verdicts_on(verdicts(experiment, made.measured), "at_0")
     assert [row.published is not None for row in rows] == [False, False, True, *[False] * 3]
     values = np.array(rows[2].values, float)
     theirs = max(2.0, values.var(ddof=1))  # two runs say little of their spread

@@ -23,7 +23,7 @@ from app.studies.judge.judge import (
     typical_spread,
 )
 
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
+sys.path.append(str(Path(__file__).parents[2] / "benchmarks" / "studies"))
 import judge as simulation
 
 SAMPLES = 4000
@@ -65,7 +65,7 @@ def test_what_is_there_is_seen(name):
     assert seen(name, 100, 1.0, SAMPLES) >= 95.0
     assert seen(name, 20, 2.0, SAMPLES) >= 80.0
     assert simulation.effects_seen_between(name, 100, SAMPLES) >= 95.0
-    assert simulation.within_seen(name, 100, SAMPLES) >= 95.0
+    assert simulation.agreement_share(name, 100, SAMPLES) >= 95.0
 
 
 @pytest.mark.parametrize("runs", simulation.RUNS)
@@ -102,8 +102,8 @@ def test_counted_successes_are_exact(share):
 def test_a_rare_crash_is_missed_only_where_no_run_shows_it(share):
     for runs in simulation.RUNS:
         unseen = 100.0 * (1.0 - share) ** runs
-        assert simulation.false_rare(share, runs, SAMPLES, known=False) <= at_most(unseen + 1.0)
-        assert simulation.false_rare(share, runs, SAMPLES, known=True) <= at_most(1.0)
+        assert simulation.false_rare(share, runs, SAMPLES, is_known=False) <= at_most(unseen + 1.0)
+        assert simulation.false_rare(share, runs, SAMPLES, is_known=True) <= at_most(1.0)
 
 
 def test_looks_while_runs_come_in():

@@ -11,13 +11,13 @@ from agents.run_records import fly
 from app.studies.experiment import flock_of
 from app.studies.experiment_file import Overrides, with_goal
 from app.studies.experiment_reader import read_experiment
-from app.studies.figures.beginning import BeginningSettings, gaps
+from app.studies.figures.beginning import BeginningSettings
 from app.studies.figures.detours import A1, A2, A3, DetourSettings, DetourTrack, boundary_end
 from app.studies.figures.evolution import EvolutionSettings
 from app.studies.figures.holding import HoldingSettings
 from app.studies.figures.layering import LayeringSettings, heeds_lower, shortest_way, shortest_ways
 from app.studies.figures.mission import FlownMission
-from app.studies.figures.mission_distances import nearness
+from app.studies.figures.mission_distances import measure_nearest
 from app.studies.figures.tangents import TangentSettings, nearest_points
 from worlds.input_error import InputError
 from worlds.layout import world
@@ -92,14 +92,14 @@ def test_gaps_are_seen_across_edges_that_wrap():
     flock = flock_of(case("thesis-fig5.3")[1], 1)
     flock.position[:] = 12.0
     flock.position[:2] = [[0.5, 12.0, 1.0], [23.0, 12.0, 1.0]]
-    assert gaps(flock)[:2] == pytest.approx([1.5, 1.5])
+    assert measure_nearest(flock)[:2] == pytest.approx([1.5, 1.5])
 
 
 def test_the_least_distance_over_time_is_that_of_the_mission():
     one = case("wu2023-fig6", 1)[1]
     flock = flock_of(one, 4)
     record = fly(flock, 400, every=1)
-    found = nearness(FlownMission(flock, record))
+    found = measure_nearest(FlownMission(flock, record))
     assert len(found.agent) == 401
     assert found.agent.min() == record.least_pair
     assert found.obstacle.min() == record.least_obstacle
@@ -173,14 +173,14 @@ def test_split_and_rejoin_points_are_as_the_paper_defines_them(number):
     settings = settings.model_copy(update={"limit": 20.0})
     assert isinstance(settings, DetourSettings)
     flock, again = flock_of(one, 1), flock_of(one, 1)
-    found, course = settings.run(flock, nothing), settings.followed(again)
+    found, course = settings.run(flock, nothing), settings.follow_agent(again)
     assert found["splits"] >= found["again"] > 0
-    assert found["rejoins"] == len(course.rejoins)
-    for tick in course.splits:
+    assert found["rejoins"] == len(course.rejoin_ticks)
+    for tick in course.split_ticks:
         assert course.split[tick].tolist() == course.position[tick].tolist()
     for tick in np.flatnonzero(course.scenario == A2):
         assert course.split[tick].tolist() == course.split[tick - 1].tolist()
-    assert set(np.flatnonzero(course.scenario == A3)) <= set(course.rejoins)
+    assert set(np.flatnonzero(course.scenario == A3)) <= set(course.rejoin_ticks)
     assert found["gained"] >= 0.0
     assert found["behind"] > 0.0
     assert found["off"] < 1e-9
@@ -207,7 +207,7 @@ def test_a_car_is_held_near_the_place():
     flock = flock_of(one, 3)
     assert flock.goal_at([0, 1000]).tolist() == [[0.0, 0.0], [0.0, 0.0]]
     found = settings.run(flock, nothing)
-    position = settings.driven(flock_of(one, 3))
+    position = settings.drive(flock_of(one, 3))
     away = np.linalg.norm(position[:, 0], axis=1)
     assert found["furthest"] == pytest.approx(away[1000:].max())
     assert found["held"] == 100

@@ -7,19 +7,18 @@ import pytest
 
 from agents.run_records import fly
 from app.studies import figures
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment import flock_of
 from app.studies.experiment_file import EveryRunClaim, FasterClaim, OrderClaim
 from app.studies.experiment_reader import experiment_names, read_experiment, read_file
-from app.studies.experiment_runner import MeasuredCase, conduct, fingerprint
+from app.studies.experiment_runner import MeasuredCase, fingerprint, run_experiment
 from app.studies.figures import draw
 from app.studies.figures.mission import MissionSettings
-from app.studies.judge.verdict import of
+from app.studies.judge.verdict import verdicts_on
 from app.studies.reports.report_formats import as_value
 from app.studies.reports.tables import table_of
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sweeps.sweep_table import wide
+from app.studies.sweeps.sweep_table import wide_table
 from experiments.test_schemes import SCHEMES
 from worlds.input_error import InputError
 
@@ -65,7 +64,9 @@ def small(folder, text=TEXT):
 
 
 def carry_out(experiment, folder, runs=2):
-    return conduct(experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None)
+    return run_experiment(
+        experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None
+    )
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +98,7 @@ def test_n_counts_the_information_agent(done):
 
 def test_the_store_has_a_column_for_each_measure(done):
     experiment, _, folder = done
-    columns = wide(StoreReader(folder))
+    columns = wide_table(StoreReader(folder))
     assert len(columns["seed"]) == 4
     measures = [one.name for one in MissionSettings.measures]
     measures[measures.index("ticks")] = "ticks_measured"
@@ -129,7 +130,7 @@ def test_a_verdict_for_each_row_and_measure(done):
 
 
 def test_rows_may_be_chosen_by_label(done):
-    assert [case.spec.model for case in done[0].narrowed(["H"], []).cases] == ["hwvem-nav"]
+    assert [case.spec.model for case in done[0].select(["H"], []).cases] == ["hwvem-nav"]
 
 
 def test_a_world_without_its_obstacles_is_another_run(tmp_path):
@@ -286,7 +287,7 @@ def test_every_experiment_but_those_of_convergence_is_short_here():
 @pytest.mark.parametrize("name", SHORT)
 def test_the_picture_is_drawn_as_png_and_svg(name, tmp_path):
     settings, agents = SHORT[name]
-    whole = read_experiment(name).narrowed([], agents)
+    whole = read_experiment(name).select([], agents)
     experiment = replace(whole, settings=whole.settings.model_copy(update=settings))
     rng = np.random.default_rng(4)
     measured = [
@@ -314,8 +315,8 @@ def test_table_2_has_15_rows_as_printed():
             for c in table.cases
         ],
     )
-    assert {one.word for one in of(made, "d_obs")} == {"differs"}
-    assert {one.word for one in of(made, "d_ind")} == {"differs"}
+    assert {one.word for one in verdicts_on(made, "d_obs")} == {"differs"}
+    assert {one.word for one in verdicts_on(made, "d_ind")} == {"differs"}
 
 
 def test_paired_runs_start_alike():

@@ -7,7 +7,7 @@ import pytest
 from app.studies.optimisation.optimisation_runner import optimise
 from app.studies.optimisation.study import OptimisationFile, read_study
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sweeps.sweep_table import wide
+from app.studies.sweeps.sweep_table import wide_table
 from app.studies.workers.run_executors import InlineExecutor
 from worlds.input_error import InputError
 
@@ -141,7 +141,7 @@ def test_constraints_and_conditions_are_kept(tmp_path):
     assert best.point["eta"] >= 3.0
     assert best.limits[0].value == pytest.approx(-best.point["eta"])
     assert found.refused > 0
-    kept = wide(StoreReader(tmp_path / "out"))
+    kept = wide_table(StoreReader(tmp_path / "out"))
     assert all(eta + r <= 5.0 for eta, r in zip(kept["eta"], kept["r"], strict=True))
 
 
@@ -161,7 +161,7 @@ def test_a_front_of_two_objectives_in_different_runs(tmp_path):
     assert list(flat) == sorted(flat)
     assert (off[0] < 0.2, flat[-1] > 5.5) == (True, True)
     assert found.ties is None
-    ticks = wide(StoreReader(tmp_path / "out"))["ticks"]
+    ticks = wide_table(StoreReader(tmp_path / "out"))["ticks"]
     assert set(ticks) == {1, 2}
 
 
@@ -176,7 +176,7 @@ def test_stopped_on_the_way_it_goes_on_to_the_same_answer_to_the_bit(tmp_path, a
     assert again.taken == 64
     assert again.answer == whole.answer
     assert again.course == whole.course
-    assert wide(StoreReader(tmp_path / "b")) == wide(StoreReader(tmp_path / "a"))
+    assert wide_table(StoreReader(tmp_path / "b")) == wide_table(StoreReader(tmp_path / "a"))
     assert optimise(made, tmp_path / "b", workers=1).made == 0
 
 
@@ -245,5 +245,5 @@ def test_bad_files_are_refused_before_anything_runs(tmp_path, before, after, sai
 
 def test_fresh_seeds_are_none_of_the_search(tmp_path):
     seeds = study(tmp_path, ("count = 3", "count = 2000")).file.replicates
-    assert not set(seeds.common) & set(seeds.unseen)
-    assert OptimisationFile.model_fields["replicates"].default.unseen == range(1001, 1101)
+    assert not set(seeds.search_seeds) & set(seeds.fresh_seeds)
+    assert OptimisationFile.model_fields["replicates"].seeds.fresh_seeds == range(1001, 1101)

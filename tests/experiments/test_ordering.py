@@ -8,11 +8,10 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_file import EqualityClaim, ReachClaim, SizeClaim
 from app.studies.experiment_reader import read_experiment, read_file
-from app.studies.experiment_runner import MeasuredCase, conduct
+from app.studies.experiment_runner import MeasuredCase, run_experiment
 from app.studies.figures import draw
 from app.studies.figures.ordering import OrderingSettings, binder
 from app.studies.reports.report_formats import show
@@ -111,7 +110,9 @@ def test_a_run_is_looked_at_as_the_settings_say():
 
 def test_a_small_one_is_carried_out_judged_and_drawn(tmp_path):
     experiment = small(tmp_path)
-    done = conduct(experiment, tmp_path, runs=8, seed=1, workers=1, tell=None, at=lambda *_: None)
+    done = run_experiment(
+        experiment, tmp_path, runs=8, seed=1, workers=1, tell=None, at=lambda *_: None
+    )
     made = verdicts(experiment, done.measured)
     said = claims(made, experiment.said)
     assert [one.text.split(":")[0] for one in said] == [

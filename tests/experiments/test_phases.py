@@ -9,12 +9,11 @@ import pytest
 from rich.console import Console
 
 from agents import Flock
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_file import LagClaim, PhaseClaim
 from app.studies.experiment_reader import read_experiment, read_file
-from app.studies.experiment_runner import MeasuredCase, conduct
-from app.studies.figures.phases import PHASES, PhaseSettings, bring_in_sight, detects
+from app.studies.experiment_runner import MeasuredCase, run_experiment
+from app.studies.figures.phases import PHASES, PhaseSettings, detects, place_in_sight
 from app.studies.reports.report_formats import as_value, show
 from app.studies.reports.tables import table_of
 from app.studies.runs.database import FILE
@@ -72,7 +71,9 @@ def small(folder, text=TEXT):
 
 
 def carry_out(experiment, folder):
-    return conduct(experiment, folder, runs=2, seed=1, workers=2, tell=None, at=lambda *_: None)
+    return run_experiment(
+        experiment, folder, runs=2, seed=1, workers=2, tell=None, at=lambda *_: None
+    )
 
 
 @pytest.fixture(scope="module")
@@ -184,7 +185,7 @@ def test_every_agent_detects_another_at_the_start(seed):
     at_first = seen(flock.position, flock.heading, flock.parameters)
     assert not all(at_first)
     assert detects(flock).tolist() == at_first
-    bring_in_sight(flock)
+    place_in_sight(flock)
     assert all(seen(flock.position, flock.heading, flock.parameters))
     stay = detects(flock) & (flock.position == before).all(axis=1)
     assert stay.any()
@@ -195,7 +196,7 @@ def test_every_agent_detects_another_at_the_start(seed):
 def test_a_start_without_company_is_refused():
     flock = Flock("couzin", agents=2, size=900.0, dim=3, world="open", rng=1, dr_o=0.0, dr_a=0.0)
     with pytest.raises(InputError, match="cannot be placed"):
-        bring_in_sight(flock)
+        place_in_sight(flock)
 
 
 def made_up(values):

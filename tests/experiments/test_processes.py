@@ -9,7 +9,7 @@ from collections import deque
 import pytest
 
 from app.studies.runs.database import Outcome
-from app.studies.workers.processes import Process, Processes
+from app.studies.workers.process_executor import ProcessExecutor, RunProcess
 from app.studies.workers.run_executors import AwakeClock, Task
 from experiments.jobs import Sums
 from worlds.input_error import InputError
@@ -17,7 +17,7 @@ from worlds.input_error import InputError
 
 def carried_out(job, tasks, workers=2, beat=lambda: False):
     kept = []
-    with Processes(job, workers) as processes:
+    with ProcessExecutor(job, workers) as processes:
         whole = processes.run(tasks, lambda task, outcome: kept.append((task, outcome)), beat)
     return kept, whole
 
@@ -43,7 +43,7 @@ def test_one_process_keeps_the_order():
 
 def test_it_stops_when_it_is_asked_to_and_its_processes_end():
     began = time.monotonic()
-    with Processes(Sums(), 1) as processes:
+    with ProcessExecutor(Sums(), 1) as processes:
         whole = processes.run(
             [Task(1, 0, "sleep")], lambda *_: None, lambda: time.monotonic() - began > 0.5
         )
@@ -55,10 +55,10 @@ def test_it_stops_when_it_is_asked_to_and_its_processes_end():
 
 def test_a_killed_process_is_replaced_and_its_run_made_again():
     kept = []
-    with Processes(Sums(), 1) as processes:
+    with ProcessExecutor(Sums(), 1) as processes:
 
         def kill():
-            while not processes.processes or processes.processes[0].begun < 1:
+            while not processes.processes or processes.processes[0].runs_begun < 1:
                 time.sleep(0.01)
             os.kill(processes.processes[0].child.pid, signal.SIGKILL)
 
@@ -84,7 +84,7 @@ def test_a_job_that_cannot_begin_is_refused():
 def test_a_run_that_hangs_is_killed_and_the_others_are_made():
     tasks = [Task(1, seed, "sleep" if seed == 3 else None) for seed in range(9)]
     kept = []
-    with Processes(Sums(), 2, limit=1.0) as processes:
+    with ProcessExecutor(Sums(), 2, limit=1.0) as processes:
         assert processes.run(tasks, lambda task, outcome: kept.append((task.seed, outcome)))
     assert sorted(seed for seed, _ in kept) == list(range(9))
     broken = {seed: (one.status, one.reason) for seed, one in kept if one.status != "ok"}
@@ -95,11 +95,11 @@ def test_a_run_that_hangs_is_killed_and_the_others_are_made():
 def test_a_process_that_is_halted_is_told_of_and_replaced_and_a_slow_one_goes_on(
     tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("app.studies.workers.processes.SILENT", 6.0)
+    monkeypatch.setattr("app.studies.workers.process_executor.SILENT", 6.0)
     payloads = {2: "halt once", 4: "work", 6: "halt"}
     tasks = [Task(1, seed, payloads.get(seed)) for seed in range(9)]
     kept, said = {}, []
-    with Processes(Sums(str(tmp_path)), 3, tell=said.append) as processes:
+    with ProcessExecutor(Sums(str(tmp_path)), 3, tell=said.append) as processes:
         assert processes.run(tasks, lambda task, outcome: kept.update({task.seed: outcome}))
     assert sorted(kept) == list(range(9))
     broken = {seed: (one.status, one.reason) for seed, one in kept.items() if one.status != "ok"}
@@ -112,16 +112,16 @@ def test_a_process_that_is_halted_is_told_of_and_replaced_and_a_slow_one_goes_on
 def test_a_clock_that_jumps_neither_kills_a_run_nor_makes_it_long():
     """As after a machine has slept for a day while a run was under way."""
     now, kept = [0.0], []
-    processes = Processes(Sums(), 1, limit=100.0)
+    processes = ProcessExecutor(Sums(), 1, limit=100.0)
     processes.awake = AwakeClock(lambda: now[0])
-    process = Process(bytearray(8), deque([Task(1, 0, None)]))
+    process = RunProcess(bytearray(8), deque([Task(1, 0, None)]))
     processes.processes.append(process)
     process.started[0] = 1
     for moment in (0.5, 1.0, 86_401.0, 86_401.5):
         now[0] = moment
-        processes.end_late(processes.awake.look())
+        processes.end_late(processes.awake.read())
         assert not process.overran
     report = [Outcome("ok", seconds=86_400.0)]
-    processes.take(process, report, deque(), lambda _, outcome: kept.append(outcome.seconds))
+    processes.take_report(process, report, deque(), lambda _, outcome: kept.append(outcome.seconds))
     assert 1.5 <= kept[0] <= 4.0
     assert processes.seconds < 1.0

@@ -4,8 +4,8 @@ import math
 
 from app.studies.judge.judge import ranges_of
 from app.studies.judge.statistics import summary
-from app.studies.sweeps.replicates import Rounds, half_width, is_precise
 from app.studies.sweeps.sweep_file import Replicates
+from app.studies.sweeps.sweep_runner import Rounds, half_width, is_precise
 
 
 def test_the_half_interval_is_the_wider_side_of_that_of_papers():

@@ -7,8 +7,7 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_reader import read_experiment
 from app.studies.experiment_runner import MeasuredCase
 from app.studies.figures import draw

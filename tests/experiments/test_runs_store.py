@@ -12,10 +12,10 @@ from contextlib import closing, suppress
 import numpy as np
 import pytest
 
-from app.studies.runs.database import FILE, Outcome, looked_into
-from app.studies.runs.store import Store, is_taken
+from app.studies.runs.database import FILE, Outcome, open_for_reading
+from app.studies.runs.store import Store, is_locked
 from app.studies.runs.store_reader import StoreReader, readable
-from app.studies.sweeps.sweep_table import long, wide
+from app.studies.sweeps.sweep_table import long_table, wide_table
 from worlds.input_error import InputError
 
 CELLS = [("aaa", '{"axes":{"p":1}}'), ("bbb", '{"axes":{"p":2}}')]
@@ -28,11 +28,11 @@ def statuses(store):
 def test_what_is_added_is_read_back_in_the_order_of_the_plan(tmp_path):
     series = {"s": (np.array([10, 20]), np.array([0.5, np.nan]))}
     with Store(tmp_path / "deep", ["k", "x"]) as store:
-        second, first = store.lay_out(CELLS[::-1])
+        second, first = store.store_plan(CELLS[::-1])
         store.add(first, 2, Outcome("ok", {"k": 7, "x": 1.0}, ticks=9))
         store.add(second, 1, Outcome("failed", reason="ValueError: no"))
         store.add(first, 1, Outcome("gave-up", {"k": None, "x": np.float64(0.1)}, series=series))
-        store.lay_out(CELLS)
+        store.store_plan(CELLS)
     kept = StoreReader(tmp_path / "deep")
     rows = [
         (cell, seed, status, ticks, k, x)
@@ -53,11 +53,11 @@ def test_what_is_added_is_read_back_in_the_order_of_the_plan(tmp_path):
 
 def test_cells_that_are_no_longer_planned_stay(tmp_path):
     with Store(tmp_path, ["k"]) as store:
-        [first, second] = store.lay_out(CELLS)
+        [first, second] = store.store_plan(CELLS)
         store.add(first, 1, Outcome("ok", {"k": 1}))
         store.add(second, 1, Outcome("ok", {"k": 2}))
     with Store(tmp_path, ["k", "new"]) as store:
-        assert store.lay_out(CELLS[1:]) == [second]
+        assert store.store_plan(CELLS[1:]) == [second]
         assert statuses(store) == {(first, 1): "ok", (second, 1): "ok"}
     kept = StoreReader(tmp_path)
     assert (kept.others, kept.counts["ok"], kept.columns) == (1, 1, ["k", "new"])
@@ -65,10 +65,10 @@ def test_cells_that_are_no_longer_planned_stay(tmp_path):
 
 def test_failed_runs_are_forgotten_on_request(tmp_path):
     with Store(tmp_path, []) as store:
-        [cell, _] = store.lay_out(CELLS)
+        [cell, _] = store.store_plan(CELLS)
         for seed, status in enumerate(("ok", "gave-up", "failed", "killed")):
             store.add(cell, seed, Outcome(status))
-        store.keep()
+        store.commit()
         assert store.forget_broken() == 2
         assert statuses(store) == {(cell, 0): "ok", (cell, 1): "gave-up"}
 
@@ -107,13 +107,13 @@ def test_a_store_of_a_newer_format_is_refused(tmp_path):
 
 def test_two_parents_cannot_have_one_store(tmp_path):
     with Store(tmp_path, []):
-        assert is_taken(tmp_path)
+        assert is_locked(tmp_path)
         with (
             pytest.raises(InputError, match="by another process"),
             Store(tmp_path, []),
         ):
             pass
-    assert not is_taken(tmp_path)
+    assert not is_locked(tmp_path)
 
 
 def test_a_folder_that_is_a_file_is_refused(tmp_path):
@@ -131,15 +131,15 @@ def test_a_folder_that_may_only_be_read_is_refused(tmp_path):
 
 def test_a_full_disk_is_told_in_a_line_and_loses_nothing_that_was_kept(tmp_path):
     with Store(tmp_path, []) as store:
-        [cell, _] = store.lay_out(CELLS)
+        [cell, _] = store.store_plan(CELLS)
         store.add(cell, 1, Outcome("ok"))
-        store.keep()
+        store.commit()
         pages = store.connection.execute("PRAGMA page_count").fetchone()[0]
         store.connection.execute(f"PRAGMA max_page_count = {pages}")
         for seed in range(2, 2000):
             store.add(cell, seed, Outcome("ok"))
         with pytest.raises(InputError, match="cannot be kept: the disk is full"):
-            store.keep()
+            store.commit()
     assert StoreReader(tmp_path).counts["ok"] == 1
     with Store(tmp_path, []) as store:
         assert list(statuses(store)) == [(cell, 1)]
@@ -147,10 +147,10 @@ def test_a_full_disk_is_told_in_a_line_and_loses_nothing_that_was_kept(tmp_path)
 
 def test_another_process_reads_while_one_writes(tmp_path):
     with Store(tmp_path, ["k"]) as store:
-        [cell, _] = store.lay_out(CELLS)
+        [cell, _] = store.store_plan(CELLS)
         store.add(cell, 1, Outcome("ok", {"k": 1}))
         store.tell(progress={"rate": 2.0})
-        store.keep()
+        store.commit()
         store.add(cell, 2, Outcome("ok", {"k": 2}))
         ask = f"""
             from pathlib import Path
@@ -167,7 +167,7 @@ def test_another_process_reads_while_one_writes(tmp_path):
 def test_a_hundred_thousand_runs_load_in_two_seconds(tmp_path):
     cells = [(str(number), "{}") for number in range(100)]
     with Store(tmp_path, ["k", "x"]) as store:
-        numbers = store.lay_out(cells)
+        numbers = store.store_plan(cells)
         for seed in range(1000):
             for cell in numbers:
                 store.add(cell, seed, Outcome("ok", {"k": seed, "x": 0.1 * seed}, "", 0.01, 100))
@@ -181,7 +181,7 @@ def test_a_hundred_thousand_runs_load_in_two_seconds(tmp_path):
 
 def test_a_reader_of_what_is_not_there_is_refused(tmp_path):
     with pytest.raises(InputError, match="there is no store of runs"):
-        looked_into(tmp_path / FILE)
+        open_for_reading(tmp_path / FILE)
 
 
 ENDLESS = "WITH RECURSIVE r(n) AS (VALUES (1) UNION ALL SELECT n + 1 FROM r)"
@@ -225,7 +225,7 @@ def test_json_in_a_store_that_others_cannot_read_is_refused_in_a_line(tmp_path, 
 def long_plan(folder):
     """A store whose plan takes SQLite more than one look at the clock."""
     with Store(folder, ["k"]) as store:
-        [cell] = store.lay_out(CELLS[:1])
+        [cell] = store.store_plan(CELLS[:1])
         series = {"s": (np.array([1]), np.array([0.5]))}
         store.add(cell, 1, Outcome("ok", {"k": 1}, series=series))
     with closing(sqlite3.connect(folder / FILE)) as connection, connection:
@@ -251,7 +251,7 @@ def test_who_goes_on_with_a_store_that_takes_too_long_is_told_and_can_still_writ
     tmp_path, monkeypatch
 ):
     with Store(tmp_path, ["k"]) as store:
-        store.lay_out(CELLS[:1])
+        store.store_plan(CELLS[:1])
     with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
         rows = ((1, seed, "ok", 0.0, 1) for seed in range(100_000))
         into = "INSERT INTO run (cell, seed, status, seconds, ticks) VALUES (?, ?, ?, ?, ?)"
@@ -271,23 +271,23 @@ def test_who_goes_on_with_a_store_that_takes_too_long_is_told_and_can_still_writ
 @pytest.mark.parametrize("axis", ["status", "place", "value", "k"])
 def test_an_axis_with_the_name_of_another_column_makes_no_table(tmp_path, axis):
     with Store(tmp_path, ["k"]) as store:
-        [cell] = store.lay_out([("a", json.dumps({"axes": {axis: 1}}))])
+        [cell] = store.store_plan([("a", json.dumps({"axes": {axis: 1}}))])
         store.add(cell, 1, Outcome("ok", {"k": 1}))
         store.tell(axes=[axis])
-    for table in (wide, long):
+    for table in (wide_table, long_table):
         with pytest.raises(InputError, match=f"axis '{axis}' has the name of another column"):
             table(StoreReader(tmp_path))
 
 
 def test_a_series_of_a_run_that_is_not_there_is_in_no_table(tmp_path):
     with Store(tmp_path, ["k"]) as store:
-        [cell] = store.lay_out(CELLS[:1])
+        [cell] = store.store_plan(CELLS[:1])
         series = {"s": (np.array([1]), np.array([0.5]))}
         for seed in (1, 2):
             store.add(cell, seed, Outcome("ok", {"k": 1}, series=series))
     with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
         connection.execute("DELETE FROM run WHERE seed = 2")
-    assert long(StoreReader(tmp_path))["seed"] == [1, 1]
+    assert long_table(StoreReader(tmp_path))["seed"] == [1, 1]
 
 
 @pytest.mark.parametrize(
@@ -302,7 +302,7 @@ def test_a_series_of_a_run_that_is_not_there_is_in_no_table(tmp_path):
 @pytest.mark.parametrize("value", [b"\xff\x00", "words", 2**62, float("inf"), -1.5, None])
 def test_a_value_of_any_kind_in_any_column_is_an_answer_or_a_line(tmp_path, table, column, value):
     with Store(tmp_path, ["k"]) as store:
-        [cell] = store.lay_out(CELLS[:1])
+        [cell] = store.store_plan(CELLS[:1])
         series = {"s": (np.array([1]), np.array([0.5]))}
         store.add(cell, 1, Outcome("ok", {"k": 1}, series=series))
         store.tell(runs=1)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.studies.charts.run_group import CellRuns
-from app.studies.charts.scaling import Scaling, by_size, crossing_of, draw_collapse
+from app.studies.charts.scaling import Scaling, crossing_of, draw_collapse, group_by_size
 from worlds.input_error import InputError
 
 BETA, NU, CRITICAL = 0.45, 1.6, 4.3
@@ -36,7 +36,7 @@ def scaled(eta, side):
 def test_lines_of_all_sizes_fall_on_one_with_the_exponents_they_were_made_with():
     from matplotlib.figure import Figure  # half a second, which collecting need not take
 
-    lines = by_size(*sweep(scaled), "eta")
+    lines = group_by_size(*sweep(scaled), "eta")
     assert {agents: side for agents, (side, _) in lines.items()} == SIZES
     panel = Figure().subplots()
     draw_collapse(panel, lines, "eta", Scaling(BETA, NU), CRITICAL)
@@ -47,7 +47,7 @@ def test_lines_of_all_sizes_fall_on_one_with_the_exponents_they_were_made_with()
 
 
 def test_cumulants_cross_where_they_were_made_to():
-    lines = by_size(*sweep(lambda eta, side: 0.5 - 0.1 * (eta - 4.27) * side), "eta")
+    lines = group_by_size(*sweep(lambda eta, side: 0.5 - 0.1 * (eta - 4.27) * side), "eta")
     assert crossing_of(lines, "eta") == pytest.approx(4.27)
 
 
@@ -56,16 +56,16 @@ def test_cumulants_cross_where_they_were_made_to():
     [lambda eta, side: 0.1 * eta - 0.01 * side, lambda eta, side: math.sin(9.0 * eta) * side],
 )
 def test_lines_that_do_not_cross_exactly_once_have_no_crossing(value):
-    assert crossing_of(by_size(*sweep(value), "eta"), "eta") is None
+    assert crossing_of(group_by_size(*sweep(value), "eta"), "eta") is None
 
 
 def test_what_does_not_scale_is_refused():
     kept, groups = sweep(scaled)
     with pytest.raises(InputError, match="scaling needs the axis 'agents'"):
-        by_size(kept, [one for one in groups if one.axes["agents"] == 100], "eta")
+        group_by_size(kept, [one for one in groups if one.axes["agents"] == 100], "eta")
     for number, one in enumerate(groups):
         one.axes["v0"] = number % 2
     with pytest.raises(InputError, match=r"^v0 varies too: say at which value"):
-        by_size(kept, groups, "eta")
+        group_by_size(kept, groups, "eta")
     with pytest.raises(InputError, match=r"^nu = 0 is not above 0$"):
         Scaling(0.5, 0.0)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import verdicts
 from app.studies.experiment import flock_of
 from app.studies.experiment_reader import read_experiment
-from app.studies.experiment_runner import conduct
+from app.studies.experiment_runner import run_experiment
 from app.studies.figures import draw, zoning
-from app.studies.figures.branching import BranchingSettings, push_on, with_block
+from app.studies.figures.branching import BranchingSettings, add_block, push_on
 from app.studies.figures.dodging import DodgingSettings
 from app.studies.figures.endurance import column_of
 from app.studies.figures.gathering import share_crashed
@@ -28,7 +28,7 @@ from app.studies.figures.zoning import (
     ZoningSettings,
     branch_of,
     expected_wish,
-    wish_of,
+    rule_direction,
     zones_by_rule,
 )
 
@@ -128,7 +128,7 @@ def test_the_wish_by_hand():
 def test_the_rule_wishes_what_its_equations_say():
     settings, flock = settings_of("thesis-fig3.4", looks=60)
     assert isinstance(settings, ZoningSettings)
-    assert np.linalg.norm(wish_of(flock, 0)) == pytest.approx(1.0)
+    assert np.linalg.norm(rule_direction(flock, 0)) == pytest.approx(1.0)
     found = settings.run(flock, nothing)
     assert found["wrong"] == 0
     assert found["off"] < 1e-4
@@ -149,14 +149,14 @@ def test_ways_through_the_algorithm_are_counted_once_each():
 def test_a_block_pushes_those_that_have_it_ahead():
     start = {"position": [[7.0, 12.0]], "heading": [[1.0, 0.0]]}
     flock = Flock("thesis", start=start, world="open", dim=2, size=24.0, rng=1)
-    blocked = with_block(flock, 3.0)
+    blocked = add_block(flock, 3.0)
     d = 12.0 - 1.5 - 7.0 - 0.375
     force = 10.0 * (1.0 / d - 1.0 / 5.0) / d**2
     assert push_on(blocked, 0) == pytest.approx([-force, 0.0])
     blocked.heading[0] = (-1.0, 0.0)
     assert push_on(blocked, 0).tolist() == [0.0, 0.0]
     inside = {"position": [[12.0, 12.0]], "heading": [[1.0, 0.0]]}
-    moved = with_block(Flock("thesis", start=inside, world="open", dim=2, size=24.0, rng=1), 3.0)
+    moved = add_block(Flock("thesis", start=inside, world="open", dim=2, size=24.0, rng=1), 3.0)
     assert moved.position[0] == pytest.approx([17.0, 12.0])
 
 
@@ -193,7 +193,7 @@ def test_every_scheme_is_drawn(name, tmp_path, monkeypatch):
     small = {"looks": 10, "flights": 1, "limit": 40, "every": 20}
     known = {key: value for key, value in small.items() if hasattr(whole.settings, key)}
     object.__setattr__(whole, "settings", whole.settings.model_copy(update=known))
-    done = conduct(whole, tmp_path, runs=2, seed=1, workers=1, tell=None, at=lambda *_: None)
+    done = run_experiment(whole, tmp_path, runs=2, seed=1, workers=1, tell=None, at=lambda *_: None)
     files = draw(whole, verdicts(whole, done.measured), tmp_path)
     for path in files.values():
         assert path.stat().st_size > 5000

@@ -8,7 +8,7 @@ from app.studies.sensitivity.sensitivity_result import (
     Index,
     Influence,
     Sensitivity,
-    analysed,
+    analyse,
     design_of,
     morris,
     noise_share,
@@ -16,7 +16,7 @@ from app.studies.sensitivity.sensitivity_result import (
 )
 from app.studies.sweeps.designs import unit_sample
 from app.studies.sweeps.sweep_file import Morris, Saltelli, Span
-from app.studies.sweeps.sweep_runner import conduct
+from app.studies.sweeps.sweep_runner import run_sweep
 from experiments.test_sweep_file import read
 from worlds.input_error import InputError
 
@@ -117,7 +117,7 @@ def test_the_order_in_words():
     assert said == [
         "order depends most on a (S_T 0.80 ± 0.10), then on b (S_T 0.20 ± 0.10), then on c "
         "(S_T 0.10 ± 0.12)",
-        "b and c are not told apart: their intervals are wider than they are different",
+        "b and c cannot be told apart: their intervals are wider than they are different",
         "no influence is seen of c",
         "each by itself, the axes explain 80% of the variance",
         "chance makes up 30% of the variance between cells: more seeds are needed",
@@ -127,8 +127,8 @@ def test_the_order_in_words():
 @pytest.mark.exhaustive
 def test_order_of_couzins_zones(tmp_path):
     sweep = read(tmp_path, text=ZONES)
-    assert conduct(sweep, tmp_path / "a", workers=2).whole
-    (found,) = analysed(sweep, StoreReader(tmp_path / "a"))
+    assert run_sweep(sweep, tmp_path / "a", workers=2).whole
+    (found,) = analyse(sweep, StoreReader(tmp_path / "a"))
     first, second, third = found.influences
     assert (first.axis, second.axis, third.axis) == ("dr_o", "dr_a", "sigma")
     assert first.total.value > 0.8
@@ -168,9 +168,9 @@ def test_runs_without_a_value_are_refused(tmp_path):
     ):
         sweep = read(tmp_path, *small, change, text=ZONES)
         folder = tmp_path / str(number)
-        conduct(sweep, folder, workers=1, limit=3)
+        run_sweep(sweep, folder, workers=1, limit=3)
         with pytest.raises(InputError, match="17 of 20 runs are not made yet"):
-            analysed(sweep, StoreReader(folder))
-        conduct(sweep, folder, workers=1)
+            analyse(sweep, StoreReader(folder))
+        run_sweep(sweep, folder, workers=1)
         with pytest.raises(InputError, match=said):
-            analysed(sweep, StoreReader(folder))
+            analyse(sweep, StoreReader(folder))

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from agents.spec import Spec
-from app.studies.claims.claims import beside, claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts, word_and_expected
 from app.studies.experiment import Case
 from app.studies.experiment_file import PaperRow, PaperSweep
 from app.studies.experiment_runner import MeasuredCase
@@ -72,9 +71,11 @@ def test_verdicts_come_from_the_runs_whatever_was_expected(tmp_path):
     cases = [case(50.0), case(60.0), case(60.0, expected=expected), case(50.0, expected=expected)]
     made = judged(tmp_path, [*cases, Case(VEM, 5)], [[40, 60] * 50] * 5)
     assert [one.word for one in made] == ["agrees", "differs", "differs", "agrees", ""]
-    assert beside(made[2].word, made[2].expected) == "expected: differs; why"
-    assert beside(made[3].word, made[3].expected) == "expected: differs; now: agrees; why"
-    assert beside(made[0].word, made[0].expected) == ""
+    assert word_and_expected(made[2].word, made[2].expected) == "expected: differs; why"
+    assert (
+        word_and_expected(made[3].word, made[3].expected) == "expected: differs; now: agrees; why"
+    )
+    assert word_and_expected(made[0].word, made[0].expected) == ""
 
 
 def test_a_measure_may_be_set_aside_for_all_rows(tmp_path):

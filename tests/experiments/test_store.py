@@ -4,7 +4,7 @@ import sqlite3
 
 import pytest
 
-from app.studies.experiment_runner import conduct, fingerprint
+from app.studies.experiment_runner import fingerprint, run_experiment
 from app.studies.runs.database import FILE
 from app.studies.runs.store import Store
 from app.studies.runs.store_reader import StoreReader
@@ -14,7 +14,7 @@ from worlds.input_error import InputError
 
 
 def carry_out(experiment, folder, runs=4, seed=1, workers=2):
-    return conduct(
+    return run_experiment(
         experiment, folder, runs=runs, seed=seed, workers=workers, tell=None, at=lambda *_: None
     )
 
@@ -80,7 +80,7 @@ def test_a_paper_stops_when_it_is_asked_to_and_goes_on_later(tmp_path):
         (tmp_path / STOP).touch()
 
     with pytest.raises(KeyboardInterrupt):
-        conduct(experiment, tmp_path, runs=4, seed=1, workers=1, tell=None, at=ask)
+        run_experiment(experiment, tmp_path, runs=4, seed=1, workers=1, tell=None, at=ask)
     assert StoreReader(tmp_path).state["progress"] is None
     again = carry_out(experiment, tmp_path)
     assert 0 < again.taken < 8

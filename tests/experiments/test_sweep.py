@@ -11,11 +11,10 @@ from app.studies.runs.database import Outcome
 from app.studies.runs.store import Store
 from app.studies.runs.store_reader import StoreReader
 from app.studies.study_runner import STOP
-from app.studies.sweeps.replicates import FIRST_LOOK
 from app.studies.sweeps.sweep_job import RunRequest
 from app.studies.sweeps.sweep_results import Results
-from app.studies.sweeps.sweep_runner import conduct
-from app.studies.sweeps.sweep_table import as_csv, long, wide
+from app.studies.sweeps.sweep_runner import FIRST_LOOK, run_sweep
+from app.studies.sweeps.sweep_table import as_csv, long_table, wide_table
 from app.studies.workers.run_executors import InlineExecutor
 from experiments.test_sweep_file import read
 
@@ -38,22 +37,22 @@ name = "polarisation"
 @pytest.fixture
 def here(monkeypatch):
     """Runs are made in this process."""
-    makers = "app.studies.study_runner.Processes"
+    makers = "app.studies.study_runner.ProcessExecutor"
     monkeypatch.setattr(makers, lambda job, *_, **__: InlineExecutor(job))
 
 
 def carry_out(sweep, folder, **more):
-    return conduct(sweep, folder, workers=more.pop("workers", 2), **more)
+    return run_sweep(sweep, folder, workers=more.pop("workers", 2), **more)
 
 
 def table(folder):
-    return as_csv(wide(StoreReader(folder)))
+    return as_csv(wide_table(StoreReader(folder)))
 
 
 def test_its_numbers_are_those_of_a_plain_loop(tmp_path):
     sweep = read(tmp_path, text=SMALL)
     assert carry_out(sweep, tmp_path / "a").made == 12
-    columns = wide(StoreReader(tmp_path / "a"))
+    columns = wide_table(StoreReader(tmp_path / "a"))
     expected = []
     for eta in (0.0, 3.0, 6.0):
         for seed in range(1, 5):
@@ -73,7 +72,7 @@ def test_a_limit_makes_a_part_of_every_cell_and_the_rest_comes_later(tmp_path):
     sweep = read(tmp_path, text=SMALL)
     first = carry_out(sweep, tmp_path / "a", limit=3)
     assert (first.made, first.whole) == (3, False)
-    assert wide(StoreReader(tmp_path / "a"))["seed"] == [1, 1, 1], "replicate by replicate"
+    assert wide_table(StoreReader(tmp_path / "a"))["seed"] == [1, 1, 1], "replicate by replicate"
     second = carry_out(sweep, tmp_path / "a", workers=1)
     assert (second.made, second.taken, second.whole) == (9, 3, True)
     carry_out(sweep, tmp_path / "b")
@@ -89,7 +88,7 @@ def test_a_run_that_raises_ends_nothing_and_is_made_again_on_request(tmp_path):
     text = SMALL.replace('name = "polarisation"', 'measure = "mine.py:m"')
     done = carry_out(read(tmp_path, text=text), tmp_path / "a")
     assert (done.made, done.broken, done.whole) == (12, 3, True)
-    columns = wide(StoreReader(tmp_path / "a"))
+    columns = wide_table(StoreReader(tmp_path / "a"))
     failed = [k for k, status in enumerate(columns["status"]) if status == "failed"]
     assert [columns["seed"][k] for k in failed] == [2, 2, 2]
     assert {columns["reason"][k] for k in failed} == {"ZeroDivisionError: division by zero"}
@@ -108,7 +107,7 @@ def test_what_does_not_come_is_given_up_and_marked(tmp_path):
     stop = '[stop]\nwhen = "polarisation >= 0.95"\nhold = 3\n[[design]]'
     text = SMALL.replace("[[design]]", stop, 1)
     done = carry_out(read(tmp_path, text=text), tmp_path / "a")
-    columns = wide(StoreReader(tmp_path / "a"))
+    columns = wide_table(StoreReader(tmp_path / "a"))
     assert columns["status"][:4] == ["ok"] * 4
     assert columns["status"][-1] == "gave-up"
     assert columns["k"][-1] is None
@@ -165,7 +164,7 @@ def test_precision_asks_for_more_where_it_is_wide_and_the_same_again(tmp_path):
     text = SMALL.replace("count = 4", f"count = 4\n{precision}")
     sweep = read(tmp_path, text=text)
     carry_out(sweep, tmp_path / "a")
-    places = wide(StoreReader(tmp_path / "a"))["place"]
+    places = wide_table(StoreReader(tmp_path / "a"))["place"]
     assert places.count(1) == FIRST_LOOK, "without noise all runs are alike"
     assert places.count(2) > FIRST_LOOK
     for limit in (5, 9, None):
@@ -192,7 +191,7 @@ hold = 60
 count = 100
 """
     carry_out(read(tmp_path, text=text.replace("P2", str(p2))), tmp_path / "a")
-    assert np.mean(wide(StoreReader(tmp_path / "a"))["k"]) == pytest.approx(mean, abs=0.03)
+    assert np.mean(wide_table(StoreReader(tmp_path / "a"))["k"]) == pytest.approx(mean, abs=0.03)
 
 
 @pytest.mark.usefixtures("here")
@@ -233,11 +232,11 @@ def test_a_series_is_in_the_long_table(tmp_path):
     text = SMALL + '[[observe]]\nname = "groups"\nwhen = "every 15"\n'
     sweep = read(tmp_path, text=text)
     with Store(tmp_path / "a", sweep.making.columns) as store:
-        numbers = store.lay_out([(cell.hash, cell.kept) for cell in sweep.cells])
+        numbers = store.store_plan([(cell.hash, cell.kept) for cell in sweep.cells])
         store.tell(axes=["eta"], columns=["polarisation"])
         series = {"groups": (np.array([15, 30]), np.array([2.0, 1.0]))}
         store.add(numbers[1], 1, Outcome("ok", {"polarisation": 0.5}, ticks=30, series=series))
-    assert as_csv(long(StoreReader(tmp_path / "a"))) == (
+    assert as_csv(long_table(StoreReader(tmp_path / "a"))) == (
         "place,eta,seed,status,observable,tick,value\n"
         "2,3.0,1,ok,polarisation,30,0.5\n"
         "2,3.0,1,ok,groups,15,2.0\n"
@@ -254,7 +253,7 @@ def test_a_script_gets_the_same_as_a_file(tmp_path):
     asked = {"vary": axes, "runs": 4, "ticks": 30, "observe": ["polarisation"]}
     made = sweep("vem", agents=10, size=2.0, folder=tmp_path / "b", **asked)
     assert table(tmp_path / "b") == table(tmp_path / "a")
-    assert made.columns == wide(StoreReader(tmp_path / "a"))
+    assert made.columns == wide_table(StoreReader(tmp_path / "a"))
     assert sweep(Spec("vem", agents=10, size=2.0), **asked).columns == made.columns
     assert sweep(tmp_path / "s.toml").counts == {"ok": 12, "gave-up": 0, "failed": 0, "killed": 0}
     with pytest.raises(InputError, match="says itself what is run"):

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from cli.calling import call, refusal
 
-from app.flight.compared_flight import pushes
-from app.flight.flight_pictures import averaged
+from app.flight.compared_flight import parse_pushes
+from app.flight.flight_pictures import mean_beat
 
 
 def rows(path):
@@ -95,14 +95,14 @@ def test_beats_are_averaged_by_phase(trims):
     beat = trims[3.5].beat
     twice = beat._replace(**{name: np.tile(getattr(beat, name), 2) for name in beat._fields})
     twice.lift[:512] += 1.0
-    mean = averaged(twice, 512)
+    mean = mean_beat(twice, 512)
     assert mean.lift == pytest.approx(beat.lift + 0.5)
     assert mean.bands["lift"][1] - mean.bands["lift"][0] == pytest.approx(np.ones(512))
     assert mean.power == pytest.approx(beat.power)
 
 
 def test_pushes_are_read_in_degrees():
-    assert pushes(["u=-1", "theta=18"]) == {0: -1.0, 3: pytest.approx(np.pi / 10)}
+    assert parse_pushes(["u=-1", "theta=18"]) == {0: -1.0, 3: pytest.approx(np.pi / 10)}
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 from cli.calling import call, refusal
 
 from agents.flight.aircraft import Aircraft
-from app.flight.load import Battery, loaded
+from app.flight.load import Battery, load_aircraft
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,7 @@ def test_a_load_that_no_flight_carries_at_a_speed_is_named(tmp_path):
 
 def test_a_load_is_mass_and_nothing_else():
     bare = Aircraft()
-    heavy = loaded(bare, 0.2)
+    heavy = load_aircraft(bare, 0.2)
     assert heavy.mass == pytest.approx(0.5)
     assert heavy.model_dump(exclude={"mass"}) == bare.model_dump(exclude={"mass"})
 

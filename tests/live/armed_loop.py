@@ -8,8 +8,8 @@ from app.live.control.arm import OperatorRequest
 from app.live.control.car_control import CarControl
 from app.live.control.control_loop import Loop
 from app.live.control.injected_target import InjectedTarget
-from app.live.links.dry import DryLink
 from app.live.links.link import RUN, CarLink
+from app.live.links.link_catalogue import DryLink
 from tests.live.rooms import LAB, Steady, lab
 from tests.live.waiting import until
 
@@ -41,7 +41,7 @@ class ArmedLoop:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.loop.leave("the test ends")
+        self.loop.end("the test ends")
         self.thread.join()
 
     def arm(self) -> None:

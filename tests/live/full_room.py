@@ -148,7 +148,7 @@ class FullRoom:
     def stops(self):
         """Seconds and metres until all cars stand."""
         before = self.plant.poses()
-        seconds = self.until(lambda: self.plant.fastest() < STANDS * self.speed)
+        seconds = self.until(lambda: self.plant.top_speed() < STANDS * self.speed)
         after = self.plant.poses()
         return seconds, max(
             math.hypot(after[name].x - at.x, after[name].y - at.y) for name, at in before.items()

@@ -212,7 +212,7 @@ class LoggedRoom:
 
     def stand(self):
         """Wait until all cars stand."""
-        self.until(lambda: self.plant.fastest() < STANDS)
+        self.until(lambda: self.plant.top_speed() < STANDS)
 
     def states(self):
         """What the firmware of every car does."""

@@ -38,10 +38,10 @@ def test_what_lies_is_not_armed_and_the_refusal_says_so():
     axes = Axes()
     lying = axes.sighting("red", (0.0, 0.0, 0.05), (1.0, 0.0, 0.0, 0.0))  # yaw 0, w first
     blue = axes.sighting("blue body", (1.0, 0.0, 0.05), (0.0, 0.0, 0.0, 1.0))
-    room.control.see(1.0, (), MocapFrame(1, 1.0, (lying, blue)))
-    room.control.act(1.0, None)
-    room.control.see(1.01, (ARM,), MocapFrame(2, 1.01, (lying, blue)))
-    events = room.control.act(1.01, None).events
+    room.control.begin_tick(1.0, (), MocapFrame(1, 1.0, (lying, blue)))
+    room.control.end_tick(1.0, None)
+    room.control.begin_tick(1.01, (ARM,), MocapFrame(2, 1.01, (lying, blue)))
+    events = room.control.end_tick(1.01, None).events
     assert [event.words for event in events if event.kind == "refused"] == [
         "cannot be armed: red was never seen: its axis z, which should point up, is rolled 180 "
         "degrees about its nose"
@@ -93,7 +93,7 @@ def test_the_emergency_stop_latches_and_is_armed_again_by_hand():
 def test_the_emergency_stop_works_unarmed_and_without_tracking():
     safety = lab().safety()
     safety.ask(0.0, OperatorRequest("emergency", "test"))
-    safety.see(0.0, None)
+    safety.take_frame(0.0, None)
     assert safety.judge(0.0, {}).mode == EMERGENCY
 
 
@@ -122,9 +122,9 @@ def test_the_arming_is_its_table(actions):
         before = arm.state
         if (before, action) == ("emergency", "arm"):
             with pytest.raises(InputError):
-                arm.take(OperatorRequest(action, "test"))
+                arm.carry_out(OperatorRequest(action, "test"))
         else:
-            changed = arm.take(OperatorRequest(action, "test"))
+            changed = arm.carry_out(OperatorRequest(action, "test"))
             assert changed == (arm.state != before)
         assert arm.state == STATES.get((before, action), before)
 

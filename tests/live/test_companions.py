@@ -89,7 +89,7 @@ def test_they_begin_apart_within_the_fence_along_the_circle(seed, speed):
     for k, a in enumerate(places):
         assert all(math.hypot(a.x - b.x, a.y - b.y) >= APART for b in places[:k])
     for pose in at(driver):
-        assert lab().area.inside(pose.x, pose.y) >= 0.0
+        assert lab().area.distance_inside(pose.x, pose.y) >= 0.0
         moment = pose.x * math.sin(pose.yaw) - pose.y * math.cos(pose.yaw)
         assert moment == pytest.approx(math.copysign(math.hypot(pose.x, pose.y), speed))
 
@@ -289,8 +289,8 @@ def test_what_does_not_fit_between_the_real_ones_is_refused_once_and_they_drive(
         asked = [OperatorRequest("arm", "test")] if number == 5 else []
         far = 0.35 + 1e-6 * number  # no place is 0.6 m from both
         bodies = seen("blue body", Pose(-far, 0.0, 0.0)), seen("red", Pose(far, 0.0, 0.0))
-        control.see(now, asked, MocapFrame(number, now, bodies))
-        step = control.act(now, target)
+        control.begin_tick(now, asked, MocapFrame(number, now, bodies))
+        step = control.end_tick(now, target)
         events += step.events
         modes.append(step.verdict.mode)
     refused = [event.words for event in events if event.kind == "refused"]

@@ -11,7 +11,7 @@ import pytest
 from cli.calling import call
 
 from agents.motion import Motion
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.operating.flock_driver import COMPILING, FlockDriver
 from app.viewer.live.panels.state_panel import banner_of
 from app.viewer.live.session_requests import SessionState
@@ -32,7 +32,7 @@ def test_a_driver_says_so_only_if_it_is_not_compiled_yet(monkeypatch):
 
 SAYS = """
 import sys
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.operating.flock_driver import COMPILING, FlockDriver
 
 def tell(words):

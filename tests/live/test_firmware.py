@@ -22,26 +22,26 @@ AHEAD = (1.0, 1.0)
 def car_at_rest():
     """Car 7, told to stop by frame 0 at time 0."""
     car = CarFirmware(7)
-    car.hear(CommandFrame(0, STOP, {}), 0.0)
+    car.take_frame(CommandFrame(0, STOP, {}), 0.0)
     return car
 
 
 def running_car():
     """Car 7, told to run by frame 1 at time 0."""
     car = car_at_rest()
-    car.hear(CommandFrame(1, RUN, {7: AHEAD}), 0.0)
+    car.take_frame(CommandFrame(1, RUN, {7: AHEAD}), 0.0)
     return car
 
 
 def test_a_car_that_is_switched_on_waits_for_a_stop():
     car = CarFirmware(7)
     assert car.state(0.0) == "waiting"
-    car.hear(CommandFrame(1, RUN, {7: AHEAD}), 0.0)
+    car.take_frame(CommandFrame(1, RUN, {7: AHEAD}), 0.0)
     assert car.state(0.0) == "waiting"
     assert car.drive(0.0) == (1.0, 0.0)
-    car.hear(CommandFrame(2, STOP, {}), 0.01)
+    car.take_frame(CommandFrame(2, STOP, {}), 0.01)
     assert car.state(0.01) == "stopped"
-    car.hear(CommandFrame(3, RUN, {7: AHEAD}), 0.02)
+    car.take_frame(CommandFrame(3, RUN, {7: AHEAD}), 0.02)
     assert car.drive(0.02) == AHEAD
 
 
@@ -51,51 +51,51 @@ def test_the_watchdog_stops_after_a_quarter_of_a_second_and_keeps_the_steering()
     assert car.drive(0.25) == (1.0, 1.0)
     assert car.drive(0.2500001) == (1.0, 0.0)
     assert car.state(0.2500001) == "lost"
-    car.hear(CommandFrame(2, RUN, {7: (-1.0, 0.5)}), 5.0)
+    car.take_frame(CommandFrame(2, RUN, {7: (-1.0, 0.5)}), 5.0)
     assert car.drive(5.0) == (-1.0, 0.5)
 
 
 def test_frames_for_others_do_not_keep_a_car_going():
     car = running_car()
     for n in range(2, 40):
-        car.hear(CommandFrame(n, RUN, {8: AHEAD}), 0.01 * n)
+        car.take_frame(CommandFrame(n, RUN, {8: AHEAD}), 0.01 * n)
     assert car.state(0.4) == "lost"
 
 
 def test_a_frame_that_is_repeated_does_not_keep_a_car_going():
     car = running_car()
     for n in range(2, 200):
-        car.hear(CommandFrame(1, RUN, {7: AHEAD}), 0.01 * n)
+        car.take_frame(CommandFrame(1, RUN, {7: AHEAD}), 0.01 * n)
         assert car.state(0.01 * n) == ("running" if 0.01 * n <= 0.25 else "lost")
 
 
 def test_older_frames_are_left_aside_until_the_watchdog_has_run_out():
     car = running_car()
-    car.hear(CommandFrame(65530, RUN, {7: (0.0, 0.5)}), 0.1)
+    car.take_frame(CommandFrame(65530, RUN, {7: (0.0, 0.5)}), 0.1)
     assert car.drive(0.1) == AHEAD
-    car.hear(CommandFrame(65530, RUN, {7: (0.0, 0.5)}), 0.3)
+    car.take_frame(CommandFrame(65530, RUN, {7: (0.0, 0.5)}), 0.3)
     assert car.drive(0.3) == (0.0, 0.5)
-    car.hear(CommandFrame(2, RUN, {7: (0.0, 0.25)}), 0.31)  # 65530, ..., 65535, 0, 1, 2
+    car.take_frame(CommandFrame(2, RUN, {7: (0.0, 0.25)}), 0.31)  # 65530, ..., 65535, 0, 1, 2
     assert car.drive(0.31) == (0.0, 0.25)
 
 
 def test_an_emergency_stop_stays_until_a_stop_clears_it():
     car = running_car()
-    car.hear(CommandFrame(2, EMERGENCY, {}), 0.01)
+    car.take_frame(CommandFrame(2, EMERGENCY, {}), 0.01)
     for n in range(3, 10):
-        car.hear(CommandFrame(n, RUN, {7: AHEAD}), 0.01 * n)
+        car.take_frame(CommandFrame(n, RUN, {7: AHEAD}), 0.01 * n)
         assert car.state(0.01 * n) == "emergency"
         assert car.drive(0.01 * n)[1] == 0.0
-    car.hear(CommandFrame(1, STOP, {}), 0.1)  # an older stop does not clear it
+    car.take_frame(CommandFrame(1, STOP, {}), 0.1)  # an older stop does not clear it
     assert car.state(0.1) == "emergency"
-    car.hear(CommandFrame(10, STOP, {}), 0.1)
-    car.hear(CommandFrame(11, RUN, {7: AHEAD}), 0.11)
+    car.take_frame(CommandFrame(10, STOP, {}), 0.1)
+    car.take_frame(CommandFrame(11, RUN, {7: AHEAD}), 0.11)
     assert car.state(0.11) == "running"
 
 
 def test_an_emergency_stop_is_obeyed_however_old_it_is():
     car = running_car()
-    car.hear(CommandFrame(0, EMERGENCY, {}), 0.01)
+    car.take_frame(CommandFrame(0, EMERGENCY, {}), 0.01)
     assert car.state(0.01) == "emergency"
 
 
@@ -114,7 +114,7 @@ def test_a_car_drives_only_on_a_fresh_command_to_run_after_a_stop(history, wait)
     for command, pause in history:
         now += pause
         seq = car.seq
-        car.hear(command, now)
+        car.take_frame(command, now)
         if command.mode == EMERGENCY:
             cleared = False
         if command.mode == STOP and car.seq != seq:

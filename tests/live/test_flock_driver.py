@@ -164,7 +164,7 @@ def test_one_emulated_car_settles_at_the_closed_forms_lag():
         now = 0.01 * k
         plant(now, told)
         pose = plant.poses()["red"]
-        target = injected.at(now, True, ())
+        target = injected.pose_at(now, True, ())
         told = {1: driver.drive(now, (seen("red", pose),), target, True)["red"]}
         lags.append(math.atan2(target.y, target.x) - math.atan2(pose.y, pose.x))
     lag = math.degrees(np.mean(np.remainder(lags[-500:], 2.0 * math.pi)))

@@ -164,8 +164,8 @@ def test_a_frame_with_a_repeated_or_an_older_number_does_not_count(older):
 def test_a_source_that_was_opened_again_counts_from_nought_while_unarmed():
     room = Room()
     safety = room.control.safety
-    safety.see(1.0, MocapFrame(500, 1.0, (seen("red", Pose(0.0, 0.0, 0.0)),), 9.0))
-    safety.see(2.0, MocapFrame(0, 2.0, (seen("red", Pose(0.0, 0.1, 0.0)),), 0.0))
+    safety.take_frame(1.0, MocapFrame(500, 1.0, (seen("red", Pose(0.0, 0.0, 0.0)),), 9.0))
+    safety.take_frame(2.0, MocapFrame(0, 2.0, (seen("red", Pose(0.0, 0.1, 0.0)),), 0.0))
     assert safety.seen.age("red", 2.0) == 0.0
 
 

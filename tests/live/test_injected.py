@@ -26,7 +26,7 @@ PLANS = {
 
 
 def at(plan: Injection, seconds: float) -> tuple[float, float, float]:
-    pose = plan.along(seconds)
+    pose = plan.pose_after(seconds)
     return pose.x, pose.y, pose.yaw
 
 
@@ -64,7 +64,7 @@ def test_places_on_the_route():
 @given(seconds=st.floats(0.0, 100.0))
 def test_it_moves_with_its_speed_along_its_nose_and_within_its_corners(name, seconds):
     plan = PLANS[name]
-    here, later = plan.along(seconds), plan.along(seconds + 1e-5)
+    here, later = plan.pose_after(seconds), plan.pose_after(seconds + 1e-5)
     turn = abs(math.remainder(later.yaw - here.yaw, 2.0 * math.pi))
     # at a corner of the route it turns on the spot, in the middle of the eight it changes sides
     if turn < 0.1:
@@ -82,28 +82,30 @@ def test_it_moves_with_its_speed_along_its_nose_and_within_its_corners(name, sec
 
 def test_it_moves_only_while_the_cars_run():
     target = InjectedTarget(PLANS["circle"], AREA)
-    first = target.at(10.0, False, ())
-    assert target.at(20.0, False, ()) == first
-    assert target.at(21.0, True, ()) == PLANS["circle"].along(1.0)
-    assert target.at(31.0, False, ()) == PLANS["circle"].along(1.0)
+    first = target.pose_at(10.0, False, ())
+    assert target.pose_at(20.0, False, ()) == first
+    assert target.pose_at(21.0, True, ()) == PLANS["circle"].pose_after(1.0)
+    assert target.pose_at(31.0, False, ()) == PLANS["circle"].pose_after(1.0)
 
 
 def test_a_hand_cannot_leave_the_fence():
     hand = InjectedTarget(Injection(path="hand"), AREA)
     hand.place(9.0, -9.0)
-    assert hand.at(0.0, True, ()) == Pose(2.5, -2.5, pytest.approx(-math.pi / 4))
+    assert hand.pose_at(0.0, True, ()) == Pose(2.5, -2.5, pytest.approx(-math.pi / 4))
     with pytest.raises(InputError, match="cannot be at"):
         hand.place(math.nan, 0.0)
     hand.place(2.5, -2.495)
-    assert hand.at(0.0, True, ()) == Pose(2.5, -2.495, pytest.approx(-math.pi / 4))
+    assert hand.pose_at(0.0, True, ()) == Pose(2.5, -2.495, pytest.approx(-math.pi / 4))
 
 
 def test_a_body_is_where_it_is_seen():
     target = InjectedTarget(Injection(path="body", body="wand"), AREA)
     pose = Pose(1.0, 2.0, 3.0)
-    assert target.at(0.0, True, (seen("red", Pose(0.0, 0.0, 0.0)), seen(INJECTED, pose))) == pose
-    assert target.at(0.0, True, ()) is None
+    assert (
+        target.pose_at(0.0, True, (seen("red", Pose(0.0, 0.0, 0.0)), seen(INJECTED, pose))) == pose
+    )
+    assert target.pose_at(0.0, True, ()) is None
 
 
 def test_none_is_nowhere():
-    assert InjectedTarget(Injection(path="none"), AREA).at(0.0, True, ()) is None
+    assert InjectedTarget(Injection(path="none"), AREA).pose_at(0.0, True, ()) is None

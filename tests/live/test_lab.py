@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from app.live.control.injected_target import INJECTED
 from app.live.control.pose import TrackingArea
 from app.live.device_kinds import name_of
-from app.live.laboratory.lab_file import lab_from_toml, line_of, read_lab
+from app.live.laboratory.lab_file import find_line, lab_from_toml, read_lab
 from live.rooms import LAB, lab
 from worlds.input_error import InputError
 
@@ -256,9 +256,11 @@ def test_a_body_cannot_be_the_injected_car_in_software():
 
 def test_another_value_is_checked_as_those_of_the_file_are():
     one = lab()
-    assert one.altered("here", rule="couzin-cars") == one.model_copy(update={"rule": "couzin-cars"})
+    assert one.with_values("here", rule="couzin-cars") == one.model_copy(
+        update={"rule": "couzin-cars"}
+    )
     with pytest.raises(InputError, match=r"link = 'simulated' needs source .* \(here\)$"):
-        one.altered("here", link="simulated")
+        one.with_values("here", link="simulated")
 
 
 def test_a_laboratory_without_cars_is_refused():
@@ -325,16 +327,16 @@ n = 6
 )
 def test_the_line_of_a_key(keys, line):
     tomllib.loads(LINES)
-    assert line_of(LINES, keys) == line
+    assert find_line(LINES, keys) == line
 
 
 @settings(max_examples=100, deadline=None)
 @given(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(0.0, 1.0), st.floats(0.1, 9.0))
 def test_what_is_clamped_is_within_the_fence_and_moved_no_further_than_needed(x, y, fence, side):
     area = TrackingArea(low=(-1.0, -2.0), high=(-1.0 + 2.0 * fence + side, 8.0), fence=fence)
-    inside = area.inside(x, y)
+    inside = area.distance_inside(x, y)
     at = area.clamp(x, y)
-    assert area.inside(*at) >= -1e-12
+    assert area.distance_inside(*at) >= -1e-12
     if inside >= 0.0:
         assert at == pytest.approx((x, y), abs=1e-12)
     else:

@@ -16,10 +16,9 @@ from hypothesis import strategies as st
 
 from app.live.link_address import read_place
 from app.live.links import link_catalogue, wire
-from app.live.links.chain import encode_chain
 from app.live.links.command_frame import CommandFrame, Decoder, encode
 from app.live.links.link import EMERGENCY, RUN, STOP, LinkLost, shortage
-from app.live.links.link_catalogue import open_link
+from app.live.links.link_catalogue import encode_chain, open_link
 from app.live.links.wire import MOST_IN_A_ROW
 from live.chain_cars import chain_of
 from worlds import plug_ins

@@ -108,7 +108,7 @@ def loop_of(driver=None, text=LAB, journal=None):
 
 def run(loop, ticks):
     """Let it run for so many ticks and leave."""
-    loop.link.then[ticks] = lambda: loop.leave("test")
+    loop.link.then[ticks] = lambda: loop.end("test")
     loop.run()
 
 
@@ -189,7 +189,7 @@ def test_the_end_is_a_stop_when_the_loop_itself_fails(error):
 
 def test_an_emergency_stop_asked_for_in_the_last_tick_is_sent():
     loop, _, radio = loop_of()
-    radio.then[3] = lambda: (loop.ask(OperatorRequest("emergency", "test")), loop.leave("test"))
+    radio.then[3] = lambda: (loop.ask(OperatorRequest("emergency", "test")), loop.end("test"))
     loop.run()
     assert radio.modes == [STOP] * 3 + [EMERGENCY] * PARTING
 
@@ -385,7 +385,7 @@ def test_in_real_time_it_keeps_to_its_deadlines():
         one.addresses,
         InjectedTarget(one.injected, one.area),
     )
-    ends = threading.Timer(1.0, lambda: loop.leave("test"))
+    ends = threading.Timer(1.0, lambda: loop.end("test"))
     ends.start()
     begun = clock()
     loop.run()

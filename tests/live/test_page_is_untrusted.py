@@ -20,7 +20,7 @@ from websockets.exceptions import ConnectionClosed
 
 from agents.models.declare import declared
 from app.front.server import UNWANTED
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.viewer.live.page import KEYS
 from tests.live.opened_page import arm, opened
 from tests.live.stand_in import CAMERA, StandIn
@@ -92,7 +92,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:.*does not match annotation")
 
 @pytest.fixture(scope="module")
 def page():
-    lab = example().altered("the test", injected={"path": "hand", "speed": 1.0})
+    lab = example().with_values("the test", injected={"path": "hand", "speed": 1.0})
     with opened(lab) as one:
         yield one
 
@@ -160,7 +160,7 @@ def everything_is_within_its_limits(page):
         assert abs(steer) <= limits.steer
         assert -limits.reverse <= throttle <= limits.throttle
         assert car.runs or throttle == 0.0
-    assert lab.area.inside(status.injected.x, status.injected.y) >= -1e-9
+    assert lab.area.distance_inside(status.injected.x, status.injected.y) >= -1e-9
     assert 0 <= len(status.companions) <= lab.simulated.most
     for control in page.server.gui._gui_input_handle_from_uuid.values():
         if isinstance(control, NUMBERS):

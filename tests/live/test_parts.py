@@ -9,7 +9,7 @@ from app.live.laboratory.lab_file import lab_from_toml
 from app.live.laboratory.recording_parts import MB, RESERVE, RecordingLimits, parts_of
 from app.live.recording.recording_replay import read, replay
 from app.live.recording.recording_writer import TABLES, RecordingWriter
-from app.live.recording.recovery import ending, recover
+from app.live.recording.recovery import read_end, recover
 from live.rooms import LAB
 from live.test_live_record import make, record
 from worlds.input_error import InputError
@@ -58,17 +58,17 @@ def test_the_oldest_parts_are_removed_and_a_replay_says_what_is_missing(tmp_path
     kept = small(0.1, 0.6)
     folder = tmp_path / "run"
     sizes = []
-    turn_over = RecordingWriter.turn_over
+    turn_over = RecordingWriter.begin_next_part
 
     def watched(self):
         turn_over(self)
         sizes.append(size(folder))
 
-    RecordingWriter.turn_over = watched
+    RecordingWriter.begin_next_part = watched
     try:
         loop = record(folder, 6000)
     finally:
-        RecordingWriter.turn_over = turn_over
+        RecordingWriter.begin_next_part = turn_over
     parts = parts_of(folder)
     assert parts[0].number > 1
     assert not list(folder.glob("*.parquet"))
@@ -84,7 +84,7 @@ def test_the_oldest_parts_are_removed_and_a_replay_says_what_is_missing(tmp_path
         replay(folder, make)
     with pytest.raises(InputError, match="holds nothing to recover"):
         recover(folder)
-    last = ending(folder)
+    last = read_end(folder)
     assert last is not None
     assert last.tick == 5999
     words = {event.words for event in loop.events if event.kind == "part"}
@@ -118,7 +118,7 @@ def test_a_kill_amid_many_parts_is_recovered(tmp_path, small):
     assert recover(folder).keys() == set(TABLES)
     assert not list(folder.rglob("*.part"))
     assert replay(folder, make).differs == ""
-    assert ending(folder).tick == len(list(read(folder).ticks())) - 1
+    assert read_end(folder).tick == len(list(read(folder).ticks())) - 1
 
 
 def test_a_part_that_is_missing_in_the_middle_is_named(tmp_path, small):
@@ -158,7 +158,7 @@ def test_a_disk_that_takes_nothing_is_given_up(tmp_path):
 
 
 def test_events_are_read_as_a_list_that_forgets_its_oldest():
-    log = Events(kept=100)
+    log = Events(limit=100)
     every = [Event(k, 0.01 * k, "tune", str(k)) for k in range(1000)]
     for event in every:
         log.add(event)

@@ -17,7 +17,9 @@ from worlds.input_error import InputError
 
 RECORDING = [
     RecordedFrame(
-        0.0, 10, (seen("car1", Pose(1.0, 2.0, 0.0)), seen("car2", Pose(3.0, 4.0, math.pi / 2)))
+        0.0,
+        10,
+        (seen("car1", Pose(1.0, 2.0, 0.0)), seen("car2", Pose(3.0, 4.0, math.pi / 2))),
     ),
     RecordedFrame(0.01, 11, (seen("car1", Pose(1.1, 2.0, 0.0)), unseen("car2"))),
     RecordedFrame(0.04, 14, (seen("car2", Pose(3.2, 4.0, math.pi)),)),

@@ -19,7 +19,7 @@ import time
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from tests.browser.conftest import ARGUMENTS, CHROMIUM
 from tests.live.opened_page import arm, opened
 from tests.live.served_room import ServedRoom, descendants, is_there
@@ -177,13 +177,13 @@ def test_a_page_that_is_stopped_has_the_cars_held_until_they_are_armed_again(ser
     served.run()
     os.kill(served.process.pid, signal.SIGSTOP)
     try:
-        until(lambda: served.plant.fastest() < 0.05, SOON)
+        until(lambda: served.plant.top_speed() < 0.05, SOON)
         until(lambda: served.states() == {"stopped"}, SOON)  # the loop told them
     finally:
         os.kill(served.process.pid, signal.SIGCONT)
     until(lambda: served.browser.can("Arm …"), SOON)
     assert served.states() == {"stopped"}
-    assert served.plant.fastest() < 0.05
+    assert served.plant.top_speed() < 0.05
 
 
 def test_a_page_that_is_killed_stops_the_cars(served):

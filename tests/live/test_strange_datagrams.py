@@ -15,8 +15,7 @@ from pathlib import Path
 import pytest
 
 from app.live.control.arm import OperatorRequest
-from app.live.laboratory.example import FILE
-from app.live.laboratory.lab_file import lab_from_toml
+from app.live.laboratory.lab_file import EXAMPLE_FILE, lab_from_toml
 from app.viewer.live.panels.state_panel import banner_of
 from live.full_room import FullRoom
 from live.natnet_emulator import FRAME, message
@@ -92,7 +91,7 @@ def test_old_poses_that_a_stranger_has_handed_out_drive_no_car(room, datagrams):
             assert metres < FURTHEST[room.speed]
             room.until(lambda: "hold" in room.kinds(since), WITHIN)
             assert room.kinds(since).count("run") == 0
-            assert room.plant.fastest() < 0.05 * room.speed
+            assert room.plant.top_speed() < 0.05 * room.speed
     finally:
         room.server.go()
 
@@ -141,7 +140,7 @@ def tracking_of(loop):
 
 @pytest.mark.parametrize("number", [signal.SIGSEGV, signal.SIGKILL])
 def test_the_page_says_that_the_tracking_died_and_is_opened_again(number):
-    with opened(lab_from_toml(FILE.read_text(encoding="utf-8"), "example")) as page:
+    with opened(lab_from_toml(EXAMPLE_FILE.read_text(encoding="utf-8"), "example")) as page:
         session = page.session
         session.ask("arm", "test")
         until(lambda: session.status.arm == "armed", WITHIN)

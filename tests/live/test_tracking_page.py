@@ -54,7 +54,10 @@ def test_a_source_of_ones_own_is_one_like_any_other():
             sent = json.dumps({"car1": [1.0, 2.0, 0.5], "car2": None}).encode()
             sender.sendto(sent, ("127.0.0.1", port))
             time.sleep(0.02)
-        assert feed.first(0.0).sightings == (seen("car1", Pose(1.0, 2.0, 0.5)), unseen("car2"))
+        assert feed.first(0.0).sightings == (
+            seen("car1", Pose(1.0, 2.0, 0.5)),
+            unseen("car2"),
+        )
         sender.sendto(b"no JSON", ("127.0.0.1", port))
         while not feed.trouble and time.monotonic() < give_up:
             time.sleep(0.01)

@@ -2,17 +2,18 @@
 
 from dataclasses import replace
 
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_reader import read_experiment
-from app.studies.experiment_runner import conduct
+from app.studies.experiment_runner import run_experiment
 
 
 def flown(name, folder, runs, agents=(), **settings):
     """An experiment carried out with few runs, as (experiment, verdicts)."""
-    whole = read_experiment(name).narrowed([], list(agents))
+    whole = read_experiment(name).select([], list(agents))
     experiment = replace(whole, settings=whole.settings.model_copy(update=settings))
-    done = conduct(experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None)
+    done = run_experiment(
+        experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None
+    )
     return experiment, verdicts(experiment, done.measured)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from app.studies.experiment import flock_of
 from app.studies.experiment_reader import read_experiment
-from app.studies.figures.turns import TurnSettings, distances, sound_of
+from app.studies.figures.turns import TurnSettings, distances, sound_speed
 from papers.flying import borne_out, flown, values
 
 RUNS = 3
@@ -55,7 +55,7 @@ def test_the_speed_of_sound_is_that_of_a_uniform_flock():
     """n_c neighbours of mean square distance r^2 / 2: c_s = sqrt(J n_c r^2 / (8 chi))."""
     flock = flock_of(read_experiment("attanasi2014").cases[0], 3)
     n_c = np.pi * 2.0**2 * 1601 / 40.0**2
-    assert abs(sound_of(flock) / np.sqrt(n_c * 2.0**2 / 8.0) - 1.0) < 0.03
+    assert abs(sound_speed(flock) / np.sqrt(n_c * 2.0**2 / 8.0) - 1.0) < 0.03
     away = distances(flock, 5)
     assert away[5] == 0.0
     assert away.max() <= 20.0 * np.sqrt(2.0)

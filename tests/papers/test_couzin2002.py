@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import verdicts
 from app.studies.experiment_reader import read_experiment
-from app.studies.experiment_runner import conduct
-from app.studies.figures.phases import map_of, ways_of
+from app.studies.experiment_runner import run_experiment
+from app.studies.figures.phases import map_points, way_points
 
 RUNS = 3
 PLACES = {
@@ -26,7 +26,9 @@ def carried_out(folder, keep):
     """The cases that are to be kept, carried out."""
     whole = read_experiment("couzin2002-phases")
     experiment = replace(whole, cases=[case for case in whole.cases if keep(case)])
-    done = conduct(experiment, folder, runs=RUNS, seed=1, workers=2, tell=None, at=lambda *_: None)
+    done = run_experiment(
+        experiment, folder, runs=RUNS, seed=1, workers=2, tell=None, at=lambda *_: None
+    )
     return verdicts(experiment, done.measured)
 
 
@@ -37,7 +39,7 @@ def places(tmp_path_factory):
         tmp_path_factory.mktemp("map"),
         lambda case: not case.way and (case.value, case.at) in PLACES,
     )
-    return {(spot.x, spot.y): spot for spot in map_of(made)}
+    return {(spot.x, spot.y): spot for spot in map_points(made)}
 
 
 @pytest.mark.parametrize("place", PLACES)
@@ -55,7 +57,7 @@ def test_a_torus_mills_and_a_parallel_group_goes_straight(places):
 def test_a_group_remembers_what_it_was(tmp_path):
     """Between the widths at which the torus breaks up and at which the parallel group does."""
     made = carried_out(tmp_path, lambda case: bool(case.way))
-    ways = {up.x: (up, down) for up, down in ways_of(made)}
+    ways = {up.x: (up, down) for up, down in way_points(made)}
     up, down = ways[2.5]
     assert up.p.most < 0.4 < 0.9 < down.p.least
     assert up.m.least > 0.65 > 0.1 > down.m.most

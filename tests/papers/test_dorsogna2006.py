@@ -6,19 +6,20 @@ import numpy as np
 import pytest
 
 from agents import Flock
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_reader import read_experiment
-from app.studies.experiment_runner import conduct
-from app.studies.figures.phases import map_of
+from app.studies.experiment_runner import run_experiment
+from app.studies.figures.phases import map_points
 from app.studies.figures.swarming import room, shape_of
-from app.studies.judge.verdict import of
+from app.studies.judge.verdict import verdicts_on
 
 
 def carried_out(whole, folder, keep, runs=2):
     """The cases that are to be kept, carried out."""
     experiment = replace(whole, cases=[case for case in whole.cases if keep(case)])
-    done = conduct(experiment, folder, runs=runs, seed=1, workers=1, tell=None, at=lambda *_: None)
+    done = run_experiment(
+        experiment, folder, runs=runs, seed=1, workers=1, tell=None, at=lambda *_: None
+    )
     return verdicts(experiment, done.measured)
 
 
@@ -26,15 +27,19 @@ def test_a_mill_a_ring_and_one_that_disperses(tmp_path):
     places = {(0.4, 1.0): "mill", (0.6, 0.6): "ring", (0.6, 4.0): "disperses"}
     whole = read_experiment("dorsogna2006")
     made = carried_out(whole, tmp_path, lambda case: (case.value, case.at) in places)
-    assert {(spot.x, spot.y): spot.phase for spot in map_of(made)} == places
-    assert {one.summary.mean for one in of(made, "side")} == {1.0}
+    assert {(spot.x, spot.y): spot.phase for spot in map_points(made)} == places
+    assert {one.summary.mean for one in verdicts_on(made, "side")} == {1.0}
 
 
 def test_the_room_that_particles_keep(tmp_path):
     whole = read_experiment("dorsogna2006-size")
     made = carried_out(whole, tmp_path, lambda case: case.agents in (30, 120))
-    found = {(one.case.label, one.case.agents): one.summary.mean for one in of(made, "radius")}
-    near = {(one.case.label, one.case.agents): one.summary.mean for one in of(made, "spacing")}
+    found = {
+        (one.case.label, one.case.agents): one.summary.mean for one in verdicts_on(made, "radius")
+    }
+    near = {
+        (one.case.label, one.case.agents): one.summary.mean for one in verdicts_on(made, "spacing")
+    }
     assert found["catastrophic", 120] == pytest.approx(found["catastrophic", 30], rel=0.05)
     assert near["catastrophic", 120] == pytest.approx(0.5 * near["catastrophic", 30], rel=0.1)
     assert found["H-stable", 120] == pytest.approx(2.0 * found["H-stable", 30], rel=0.15)

@@ -8,10 +8,9 @@ from dataclasses import replace
 
 import pytest
 
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_reader import read_experiment
-from app.studies.experiment_runner import conduct
+from app.studies.experiment_runner import run_experiment
 from papers.flying import borne_out, flown, values
 
 RUNS = 8
@@ -62,8 +61,8 @@ def test_gallery_one_car_is_held_and_two_and_three_follow(tmp_path):
 
 
 def test_future_work_an_integral_term_makes_cars_lag_and_touch(tmp_path):
-    whole = read_experiment("jacobs-future").narrowed(["aligned", "aligned, integral"], [])
-    done = conduct(whole, tmp_path, runs=4, seed=1, workers=2, tell=None, at=lambda *_: None)
+    whole = read_experiment("jacobs-future").select(["aligned", "aligned, integral"], [])
+    done = run_experiment(whole, tmp_path, runs=4, seed=1, workers=2, tell=None, at=lambda *_: None)
     made = verdicts(whole, done.measured)
     assert values(made, "ok")["aligned", 4] == [100] * 4
     assert sum(values(made, "collision")["aligned, integral", 4]) >= 200

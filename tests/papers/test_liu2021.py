@@ -10,7 +10,7 @@ from dataclasses import replace
 import pytest
 
 from app.studies.experiment_reader import read_experiment
-from app.studies.experiment_runner import conduct
+from app.studies.experiment_runner import run_experiment
 from app.studies.judge.judge import ranges_of
 from app.studies.judge.statistics import summary
 
@@ -27,14 +27,16 @@ def difference(a, b):
 
 def times(experiment, folder, runs=RUNS):
     """Summary of the runs of each case."""
-    done = conduct(experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None)
+    done = run_experiment(
+        experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None
+    )
     return [(one.case, summary(ranges_of(one.values["k_con"]))) for one in done.measured]
 
 
 @pytest.fixture(scope="module")
 def table(tmp_path_factory):
     """Table 1 for N = 100 and the models that are quick, by model."""
-    experiment = read_experiment("liu2021-table1").narrowed(list(READING), [100])
+    experiment = read_experiment("liu2021-table1").select(list(READING), [100])
     return {case.spec.model: s for case, s in times(experiment, tmp_path_factory.mktemp("table"))}
 
 
@@ -46,7 +48,7 @@ def test_means_are_those_of_the_reading(table, model):
 
 
 def test_means_are_those_of_the_paper(table):
-    for case in read_experiment("liu2021-table1").narrowed(list(READING), [100]).cases:
+    for case in read_experiment("liu2021-table1").select(list(READING), [100]).cases:
         s = table[case.spec.model]
         assert abs(s.mean - case.published("k_con").mean) < 4.0 * s.sd * (1 / RUNS + 1 / 100) ** 0.5
 
@@ -57,7 +59,7 @@ def test_hierarchy_beats_weights_and_weights_beat_none(table):
 
 
 def test_plain_distance_is_what_the_paper_has(tmp_path):
-    whole = read_experiment("liu2021-table1").narrowed(["hwvem"], [100])
+    whole = read_experiment("liu2021-table1").select(["hwvem"], [100])
     [case] = whole.cases
     across = replace(whole, cases=[replace(case, spec=case.spec.but(world="wrap"))])
     [(_, s)] = times(across, tmp_path)
@@ -66,7 +68,7 @@ def test_plain_distance_is_what_the_paper_has(tmp_path):
 
 
 def test_figure_5_trends(tmp_path):
-    experiment = read_experiment("liu2021-fig5").narrowed([], [100])
+    experiment = read_experiment("liu2021-fig5").select([], [100])
     ends = [c for c in experiment.cases if c.value in (c.sweep.values[0], c.sweep.values[-1])]
     found = times(replace(experiment, cases=ends), tmp_path, runs=60)
     by_value = {(case.sweep.parameter, case.value): s for case, s in found}
@@ -77,7 +79,7 @@ def test_figure_5_trends(tmp_path):
 
 
 def test_figure_6_the_neighbourhood_weight_saves_about_3_ticks(tmp_path):
-    experiment = read_experiment("liu2021-fig6").narrowed([], [100])
+    experiment = read_experiment("liu2021-fig6").select([], [100])
     [(_, on), (_, off)] = times(experiment, tmp_path, runs=60)
     cost, error = difference(on, off)
     assert abs(cost - 3.0) < 4.0 * error

@@ -11,7 +11,7 @@ import pytest
 from agents import Flock
 from agents.run_records import fly
 from app.studies.claims.claims import claims
-from app.studies.judge.verdict import of
+from app.studies.judge.verdict import verdicts_on
 from papers.flying import flown
 
 RUNS = 24
@@ -56,7 +56,7 @@ def test_what_the_paper_claims_at_n_50(table):
 
 
 def test_without_hierarchy_or_weights_most_uavs_get_lost_at_n_20(table):
-    rows = [one for one in of(table[1], "success") if one.case.agents == 20]
+    rows = [one for one in verdicts_on(table[1], "success") if one.case.agents == 20]
     mean = {one.case.label: one.summary.mean for one in rows}
     assert max(mean["VEM-A"], mean["IVEM-A"]) + 20.0 < mean["WVEM"]
     assert mean["WVEM"] < min(mean["HWVEM-I"], mean["HWVEM-II"])

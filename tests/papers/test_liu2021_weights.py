@@ -42,7 +42,9 @@ def test_searches_of_two_seeds_share_no_run():
     settings, case = experiment.settings, experiment.cases[0]
     first, second = (flock_of(case, seed) for seed in (1, 2))
     runs = [
-        set(of(flock)) for flock in (first, second) for of in (settings.common, settings.unseen)
+        set(of(flock))
+        for flock in (first, second)
+        for of in (settings.search_seeds, settings.unseen)
     ]
     assert sum(map(len, runs)) == len(set().union(*runs)) == 2 * (10 + 40)
 

@@ -7,10 +7,9 @@ import math
 
 import pytest
 
-from app.studies.claims.claims import claims
-from app.studies.claims.verdict_table import verdicts
+from app.studies.claims.claims import claims, verdicts
 from app.studies.experiment_reader import read_experiment
-from app.studies.experiment_runner import conduct
+from app.studies.experiment_runner import run_experiment
 from app.studies.judge.judge import ranges_of
 from app.studies.judge.statistics import summary
 
@@ -23,8 +22,10 @@ ONE = 0.7
 
 def carried_out(name, folder, labels, runs=RUNS):
     """Verdicts of the rows with these labels, and the claims about them."""
-    experiment = read_experiment(name).narrowed(labels, [])
-    done = conduct(experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None)
+    experiment = read_experiment(name).select(labels, [])
+    done = run_experiment(
+        experiment, folder, runs=runs, seed=1, workers=2, tell=None, at=lambda *_: None
+    )
     made = verdicts(experiment, done.measured)
     return made, claims(made, experiment.said)
 

@@ -15,7 +15,7 @@ from agents.snapshot import Snapshot
 from agents.spec import Spec
 from agents.state.agent_rows import Crashes
 from app.viewer.run.kernel_compiler import CompileEstimate
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from worlds.input_error import InputError
 from worlds.world import World
 
@@ -148,7 +148,7 @@ class StubFlock:
 
 def timed_stub(dt: float = 0.02, unit: str = "s", strict: bool = False, **more) -> StubFlock:
     """A stub with a title, a time and, if `strict`, a range of its own."""
-    flock = StubFlock(at_home(agents=8), **more)
+    flock = StubFlock(preset_spec(agents=8), **more)
     flock.dt = dt
     flock.model.title, flock.model.body.unit = "Stub", unit
     if strict:

@@ -20,12 +20,12 @@ from websockets.sync.client import connect
 
 from agents.spec import Spec
 from app.front.server import renders_of
-from app.viewer.editing.forms import disc
-from app.viewer.gallery.saved_scene import SavedScene, packed
+from app.viewer.editing.editor import disc
+from app.viewer.gallery.saved_scene import SavedScene, pack_scene
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.panels.sending import ExportPermit
 from app.viewer.run.allowance import Allowance
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_limits import LONGEST, Share
 from tests.live.stand_in import CAMERA
@@ -39,7 +39,7 @@ OPENS = {"X-Flockscope": "scene"}
 
 @pytest.fixture(scope="module")
 def laboratory():
-    made = Laboratory(at_home("vem", agents=50), port=0, speed=60.0, allowance=SMALL)
+    made = Laboratory(preset_spec("vem", agents=50), port=0, speed=60.0, allowance=SMALL)
     assert made.simulation.ready.wait(60)
     yield made
     made.close()
@@ -69,7 +69,7 @@ def browser(laboratory):
 
 @pytest.fixture
 def simulation():
-    made = Simulation(at_home("vem", agents=50), speed=5.0, allowance=SMALL)
+    made = Simulation(preset_spec("vem", agents=50), speed=5.0, allowance=SMALL)
     assert made.ready.wait(60)
     yield made
     made.close()
@@ -91,7 +91,7 @@ def run_of(simulation: Simulation) -> int:
 
 def test_too_many_agents_are_refused_in_words_and_the_flock_goes_on(simulation):
     before = run_of(simulation)
-    simulation.setup(at_home("vem", agents=100_000)).result(60)
+    simulation.setup(preset_spec("vem", agents=100_000)).result(60)
     words = until(lambda: told(simulation), 60)
     space = "\N{NARROW NO-BREAK SPACE}"
     assert words == [f"a class allows 200 agents a student: 100{space}000 asked for"]
@@ -109,7 +109,7 @@ def test_too_many_agents_are_refused_in_words_and_the_flock_goes_on(simulation):
     ],
 )
 def test_agents_of_all_flocks_count(agents, informed, beside, allowed):
-    spec = at_home("hwvem", agents=agents, informed=informed)
+    spec = preset_spec("hwvem", agents=agents, informed=informed)
     if allowed:
         SMALL.demand(spec, beside, None)
     else:
@@ -118,7 +118,7 @@ def test_agents_of_all_flocks_count(agents, informed, beside, allowed):
 
 
 def test_a_scene_in_an_address_is_held_to_the_same(laboratory):
-    scene = quote(packed(SavedScene("many", at_home("vem", agents=5000))))
+    scene = quote(pack_scene(SavedScene("many", preset_spec("vem", agents=5000))))
     answer = ask(laboratory.port, f"/open?scene={scene}&sure=1", OPENS)
     assert answer.status == 400
     assert "a class allows 200 agents" in answer.text
@@ -131,7 +131,7 @@ def test_obstacles_are_counted_whether_built_or_brought(simulation):
     simulation.watch(()).result(60)
     assert len(simulation.run.flock.world.obstacles) == 3
     assert told(simulation) == ["a class allows 3 obstacles a student: 4 asked for"]
-    simulation.setup(at_home("vem", agents=20, world="obstacles")).result(60)
+    simulation.setup(preset_spec("vem", agents=20, world="obstacles")).result(60)
     assert until(lambda: told(simulation), 20) == [
         "a class allows 3 obstacles a student: 12 asked for"
     ]
@@ -152,7 +152,7 @@ def test_changes_of_the_world_are_bounded_a_second(simulation):
 @pytest.mark.parametrize("speed", [math.inf, 1e6])
 def test_a_flock_that_runs_as_fast_as_it_goes_takes_no_more_than_its_share(speed):
     allowance = replace(SMALL, share=0.1, agents=2000)
-    simulation = Simulation(at_home("hwvem", agents=2000), speed=speed, allowance=allowance)
+    simulation = Simulation(preset_spec("hwvem", agents=2000), speed=speed, allowance=allowance)
     try:
         assert simulation.ready.wait(120)
         clock = time.pthread_getcpuclockid(simulation.thread.ident)
@@ -177,7 +177,7 @@ def test_a_flock_that_runs_as_fast_as_it_goes_takes_no_more_than_its_share(speed
 
 def test_while_nobody_looks_it_goes_on_with_few_frames(simulation):
     simulation.run_at(20.0).result(60)
-    simulation.be_seen(False)
+    simulation.set_watched(False)
     until(lambda: simulation.pace.timeout > 0.0, 60)
     frames, began, tick = [], time.monotonic(), simulation.frame.tick
     while time.monotonic() < began + 4.0:
@@ -186,7 +186,7 @@ def test_while_nobody_looks_it_goes_on_with_few_frames(simulation):
         time.sleep(0.01)
     assert 2 <= len(frames) <= 4.0 / SMALL.unseen + 2
     assert simulation.frame.tick - tick > 20
-    simulation.be_seen(True)
+    simulation.set_watched(True)
     last = simulation.frame
     until(lambda: simulation.frame is not last)
     assert simulation.pace.timeout == 0.0
@@ -242,7 +242,7 @@ def test_files_are_made_one_after_the_other_of_all_pages():
     busy, most = [0], [0]
 
     def make(making: ExportPermit) -> None:
-        with making.turn():
+        with making.take_turn():
             busy[0] += 1
             most[0] = max(most[0], busy[0])
             time.sleep(0.02)
@@ -276,11 +276,11 @@ def test_no_recording_is_opened_and_files_are_small(laboratory, monkeypatch):
 
 
 def test_without_an_allowance_everything_is_as_it_was():
-    simulation = Simulation(at_home("vem", agents=300), running=False)
+    simulation = Simulation(preset_spec("vem", agents=300), running=False)
     try:
         assert simulation.ready.wait(60)
-        simulation.be_seen(False)
-        simulation.setup(at_home("vem", agents=1000)).result(60)
+        simulation.set_watched(False)
+        simulation.setup(preset_spec("vem", agents=1000)).result(60)
         until(lambda: run_of(simulation) >= 1000, 60)
         assert simulation.pace.timeout == 0.0
         assert simulation.keeping.wait == 0.0
@@ -292,7 +292,7 @@ def test_what_was_not_taken_while_somebody_looked_is_not_for_when_nobody_does():
     now, worked = [0.0], [0.0]
     share = Share(0.1, lambda: now[0], lambda: worked[0])
     now[0] = 100.0
-    share.become(0.003)
+    share.set_share(0.003)
     worked[0] = 0.012
     share.note()
     assert share.wait() == pytest.approx(LONGEST)

@@ -6,8 +6,8 @@ import threading
 
 import pytest
 
-from app.cli.live.console import SessionConsole
-from app.cli.progress import StopSignals
+from app.cli.live.lab import SessionConsole
+from app.cli.terminal.progress import StopSignals
 from app.viewer.live.panels.log_panel import as_csv
 from app.viewer.live.panels.state_panel import banner_of
 from app.viewer.live.session import DIGITS, TRIES, ArmingCode
@@ -41,18 +41,18 @@ def test_codes_are_six_digits_and_made_by_chance():
 )
 def test_what_cannot_be_a_code_is_no_try(entered):
     code = ArmingCode()
-    assert [code.tried(entered) for _ in range(20)] == ["no code"] * 20
+    assert [code.check(entered) for _ in range(20)] == ["no code"] * 20
     assert code.left == TRIES
 
 
 def test_five_wrong_codes_and_even_the_right_one_is_not_taken():
     code = ArmingCode()
-    assert [code.tried(one) for one in wrong(code, 4)] == ["wrong"] * 4
-    assert code.tried(f" {code.digits}\n") == "right"
+    assert [code.check(one) for one in wrong(code, 4)] == ["wrong"] * 4
+    assert code.check(f" {code.digits}\n") == "right"
     assert code.left == 1
-    assert code.tried(*wrong(code)) == "wrong"
-    assert code.off
-    assert [code.tried(code.digits), code.tried(""), code.left] == ["off", "off", 0]
+    assert code.check(*wrong(code)) == "wrong"
+    assert code.is_off
+    assert [code.check(code.digits), code.check(""), code.left] == ["off", "off", 0]
 
 
 def test_many_at_once_have_five_tries_together():
@@ -60,7 +60,7 @@ def test_many_at_once_have_five_tries_together():
     guesses = wrong(code, 400)
     threads = [
         threading.Thread(
-            target=lambda part: verdicts.extend(map(code.tried, part)),
+            target=lambda part: verdicts.extend(map(code.check, part)),
             args=(part,),
         )
         for part in (guesses[k::8] for k in range(8))
@@ -97,9 +97,9 @@ def test_wrong_codes_arm_nothing_are_told_and_end_arming_from_browsers_alone(ses
 
     until(lambda: session.status is not None)
     now = banner_of(session.state, session.status)
-    assert not now.armable
+    assert not now.can_be_armed
     assert "terminal" in now.reasons[0]
-    SessionConsole(session, StopSignals(), verbose=False).obey("a")
+    SessionConsole(session, StopSignals(), verbose=False).handle_key("a")
     until(lambda: session.status.arm == "armed")
     session.emergency("browser 9")
     until(lambda: session.status.arm == "emergency")
@@ -124,7 +124,7 @@ def test_neither_the_code_nor_a_guess_is_written_down(sessions, capsys):
     for guess in (*guesses, session.code.digits):
         session.arm_by_code(guess, "browser 1")
     until(lambda: session.status.arm == "armed")
-    console.see()
+    console.print_news()
     printed = capsys.readouterr()
     written = (
         as_csv(session.events)

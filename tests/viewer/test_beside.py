@@ -15,8 +15,8 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.spec import Spec
 from app.cli.lab import parameters
-from app.viewer.lab.panels.flock_monitors import compared
-from app.viewer.lab.panels.setup import NOBODY, SetupPanel, differs
+from app.viewer.lab.panels.flock_monitors import compare_table
+from app.viewer.lab.panels.setup import NOBODY, SetupPanel, describe_differences
 from app.viewer.run.flock_run import ComparedFlockError
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.paired_run import (
@@ -25,9 +25,9 @@ from app.viewer.run.paired_run import (
     naming_errors,
     pace_note,
     ratio,
-    shared_by,
+    shared_model_parameters,
 )
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from tests.viewer.stub_flock import timed_stub
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
@@ -37,7 +37,7 @@ SAME = ("position", "heading", "informed", "ids")
 
 def pair(model: str = "hwvem", beside: str = "vem-a", **given) -> PairedRun:
     own = given.pop("own", {})
-    first = Flock(at_home(model, **({"seed": 4, "agents": 12} | given)))
+    first = Flock(preset_spec(model, **({"seed": 4, "agents": 12} | given)))
     return PairedRun(first, companion(first, Spec(beside, parameters=own)), 1, FrameRequest())
 
 
@@ -131,16 +131,16 @@ def test_real_models_with_ticks_of_different_length_keep_one_time():
 def test_what_two_models_declare_alike_is_shared():
     nearest = {"neighbours", "k"}  # which hwvem does not have
     whole = set(MODELS["vem-a-nav"].parameters.model_fields)
-    assert shared_by("hwvem-nav", "vem-a-nav") == whole - nearest
+    assert shared_model_parameters("hwvem-nav", "vem-a-nav") == whole - nearest
     lone = set(MODELS["olfati-saber"].parameters.model_fields)
-    lone -= shared_by("boundary-points", "olfati-saber")
+    lone -= shared_model_parameters("boundary-points", "olfati-saber")
     assert lone == {"beta", "d_beta"}
     # Of one name, but of another unit, or published at another value: each its own.
-    assert shared_by("vem", "olfati-saber") == set()
-    assert shared_by("hwvem-nav", "hwvem") & {"eta", "v0"} == set()
+    assert shared_model_parameters("vem", "olfati-saber") == set()
+    assert shared_model_parameters("hwvem-nav", "hwvem") & {"eta", "v0"} == set()
     for one in MODELS:
         for other in MODELS:
-            assert shared_by(one, other) == shared_by(other, one)
+            assert shared_model_parameters(one, other) == shared_model_parameters(other, one)
 
 
 def test_a_shared_parameter_is_set_in_both_and_the_others_in_one():
@@ -193,12 +193,12 @@ def test_an_agent_is_looked_at_in_the_flock_it_is_in():
     frame = both.look(closely=True)
     assert (frame.title, frame.beside.title) == (MODELS["vem-a"].title, "Vicsek model")
     assert frame.beside.speed_scale == frame.speed_scale
-    both.want(FrameRequest(row=5, beside=True))
+    both.set_request(FrameRequest(row=5, beside=True))
     until(lambda: both.look(closely=False).beside.inspected, 60)
     frame = both.look(closely=False)
     assert frame.inspected is None
     assert frame.beside.inspected.row == 5
-    both.want(FrameRequest(row=5))
+    both.set_request(FrameRequest(row=5))
     until(lambda: both.look(closely=False).inspected, 60)
     assert both.look(closely=False).beside.inspected is None
 
@@ -227,7 +227,7 @@ def test_both_are_saved_in_one_file():
     assert list(specs) == ["1-hwvem.toml", "2-vem-a.toml"]
     models = [tomlkit.parse(text.decode())["model"] for text in specs.values()]
     assert models == ["hwvem", "vem-a"]
-    states = unpacked(both.saved())
+    states = unpacked(both.save())
     assert list(states) == ["1-hwvem.parquet", "2-vem-a.parquet"]
     assert all(pq.read_table(io.BytesIO(one)).num_rows == 13 for one in states.values())
 
@@ -266,11 +266,11 @@ def test_beside_are_offered_the_models_that_fit_the_dimension():
 
 
 def test_a_difference_beside_is_one_that_setup_makes():
-    assert differs((at_home(), None), (at_home(), Spec("vem"))) == ["beside"]
+    assert describe_differences((preset_spec(), None), (preset_spec(), Spec("vem"))) == ["beside"]
 
 
 def test_a_table_leaves_open_what_one_of_them_lacks():
-    table = compared("Flock", ("a", "b"), {"x": "1", "y": "2"}, {"x": "3"})
+    table = compare_table("Flock", ("a", "b"), {"x": "1", "y": "2"}, {"x": "3"})
     assert "<td>x</td><td>1</td><td>3</td>" in table
     assert "<td>y</td><td>2</td><td>–</td>" in table
-    assert compared("Mission", ("a", "b"), {}, {}) == ""
+    assert compare_table("Mission", ("a", "b"), {}, {}) == ""

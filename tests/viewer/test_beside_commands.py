@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from agents.spec import Spec
-from app.viewer.editing import forms
-from app.viewer.run.run_preset import at_home
+from app.viewer.editing.editor import disc
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock, timed_stub
 from tests.viewer.waiting import until
@@ -35,7 +35,7 @@ def simulate():
 
 
 def test_step_set_reset_and_setup_act_on_both(simulate):
-    simulation = simulate(at_home("hwvem", agents=12, seed=4), Spec("vem-a"))
+    simulation = simulate(preset_spec("hwvem", agents=12, seed=4), Spec("vem-a"))
     begun = simulation.frame.position.copy()
     assert np.array_equal(simulation.frame.beside.position, begun)
     simulation.set("eta", 1.5).result(60)
@@ -57,7 +57,7 @@ def test_step_set_reset_and_setup_act_on_both(simulate):
 
 
 def test_reset_keeps_what_only_the_second_has(simulate):
-    simulation = simulate(at_home("boundary-points", agents=6), Spec("olfati-saber"))
+    simulation = simulate(preset_spec("boundary-points", agents=6), Spec("olfati-saber"))
     simulation.set("d_beta", 2.5, beside=True).result(60)
     assert simulation.state.beside_values["d_beta"] == 2.5
     simulation.reset()
@@ -66,7 +66,7 @@ def test_reset_keeps_what_only_the_second_has(simulate):
 
 
 def test_a_second_flock_that_cannot_be_built_leaves_the_old_ones(simulate):
-    simulation = simulate(at_home("hwvem", agents=12), Spec("vem-a"))
+    simulation = simulate(preset_spec("hwvem", agents=12), Spec("vem-a"))
     simulation.setup(simulation.state.spec.but(dim=3), Spec("ivem"))
     notice = simulation.notices.get(timeout=60)
     assert notice.startswith("Improved Vicsek model: dim = 3")
@@ -76,13 +76,13 @@ def test_a_second_flock_that_cannot_be_built_leaves_the_old_ones(simulate):
 
 
 def test_an_edit_of_the_world_is_one_of_both(simulate):
-    simulation = simulate(at_home("hwvem-nav", world="obstacles", agents=9), Spec("vem-a-nav"))
-    simulation.edits.change(lambda editor: editor.add(forms.disc((44.0, 20.0), 2.0))).result(60)
+    simulation = simulate(preset_spec("hwvem-nav", world="obstacles", agents=9), Spec("vem-a-nav"))
+    simulation.edits.change(lambda editor: editor.add(disc((44.0, 20.0), 2.0))).result(60)
     first, second = (one.flock for one in simulation.run.both)
     assert first.world is second.world is simulation.edits.editor.world
     assert len(first.world.obstacles) == 13
     spot = first.position[3].copy()
-    change: Callable = lambda editor: editor.add(forms.disc(tuple(spot), 0.4))  # noqa: E731
+    change: Callable = lambda editor: editor.add(disc(tuple(spot), 0.4))  # noqa: E731
     simulation.edits.change(change).result(60)
     assert np.array_equal(first.position, second.position)
     assert np.linalg.norm(first.position[3] - spot) > 0.4
@@ -104,7 +104,7 @@ def broken_beside(_first, _beside: Spec, error: Exception) -> StubFlock:
 )
 def test_a_broken_second_flock_is_named_and_stops_both(simulate, error, words, told, capfd):
     simulation = simulate(
-        at_home(agents=8),
+        preset_spec(agents=8),
         Spec("vem"),
         speed=200.0,
         build=lambda _start: timed_stub(),

@@ -15,7 +15,7 @@ from app.viewer.scene.shown.frame_interpolator import (
     SLOW,
     STEP,
     FrameInterpolator,
-    on_the_way,
+    interpolate,
 )
 from worlds.world import World
 
@@ -55,15 +55,15 @@ def test_agents_are_halfway_at_half_the_time_and_then_the_frame_itself_is_shown(
 
 
 def test_across_the_edge_the_way_is_the_shortest():
-    shown = on_the_way(frame(0, [[9.8, 5.0]]), frame(1, [[0.2, 5.0]]), 0.75)
+    shown = interpolate(frame(0, [[9.8, 5.0]]), frame(1, [[0.2, 5.0]]), 0.75)
     np.testing.assert_allclose(shown.position, [[0.1, 5.0]])
     np.testing.assert_allclose(
-        on_the_way(frame(0, [[9.8, 5.0]]), frame(1, [[0.2, 5.0]]), 0.25).position, [[9.9, 5.0]]
+        interpolate(frame(0, [[9.8, 5.0]]), frame(1, [[0.2, 5.0]]), 0.25).position, [[9.9, 5.0]]
     )
 
 
 def test_who_turns_back_turns_at_once():
-    shown = on_the_way(frame(0, [[1.0, 1.0]]), frame(1, [[1.0, 1.0]], np.pi), 0.5)
+    shown = interpolate(frame(0, [[1.0, 1.0]]), frame(1, [[1.0, 1.0]], np.pi), 0.5)
     np.testing.assert_allclose(shown.heading, [[-1.0, 0.0]], atol=1e-9)
 
 
@@ -74,7 +74,7 @@ def test_who_turns_back_turns_at_once():
 )
 def test_places_stay_in_the_world_and_headings_stay_units(numbers, angle, share):
     a, b = frame(0, [numbers[:2]]), frame(1, [numbers[2:]], angle)
-    shown = on_the_way(a, b, share)
+    shown = interpolate(a, b, share)
     assert np.all((shown.position >= 0.0) & (shown.position <= SIDE))
     np.testing.assert_allclose(np.linalg.norm(shown.heading, axis=1), 1.0)
 
@@ -105,5 +105,5 @@ def test_a_step_takes_a_moment_though_the_run_is_paused():
 def test_two_flocks_go_together():
     one = frame(0, [[1.0, 1.0]], beside=frame(0, [[4.0, 4.0]]))
     two = frame(1, [[2.0, 1.0]], beside=frame(1, [[4.0, 5.0]]))
-    shown = on_the_way(one, two, 0.5)
+    shown = interpolate(one, two, 0.5)
     np.testing.assert_allclose(shown.beside.position, [[4.0, 4.5]])

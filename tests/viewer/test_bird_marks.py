@@ -58,7 +58,7 @@ def test_a_mark_stands_where_it_crashed_and_fades():
         made = shown(one)
         draw(marks, made)
         node = scene.there("/flock/crashes")
-        at = made.stage.shown(place)[0]
+        at = made.stage.to_display(place)[0]
         level = node.points[np.ptp(node.points[..., 2], axis=1) == 0.0]
         assert level[..., 2] == pytest.approx(at[2], abs=1e-5)
         assert level.reshape(-1, 3).mean(axis=0) == pytest.approx(at, abs=1e-5)
@@ -77,4 +77,4 @@ def test_of_very_many_crashes_the_latest_are_marked():
     one = frame([heading(0.0)], 10_000, crashes=crashed(places, list(range(3 * MOST_CRASHES))))
     draw(marks, shown(one))
     drawn = scene.there("/flock/crashes").points.reshape(MOST_CRASHES, -1, 3).mean(axis=1)
-    assert drawn == pytest.approx(shown(one).stage.shown(places[-MOST_CRASHES:]), abs=1e-5)
+    assert drawn == pytest.approx(shown(one).stage.to_display(places[-MOST_CRASHES:]), abs=1e-5)

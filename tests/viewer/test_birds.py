@@ -9,11 +9,18 @@ from hypothesis import strategies as st
 
 from agents import Flock
 from app.viewer.run.frame_builder import FrameBuilder
-from app.viewer.scene.draw.agent_meshes import SHOULDER, TIP, beaten, body, wings
-from app.viewer.scene.draw.attitude import OF_LENGTH, attitude, nose, rolled
+from app.viewer.scene.draw.agent_meshes import SHOULDER, TIP, body, wing_scales, wings
+from app.viewer.scene.draw.attitude import OF_LENGTH, attitude, nose, roll_attitudes
 from app.viewer.scene.draw.drawn_frame import KEPT, POINTS_BEYOND
 from app.viewer.scene.drawing import AGENT_BYTES, BIRD_BYTES, load
-from app.viewer.scene.marks.agents import FLAT, FOLDED, SCALE, FlockMotion, leftwards, upwards
+from app.viewer.scene.marks.agents import (
+    FLAT,
+    FOLDED,
+    SCALE,
+    FlockMotion,
+    left_directions,
+    up_directions,
+)
 from app.viewer.scene.scene import Parts
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.drawing_style import BIRDS_UP_TO, DrawingStyle
@@ -38,7 +45,7 @@ def test_the_meshes_are_as_alike_on_the_left_as_on_the_right():
 
 @given(st.floats(-1.2, 1.2))
 def test_a_scale_turns_both_wings_up_by_the_angle(angle):
-    scale = beaten(np.array([angle]))[0]
+    scale = wing_scales(np.array([angle]))[0]
     for side in (1.0, -1.0):
         tip = np.array([-0.13, side * TIP, TIP]) * scale
         expected = np.array([-0.13, side * TIP * np.cos(angle), TIP * np.sin(angle)])
@@ -53,13 +60,13 @@ def test_a_roll_keeps_the_nose_and_turns_the_wings(seed):
     ahead /= np.linalg.norm(ahead)
     roll = rng.uniform(-1.5, 1.5, 1)
     plain = attitude(ahead)
-    made = rolled(plain, roll)
+    made = roll_attitudes(plain, roll)
     assert nose(made[0]) == pytest.approx(ahead[0], abs=1e-6)
     left, over = (rotated(plain[0], np.eye(3)[k]) for k in (1, 2))
     expected = np.cos(roll[0]) * left + np.sin(roll[0]) * over
     assert rotated(made[0], np.array([0.0, 1.0, 0.0])) == pytest.approx(expected, abs=1e-6)
-    assert leftwards(made)[0] == pytest.approx(expected, abs=1e-5)
-    assert upwards(made)[0] == pytest.approx(np.cross(ahead[0], expected), abs=1e-5)
+    assert left_directions(made)[0] == pytest.approx(expected, abs=1e-5)
+    assert up_directions(made)[0] == pytest.approx(np.cross(ahead[0], expected), abs=1e-5)
 
 
 def test_the_crashed_fall_nose_down_and_lie_flat_in_a_colour_of_their_own():
@@ -73,11 +80,11 @@ def test_the_crashed_fall_nose_down_and_lie_flat_in_a_colour_of_their_own():
     poses = flight.follow(made)
     assert nose(poses.wxyz[0])[2] == pytest.approx(np.sin(0.7), abs=1e-5)
     assert nose(poses.wxyz[1])[2] < -0.8
-    assert upwards(poses.wxyz)[2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)
+    assert up_directions(poses.wxyz)[2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)
     assert poses.beat[1:] == pytest.approx([FOLDED, FLAT])
     assert made.colour[1:] == pytest.approx(np.tile(palette.CRASHED, (2, 1)))
     assert nose(made.wxyz[2])[2] == pytest.approx(0.0, abs=1e-6)
-    lifted = made.at[:, 2] - made.stage.shown(one.position)[:, 2]
+    lifted = made.at[:, 2] - made.stage.to_display(one.position)[:, 2]
     assert lifted[0] == 0.0
     assert np.all(lifted[1:] > 0.0)
 
@@ -162,11 +169,11 @@ def test_a_frame_holds_who_flies_what_is_saved_and_the_distance_kept():
     flock = Flock("thesis", agents=12, rng=1)
     flock.arrays.crash_record[3] = (0.0, 1.0, *flock.position[3])
     flock.speed[3] = 1e3
-    taken = FrameBuilder(flock, 1).take()
-    assert np.flatnonzero(taken.down).tolist() == [3]
+    taken = FrameBuilder(flock, 1).build()
+    assert np.flatnonzero(taken.is_down).tolist() == [3]
     assert taken.crashes.row.tolist() == [3]
     assert taken.speed_scale == np.delete(flock.speed, 3).max()
     assert np.isnan(taken.saved).all()
     assert taken.kept == flock.parameters.d_r
-    plain = FrameBuilder(Flock("vem", agents=3, dim=3, rng=1), 1).take()
+    plain = FrameBuilder(Flock("vem", agents=3, dim=3, rng=1), 1).build()
     assert (plain.active, plain.crashes, plain.saved, plain.kept) == (None, None, None, np.inf)

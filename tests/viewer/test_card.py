@@ -16,7 +16,7 @@ from agents.inspection import Inspection
 from agents.models.model import vector_name
 from app.viewer.lab.panels.inspector import FIRST, ON_ITS_WAY, Inspector, facts, folds, head
 from app.viewer.run.frame_builder import FrameBuilder
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.scene.shown.frame import Frame
 
 VALUE = 0.25
@@ -25,7 +25,7 @@ ANGLES, UNIT_FREE = {"heading", "climb"}, {"group", "listens to"}
 
 def inspected(name: str) -> tuple[Frame, Inspection]:
     """Agent 3 of a model at home that hears agents 1 and 2, one of them thrice as much."""
-    flock = Flock(at_home(name, seed=3, agents=5))
+    flock = Flock(preset_spec(name, seed=3, agents=5))
     rule, body, dim = flock.model.rule, flock.model.body, flock.world.dim
     forces = {force: np.arange(1.0, dim + 1) for force in (*rule.forces, *body.forces)}
     seen = Inspection(
@@ -40,7 +40,7 @@ def inspected(name: str) -> tuple[Frame, Inspection]:
         minds=True,
         model=flock.model,
     )
-    return FrameBuilder(flock, 1).take(), seen
+    return FrameBuilder(flock, 1).build(), seen
 
 
 def rows(text: str) -> dict[str, str]:

@@ -21,7 +21,7 @@ from app.viewer.scene.marks.car_outlines import RADIUS, StuckMarks
 from app.viewer.scene.marks.fleet import wheels
 from app.viewer.scene.marks.flock_marks import RADIUS_CAR
 from app.viewer.scene.marks.labels import name
-from app.viewer.scene.marks.mission_marks import InjectedCar, MissionMarks, along_route
+from app.viewer.scene.marks.mission_marks import InjectedCar, MissionMarks, route_azimuth
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
 from app.viewer.scene.shown.frame import MissionProgress, cars
@@ -95,7 +95,7 @@ def test_a_flock_of_cars_is_drawn_as_cars_and_any_other_as_before():
         np.array([[-1.25, 0.625, 0.0], [0.0, 0.625, 0.0], [1.25, 0.625, 0.0]])
     )
     assert hulls.batched_scales[0, :2] == pytest.approx([0.22 * 1.25, 0.12 * 1.25])
-    assert hulls.batched_colors.tolist() == palette.lit(shown(frame()).colour).tolist()
+    assert hulls.batched_colors.tolist() == palette.lit_bytes(shown(frame()).colour).tolist()
     assert len(node(scene, "/cars/wheels").batched_positions) == 12
 
 
@@ -138,7 +138,7 @@ def test_the_injected_car_looks_along_its_route_and_then_where_it_goes():
     assert looks(2, 1.0, 0.5) == pytest.approx([0.0, -1.0], abs=1e-6)
     assert looks(0, -1.0, -1.0, run=2) == pytest.approx([half, -half], abs=1e-6)
     still = replace(AREA, mission=Mission(goal=Goal(route=((1.0, 1.0),))))
-    assert along_route(shown(frame(world=still)), np.array([1.0, 1.0])) == 0.0
+    assert route_azimuth(shown(frame(world=still)), np.array([1.0, 1.0])) == 0.0
 
 
 def test_the_fence_is_half_a_metre_inside_an_open_area_of_cars():
@@ -189,7 +189,7 @@ def test_a_camera_tells_what_the_bodies_know(model):
     flock = Flock(model, agents=3, rng=2, world="cars-circle")
     for ticks in (0, 30):
         flock.advance(ticks)
-        taken = FrameBuilder(flock, run=1).take()
+        taken = FrameBuilder(flock, run=1).build()
         assert (taken.cars.length, taken.cars.width) == (0.22, 0.12)
         assert np.isfinite(taken.cars.steering).all()
         assert not taken.cars.stuck.any()

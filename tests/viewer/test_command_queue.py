@@ -7,7 +7,7 @@ import threading
 import pytest
 
 from app.viewer.run.command_queue import MOST, MOST_TICKS, CommandQueue
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
@@ -17,7 +17,7 @@ from worlds.input_error import InputError
 @pytest.fixture
 def held():
     """A simulation whose thread stands in a command until the event is set."""
-    simulation = Simulation(at_home(), running=False, build=StubFlock)
+    simulation = Simulation(preset_spec(), running=False, build=StubFlock)
     assert simulation.ready.wait(60)
     go_on, stands = threading.Event(), threading.Event()
 
@@ -104,7 +104,7 @@ def test_resets_and_set_ups_that_wait_are_one(held):
     simulation, go_on = held
     for k in range(100):
         simulation.reset()
-        simulation.setup(at_home(agents=2 + k))
+        simulation.setup(preset_spec(agents=2 + k))
     assert len(simulation.commands.waiting) == 1
     go_on.set()
     until(lambda: simulation.state.agents == 101, 60)
@@ -120,9 +120,13 @@ def test_more_than_can_wait_is_refused_and_what_can_be_merged_is_not(held):
         refused[0].result()
     assert "too much at once" in simulation.notices.get(timeout=60)
     paused = simulation.pause()
-    kept = [simulation.setup(at_home(agents=2 + k)) for k in range(9)]
+    kept = [simulation.setup(preset_spec(agents=2 + k)) for k in range(9)]
     kept += [simulation.set("eta", 0.1 * k) for k in range(9)]
-    kept += [simulation.setup(at_home(agents=50)), simulation.set("eta", 1.0), simulation.step()]
+    kept += [
+        simulation.setup(preset_spec(agents=50)),
+        simulation.set("eta", 1.0),
+        simulation.step(),
+    ]
     assert len(simulation.commands.waiting) == MOST + 4
     assert not any(answer.done() for answer in kept)
     go_on.set()

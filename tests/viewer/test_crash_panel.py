@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agents.state.agent_rows import Crashes
-from app.viewer.lab.panels.flock_monitors import LATEST, crash_counts, listed
+from app.viewer.lab.panels.flock_monitors import LATEST, crash_counts, crash_table
 
 
 def crashes_at(*ticks: int) -> Crashes:
@@ -34,7 +34,7 @@ def test_they_are_counted_by_when_they_happened(ticks, text):
 
 
 def test_the_latest_are_listed_newest_first_with_cause_and_place():
-    text = listed(crashes_at(0, 0, 1, 2, 3, 40), "safe")
+    text = crash_table(crashes_at(0, 0, 1, 2, 3, 40), "safe")
     assert "safe" in text
     assert text.count("<tr>") == 1 + LATEST
     rows = text.split("<tr>")[2:]
@@ -42,4 +42,4 @@ def test_the_latest_are_listed_newest_first_with_cause_and_place():
     assert "15.0, 16.0, 17.0" in rows[0]
     assert rows[1].startswith("<td>3</td><td>15</td><td>another agent</td>")
     assert rows[-1].startswith("<td>0</td><td>12</td>")
-    assert listed(crashes_at(5)).count("<tr>") == 1 + 1
+    assert crash_table(crashes_at(5)).count("<tr>") == 1 + 1

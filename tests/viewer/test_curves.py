@@ -13,8 +13,8 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.observables.catalogue import default_charts
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.observable_curves import chart_title, choices, points, steps, together
-from app.viewer.measuring.observable_format import offered
+from app.viewer.measuring.observable_curves import align_curves, chart_title, choices, points, steps
+from app.viewer.measuring.observable_format import offered_observables
 from app.viewer.measuring.time_series import POINTS, TimeSeries
 
 
@@ -82,26 +82,28 @@ def test_steps_count_what_has_been(ticks, later, last):
 def test_curves_share_the_ticks_of_all_and_the_time_of_the_first():
     first = series_of((0, 10, 20, 30)).arrays()
     second = series_of((0, 2, 5), lambda tick: 100.0 * tick).arrays()
-    at, own, other, none = together([first, second, TimeSeries().arrays()], [1.0, 5.0, 1.0])
+    at, own, other, none = align_curves([first, second, TimeSeries().arrays()], [1.0, 5.0, 1.0])
     assert at.tolist() == own.tolist() == [0, 10, 20, 25, 30]
     assert other.tolist() == [0.0, 200.0, pytest.approx(200 + 1000 / 5 * 2 / 2 * 1.0), 500.0, 500.0]
     assert np.isnan(none).all()
-    assert np.isnan(np.concatenate(together([TimeSeries().arrays()], [1.0])[1:])).all()
+    assert np.isnan(np.concatenate(align_curves([TimeSeries().arrays()], [1.0])[1:])).all()
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_every_model_brings_plots_that_can_be_chosen(name):
     flock = Flock(name, agents=4, rng=1)
-    usual_ones = default_charts(flock.model, offered(flock))
+    usual_ones = default_charts(flock.model, offered_observables(flock))
     assert len(usual_ones) == 3
-    assert set(usual_ones) <= set(choices(offered(flock)).values())
-    assert all(choices(offered(flock))[chart_title(names)] == names for names in usual_ones)
+    assert set(usual_ones) <= set(choices(offered_observables(flock)).values())
+    assert all(
+        choices(offered_observables(flock))[chart_title(names)] == names for names in usual_ones
+    )
 
 
 def test_a_model_brings_what_matters_for_it():
     def brought(name: str) -> tuple:
         flock = Flock(name, agents=4, rng=1)
-        return default_charts(flock.model, offered(flock))
+        return default_charts(flock.model, offered_observables(flock))
 
     assert brought("couzin")[0] == ("polarisation", "angular-momentum")
     assert brought("safe") == (("groups",), ("polarisation",), ("crashes",))
@@ -115,7 +117,7 @@ def test_a_model_brings_what_matters_for_it():
 def test_agreement_with_a_leader_is_plotted_where_one_leads():
     def first(**given) -> tuple:
         flock = Flock("hwvem", agents=4, rng=1, **given)
-        return default_charts(flock.model, offered(flock))[0]
+        return default_charts(flock.model, offered_observables(flock))[0]
 
     assert first(informed=1) == ("polarisation", "consistency")
     assert first(informed=0) == ("polarisation",)

@@ -15,7 +15,7 @@ from agents.catalogue import MODELS
 from agents.models.declare import Parameters, declared, parameter
 from agents.models.slider_range import fits_default, is_wide
 from app.front.server import admit_browsers, close_server, open_server
-from app.viewer.panels.dials import Dials, decimals, step_of, stops, widened
+from app.viewer.panels.dials import Dials, decimals, slider_stops, step_of, widen_range
 from app.viewer.panels.parameters import add_control
 
 EVERY_MODEL = pytest.mark.parametrize("model", MODELS.values(), ids=lambda model: model.name)
@@ -46,7 +46,7 @@ def numbers(model) -> list:
 def test_sliders_can_be_put_on_the_default_the_ends_and_round_numbers_between(model):
     for one in numbers(model):
         low, high = one.proposed
-        made = stops(low, high, step_of(one), one.default)
+        made = slider_stops(low, high, step_of(one), one.default)
         assert (made[0], made[-1]) == (low, high)
         assert one.default in made
         assert made == sorted(set(made))
@@ -64,7 +64,7 @@ def test_no_slider_stands_at_an_end_unless_that_is_where_the_range_ends(model):
 
 
 def test_a_scale_of_logarithms_has_as_many_stops_in_every_decade_and_no_gaps():
-    made = stops(0.001, 10.0, 0.01, 0.01)
+    made = slider_stops(0.001, 10.0, 0.01, 0.01)
     assert made[:4] == [0.001, 0.0011, 0.0012, 0.0013]
     for low in (0.001, 0.01, 0.1, 1.0):
         assert sum(low <= one < 10.0 * low * (1.0 - 1e-9) for one in made) == 90
@@ -87,7 +87,7 @@ def test_a_scale_of_logarithms_has_as_many_stops_in_every_decade_and_no_gaps():
     ],
 )
 def test_a_slider_grows_to_show_what_is_allowed_and_outside(shown, value, allowed, wanted):
-    assert widened(shown, value, allowed) == wanted
+    assert widen_range(shown, value, allowed) == wanted
 
 
 @EVERY_MODEL
@@ -98,7 +98,7 @@ def test_every_number_that_is_allowed_can_be_shown_and_typed(model):
             one.high,
             *(t.set[one.name] for t in model.to_try if one.name in t.set),
         ):
-            low, high = widened(one.proposed, value, (one.low, one.high))
+            low, high = widen_range(one.proposed, value, (one.low, one.high))
             assert low <= value <= high or (value <= 0.0 and is_wide(low, high))
         for value in (one.low, one.high, one.default):
             assert round(value, decimals(one)) == pytest.approx(value, rel=1e-6)

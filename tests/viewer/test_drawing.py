@@ -12,8 +12,8 @@ from app.viewer.scene.draw.attitude import (
     OF_LENGTH,
     ROUND,
     attitude,
-    places,
     quantise_attitudes,
+    rounded_places,
 )
 from app.viewer.scene.drawing import REST, Drawing, Rates, period
 from app.viewer.scene.shown.drawing_style import DrawingStyle
@@ -43,7 +43,7 @@ class Stand:
         """Have it draw for so long."""
         end = self.time() + seconds
         while self.time() < end:
-            self.drawing.turn()
+            self.drawing.draw_once()
 
     def another(self) -> None:
         """There is a frame that was not shown yet."""
@@ -69,7 +69,7 @@ class Stand:
 def stand(**changes) -> Stand:
     """A drawing that has drawn its first frame."""
     made = Stand(frame([heading(0.0)] * 3), **changes)
-    made.drawing.turn()
+    made.drawing.draw_once()
     assert len(made.shown) == 1
     return made
 
@@ -106,7 +106,7 @@ def test_with_nobody_there_little_is_drawn_and_who_comes_is_shown_what_is():
 
     def come() -> None:
         made.watched = 1
-        made.drawing.welcome()
+        made.drawing.show_to_newcomer()
 
     made.time.at(came, come)
     made.run(0.2)
@@ -127,7 +127,7 @@ def test_panels_show_at_once_what_has_been_pressed():
     made.run(0.2)
     assert made.panels == before
     made.state = 1
-    made.drawing.turn()
+    made.drawing.draw_once()
     assert made.panels == before + 1
 
 
@@ -153,7 +153,7 @@ def test_a_class_has_a_bandwidth_of_its_own():
 @pytest.mark.parametrize("length", [2.0, 0.3, 0.04, 0.003])
 def test_places_are_off_by_less_than_can_be_seen(length):
     at = np.random.default_rng(1).uniform(-5.0, 5.0, (500, 3))
-    off = np.abs(places(at, length) - at).max()
+    off = np.abs(rounded_places(at, length) - at).max()
     assert off <= 0.5 * min(FINE, OF_LENGTH * length) + 1e-6
     assert off > 0.1 * min(FINE, 0.5 * OF_LENGTH * length)
 

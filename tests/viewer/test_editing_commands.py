@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from agents.spec import Spec
-from app.viewer.editing import forms
-from app.viewer.editing.editor import Editor
-from app.viewer.run.run_preset import at_home
+from app.viewer.editing.editor import Editor, disc, polygon
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
@@ -20,7 +19,7 @@ from worlds.obstacles import rectangle
 from worlds.queries.clearance import clearance
 from worlds.world import World
 
-START = at_home(agents=300, size=10.0)
+START = preset_spec(agents=300, size=10.0)
 """So many that their distances are not watched."""
 
 
@@ -50,8 +49,8 @@ def simulation():
 
 
 def add(simulation: Simulation, at=(5.0, 5.0), radius=2.0) -> int:
-    simulation.edits.change(lambda editor: editor.add(forms.disc(at, radius))).result(60)
-    return simulation.edits.editor.newest
+    simulation.edits.change(lambda editor: editor.add(disc(at, radius))).result(60)
+    return simulation.edits.editor.newest_key
 
 
 def test_an_obstacle_is_there_at_once_and_agents_under_it_come_out(simulation):
@@ -94,9 +93,9 @@ def test_what_is_refused_is_told_and_changes_nothing(simulation):
     add(simulation)
     world, editor = simulation.run.flock.world, simulation.edits.editor
     with pytest.raises(InputError, match="crosses itself"):
-        simulation.edits.change(
-            lambda e: e.add(forms.polygon([(0, 0), (4, 4), (4, 0), (0, 4)]))
-        ).result(60)
+        simulation.edits.change(lambda e: e.add(polygon([(0, 0), (4, 4), (4, 0), (0, 4)]))).result(
+            60
+        )
     assert "crosses itself" in simulation.notices.get(timeout=60)
     assert simulation.run.flock.world is world
     assert simulation.edits.editor is editor
@@ -146,7 +145,7 @@ def test_a_drag_over_what_cannot_be_is_silent_and_its_end_is_not(simulation):
 def test_a_drag_goes_on_over_a_setup_without_harm(simulation):
     key = add(simulation, (2.0, 2.0), 0.5)
     simulation.edits.drag("drag", lambda editor: editor.move(key, (1.0, 0.0), gesture="drag"))
-    simulation.setup(at_home(agents=5, size=7.0))
+    simulation.setup(preset_spec(agents=5, size=7.0))
     until(lambda: simulation.state.run == 2)
     simulation.edits.drag("drag", lambda editor: editor.move(key, (2.0, 0.0), gesture="drag"))
     simulation.edits.change(lambda editor: editor).result(60)
@@ -204,12 +203,12 @@ def test_several_people_at_once_leave_a_sound_world_and_a_running_flock(simulati
     def play(number: int) -> None:
         chance = np.random.default_rng(number)
         for _ in range(60):
-            key = simulation.edits.editor.newest - int(chance.integers(-2, 9))
+            key = simulation.edits.editor.newest_key - int(chance.integers(-2, 9))
             x, y = chance.uniform(0, 10, 2)
             gesture = f"{number} {chance.integers(3)}"
             match chance.integers(7):
                 case 0 | 1:
-                    simulation.edits.change(lambda e, at=(x, y): e.add(forms.disc(at, 0.4)))
+                    simulation.edits.change(lambda e, at=(x, y): e.add(disc(at, 0.4)))
                 case 2:
                     simulation.edits.drag(
                         gesture, lambda e, k=key, g=gesture: e.move(k, (0.1, 0), 5, g)
@@ -239,4 +238,4 @@ def test_several_people_at_once_leave_a_sound_world_and_a_running_flock(simulati
     told = set()
     while not simulation.notices.empty():
         told.add(simulation.notices.get())
-    assert {line for line in told if "not there any more" not in line} == set()
+    assert {line for line in told if "does not exist any more" not in line} == set()

@@ -16,7 +16,7 @@ from app.viewer.editing.layout_file import (
     layout_of,
     plain_name,
 )
-from app.viewer.lab.panels.plan_questions import with_answer
+from app.viewer.lab.panels.plan_questions import add_answer
 from worlds.input_error import InputError
 from worlds.mission import Goal, Mission
 from worlds.obstacles import Disc
@@ -61,9 +61,9 @@ def test_what_a_drawing_leaves_open_is_asked_and_answered():
         layout_from_browser("../house.wkt", HOUSE)
     assert str(question.value).startswith("house.wkt, line 1 'A-WALL': it holds all else")
     solid, walls = question.value.choices
-    block = layout_from_browser("house.wkt", HOUSE, with_answer({}, solid, None))
+    block = layout_from_browser("house.wkt", HOUSE, add_answer({}, solid, None))
     assert block.obstacles[0].footprint().area == 168.0
-    room = layout_from_browser("house.wkt", HOUSE, with_answer({}, walls, 0.2))
+    room = layout_from_browser("house.wkt", HOUSE, add_answer({}, walls, 0.2))
     assert room.obstacles[0].footprint().area == pytest.approx(24.2 * 7.2 - 23.8 * 6.8)
 
 

@@ -10,14 +10,14 @@ import pytest
 
 from app.front.controls import set_value
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.lab.panels.setup import differs
+from app.viewer.lab.panels.setup import describe_differences
 from app.viewer.lab.panels.world_panel import BOX, DISC, POLYGON, SELECT
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.scene.marks.handles import Drag
 from tests.viewer.waiting import until
 from worlds.world import World
 
-START = at_home("vem-a", agents=30, seed=2, size=20.0, world="open")
+START = preset_spec("vem-a", agents=30, seed=2, size=20.0, world="open")
 DOWN = np.array([0.0, 0.0, -1.0])
 
 
@@ -73,7 +73,7 @@ def placed(laboratory, x: float = 5.0, y: float = 6.0) -> int:
 
 
 def drag(laboratory, key: int, x: float, done: bool = False, gesture: str = "g") -> None:
-    laboratory.world.dragged(Drag(key, gesture, (x, 0.0, 0.0), 0.0, done))
+    laboratory.world.handle_drag(Drag(key, gesture, (x, 0.0, 0.0), 0.0, done))
 
 
 def test_a_click_places_what_the_tool_says_with_the_measures_of_the_sliders(laboratory):
@@ -181,7 +181,7 @@ def test_a_click_that_does_not_meet_the_floor_places_nothing(laboratory, ray):
 
 def test_the_goal_has_no_handles_where_there_is_none(laboratory):
     assert not laboratory.world.goal.visible
-    laboratory.world.dragged(Drag(0, "goal", (1.0, 0.0, 0.0), 0.0, True))
+    laboratory.world.handle_drag(Drag(0, "goal", (1.0, 0.0, 0.0), 0.0, True))
     assert "no goal" in told(laboratory)
 
 
@@ -194,6 +194,6 @@ def test_setup_proposes_the_world_that_was_built_and_reset_keeps_it(laboratory):
     until(lambda: simulation.state.run > before)
     assert len(simulation.run.flock.world.obstacles) == 1
     state = simulation.state
-    assert differs(laboratory.setup.chosen(), (state.spec, state.beside)) == []
+    assert describe_differences(laboratory.setup.chosen_pairing(), (state.spec, state.beside)) == []
     simulation.edits.change(lambda editor: editor.undo()).result(60)
     until(lambda: "(edited)" not in laboratory.setup.world.value)

@@ -26,14 +26,14 @@ from app.front.server import (
     on_emergency_stop,
     open_server,
 )
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import SCRIPTS
 from app.viewer.live.page import LivePage
 from app.viewer.live.session import Session
 from app.viewer.notebook_view import NotebookAccess, NotebookView
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.watching.watch_page import WatchPage
 from tests.attacks.raw import Raw, said
 from tests.live.stand_in import CAMERA
@@ -80,7 +80,7 @@ class Eager:
 
 def laboratory(port: int, **more) -> Laboratory:
     """One that waits for somebody to watch."""
-    return Laboratory(at_home("vem-a", agents=30, seed=2), port=port, waits=True, **more)
+    return Laboratory(preset_spec("vem-a", agents=30, seed=2), port=port, waits=True, **more)
 
 
 def runs(made: Laboratory) -> bool:
@@ -120,7 +120,7 @@ def test_a_flock_that_is_shown_answers_who_connects_at_the_first_byte(monkeypatc
         "app.viewer.notebook_view.open_server",
         lambda **_: open_server(port=port, front=Front(SCRIPTS)),
     )
-    flock = Flock(at_home("vem-a", agents=30, seed=2))
+    flock = Flock(preset_spec("vem-a", agents=30, seed=2))
     with Eager(port):
         shown = NotebookView(flock, NotebookAccess(), 640, running=True)
         try:

@@ -14,7 +14,7 @@ from app.viewer.scene.marks.agents import (
     NIMBLE,
     STEEPEST,
     FlockMotion,
-    turned_left,
+    left_turns,
 )
 from tests.viewer.sky import STEP, Clock, frame, heading, shown
 from tests.viewer.test_scene_geometry import rotated
@@ -39,7 +39,7 @@ def bank(wxyz: np.ndarray) -> float:
 def test_turning_left_is_above_nought_and_at_most_a_right_angle():
     before = np.array([heading(0.0), heading(1.0), heading(3.0), heading(0.0, 0.5 * np.pi)])
     after = np.array([heading(0.2), heading(0.7), heading(3.0 + np.pi), heading(0.0)])
-    assert turned_left(before, after) == pytest.approx([0.2, -0.3, 0.0, 0.0], abs=1e-9)
+    assert left_turns(before, after) == pytest.approx([0.2, -0.3, 0.0, 0.0], abs=1e-9)
 
 
 @pytest.mark.parametrize("rate", [-1.0, -0.3, 0.3, 1.0])

@@ -17,21 +17,21 @@ from app.viewer.gallery.saved_scene import (
     PACKED,
     SavedScene,
     command_line,
-    packed,
+    pack_scene,
     python,
-    unpacked,
+    unpack_scene,
 )
 from app.viewer.gallery.scene_collection import (
     FIRST,
     GROUPS,
     MODEL,
     WORLD,
-    built_in,
+    built_in_scene,
     cards,
     find_scene,
     scene_names,
 )
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from worlds.input_error import InputError
 from worlds.layout import layout_names
 
@@ -60,7 +60,7 @@ SHOWN = (
 
 @pytest.mark.parametrize(("name", "changes", "measure", "tick", "relation", "bound"), SHOWN)
 def test_a_scene_shows_what_it_says(name, changes, measure, tick, relation, bound):
-    spec = built_in(name).spec
+    spec = built_in_scene(name).spec
     flock = Flock(spec.but(parameters={**spec.parameters, **changes}))
     flock.run(tick)
     value = flock.observe(measure)
@@ -68,7 +68,7 @@ def test_a_scene_shows_what_it_says(name, changes, measure, tick, relation, boun
 
 
 def test_the_rule_beside_the_one_that_gets_out_of_the_pocket_is_far_from_the_goal_by_then():
-    scene = built_in("pocket")
+    scene = built_in_scene("pocket")
     flock = Flock(scene.spec.but(model=scene.beside.model))
     flock.run(3000)
     assert flock.observe("goal-distance") > 15.0
@@ -76,7 +76,7 @@ def test_the_rule_beside_the_one_that_gets_out_of_the_pocket_is_far_from_the_goa
 
 def test_patches_fly_alike_unless_there_is_too_much_noise():
     def alike(**changes):
-        spec = built_in("order").spec
+        spec = built_in_scene("order").spec
         flock = Flock(spec.but(parameters={**spec.parameters, **changes}))
         flock.run(200)
         _, patch = np.unique((flock.position // 3.0).astype(int), axis=0, return_inverse=True)
@@ -97,24 +97,24 @@ def test_people_keep_to_lanes_and_a_hundred_of_them_do_so_less():
             found.append(flock.observe("lane-order"))
         return np.mean(found)
 
-    few = built_in("lanes").spec
+    few = built_in_scene("lanes").spec
     assert order(few) > 1.5 * order(few.but(agents=100))
 
 
 @pytest.mark.parametrize("name", scene_names())
 def test_a_built_in_scene_is_the_same_after_any_way_through_text(name):
-    scene = built_in(name)
+    scene = built_in_scene(name)
     assert scene.watch
     assert scene.tries
     assert SavedScene.from_toml(scene.to_toml(), "text") == scene
-    assert unpacked(packed(scene)) == scene
-    assert len(packed(scene)) < 1000
+    assert unpack_scene(pack_scene(scene)) == scene
+    assert len(pack_scene(scene)) < 1000
 
 
 def test_a_dozen_scenes_and_the_first_is_the_first():
     assert len(scene_names()) >= 12
     assert scene_names()[0] == FIRST
-    assert built_in(FIRST).spec.count > 1000
+    assert built_in_scene(FIRST).spec.count > 1000
 
 
 def test_everything_that_is_built_in_has_a_card_with_a_picture_and_opens():
@@ -132,7 +132,7 @@ def test_everything_that_is_built_in_has_a_card_with_a_picture_and_opens():
             assert scene.spec.world == name.removeprefix(WORLD)
 
 
-MINE = SavedScene("mine", at_home("vem", agents=30), look={"links": True})
+MINE = SavedScene("mine", preset_spec("vem", agents=30), look={"links": True})
 
 
 @pytest.mark.parametrize(
@@ -212,7 +212,9 @@ def test_words_on_a_scene_stay_on_a_line_and_are_no_signs_that_steer():
 
 
 def test_the_script_of_a_scene_makes_its_run():
-    made = SavedScene("mine", at_home("vem", agents=30, seed=5, size=4.0, parameters={"eta": 0.5}))
+    made = SavedScene(
+        "mine", preset_spec("vem", agents=30, seed=5, size=4.0, parameters={"eta": 0.5})
+    )
     assert command_line(made) == "flockscope lab vem --agents 30 --seed 5 --size 4 --set eta=0.5"
     given: dict = {}
     exec(python(made), given)
@@ -223,6 +225,6 @@ def test_the_script_of_a_scene_makes_its_run():
 
 def test_the_words_for_a_world_that_was_changed_ask_for_a_file():
     changed = Flock(Spec("vem", agents=5, seed=1)).world
-    scene = SavedScene("mine", at_home("vem", world=changed))
+    scene = SavedScene("mine", preset_spec("vem", world=changed))
     assert "scene.toml" in command_line(scene)
     assert "spec.toml" in python(scene)

@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 from cli.calling import refusal
 
-from app.cli.lab import opened_by, parameters
-from app.viewer.gallery.scene_collection import FIRST, built_in
+from app.cli.lab import open_argument, parameters
+from app.viewer.gallery.scene_collection import FIRST, built_in_scene
 from tests.cli.test_rule_files import CODE
 from tests.live.stand_in import StandIn
 from tests.viewer.waiting import until
@@ -142,13 +142,13 @@ def test_settings_are_checked_and_a_little_noise_keeps_it_alive():
 
 
 def test_it_opens_scenes_by_name_and_from_files(tmp_path):
-    assert opened_by(None, None, None, None, {}, None) == built_in(FIRST)
-    assert opened_by(None, None, "vem", None, {}, None) is None
-    assert opened_by(None, None, None, None, {"agents": 5}, None) is None
-    assert opened_by(None, "mill", None, None, {}, None) == built_in("mill")
+    assert open_argument(None, None, None, None, {}, None) == built_in_scene(FIRST)
+    assert open_argument(None, None, "vem", None, {}, None) is None
+    assert open_argument(None, None, None, None, {"agents": 5}, None) is None
+    assert open_argument(None, "mill", None, None, {}, None) == built_in_scene("mill")
     file = tmp_path / "mine.toml"
-    file.write_text(built_in("order").to_toml(), encoding="utf-8")
-    assert opened_by(None, str(file), None, None, {}, None) == built_in("order")
+    file.write_text(built_in_scene("order").to_toml(), encoding="utf-8")
+    assert open_argument(None, str(file), None, None, {}, None) == built_in_scene("order")
 
 
 @pytest.mark.parametrize(

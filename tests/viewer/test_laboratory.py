@@ -19,7 +19,7 @@ from websockets.sync.client import connect
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import KEYS
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.scene.drawing import FASTEST, SLOWEST, period
 from tests.live.stand_in import CAMERA
 from tests.viewer.waiting import until
@@ -27,7 +27,7 @@ from tests.viewer.waiting import until
 
 @pytest.fixture(scope="module")
 def laboratory():
-    made = Laboratory(at_home("vem-a", agents=30, seed=2), port=0, running=False)
+    made = Laboratory(preset_spec("vem-a", agents=30, seed=2), port=0, running=False)
     assert made.simulation.ready.wait(60)
     until(lambda: made.parameters.controls.keys() >= made.simulation.state.values.keys() > set())
     yield made
@@ -126,7 +126,7 @@ def test_a_slider_comes_to_what_the_flock_has(laboratory):
     assert panel.controls["eta"].value == 1.75, "it is not taken from whoever moves it"
     until(lambda: panel.controls["eta"].value == 0.75)
     panel.undo()
-    panel.give("eta", 0.0, False)
+    panel.set_parameter("eta", 0.0, False)
     until(lambda: simulation.state.values["eta"] == 0.0)
 
 
@@ -225,10 +225,10 @@ def test_late_messages_and_wind_are_set_up_from_the_panel(laboratory, browser):
         uuid = fields[name]._impl.uuid
         say(browser, type="GuiUpdateMessage", uuid=uuid, updates={"value": value})
         until(lambda name=name, value=value: fields[name].value == value)
-    simulation.setup(*laboratory.setup.next(simulation.state))
+    simulation.setup(*laboratory.setup.next_pairing(simulation.state))
     until(lambda: simulation.run.flock.options.delay == 2.0, 60)
     assert {name: getattr(simulation.run.flock.spec, name) for name in given} == given
-    simulation.setup(at_home("vem-a", agents=30, seed=2))
+    simulation.setup(preset_spec("vem-a", agents=30, seed=2))
     until(lambda: simulation.run.flock.options.delay == 0.0, 60)
 
 
@@ -247,7 +247,7 @@ def test_it_survives_a_browser_that_sends_nonsense(laboratory, browser):
         time.sleep(0.02)  # as often as a browser may, which is cut off beyond that
     simulation = laboratory.simulation
     before = simulation.state.run
-    simulation.setup(at_home("vem-a", agents=30))
+    simulation.setup(preset_spec("vem-a", agents=30))
     until(lambda: simulation.state.run > before, 60)
     simulation.run_at(math.inf)
     simulation.go().result(60)

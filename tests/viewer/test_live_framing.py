@@ -10,8 +10,8 @@ import pytest
 
 from agents.catalogue import cars_for_rule
 from app.live.control.pose import Pose
-from app.live.laboratory.example import example
-from app.viewer.live.room_frame import Setting, deserted, frame_of
+from app.live.laboratory.lab_file import example
+from app.viewer.live.room_frame import Setting, frame_of, frame_without_loop
 from app.viewer.live.session import new_folder
 from tests.viewer.stub_operator import car_status, companion, status_at
 
@@ -94,7 +94,7 @@ def test_a_single_look_tells_no_speed_and_a_lost_car_has_none():
 
 def test_a_room_that_nobody_looks_at_has_lost_its_cars():
     frame = framed(status_at(1, 1.0, "armed", [car_status("red")], None, [companion(1)]))
-    gone = deserted(frame)
+    gone = frame_without_loop(frame)
     assert (gone.live.states, gone.live.arm) == (("lost", "simulated"), "safe")
     assert gone.speed.tolist() == [0.0, 0.0]
     assert frame.live.arm == "armed"

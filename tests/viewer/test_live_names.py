@@ -17,8 +17,8 @@ from app.viewer.scene.marks.labels import (
     Sides,
     age_text,
     chosen_sides,
+    clear_labels,
     label_text,
-    uncrowded,
 )
 from app.viewer.scene.shown.debounce import HOLD, REFRESH, Debounce
 from app.viewer.scene.shown.drawing_style import DrawingStyle
@@ -171,11 +171,11 @@ def test_a_simulation_is_shown_as_it_is():
 def test_numbers_do_not_lie_upon_each_other_and_those_written_stay(seed, count):
     rng = np.random.default_rng(seed)
     at, size = rng.uniform(0.0, 10.0, (count, 2)), np.tile([0.6, 0.3], (count, 1))
-    written = uncrowded(at, size, np.zeros(count, bool))
+    written = clear_labels(at, size, np.zeros(count, bool))
     assert written[0]
     apart = np.abs(at[:, None] - at)
     over = (apart < size).all(axis=-1) & ~np.eye(count, dtype=bool)
     assert not over[np.ix_(written, written)].any()
     assert np.all(over[~written][:, written].any(axis=1))
     closer = at + rng.uniform(-0.04, 0.04, (count, 2))
-    assert np.all(uncrowded(closer, size, written)[written])
+    assert np.all(clear_labels(closer, size, written)[written])

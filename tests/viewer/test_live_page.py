@@ -15,7 +15,7 @@ from websockets.sync.client import connect
 
 from agents.catalogue import cars_for_rule
 from app.live.control.safety import StopReason
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.operating.flock_driver import NOT_SIMULATED
 from app.live.operating.lab_choices import Choices, laboratory
 from app.viewer.live.page import KEYS, LivePage

@@ -17,13 +17,13 @@ from app.front.server import admit_browsers, close_server, open_server
 from app.live.control.loop_status import Event
 from app.live.control.pose import Pose
 from app.live.control.safety import StopReason
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.links.link import RUN
 from app.viewer.live.loop_connection import notice_of
 from app.viewer.live.panels.live_plots import WINDOW, LivePlots, colours
-from app.viewer.live.panels.log_panel import COLUMNS, as_csv, listed
+from app.viewer.live.panels.log_panel import COLUMNS, as_csv, event_list
 from app.viewer.live.panels.room_monitors import cars, numbers
-from app.viewer.live.panels.room_panel import injected, limited
+from app.viewer.live.panels.room_panel import describe_injected, describe_limits
 from app.viewer.live.panels.state_panel import MOVES, banner_html, banner_of
 from app.viewer.live.room_frame import RoomReadings, Setting, frame_of
 from app.viewer.live.session_requests import DragHandle, SessionState
@@ -63,7 +63,7 @@ def test_the_banner_says_how_the_room_stands(state, status, kind, words):
     assert now.kind == kind
     assert words in banner_html(now)
     assert f"fs-{kind.replace(' ', '-')}" in banner_html(now)
-    assert now.armable == (kind == "safe" and not now.reasons)
+    assert now.can_be_armed == (kind == "safe" and not now.reasons)
 
 
 @pytest.mark.parametrize("arm", ["safe", "armed", "emergency"])
@@ -73,7 +73,7 @@ def test_a_car_that_moves_though_told_to_stand_is_a_large_banner_in_every_state(
     now = banner_of(OPEN, replace(status_at(arm=arm), mode=0, reasons=more))
     assert now.alarm == MOVES
     assert now.reasons[0] == words
-    assert not now.armable
+    assert not now.can_be_armed
     assert f'<div class="fs-alarm">{MOVES}</div>' in banner_html(now)
     assert "fs-alarm" not in banner_html(banner_of(OPEN, status_at(arm=arm)))
     told = Event(7, 0.07, "moves", words, "blue")
@@ -88,7 +88,7 @@ def test_trouble_of_the_tracking_is_shown_beside_the_cars_that_are_not_seen():
 def test_what_a_tracking_or_a_link_says_is_no_html():
     status = replace(status_at(), reasons=(replace(UNSEEN, words="<img src=x>"),))
     assert "<img" not in banner_html(banner_of(OPEN, status))
-    assert "<img" not in listed([Event(1, 0.0, "rule", "<img src=x>", cause="<img>")])
+    assert "<img" not in event_list([Event(1, 0.0, "rule", "<img src=x>", cause="<img>")])
 
 
 def drag(x: float, y: float, client: int = 1, phase: str = "update") -> Any:
@@ -122,7 +122,7 @@ def whole_frame(status=None):
 def moved(hand: DragHandle, event: Any) -> None:
     """Give it a drag, as viser's event loop does."""
     with pytest.raises(StopIteration):
-        hand.moved(event).send(None)
+        hand.handle_drag(event).send(None)
 
 
 def test_the_hand_stays_within_the_fence(hand):
@@ -198,7 +198,7 @@ def test_plots_reach_back_a_minute(server):
 
 def test_the_log_has_the_newest_on_top_and_the_file_has_all():
     events = [Event(k, float(k), "tune", f"beta = {k}", cause="browser 1") for k in (1, 2)]
-    shown = listed(events)
+    shown = event_list(events)
     assert shown.index("beta = 2") < shown.index("beta = 1")
     header, first, second = csv.reader(io.StringIO(as_csv(events)))
     assert tuple(header) == COLUMNS
@@ -207,7 +207,7 @@ def test_the_log_has_the_newest_on_top_and_the_file_has_all():
 
 def test_the_room_says_its_limits_and_what_the_injected_car_does():
     lab = example()
-    assert "6.10 × 6.71 m" in limited(lab)
-    assert "red" in limited(lab)
+    assert "6.10 × 6.71 m" in describe_limits(lab)
+    assert "red" in describe_limits(lab)
     plan = lab.injected.model_copy(update={"path": "hand"})
-    assert "drag" in injected(plan)
+    assert "drag" in describe_injected(plan)

@@ -9,7 +9,13 @@ import pytest
 
 from app.live.control.injected_target import Injection
 from app.live.control.pose import Pose
-from app.viewer.live.room_frame import EVERY, RoomReadings, behind, least_distance, phase_lags
+from app.viewer.live.room_frame import (
+    EVERY,
+    RoomReadings,
+    least_distance,
+    phase_lags,
+    wrapped_degrees,
+)
 from app.viewer.measuring.time_series import POINTS
 from tests.viewer.stub_operator import car_status, companion, status_at
 
@@ -88,9 +94,9 @@ def test_the_lag_is_how_far_a_car_is_behind_along_the_sense(sense, ahead):
 
 
 def test_a_lag_is_never_below_minus_180():
-    assert behind(math.pi) == 180.0
-    assert behind(-math.pi) == 180.0
-    assert behind(math.radians(181.0)) == pytest.approx(-179.0)
+    assert wrapped_degrees(math.pi) == 180.0
+    assert wrapped_degrees(-math.pi) == 180.0
+    assert wrapped_degrees(math.radians(181.0)) == pytest.approx(-179.0)
 
 
 def test_without_a_circle_there_is_no_lag():

@@ -9,11 +9,11 @@ import pytest
 from app.live.control.car_control import ControlStep, TickRecord
 from app.live.control.pose import Companion, MocapFrame, Pose, Sighting
 from app.live.control.safety import SafetyDecision
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.links.link import RUN, STOP
 from app.live.recording.recording_writer import RecordingWriter
 from app.viewer.live.panels.state_panel import banner_of
-from app.viewer.live.room_replay import RoomReplay, listed, on_shelf
+from app.viewer.live.room_replay import RoomReplay, find_recording, recording_names
 from tests.viewer.live_sessions import armed, told
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
@@ -75,11 +75,11 @@ def test_a_button_begins_and_ends_a_recording_in_a_new_folder(enter, operators, 
 
 
 def test_finished_recordings_are_listed_and_nothing_else_can_be_named(shelf):
-    assert listed(shelf) == ("2026-11-22-101500", "2026-11-21-080000")
+    assert recording_names(shelf) == ("2026-11-22-101500", "2026-11-21-080000")
     for name in ("going-on", "holiday", "..", "../shelf", "/etc", "", "2026"):
         with pytest.raises(InputError, match="recording"):
-            on_shelf(shelf, name)
-    assert listed(None) == listed(shelf / "none") == ()
+            find_recording(shelf, name)
+    assert recording_names(None) == recording_names(shelf / "none") == ()
 
 
 def test_a_recording_is_shown_in_the_place_of_the_room_and_nothing_is_sent(room, operators):

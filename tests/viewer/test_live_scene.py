@@ -126,11 +126,14 @@ def test_a_lost_car_is_pale_as_a_whole_and_no_other_is():
     scene = Stand()
     draw(Agents(scene, "", FlockMotion()), shown(live_frame()))
     cabins, wheels = node(scene, "/cars/cabins"), node(scene, "/cars/wheels")
-    dark = palette.lit(palette.GLASS[None])[0].tolist()
+    dark = palette.lit_bytes(palette.GLASS[None])[0].tolist()
     assert cabins.batched_colors[:2].tolist() == [dark, dark]
     assert np.all(cabins.batched_colors[2] > cabins.batched_colors[0])
     assert np.all(wheels.batched_colors[8:] > wheels.batched_colors[:1])
-    assert wheels.batched_colors[:8].tolist() == [palette.lit(palette.TYRE[None])[0].tolist()] * 8
+    assert (
+        wheels.batched_colors[:8].tolist()
+        == [palette.lit_bytes(palette.TYRE[None])[0].tolist()] * 8
+    )
 
 
 def test_an_outline_of_its_state_is_around_each_real_car():
@@ -145,7 +148,7 @@ def test_an_outline_of_its_state_is_around_each_real_car():
         assert away.max(axis=(0, 1)) == pytest.approx(half)
         assert np.all((away > half - CLEAR * one.length - 1e-6).any(axis=-1))
         assert lines.points[:, 1] == pytest.approx(np.roll(lines.points[:, 0], -1, axis=0))
-        assert tuple(lines.colors) == palette.single(palette.STATES[state])
+        assert tuple(lines.colors) == palette.node_colour(palette.STATES[state])
     assert not node(scene, "/stopped").visible
     draw(part, seen(live(states=("tracked", "stopped", "late", "simulated", "simulated"))))
     there = {state: node(scene, f"/{state}").visible for state in STATE_LINES}
@@ -194,7 +197,7 @@ def test_the_edge_of_the_area_says_what_the_laboratory_may_do():
         assert part.draw(seen(live(arm=arm))) == []
     assert len(drawn) == 3
     assert THICK["emergency"] > THICK["armed"] > THICK["safe"]
-    red, *others = palette.single(palette.ARMS["emergency"])
+    red, *others = palette.node_colour(palette.ARMS["emergency"])
     assert red > 2 * max(others)
 
 
@@ -221,7 +224,7 @@ def test_what_is_beyond_the_fence_is_tinted():
     draw(part, seen(live(), DrawingStyle(fence=False)))
     assert not tint.there
     draw(part, seen(live(arm="emergency")))
-    assert scene.there("/world/area/beyond").color == palette.single(palette.ARMS["emergency"])
+    assert scene.there("/world/area/beyond").color == palette.node_colour(palette.ARMS["emergency"])
     assert len(frame_mesh(np.ones(2), np.zeros(2), np.ones(2), 0.0)[0]) == 8
 
 
@@ -303,6 +306,6 @@ def test_a_room_is_shown_from_before_the_first_car_is_seen_to_the_end():
 
 
 def test_states_of_a_frame_are_those_that_are_asked_for():
-    assert live().are("late").tolist() == [False, True, False, False, False]
-    assert live().are("simulated", "lost").tolist() == [False, False, True, True, True]
+    assert live().is_in_state("late").tolist() == [False, True, False, False, False]
+    assert live().is_in_state("simulated", "lost").tolist() == [False, False, True, True, True]
     assert set(STATES) < set(palette.STATES)

@@ -207,7 +207,11 @@ def test_a_process_that_ends_without_a_word_is_found_out(enter, operators):
 def test_a_loop_that_falls_silent_is_said_to(enter, operators):
     session = enter()
     operators.last.mute = True
-    until(lambda: session.state.trouble == "the control loop does not answer: what is shown is old")
+    until(
+        lambda: (
+            session.state.trouble == "the control loop does not answer: the page shows old values"
+        )
+    )
     told(session, "the control loop does not answer")
     operators.last.mute = False
     until(lambda: session.state.trouble == "")

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from agents.catalogue import cars_for_rule
 from agents.models.declare import checked
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.operating.flock_driver import NOT_SIMULATED
 from app.live.operating.lab_choices import Choices
 from app.viewer.live.session import Session

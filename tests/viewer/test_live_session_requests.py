@@ -15,7 +15,7 @@ from worlds.input_error import InputError
 
 def test_a_parameter_takes_the_value_that_the_loop_took(enter, operators):
     session = enter()
-    assert session.tune("beta", 2.5, "browser 1").result(60) == 2.5
+    assert session.set_parameter("beta", 2.5, "browser 1").result(60) == 2.5
     assert session.state.values["beta"] == 2.5
     assert operators.last.tuned() == [{"beta": 2.5}]
     operators.last.happens("tune", "C = 0.3", "terminal", "tune", '{"C": 0.3}')
@@ -26,7 +26,7 @@ def test_what_the_loop_refuses_stays_as_it_was(enter, operators):
     session = enter()
     operators.last.refuses = "beta is not to be touched"
     with pytest.raises(InputError, match="beta is not to be touched"):
-        session.tune("beta", 2.5, "browser 1").result(60)
+        session.set_parameter("beta", 2.5, "browser 1").result(60)
     assert session.state.values["beta"] == 2.0
     assert told(session, "beta is not").count("beta is not to be touched") == 1
 
@@ -50,7 +50,7 @@ def test_what_the_loop_refuses_stays_as_it_was(enter, operators):
 def test_a_value_that_is_not_allowed_does_not_reach_the_loop(enter, operators, name, value, words):
     session = enter()
     with pytest.raises(InputError, match=words):
-        session.tune(name, value, "browser 1").result(0)
+        session.set_parameter(name, value, "browser 1").result(0)
     told(session, words)
     assert operators.last.asked == []
 
@@ -60,13 +60,13 @@ def test_a_change_without_an_answer_is_given_up(enter, operators, monkeypatch):
     session = enter()
     operators.last.mute = True
     with pytest.raises(InputError, match=r"beta = 2.5 has no answer from the control loop"):
-        session.tune("beta", 2.5, "browser 1").result(60)
+        session.set_parameter("beta", 2.5, "browser 1").result(60)
 
 
 def test_a_change_that_waits_when_the_room_closes_is_answered(enter, operators):
     session = enter()
     operators.last.mute = True
-    answer = session.tune("beta", 2.5, "browser 1")
+    answer = session.set_parameter("beta", 2.5, "browser 1")
     session.close()
     with pytest.raises(InputError, match="the room was closed"):
         answer.result(0)
@@ -75,10 +75,10 @@ def test_a_change_that_waits_when_the_room_closes_is_answered(enter, operators):
 def test_simulated_cars_are_whole_numbers_up_to_the_most(enter, operators):
     session = enter()
     for count in (0, 3, 8.0):
-        session.accompany(count, "browser 1")
+        session.set_companions(count, "browser 1")
     assert [request.words for request in operators.last.asked] == ["0", "3", "8"]
     for count in (-1, 9, 1.5, float("inf"), None, "3", True, 10**400):
-        session.accompany(count, "browser 1")
+        session.set_companions(count, "browser 1")
         told(session, "simulated cars")
     assert len(operators.last.asked) == 3
 

@@ -60,9 +60,9 @@ def test_it_opens_drives_stops_and_leaves_nothing_behind(session):
     assert session.frame.live.names == ("red", "blue")
     began = session.frame.position[0]
     until_driven(session, lambda: math.dist(session.frame.position[0], began) > 0.3)
-    assert session.tune("beta", 2.5, "browser 1").result(60) == 2.5
+    assert session.set_parameter("beta", 2.5, "browser 1").result(60) == 2.5
     assert session.state.values["beta"] == 2.5
-    session.accompany(2, "browser 1")
+    session.set_companions(2, "browser 1")
     until_driven(session, lambda: session.frame.live.names[2:] == ("sim 1", "sim 2"))
     until_driven(session, lambda: session.frame.speed[2:].min() > 0.2)
     until_driven(session, lambda: set(session.readings.lags) >= {"red", "blue", "sim 1"})

@@ -13,8 +13,14 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
 from app.viewer.lab.panels.flock_monitors import size_bars
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.observable_format import cards, format_observable, offered, scale, unit
-from app.viewer.run.run_preset import at_home
+from app.viewer.measuring.observable_format import (
+    cards,
+    format_observable,
+    offered_observables,
+    scale,
+    unit,
+)
+from app.viewer.run.run_preset import preset_spec
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 from worlds.world import World
@@ -22,7 +28,7 @@ from worlds.world import World
 
 def test_a_flock_is_offered_what_says_something_about_it():
     plain, solid, led = (
-        offered(Flock(name, agents=5, rng=1)) for name in ("vem", "safe", "hwvem-nav")
+        offered_observables(Flock(name, agents=5, rng=1)) for name in ("vem", "safe", "hwvem-nav")
     )
     assert {"polarisation", "correlation-length", "groups"} <= set(plain)
     assert not {"goal-distance", "following", "crashes", "drag-saved", "group-table"} & set(plain)
@@ -35,9 +41,9 @@ def test_every_observable_on_offer_can_be_measured_of_a_snapshot():
     for name, ticks in (("hwvem-nav", 0), ("safe", 3)):
         flock = Flock(name, agents=20, rng=2)
         flock.advance(ticks)
-        readings = FlockReadings(flock, watched=frozenset(offered(flock)))
+        readings = FlockReadings(flock, watched=frozenset(offered_observables(flock)))
         readings.read(at_once=True)
-        for one in offered(flock):
+        for one in offered_observables(flock):
             assert readings.values[one] == pytest.approx(float(flock.observe(one)), nan_ok=True), (
                 one
             )
@@ -82,14 +88,14 @@ def test_what_is_costly_is_measured_aside_and_comes_later():
 
 
 def test_fluctuations_are_of_the_plotted_part_of_the_run():
-    readings = FlockReadings(StubFlock(at_home(agents=8)))
+    readings = FlockReadings(StubFlock(preset_spec(agents=8)))
     series = [0.0] * 100 + [0.2, 0.4] * 50
     for tick, value in enumerate(series):
         readings.series("polarisation").add(tick, value)
     assert readings.over("susceptibility", last=99) == pytest.approx(8 * 0.01)
     assert readings.over("susceptibility") == pytest.approx(8 * np.var(series))
     assert readings.over("binder", last=99) == pytest.approx(1 - 0.0136 / 3 / 0.1**2)
-    assert math.isnan(FlockReadings(StubFlock(at_home(agents=8))).over("binder"))
+    assert math.isnan(FlockReadings(StubFlock(preset_spec(agents=8))).over("binder"))
 
 
 def test_only_those_that_fly_are_counted():
@@ -111,7 +117,7 @@ def test_a_flock_that_has_all_crashed_is_told_without_an_error():
     flock = Flock("safe", agents=6, rng=4)
     flock.advance(2)
     flock.arrays.crash_record[:, :2] = [0, 1]
-    readings = FlockReadings(flock, watched=frozenset(offered(flock)))
+    readings = FlockReadings(flock, watched=frozenset(offered_observables(flock)))
     readings.read(at_once=True)
     assert len(readings.crashes) == 6
     assert (readings.values["groups"], len(readings.sizes)) == (0.0, 0)

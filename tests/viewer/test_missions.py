@@ -13,18 +13,29 @@ from agents.flock import Flock
 from agents.inspection import Inspection
 from agents.observables.neighbours import nearest_neighbour
 from agents.spec import Spec
-from app.viewer.lab.panels.flock_monitors import headed, mission_numbers, mission_title, numbers
+from app.viewer.lab.panels.flock_monitors import (
+    mission_numbers,
+    mission_title,
+    numbers,
+    titled_cards,
+)
 from app.viewer.lab.panels.inspector import signal_facts
-from app.viewer.lab.panels.setup import differs
+from app.viewer.lab.panels.setup import describe_differences
 from app.viewer.measuring.flock_readings import (
     MOST_AGENTS,
     FlockReadings,
     MinimumDistances,
-    arrived,
+    arrived_share,
 )
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameBuilder, FrameRequest
-from app.viewer.run.run_preset import at_home, home, lively_speed, world_title, world_titles
+from app.viewer.run.run_preset import (
+    lively_speed,
+    preset_spec,
+    world_defaults,
+    world_title,
+    world_titles,
+)
 from app.viewer.run.simulation_state import SimulationState
 from app.viewer.scene.shown.frame import Frame, MissionProgress
 from tests.viewer.waiting import until
@@ -72,7 +83,7 @@ def test_nothing_is_watched_where_there_is_nothing_to_run_into():
     assert flock.tick == 3
     assert extremes.values() == {}
     many = flying("obstacles", agents=MOST_AGENTS + 10)
-    assert not MinimumDistances(many).wanted
+    assert not MinimumDistances(many).is_wanted
 
 
 def test_readings_of_a_mission_have_its_distance_and_who_follows():
@@ -96,23 +107,23 @@ def test_who_is_near_the_goal_has_arrived():
     goal = flock.goal_at([0])[0]
     flock.position[:] = goal + 30.0
     flock.position[:4] = goal
-    assert arrived(flock) == pytest.approx(0.4)
+    assert arrived_share(flock) == pytest.approx(0.4)
 
 
 def test_a_frame_knows_how_the_mission_stands():
     flock = flying("obstacles")
-    frame = FrameBuilder(flock, 1).take()
+    frame = FrameBuilder(flock, 1).build()
     assert frame.world is flock.world
     assert frame.progress.goal.tolist() == [30.0, 5.0]
     assert frame.progress.done == 0
     assert [corner.tolist() for corner in frame.room] == [[2.0, 2.0], [14.0, 12.0]]
     flock.arrays.leg[flock.informed] = 2
-    assert FrameBuilder(flock, 1).take().progress.done == 2
-    assert FrameBuilder(Flock("vem", agents=3, rng=1), 1).take().progress == MissionProgress()
+    assert FrameBuilder(flock, 1).build().progress.done == 2
+    assert FrameBuilder(Flock("vem", agents=3, rng=1), 1).build().progress == MissionProgress()
 
 
 def test_a_start_region_of_a_density_depends_on_the_number_of_agents():
-    low, high = FrameBuilder(flying(agents=49), 1).take().room
+    low, high = FrameBuilder(flying(agents=49), 1).build().room
     assert np.prod(high - low) == pytest.approx(50 / 3.265)
 
 
@@ -120,17 +131,17 @@ def test_boundary_points_are_one_array_until_the_world_changes():
     flock = flying()
     camera = FrameBuilder(flock, 1, FrameRequest(points=True))
     camera.examine()
-    first = camera.take().points
+    first = camera.build().points
     away = clearance(flock.world, first)
     assert np.abs(away).max() < 1e-9
     camera.examine()
-    assert camera.take().points is first
+    assert camera.build().points is first
     flock.change_world(world("obstacles"))
     camera.examine()
-    assert camera.take().points is not first
-    camera.want(FrameRequest())
+    assert camera.build().points is not first
+    camera.set_request(FrameRequest())
     camera.examine()
-    assert camera.take().points is None
+    assert camera.build().points is None
 
 
 def test_an_agent_is_inspected_as_soon_as_what_it_takes_is_compiled():
@@ -153,7 +164,7 @@ def frame_of(place: World, **more) -> Frame:
 def test_monitors_say_only_what_the_world_has():
     plain = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
     assert (mission_title(frame_of(plain)), mission_numbers(frame_of(plain), {})) == ("", {})
-    assert headed("Mission", {}) == ""
+    assert titled_cards("Mission", {}) == ""
     walled = World("box", (5.0, 5.0), ("solid", "solid"))
     told = mission_numbers(frame_of(walled), {"least-clearance": 0.25, "inside": 1.0})
     assert told == {"to obstacle": "0.25", "collisions": "1"}
@@ -184,7 +195,7 @@ def test_monitors_say_only_what_the_world_has():
 
 def test_time_is_told_in_seconds_where_bodies_count_them():
     place = World("wrap", (5.0, 5.0), ("wrap", "wrap"))
-    state = SimulationState(at_home("vem"))
+    state = SimulationState(preset_spec("vem"))
     assert "time" not in numbers(state, frame_of(place), {}, 1)
     timed = frame_of(place, dt=0.02, unit="s")
     told = numbers(state, timed, {}, 1)
@@ -194,8 +205,8 @@ def test_time_is_told_in_seconds_where_bodies_count_them():
 
 def test_browsers_are_counted_when_there_are_several_and_rotation_where_there_are_zones():
     frame = frame_of(World("wrap", (5.0, 5.0), ("wrap", "wrap")))
-    assert "browsers" not in numbers(SimulationState(at_home("vem")), frame, {}, 1)
-    told = numbers(SimulationState(at_home("couzin")), frame, {"angular-momentum": 0.5}, 2)
+    assert "browsers" not in numbers(SimulationState(preset_spec("vem")), frame, {}, 1)
+    told = numbers(SimulationState(preset_spec("couzin")), frame, {"angular-momentum": 0.5}, 2)
     assert (told["browsers"], told["rotation"]) == ("2", "0.500")
     assert "consistency" not in told
 
@@ -210,34 +221,34 @@ def test_places_in_memory_are_told_as_points_and_only_while_they_count():
 
 
 def test_a_model_starts_in_the_world_that_it_is_at_home_in():
-    own = at_home("hwvem-nav")
+    own = preset_spec("hwvem-nav")
     assert (own.world, own.agents, own.dim) == ("liu2021-mission", 49, 2)
-    assert at_home("hwvem-nav", agents=None, world="rooms-3d").dim == 3
-    assert at_home("hwvem-nav", agents=7, world="rooms-3d", dim=3).agents == 7
+    assert preset_spec("hwvem-nav", agents=None, world="rooms-3d").dim == 3
+    assert preset_spec("hwvem-nav", agents=7, world="rooms-3d", dim=3).agents == 7
     plain = {"agents": 100, "informed": 1, "world": "wrap", "dim": 2}
-    assert at_home("hwvem") == at_home() == Spec("hwvem", seed=1, **plain)
+    assert preset_spec("hwvem") == preset_spec() == Spec("hwvem", seed=1, **plain)
     for name in MODELS:
-        assert len(Flock(at_home(name, seed=2)).ids) >= 1
+        assert len(Flock(preset_spec(name, seed=2)).ids) >= 1
     with pytest.raises(InputError, match="obstacles"):
-        at_home("hwvem", world="obstacle")
+        preset_spec("hwvem", world="obstacle")
 
 
 def test_a_model_starts_in_its_own_dimension_and_at_its_own_spacing():
-    assert (at_home("couzin").dim, at_home("couzin", dim=2).dim) == (3, 2)
-    assert (at_home("thesis").dim, at_home("thesis").world) == (3, "thesis-sky")
-    assert Flock(at_home("echelon")).spec.spacing == MODELS["echelon"].spacing
-    wide = Flock(at_home("thesis", spacing=2.0, agents=20, seed=4))
+    assert (preset_spec("couzin").dim, preset_spec("couzin", dim=2).dim) == (3, 2)
+    assert (preset_spec("thesis").dim, preset_spec("thesis").world) == (3, "thesis-sky")
+    assert Flock(preset_spec("echelon")).spec.spacing == MODELS["echelon"].spacing
+    wide = Flock(preset_spec("thesis", spacing=2.0, agents=20, seed=4))
     assert nearest_neighbour(wide.position, wide.world.size, wide.world.images).min() >= 2.0
-    apart = at_home("vem", spacing=1.0)
-    assert differs((at_home("vem"), None), (apart, None)) == ["spacing"]
+    apart = preset_spec("vem", spacing=1.0)
+    assert describe_differences((preset_spec("vem"), None), (apart, None)) == ["spacing"]
 
 
 def test_a_world_decides_its_dimension_and_its_side():
-    assert home("wrap").dim is None
-    assert not home("wrap").sized
-    assert home("rooms-3d").dim == 3
-    assert home("obstacles").sized
-    assert home(world("obstacles")).dim == 2
+    assert world_defaults("wrap").dim is None
+    assert not world_defaults("wrap").sized
+    assert world_defaults("rooms-3d").dim == 3
+    assert world_defaults("obstacles").sized
+    assert world_defaults(world("obstacles")).dim == 2
 
 
 def test_every_built_in_world_can_be_chosen_by_its_own_words(tmp_path):
@@ -256,7 +267,7 @@ def test_seconds_pass_faster_than_in_life():
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(MODELS, "slow", made)
         assert lively_speed(Spec("slow")) == pytest.approx(250.0)
-    assert lively_speed(at_home("vem")) == 15.0
+    assert lively_speed(preset_spec("vem")) == 15.0
 
 
 def test_without_a_mission_nobody_is_told_who_follows():

@@ -10,7 +10,7 @@ import pytest
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import OWN
 from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
-from app.viewer.scene.shown.palette import decoded
+from app.viewer.scene.shown.palette import srgb_to_linear
 from tests.viewer.fleet import frame, known, shown
 
 LMS = np.array(
@@ -38,7 +38,11 @@ GROUNDS = {"light": "#ffffff", "dark": "#171c24"}
 
 def seen(colours: np.ndarray, eye: np.ndarray | None = None) -> np.ndarray:
     """sRGB (N, 3) in OKLab, as an eye sees it."""
-    light = decoded(colours) if eye is None else np.clip(decoded(colours) @ eye.T, 0.0, 1.0)
+    light = (
+        srgb_to_linear(colours)
+        if eye is None
+        else np.clip(srgb_to_linear(colours) @ eye.T, 0.0, 1.0)
+    )
     return np.cbrt(light @ LMS.T) @ LAB.T
 
 
@@ -61,7 +65,7 @@ def test_the_first_eight_can_be_told_apart_without_seeing_red_or_green(eye):
 @pytest.mark.parametrize("ground", GROUNDS.values(), ids=list(GROUNDS))
 def test_each_stands_out_from_either_ground(ground):
     def luminance(colour):
-        return decoded(colour) @ [0.2126, 0.7152, 0.0722]
+        return srgb_to_linear(colour) @ [0.2126, 0.7152, 0.0722]
 
     behind = luminance(palette.srgb(ground))
     for colour in palette.COLOURS:
@@ -70,19 +74,19 @@ def test_each_stands_out_from_either_ground(ground):
 
 
 def test_a_colour_is_the_identity_s_and_stays_when_others_go():
-    colours = palette.by_identity(np.arange(1, 13))
+    colours = palette.identity_colours(np.arange(1, 13))
     assert len(np.unique(colours, axis=0)) == 12
-    assert palette.by_identity(np.array([4, 9])) == pytest.approx(colours[[3, 8]])
+    assert palette.identity_colours(np.array([4, 9])) == pytest.approx(colours[[3, 8]])
 
 
 def test_a_car_that_is_called_by_a_colour_has_it_and_no_other_has():
     names = ("car 1", "blue", "Purple one", "Bluebell", "red", "blue 2")
-    colours = {name: palette.css(one) for name, one in palette.by_name(names).items()}
+    colours = {name: palette.css(one) for name, one in palette.car_colours(names).items()}
     assert colours["blue"] == palette.css(palette.OWN["blue"])
     assert colours["Purple one"] == palette.css(palette.OWN["plum"])
     assert colours["red"] == palette.css(palette.OWN["red"])
     assert len(set(colours.values())) == len(names)
-    many = palette.by_name([f"car {k}" for k in range(20)])
+    many = palette.car_colours([f"car {k}" for k in range(20)])
     assert len({palette.css(one) for one in many.values()}) == 12
 
 
@@ -90,7 +94,7 @@ def test_in_a_simulation_the_key_names_each_car_but_those_that_wear_another_colo
     hunts = known(predator=np.array([False, True, False]))
     one, look = frame(cars=hunts), DrawingStyle(colour=OWN)
     made = shown(one, look).colour
-    assert made[[0, 2]] == pytest.approx(palette.by_identity(np.array([1, 3])))
+    assert made[[0, 2]] == pytest.approx(palette.identity_colours(np.array([1, 3])))
     assert made[1] == pytest.approx(palette.LEADER)
     assert legend(look, one) == [
         ("car 1", palette.css(made[0])),

@@ -17,10 +17,10 @@ from agents.flock import Flock
 from agents.spec import Spec
 from app.front.server import admit_browsers, close_server, open_server
 from app.viewer.lab.panels.laboratory_plots import Overlay
-from app.viewer.lab.panels.numbers_table import NumbersTable, tabled
+from app.viewer.lab.panels.numbers_table import NumbersTable, numbers_html
 from app.viewer.measuring.flock_numbers import KEPT, EarlierRuns, Number, numbers
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.observable_curves import ObservableHistory, over_earlier, thinned
+from app.viewer.measuring.observable_curves import ObservableHistory, overlay_curves, thin_ticks
 from app.viewer.measuring.run_conditions import MOST, ConditionHistory, RunConditions, Stretch
 from app.viewer.panels.chart import KINDS, Chart, ChartContents, ChartCurve
 from app.viewer.panels.sending import Sender
@@ -58,7 +58,7 @@ def overlay(
 
 
 def taken(made: Overlay, *names: str) -> pd.DataFrame:
-    return pd.read_csv(io.BytesIO(made.plotted(names).content("CSV")))
+    return pd.read_csv(io.BytesIO(made.plot_contents(names).content("CSV")))
 
 
 def test_a_table_has_every_value_as_it_was_measured():
@@ -82,10 +82,10 @@ def test_a_table_says_units_and_time():
     assert {"time (s)"} < set(table)
     column = next(name for name in table if name.startswith("nearest neighbour ("))
     np.testing.assert_allclose(table["time (s)"], table.tick * dt)
-    shown = made.shown(("nearest-neighbour",), keyed=False)
+    shown = made.chart_contents(("nearest-neighbour",), keyed=False)
     assert shown.titles == ("time (s)", column)
     assert shown.at[-1] == pytest.approx(10 * dt)
-    assert overlay(run(seed=4)).shown(ORDER, keyed=False).titles[0] == "tick"
+    assert overlay(run(seed=4)).chart_contents(ORDER, keyed=False).titles[0] == "tick"
 
 
 def test_a_table_counts_crashes_to_the_tick():
@@ -120,14 +120,14 @@ def test_two_clocks_are_one_time():
         assert rows.tick.tolist() == [0, 5, 10]
         if runs[name == "beside"].flock.model.body.unit == "s":
             np.testing.assert_allclose(rows["time (s)"], rows.tick * dt)
-    shown = made.shown(("polarisation",), keyed=True)
+    shown = made.chart_contents(("polarisation",), keyed=True)
     lines = [curve for curve in shown.curves if not curve.dots]
     assert [line.label for line in lines] == [
         "polarisation, olfati-saber",
         "polarisation, reynolds",
     ]
     assert [bool(line.dash) for line in lines] == [False, True]
-    lines = made.plotted(("polarisation",)).lines
+    lines = made.plot_contents(("polarisation",)).lines
     for line, readings, each in zip(lines, runs, made.each, strict=True):
         np.testing.assert_allclose(line.at, np.array([0, 5, 10]) * each * dts[0])
         assert line.values.tolist() == readings.series("polarisation").recorded()[1].tolist()
@@ -141,10 +141,10 @@ def test_a_run_that_is_over_lies_under_the_next():
     runs.follow([now])
     assert [one.conditions.seed for one in runs.kept] == [1]
     made = overlay(now, earlier=runs)
-    earlier, dots, current = made.shown(("polarisation",), keyed=False).curves
+    earlier, dots, current = made.chart_contents(("polarisation",), keyed=False).curves
     assert earlier.label == "polarisation, before"
     assert np.isnan(dots.values).all()
-    at = made.shown(("polarisation",), keyed=False).at
+    at = made.chart_contents(("polarisation",), keyed=False).at
     assert at[-1] == 40
     assert np.isnan(current.values[at > 20]).all()
     assert np.isfinite(current.values[at <= 20]).all()
@@ -152,8 +152,16 @@ def test_a_run_that_is_over_lies_under_the_next():
     assert "seed 1 (before)" in made.head(("polarisation",), keyed=True)
     table = taken(made, "polarisation")
     assert table.groupby("run").tick.max().to_dict() == {"now": 20, "seed 1 (before)": 40}
-    assert overlay(now, earlier=runs, last=15).shown(("polarisation",), keyed=False).at[-1] == 20
-    assert len(overlay(now, earlier=runs, most=0).shown(("polarisation",), keyed=False).curves) == 2
+    assert (
+        overlay(now, earlier=runs, last=15).chart_contents(("polarisation",), keyed=False).at[-1]
+        == 20
+    )
+    assert (
+        len(
+            overlay(now, earlier=runs, most=0).chart_contents(("polarisation",), keyed=False).curves
+        )
+        == 2
+    )
 
 
 def test_few_earlier_runs_are_kept_and_the_same_one_once():
@@ -182,7 +190,7 @@ def test_a_run_of_which_nothing_was_seen_is_not_kept():
 
 
 def begun(model="vem", **given) -> ConditionHistory:
-    return ConditionHistory.begun(Flock(model, **{"agents": 12, "seed": 1} | given))
+    return ConditionHistory.begin(Flock(model, **{"agents": 12, "seed": 1} | given))
 
 
 def test_what_differs_between_runs_is_told():
@@ -222,7 +230,7 @@ def test_a_run_keeps_the_parameters_that_it_was_made_with():
         "now": [2.0],
         "eta 0.5 (before)": [0.5],
     }
-    lines = overlay(now, earlier=runs).plotted(("polarisation",)).caption.split("\n")
+    lines = overlay(now, earlier=runs).plot_contents(("polarisation",)).caption.split("\n")
     assert lines[1:] == ["eta 2"]
 
 
@@ -239,7 +247,7 @@ def test_a_change_is_a_mark_on_the_curve_and_a_step_in_the_table():
     rows = taken(made, "polarisation").query("run != 'now'")
     assert rows[rows.eta == 0.5].tick.tolist() == [0, 5, 10, 15, 20]
     assert rows[rows.eta == 2.0].tick.tolist() == [30]
-    curves = made.shown(("polarisation",), keyed=True)
+    curves = made.chart_contents(("polarisation",), keyed=True)
     dots, _, none, _ = curves.curves
     assert np.isnan(none.values).all()
     assert curves.at[np.isfinite(dots.values)].tolist() == [20]
@@ -249,11 +257,13 @@ def test_a_change_is_a_mark_on_the_curve_and_a_step_in_the_table():
     changed(now, eta=0.9)
     made = overlay(now)
     assert made.changes() == ["eta 0.5 → … → 0.9 from tick 20 to tick 23"]
-    assert "eta 0.5 → … → 0.9" in made.plotted(("polarisation",)).caption
-    line = made.plotted(("polarisation",)).lines[0]
+    assert "eta 0.5 → … → 0.9" in made.plot_contents(("polarisation",)).caption
+    line = made.plot_contents(("polarisation",)).lines[0]
     assert line.marks[0].tolist() == [20, 23]
     assert np.isfinite(line.marks[1]).all()
-    assert made.plotted(ORDER).content("SVG") != overlay(run(seed=1)).plotted(ORDER).content("SVG")
+    assert made.plot_contents(ORDER).content("SVG") != overlay(run(seed=1)).plot_contents(
+        ORDER
+    ).content("SVG")
 
 
 def test_a_chart_is_not_made_anew_by_a_change():
@@ -261,10 +271,10 @@ def test_a_chart_is_not_made_anew_by_a_change():
     runs = EarlierRuns()
     runs.keep(ObservableHistory.of(run(seed=1)))
     now = run(seed=2)
-    pens = [one.pen for one in overlay(now, earlier=runs).shown(ORDER, keyed=True).curves]
+    pens = [one.pen for one in overlay(now, earlier=runs).chart_contents(ORDER, keyed=True).curves]
     changed(now, eta=2.0)
     after = overlay(now, earlier=runs)
-    assert [one.pen for one in after.shown(ORDER, keyed=True).curves] == pens
+    assert [one.pen for one in after.chart_contents(ORDER, keyed=True).curves] == pens
     assert "eta 0 → 2 at tick 20" in after.head(ORDER, keyed=True)
     assert "eta 0 → 2 at tick 20" not in after.head(ORDER, keyed=True, changes=False)
 
@@ -273,7 +283,7 @@ def test_a_mark_stands_on_the_curve_where_nothing_was_measured():
     now = run(seed=1, ticks=10)
     now.flock.advance(2)
     changed(now, eta=1.0, ticks=8)
-    curves = overlay(now).shown(("polarisation",), keyed=True)
+    curves = overlay(now).chart_contents(("polarisation",), keyed=True)
     dots, line = curves.curves
     place = np.flatnonzero(np.isfinite(dots.values))
     assert curves.at[place].tolist() == [12]
@@ -291,7 +301,7 @@ def test_changes_that_come_to_nothing_are_none():
     assert readings.conditions == begin
     readings.flock.set(eta=0.7)
     readings.note_conditions()
-    assert readings.conditions.ended(readings.tick) == begin
+    assert readings.conditions.at_end(readings.tick) == begin
     readings.flock.advance(5)
     readings.flock.set(eta=0.5)
     readings.note_conditions()
@@ -326,15 +336,16 @@ def test_a_changed_world_is_another_one_in_the_table():
 
 def test_of_too_many_changes_no_value_is_told_that_was_not():
     flock = Flock("vem", agents=3, seed=1)
-    history = ConditionHistory.begun(flock)
+    history = ConditionHistory.begin(flock)
     last = MOST + 9
     for tick in range(1, last + 1):
         flock.parameters = flock.parameters.model_copy(update={"eta": tick / 1000})
-        history = history.noted(tick, RunConditions.of(flock))
+        history = history.with_change(tick, RunConditions.of(flock))
     assert len(history.stretches) == MOST
     ticks = np.arange(1, last + 2)
     told = [
-        history.stretches[place].conditions.parameters["eta"] for place in history.places(ticks)
+        history.stretches[place].conditions.parameters["eta"]
+        for place in history.stretch_indices(ticks)
     ]
     right = [0.0, *(tick / 1000 for tick in range(1, last + 1))]
     assert all(one in (None, value) for one, value in zip(told, right, strict=True))
@@ -353,7 +364,7 @@ def test_earlier_runs_of_one_name_are_told_apart():
 
 
 def test_curves_of_now_end_and_those_before_go_on():
-    at, (now,), (old,) = over_earlier(
+    at, (now,), (old,) = overlay_curves(
         np.array([0.0, 2.0]), [np.array([1.0, 3.0])], [(np.array([1.0, 5.0]), np.ones(2))], True
     )
     assert at.tolist() == [0, 1, 2, 5]
@@ -364,7 +375,7 @@ def test_curves_of_now_end_and_those_before_go_on():
 @pytest.mark.parametrize("moved", [0.0, 1.0, 17.0, 300.0])
 def test_the_points_that_are_drawn_stay_while_the_curve_moves_on(moved):
     first, later = np.arange(3000.0), np.arange(3000.0) + moved
-    drawn = [at[thinned(at, 200)] for at in (first, later)]
+    drawn = [at[thin_ticks(at, 200)] for at in (first, later)]
     assert all(100 <= len(one) <= 202 for one in drawn)
     both = [one[(one > moved + 16) & (one < 2980)] for one in drawn]
     assert both[0].tolist() == both[1].tolist()
@@ -374,7 +385,7 @@ def test_the_points_that_are_drawn_stay_while_the_curve_moves_on(moved):
 def test_a_plot_is_taken_as_a_figure():
     runs = EarlierRuns()
     runs.keep(ObservableHistory.of(run(seed=1)))
-    plotted = overlay(run(seed=2), earlier=runs).plotted(ORDER)
+    plotted = overlay(run(seed=2), earlier=runs).plot_contents(ORDER)
     assert plotted.file("PNG") == "vem-seed2-tick20-polarisation-angular-momentum.png"
     picture = Image.open(io.BytesIO(plotted.content("PNG")))
     assert picture.size == (1280, 800)
@@ -422,7 +433,7 @@ def test_a_table_of_two_flocks_has_a_column_for_each(server):
     table.refresh((first,), math.inf)
     alone = pd.read_csv(io.BytesIO(table.csv()), index_col="name")
     assert list(alone) == ["value", "unit"]
-    assert repr(first.values["polarisation"]) in tabled(table.header, table.rows)
+    assert repr(first.values["polarisation"]) in numbers_html(table.header, table.rows)
 
 
 def shown(at, *labels: str) -> ChartContents:

@@ -14,8 +14,8 @@ import pytest
 
 from agents.flock import Flock
 from app.viewer.lab.panels.run_panel import status
-from app.viewer.run.kernel_compiler import KernelCompiler, last_time, remember
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.kernel_compiler import KernelCompiler, last_duration, remember
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 from tests.viewer.stub_flock import StubCompiling, StubFlock
 from tests.viewer.waiting import until
@@ -42,7 +42,7 @@ def simulate():
 
     def make(build=Uncompiled, running=True, speed=200.0, **start) -> Simulation:
         simulation = Simulation(
-            at_home(**start), speed=speed, running=running, build=build, compiling=StubCompiling
+            preset_spec(**start), speed=speed, running=running, build=build, compiling=StubCompiling
         )
         made.append(simulation)
         until(lambda: simulation.frame)
@@ -111,10 +111,10 @@ def test_what_is_saved_is_only_ever_the_compiled_run(simulate):
     with pytest.raises(
         InputError, match="this is a preview, and what is saved is the compiled run"
     ):
-        simulation.saved().result(60)
+        simulation.save().result(60)
     simulation.compiling.ready.set_result(None)
     until(lambda: simulation.state.compiling is None)
-    assert simulation.saved().result(60) == b"saved"
+    assert simulation.save().result(60) == b"saved"
 
 
 def test_a_flock_that_is_too_large_for_a_preview_stands_and_the_page_says_for_how_long(simulate):
@@ -136,7 +136,7 @@ def test_a_flock_that_is_too_large_for_a_preview_stands_and_the_page_says_for_ho
 def test_a_preview_whose_ticks_take_too_long_stands(simulate, monkeypatch):
     monkeypatch.setattr("app.viewer.run.kernel_compiler.SLOWEST", -1.0)
     simulation = simulate(agents=5)
-    until(lambda: simulation.stands)
+    until(lambda: simulation.waits_for_compiler)
     assert not simulation.state.preview
     tick = simulation.run.flock.tick
     time.sleep(0.1)
@@ -183,21 +183,21 @@ def test_a_model_that_cannot_be_compiled_stops_the_run_and_says_why(simulate):
 
 def test_what_it_took_last_is_kept_beside_the_cache(tmp_path, monkeypatch):
     monkeypatch.setenv("FLOCKSCOPE_CACHE", str(tmp_path))
-    assert last_time("vem-2d-synchronous") is None
+    assert last_duration("vem-2d-synchronous") is None
     remember(["vem-2d-synchronous", "ivem-2d-synchronous"], 9.0)
-    assert last_time("vem-2d-synchronous") == last_time("ivem-2d-synchronous") == 4.5
+    assert last_duration("vem-2d-synchronous") == last_duration("ivem-2d-synchronous") == 4.5
     (tmp_path / "seconds" / "vem-2d-synchronous").write_text("soon")
-    assert last_time("vem-2d-synchronous") is None
+    assert last_duration("vem-2d-synchronous") is None
 
 
 COLD = """
 import time
 import numpy as np
 from agents.flock import Flock
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 
-spec = at_home("vem", agents=20, seed=5)
+spec = preset_spec("vem", agents=20, seed=5)
 simulation = Simulation(spec, speed=100.0)
 seen = set()
 while not simulation.ready.is_set():
@@ -232,7 +232,7 @@ def last_known(cache) -> float:
 
 def test_a_preview_is_the_compiled_run_up_to_rounding():
     preview, compiled = (
-        Flock(at_home("vem", agents=20, seed=5), interpret=plain) for plain in (True, False)
+        Flock(preset_spec("vem", agents=20, seed=5), interpret=plain) for plain in (True, False)
     )
     preview.run(20)
     compiled.run(20)

@@ -11,14 +11,14 @@ from agents.catalogue import MODELS
 from app.viewer.lab.panels.flock_monitors import layer_bars
 from app.viewer.measuring.background_worker import WorkThrottle
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.panels.dials import equation_svg, plain
-from app.viewer.run.run_preset import at_home
+from app.viewer.panels.dials import equation_svg, plain_symbol
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation_limits import ANSWER, Pace
 from tests.viewer.stub_flock import StubFlock
 
 
 def test_readings_count_layers_and_leave_the_unknown_out():
-    flock = StubFlock(at_home(agents=5))
+    flock = StubFlock(preset_spec(agents=5))
     flock.position = np.array([[1.0, 1.0], [1.5, 1.0], [1.0, 1.5], [3.5, 3.0], [3.5, 3.2]])
     readings = FlockReadings(flock)
     readings.read(at_once=True)
@@ -40,11 +40,11 @@ def test_deep_layers_share_the_last_bar():
 
 def test_a_ration_gives_costly_work_its_share():
     rate_limit = WorkThrottle(period=0.1, share=0.1)
-    rate_limit.spent(0.0, 50.0)
-    assert rate_limit.due(0.1), "the first time may have had to compile"
-    rate_limit.spent(1.0, 0.05)
-    assert not rate_limit.due(1.4)
-    assert rate_limit.due(1.5)
+    rate_limit.note_duration(0.0, 50.0)
+    assert rate_limit.is_due(0.1), "the first time may have had to compile"
+    rate_limit.note_duration(1.0, 0.05)
+    assert not rate_limit.is_due(1.4)
+    assert rate_limit.is_due(1.5)
 
 
 def test_a_pace_counts_ticks_and_does_not_catch_up():
@@ -59,25 +59,25 @@ def test_a_pace_keeps_calls_short_at_full_speed():
     pace = Pace(math.inf)
     assert pace.ticks_due(0.0) == 1
     for _ in range(9):
-        pace.took(1, 0.001)
+        pace.note_ticks(1, 0.001)
     assert pace.ticks_due(0.0) == int(ANSWER / 0.001)
-    pace.took(20, 20.0)
+    pace.note_ticks(20, 20.0)
     assert pace.ticks_due(0.0) == 1
 
 
 def test_a_pace_tries_a_single_tick_when_something_has_changed():
     pace = Pace(math.inf)
     for _ in range(30):
-        pace.took(1, 1e-6)
+        pace.note_ticks(1, 1e-6)
     assert pace.ticks_due(0.0) > 1000
-    pace.doubt()
+    pace.reset_cost()
     assert pace.ticks_due(0.0) == 1
 
 
 def test_the_rate_is_what_was_done():
     pace = Pace(math.inf)
     for k in range(50):
-        pace.took(3, 0.1)
+        pace.note_ticks(3, 0.1)
         rate = pace.rate(0.1 * k)
     assert rate == pytest.approx(30.0)
 
@@ -98,7 +98,7 @@ def test_the_rate_is_what_was_done():
     ],
 )
 def test_symbols_are_readable_without_latex(symbol, text):
-    assert plain(symbol) == text
+    assert plain_symbol(symbol) == text
 
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=lambda model: model.name)

@@ -10,12 +10,12 @@ from contextlib import closing
 import pytest
 import viser
 
-from app.live.laboratory.example import example
+from app.live.laboratory.lab_file import example
 from app.live.operating.lab_choices import Choices
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.live.page import LivePage
 from app.viewer.live.session import Session
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.scene.shown.drawing_style import RIDE
 from app.viewer.watching.watch_page import WatchPage
 from tests.attacks.raw import Raw
@@ -43,7 +43,7 @@ def handles(monkeypatch):
 
 @pytest.fixture
 def laboratory():
-    with closing(Laboratory(at_home("vem-a", agents=30, seed=2), port=0)) as made:
+    with closing(Laboratory(preset_spec("vem-a", agents=30, seed=2), port=0)) as made:
         until(lambda: made.drawing.drawn, LATE)
         yield made
 

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from agents.models.declare import Vehicle
 from app.viewer.scene.draw.drawn_frame import Picture
-from app.viewer.scene.marks.ribbons import INJECTED, LAID, RISE, Ribbons, heights, walkers
-from app.viewer.scene.marks.trails import TrailHistory, thinned
+from app.viewer.scene.marks.ribbons import INJECTED, LAID, RISE, Ribbons, heights, ribbon_agents
+from app.viewer.scene.marks.trails import TrailHistory, thin_knots
 from app.viewer.scene.shown import palette
-from app.viewer.scene.shown.drawing_style import TRAILS, DrawingStyle, turns
+from app.viewer.scene.shown.drawing_style import TRAILS, DrawingStyle, trail_turns
 from app.viewer.scene.shown.frame import MissionProgress
 from tests.viewer.fleet import AREA, frame, known, node, shown
 from tests.viewer.test_scene_worlds import Stand, draw
@@ -100,7 +100,7 @@ def test_where_cars_have_been_is_there_as_soon_as_somebody_asks():
         draw(part, shown(one))
     pieces = node(scene, "/pieces")
     assert not pieces.visible
-    draw(part, shown(one, DrawingStyle(trails="rising in time", trail_length=turns(one.dt))))
+    draw(part, shown(one, DrawingStyle(trails="rising in time", trail_length=trail_turns(one.dt))))
     assert pieces.visible
     x, y, up = pieces.batched_positions.T
     around = np.unwrap(np.arctan2(y, x)[np.argsort(up)])
@@ -123,24 +123,24 @@ def test_where_other_agents_have_been_is_not_kept_for_nothing():
 @given(st.integers(1, 60), st.integers(50, 3000), st.integers(4, 240))
 def test_what_is_thinned_is_enough_and_keeps_what_it_has_shown(apart, length, knots):
     ticks = np.arange(0, 4000, apart)
-    kept = thinned(ticks, 4000, length, knots)
+    kept = thin_knots(ticks, 4000, length, knots)
     step = max(1, length // knots)
     assert len(kept) <= length // step + 2
     assert np.all(ticks[kept] >= 4000 - length)
     assert np.all(np.diff(ticks[kept]) <= step + apart)
     more = np.append(ticks, 4000 + apart)
-    later = more[thinned(more, 4000 + apart, length, knots)]
+    later = more[thin_knots(more, 4000 + apart, length, knots)]
     still = ticks[kept][ticks[kept] >= 4000 + apart - length][1:]
     assert set(still.tolist()) <= set(later.tolist())
 
 
 def test_the_injected_car_leaves_a_band_too():
-    ids, here, colour = walkers(shown(frame()))
+    ids, here, colour = ribbon_agents(shown(frame()))
     assert ids.tolist() == [1, 2, 3, INJECTED]
     assert here[-1] == pytest.approx([2.5, 0.0, 0.0])
     assert colour[-1] == pytest.approx(palette.GOAL)
-    assert len(walkers(shown(frame(), DrawingStyle(mission=False)))[0]) == 3
-    assert len(walkers(shown(frame(cars=None)))[0]) == 3
+    assert len(ribbon_agents(shown(frame(), DrawingStyle(mission=False)))[0]) == 3
+    assert len(ribbon_agents(shown(frame(cars=None)))[0]) == 3
 
 
 @given(st.integers(0, 500), st.integers(0, 500), st.integers(1, 300))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from agents.inspection import Inspection
-from app.viewer.scene.cameras.camera import BEHIND, STEEPEST, CameraView, Ride, straightened
+from app.viewer.scene.cameras.camera import BEHIND, STEEPEST, CameraView, Ride, limited_direction
 from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
 from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
@@ -97,13 +97,13 @@ def test_it_stays_upright_and_above_the_floor_when_the_agent_crashes():
 
 
 def test_headings_are_straightened_to_the_steepest():
-    assert straightened(np.array([0.0, 1.0])).tolist() == [0.0, 1.0, 0.0]
-    steep = straightened(np.array([0.1, 0.0, 0.995]))
+    assert limited_direction(np.array([0.0, 1.0])).tolist() == [0.0, 1.0, 0.0]
+    steep = limited_direction(np.array([0.1, 0.0, 0.995]))
     assert np.arcsin(steep[2]) == pytest.approx(STEEPEST)
-    assert np.linalg.norm(straightened(np.array([0.0, 0.0, 1.0]))) == pytest.approx(1.0)
+    assert np.linalg.norm(limited_direction(np.array([0.0, 0.0, 1.0]))) == pytest.approx(1.0)
     level = np.array([0.6, 0.0, -0.8]) * 0.5
-    assert straightened(level) == pytest.approx([np.cos(STEEPEST), 0.0, -np.sin(STEEPEST)])
-    assert straightened(np.array([0.8, 0.0, 0.6])) == pytest.approx([0.8, 0.0, 0.6])
+    assert limited_direction(level) == pytest.approx([np.cos(STEEPEST), 0.0, -np.sin(STEEPEST)])
+    assert limited_direction(np.array([0.8, 0.0, 0.6])) == pytest.approx([0.8, 0.0, 0.6])
 
 
 def test_an_agent_that_is_gone_ends_the_ride():

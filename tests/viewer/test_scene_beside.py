@@ -11,7 +11,7 @@ import viser
 from app.viewer.scene.cameras.viewpoints import extent, scene_corners
 from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.scene import ROOT, Scene, meant, offset, over, room, sights
+from app.viewer.scene.scene import ROOT, Scene, find_clicked, offset, room, sights, title_place
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
 from worlds.world import World
@@ -63,7 +63,7 @@ def test_cameras_take_in_both_rooms_and_their_titles(size):
     both = sights(shown, shown)
     low, high = scene_corners(both)
     for picture_, aside in both:
-        mine = [corner + aside for corner in extent(picture_)] + [aside + over(picture_)]
+        mine = [corner + aside for corner in extent(picture_)] + [aside + title_place(picture_)]
         for corner in mine:
             assert np.all(corner >= low - 1e-9)
             assert np.all(corner <= high + 1e-9)
@@ -76,11 +76,11 @@ def test_a_click_means_the_agent_it_hits_in_the_flock_it_is_in():
     both = sights(shown, shown)
     for side, (one, aside) in enumerate(both):
         for row, at in enumerate(one.at):
-            assert meant(both, at + aside + [0.0, 0.0, 40.0], DOWN, 1e-4) == (side, row)
+            assert find_clicked(both, at + aside + [0.0, 0.0, 40.0], DOWN, 1e-4) == (side, row)
         half = one.stage.half
         corner = aside + np.array([0.98 * half[0], -0.98 * half[1], 40.0])
-        assert meant(both, corner, DOWN, 1e-4) == (side, None)
-    assert meant(both, np.zeros(3), np.array([1.0, 0.0, 0.0]), 1e-4)[1] is None
+        assert find_clicked(both, corner, DOWN, 1e-4) == (side, None)
+    assert find_clicked(both, np.zeros(3), np.array([1.0, 0.0, 0.0]), 1e-4)[1] is None
 
 
 @pytest.fixture

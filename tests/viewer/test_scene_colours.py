@@ -6,14 +6,14 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 
-from app.viewer.panels.monitors import Monitors, all_round, upwards, wheel
+from app.viewer.panels.monitors import Monitors, climb_gradient, level_gradient, wheel
 from app.viewer.scene.draw.drawn_frame import picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
 from app.viewer.scene.shown.drawing_style import DrawingStyle, agent_colours, legend
 from app.viewer.scene.shown.frame import Frame, Inspection
-from app.viewer.scene.shown.palette import decoded, encoded, oklch
+from app.viewer.scene.shown.palette import linear_to_srgb, oklch, srgb_to_linear
 from worlds.world import World
 
 
@@ -80,12 +80,12 @@ def oklab(srgb: np.ndarray) -> np.ndarray:
             [0.0259040371, 0.7827717662, -0.8086757660],
         ]
     )
-    return np.cbrt(decoded(srgb) @ to_lms.T) @ to_lab.T
+    return np.cbrt(srgb_to_linear(srgb) @ to_lms.T) @ to_lab.T
 
 
 def test_heading_colours_go_round_in_even_steps():
     angle = np.deg2rad(np.arange(361))
-    wheel = palette.by_heading(np.column_stack([np.cos(angle), np.sin(angle)]))
+    wheel = palette.heading_colours(np.column_stack([np.cos(angle), np.sin(angle)]))
     assert wheel[0] == pytest.approx(wheel[-1])
     step = np.linalg.norm(np.diff(oklab(wheel), axis=0), axis=1)
     assert step.max() < 2.0 * step.min()
@@ -96,21 +96,21 @@ def test_heading_colours_go_round_in_even_steps():
 def test_climbing_is_lighter_than_level_and_diving_is_darker():
     elevation = np.deg2rad([-80.0, -40.0, 0.0, 40.0, 80.0])
     heading = np.column_stack([np.cos(elevation), np.zeros(5), np.sin(elevation)])
-    light = decoded(palette.by_heading(heading)) @ np.array([0.2126, 0.7152, 0.0722])
+    light = srgb_to_linear(palette.heading_colours(heading)) @ np.array([0.2126, 0.7152, 0.0722])
     assert all(darker < lighter for darker, lighter in pairwise(light))
 
 
 def test_speed_saturates_at_its_scale_and_stands_a_scale_of_zero():
-    colours = palette.by_speed(np.array([0.0, 1.0, 5.0]), 1.0)
+    colours = palette.speed_colours(np.array([0.0, 1.0, 5.0]), 1.0)
     assert colours[1] == pytest.approx(colours[2])
     assert np.linalg.norm(colours[0] - colours[1]) > 0.4
-    assert palette.by_speed(np.array([0.0, 1.0]), 0.0)[1] == pytest.approx(palette.SPEEDS[0])
+    assert palette.speed_colours(np.array([0.0, 1.0]), 0.0)[1] == pytest.approx(palette.SPEEDS[0])
 
 
 def test_layers_beyond_the_flock_are_unknown():
     layer = np.array([1, 2, 3, 5])
-    assert palette.by_layer(layer)[3] == pytest.approx(palette.UNKNOWN)
-    assert palette.by_layer(layer)[1] == pytest.approx(palette.LAYERS[1])
+    assert palette.layer_colours(layer)[3] == pytest.approx(palette.UNKNOWN)
+    assert palette.layer_colours(layer)[1] == pytest.approx(palette.LAYERS[1])
 
 
 def test_labels_that_are_not_there_yet_are_grey():
@@ -134,7 +134,7 @@ def test_oklch_has_known_white_black_and_red():
 
 def test_srgb_encoding_is_undone_by_decoding():
     light = np.linspace(0.0, 1.0, 101)
-    assert decoded(encoded(light)) == pytest.approx(light, abs=1e-9)
+    assert srgb_to_linear(linear_to_srgb(light)) == pytest.approx(light, abs=1e-9)
 
 
 def aces(linear: np.ndarray) -> np.ndarray:
@@ -154,7 +154,7 @@ def aces(linear: np.ndarray) -> np.ndarray:
 
 def test_unlit_colours_come_back_through_the_browsers_tone_curve():
     meant = np.array([palette.EDGE, palette.LINK, [0.5, 0.5, 0.5], [0.3, 0.45, 0.6]])
-    seen = encoded(np.clip(aces(palette.unlit(meant) / 255.0), 0.0, 1.0))
+    seen = linear_to_srgb(np.clip(aces(palette.unlit_bytes(meant) / 255.0), 0.0, 1.0))
     assert seen == pytest.approx(meant, abs=0.02)
 
 
@@ -199,8 +199,10 @@ def stops(gradient: str) -> list[np.ndarray]:
 
 
 def test_the_wheel_shows_every_heading_where_it_points_as_seen_from_above():
-    colours = stops(all_round())
-    assert all_round().startswith("conic-gradient(from 90deg,#")  # from the right, with the clock
+    colours = stops(level_gradient())
+    assert level_gradient().startswith(
+        "conic-gradient(from 90deg,#"
+    )  # from the right, with the clock
     turned = np.linspace(0.0, 2.0 * np.pi, len(colours))
     for dim in (2, 3):
         for k in range(720):
@@ -208,16 +210,18 @@ def test_the_wheel_shows_every_heading_where_it_points_as_seen_from_above():
             shade = [np.interp(clockwise, turned, [one[i] for one in colours]) for i in range(3)]
             heading = np.zeros((1, dim))
             heading[0, :2] = np.cos(-clockwise), np.sin(-clockwise)
-            assert shade == pytest.approx(palette.by_heading(heading)[0], abs=0.02)
+            assert shade == pytest.approx(palette.heading_colours(heading)[0], abs=0.02)
 
 
 def test_the_wheel_names_degrees_and_axes_and_in_space_what_climbs():
     assert re.findall(r"<span>(.*?)</span>", wheel(2)) == ["0° +x", "90° +y", "180°", "270°"]
     assert "climbing" not in wheel(2)
     assert re.findall(r"<span>(.*?)</span>", wheel(3))[4:] == ["climbing", "level", "diving"]
-    down, *_, up = stops(upwards())
-    assert down == pytest.approx(palette.by_heading(np.array([[0.0, 0.0, -1.0]]))[0], abs=1 / 255)
-    assert up == pytest.approx(palette.by_heading(np.array([[0.0, 0.0, 1.0]]))[0], abs=1 / 255)
+    down, *_, up = stops(climb_gradient())
+    assert down == pytest.approx(
+        palette.heading_colours(np.array([[0.0, 0.0, -1.0]]))[0], abs=1 / 255
+    )
+    assert up == pytest.approx(palette.heading_colours(np.array([[0.0, 0.0, 1.0]]))[0], abs=1 / 255)
 
 
 def test_headings_have_a_wheel_in_the_monitors_and_nothing_else_has(monkeypatch):

@@ -116,14 +116,14 @@ def test_darts_shrink_with_their_number_and_never_vanish():
 @pytest.mark.parametrize("stage", [FLAT, SPACE])
 def test_stage_puts_the_longest_side_on_its_length_and_comes_back(stage):
     size = np.array(stage.size)
-    assert stage.shown(0.5 * size).tolist() == [0.0, 0.0, 0.0]
+    assert stage.to_display(0.5 * size).tolist() == [0.0, 0.0, 0.0]
     assert 2.0 * stage.half.max() == DISPLAY_SIDE[stage.dim]
-    assert stage.shown(size) == pytest.approx(stage.half)
-    assert stage.shown(np.zeros(stage.dim)) == pytest.approx(-stage.half)
+    assert stage.to_display(size) == pytest.approx(stage.half)
+    assert stage.to_display(np.zeros(stage.dim)) == pytest.approx(-stage.half)
     position = np.random.default_rng(1).random((50, stage.dim)) * size
-    assert stage.world(stage.shown(position)) == pytest.approx(position)
+    assert stage.world(stage.to_display(position)) == pytest.approx(position)
     if stage.dim == 2:
-        assert np.all(stage.shown(position)[:, 2] == 0.0)
+        assert np.all(stage.to_display(position)[:, 2] == 0.0)
 
 
 def test_stage_period_is_finite_only_where_the_world_wraps():

@@ -12,12 +12,11 @@ from app.viewer.scene.draw.drawn_frame import picture
 from app.viewer.scene.draw.line_segments import segments
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.flock_marks import sample
-from app.viewer.scene.marks.gizmo import checked
+from app.viewer.scene.marks.gizmo import check_pose
 from app.viewer.scene.marks.labels import anchor
-from app.viewer.scene.marks.trails import Trails, carried, chosen
-from app.viewer.scene.marks.world_box import floor_under, left_the_box
-from app.viewer.scene.picking import picked
-from app.viewer.scene.scene import Scene
+from app.viewer.scene.marks.trails import Trails, match_rows, trailed_rows
+from app.viewer.scene.marks.world_box import floor_under, has_left_box
+from app.viewer.scene.scene import Scene, pick_agent
 from app.viewer.scene.shown.colouring import COLOURINGS
 from app.viewer.scene.shown.drawing_style import CAMERAS, DrawingStyle, legend
 from app.viewer.scene.shown.frame import Frame
@@ -106,7 +105,7 @@ def test_trails_survive_agents_that_come_and_go():
 
 def test_identities_carry_their_positions():
     knot = np.arange(9.0).reshape(3, 3)
-    found = carried(knot, np.array([4, 2, 9]), np.array([9, 5, 4]))
+    found = match_rows(knot, np.array([4, 2, 9]), np.array([9, 5, 4]))
     assert found[0].tolist() == [6.0, 7.0, 8.0]
     assert np.isnan(found[1]).all()
     assert found[2].tolist() == [0.0, 1.0, 2.0]
@@ -115,10 +114,10 @@ def test_identities_carry_their_positions():
 def test_of_many_agents_the_leader_keeps_its_trail():
     informed = np.zeros(5_000, dtype=bool)
     informed[1_234] = True
-    rows = chosen(informed, 800)
+    rows = trailed_rows(informed, 800)
     assert 1_234 in rows
     assert len(rows) <= 801
-    assert chosen(informed[:700], 800).tolist() == list(range(700))
+    assert trailed_rows(informed[:700], 800).tolist() == list(range(700))
 
 
 def test_a_sample_of_links_is_fair_and_steady():
@@ -141,12 +140,12 @@ def test_a_click_picks_the_agent_under_it_and_the_empty_floor_none():
     at = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.02, 0.0, -8.0]])
     radius = np.full(3, 0.2)
     down = np.array([0.0, 0.0, -1.0])
-    assert picked(np.array([1.05, 0.0, 9.0]), down, at, radius) == 1
-    assert picked(np.array([0.0, 0.0, 9.0]), down, at, radius) == 0
-    assert picked(np.array([4.0, 4.0, 9.0]), down, at, radius) is None
-    assert picked(np.array([0.0, 0.0, 9.0]), -down, at, radius) is None
-    assert picked(np.array([np.nan, 0.0, 9.0]), down, at, radius) is None
-    assert picked(np.zeros(3), down, np.empty((0, 3)), np.empty(0)) is None
+    assert pick_agent(np.array([1.05, 0.0, 9.0]), down, at, radius) == 1
+    assert pick_agent(np.array([0.0, 0.0, 9.0]), down, at, radius) == 0
+    assert pick_agent(np.array([4.0, 4.0, 9.0]), down, at, radius) is None
+    assert pick_agent(np.array([0.0, 0.0, 9.0]), -down, at, radius) is None
+    assert pick_agent(np.array([np.nan, 0.0, 9.0]), down, at, radius) is None
+    assert pick_agent(np.zeros(3), down, np.empty((0, 3)), np.empty(0)) is None
 
 
 @pytest.mark.parametrize("name", CAMERAS)
@@ -182,25 +181,25 @@ def test_an_unknown_camera_is_an_error():
 def test_a_pose_from_a_browser_is_checked():
     stage = Stage(2, (10.0, 10.0), (True, False))
     turn = np.array([np.cos(np.pi / 4), 0.0, 0.0, np.sin(np.pi / 4)])
-    position, heading = checked(stage, np.array([6.0, 1.0, 3.0]), 3.0 * turn)
+    position, heading = check_pose(stage, np.array([6.0, 1.0, 3.0]), 3.0 * turn)
     assert position == pytest.approx([1.0, 6.0])
     assert heading == pytest.approx([0.0, 1.0])
-    position, _ = checked(stage, np.array([0.0, 1e12, 0.0]), turn)
+    position, _ = check_pose(stage, np.array([0.0, 1e12, 0.0]), turn)
     assert position[1] == pytest.approx(45.0)
-    assert checked(stage, np.array([np.nan, 0.0, 0.0]), turn) is None
-    assert checked(stage, np.zeros(3), np.zeros(4)) is None
+    assert check_pose(stage, np.array([np.nan, 0.0, 0.0]), turn) is None
+    assert check_pose(stage, np.zeros(3), np.zeros(4)) is None
 
 
 def test_the_floor_follows_a_flock_that_leaves_an_open_world():
     frame = walker(0, 5.0)
-    assert not left_the_box(picture(frame, DrawingStyle(), Stage.of(frame)))
+    assert not has_left_box(picture(frame, DrawingStyle(), Stage.of(frame)))
     away = replace(
         frame,
         world=replace(TORUS, edges=("open", "open")),
         position=frame.position + np.array([12.0, 0.0]),
     )
     shown = picture(away, DrawingStyle(), Stage.of(away))
-    assert left_the_box(shown)
+    assert has_left_box(shown)
     assert floor_under(shown) == pytest.approx([12.5, -2.5, -0.05])
 
 

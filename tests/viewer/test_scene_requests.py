@@ -10,11 +10,11 @@ import pytest
 from PIL import Image
 
 from agents.catalogue import MODELS
-from app.viewer.gallery.saved_scene import LARGEST, SavedScene, packed, read_scene
-from app.viewer.gallery.scene_collection import built_in, cards
+from app.viewer.gallery.saved_scene import LARGEST, SavedScene, pack_scene, read_scene
+from app.viewer.gallery.scene_collection import built_in_scene, cards
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.setup import NOBODY
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from tests.viewer.http_client import ask
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
@@ -25,7 +25,7 @@ OPENS = {"X-Flockscope": "scene"}
 
 @pytest.fixture(scope="module")
 def laboratory():
-    made = Laboratory(at_home("vem", agents=20, seed=2), port=0, running=False)
+    made = Laboratory(preset_spec("vem", agents=20, seed=2), port=0, running=False)
     assert made.simulation.ready.wait(60)
     until(lambda: made.parameters.controls)
     yield made
@@ -54,7 +54,7 @@ def test_the_cards_and_their_pictures_are_there(laboratory):
 def test_a_scene_opens_with_its_view_its_words_and_the_fields_of_setup(laboratory):
     simulation = laboratory.simulation
     answer = opened(laboratory, "beside")
-    assert json.loads(answer.text) == {"title": built_in("beside").title, "asks": False}
+    assert json.loads(answer.text) == {"title": built_in_scene("beside").title, "asks": False}
     until(lambda: runs(laboratory, "hwvem") and simulation.state.running)
     assert simulation.state.beside.model == "vem"
     assert simulation.state.speed == 2.0
@@ -65,17 +65,17 @@ def test_a_scene_opens_with_its_view_its_words_and_the_fields_of_setup(laborator
 
     assert opened(laboratory, "spread").status == 200
     until(lambda: simulation.state.spec.agents == 1000)
-    assert laboratory.view.look().colour == "layer"
+    assert laboratory.view.drawing_style().colour == "layer"
     assert laboratory.setup.beside.value == NOBODY
     now = laboratory.now("mine")
     assert now.title == "mine"
-    assert now.watch == built_in("spread").watch
+    assert now.watch == built_in_scene("spread").watch
     assert now.look == {"colour": "layer", "shadows": False}
     assert SavedScene.from_toml(now.to_toml(), "text").spec.parameters == now.spec.parameters
     assert opened(laboratory, "model:vem").status == 200
     until(lambda: runs(laboratory, "vem"))
     until(lambda: MODELS["vem"].to_try[0].see in laboratory.run.story.content, 60)
-    assert laboratory.view.look().colour == "heading"
+    assert laboratory.view.drawing_style().colour == "heading"
 
 
 def test_a_run_that_is_shared_comes_back_as_it_is(laboratory):
@@ -122,7 +122,7 @@ def test_what_may_not_be_opened_changes_nothing(laboratory, headers, path, statu
 
 def test_a_world_that_a_scene_brings_is_looked_at_before_it_is_built(laboratory):
     square = World("mine", (10.0, 10.0), ("wrap", "wrap"))
-    kept = packed(SavedScene("mine", at_home("vem", agents=10, world=square)))
+    kept = pack_scene(SavedScene("mine", preset_spec("vem", agents=10, world=square)))
     assert opened(laboratory, kept).status == 200
     until(lambda: runs(laboratory, "vem") and laboratory.simulation.state.spec.agents == 10)
     until(lambda: laboratory.simulation.frame.world.size == (10.0, 10.0))
@@ -132,9 +132,11 @@ def test_a_world_that_a_scene_brings_is_looked_at_before_it_is_built(laboratory)
 
 
 def test_a_file_is_a_scene_or_a_spec_of_bounded_size():
-    spec = at_home("vem", agents=30, seed=5)
+    spec = preset_spec("vem", agents=30, seed=5)
     assert read_scene("spec.toml", spec.to_toml().encode()).spec == spec
-    assert read_scene("scene.toml", built_in("mill").to_toml().encode()) == built_in("mill")
+    assert read_scene("scene.toml", built_in_scene("mill").to_toml().encode()) == built_in_scene(
+        "mill"
+    )
     for data, words in (
         (b"\xff\xfe", "not a text file"),
         (b"a = ", "is not TOML"),
@@ -145,7 +147,7 @@ def test_a_file_is_a_scene_or_a_spec_of_bounded_size():
 
 
 def test_a_flock_waits_for_the_first_browser_and_no_longer():
-    made = Laboratory(port=0, opened=built_in("spread"), waits=True)
+    made = Laboratory(port=0, opened=built_in_scene("spread"), waits=True)
     try:
         assert made.simulation.ready.wait(60)
         assert not made.simulation.state.running

@@ -13,13 +13,13 @@ from agents.inspection import Inspection
 from app.viewer.scene.cameras.viewpoints import extent
 from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.marks.inspection_marks import ReasonMarks, arrows, remembered
+from app.viewer.scene.marks.inspection_marks import ReasonMarks, arrows, remembered_places
 from app.viewer.scene.marks.mission_marks import MissionMarks
 from app.viewer.scene.marks.obstacle_marks import (
     BoundaryPointMarks,
     Obstacles,
     drawn_height,
-    the_changed,
+    find_changed,
 )
 from app.viewer.scene.marks.world_box import Walls
 from app.viewer.scene.shown.drawing_style import DrawingStyle
@@ -115,10 +115,10 @@ def draw(part: Any, shown: Picture) -> None:
 
 def test_a_stage_starts_at_the_lower_corner_of_the_world():
     stage = shown(YARD).stage
-    assert stage.shown(np.array([-4.0, 2.0])) == pytest.approx([-5.0, -2.5, 0.0])
-    assert stage.shown(np.array([16.0, 12.0])) == pytest.approx([5.0, 2.5, 0.0])
+    assert stage.to_display(np.array([-4.0, 2.0])) == pytest.approx([-5.0, -2.5, 0.0])
+    assert stage.to_display(np.array([16.0, 12.0])) == pytest.approx([5.0, 2.5, 0.0])
     assert stage.world(np.array([-5.0, -2.5, 0.0])) == pytest.approx([-4.0, 2.0])
-    assert stage.placed(np.array([6.0, 7.0, 1.0])) == pytest.approx([0.0, 0.0, 0.5])
+    assert stage.place_on_display(np.array([6.0, 7.0, 1.0])) == pytest.approx([0.0, 0.0, 0.5])
 
 
 def test_obstacles_of_a_flat_world_stand_on_its_floor_as_one_solid():
@@ -196,11 +196,11 @@ def test_obstacles_come_and_go():
 
 
 def test_the_one_that_changed_is_found():
-    assert the_changed("abc", "abc") is None
-    assert the_changed("abc", "abz") == 2
-    assert the_changed("abc", "xbz") is None
-    assert the_changed("abc", "xbcd") is None
-    assert the_changed("", "a") == 0
+    assert find_changed("abc", "abc") is None
+    assert find_changed("abc", "abz") == 2
+    assert find_changed("abc", "xbz") is None
+    assert find_changed("abc", "xbcd") is None
+    assert find_changed("", "a") == 0
 
 
 def test_a_rim_stands_along_solid_edges_and_panes_in_space():
@@ -227,7 +227,7 @@ def test_waypoints_left_behind_are_dim():
     left = np.array(scene.there("/mission/path/ahead").points)
     done = np.array(scene.there("/mission/path/behind").points)
     assert len(left) + len(done) == len(ahead)
-    assert done[..., 0].max() <= shown(YARD).stage.shown(np.array([6.0, 3.0]))[0] + 1e-6
+    assert done[..., 0].max() <= shown(YARD).stage.to_display(np.array([6.0, 3.0]))[0] + 1e-6
     colours = np.asarray(scene.there("/mission/path/waypoints").batched_colors, int)
     assert np.array_equal(colours[0], colours[1])
     assert colours[0].sum() > colours[2].sum()
@@ -241,9 +241,9 @@ def test_the_goal_moves_and_goes_with_the_switch():
     draw(part, shown(YARD, progress=MissionProgress(goal=at)))
     bead = scene.there("/mission/goal/bead")
     assert bead.visible
-    assert bead.position[:2] == pytest.approx(shown(YARD).stage.shown(at)[:2])
+    assert bead.position[:2] == pytest.approx(shown(YARD).stage.to_display(at)[:2])
     draw(part, shown(YARD, progress=MissionProgress(goal=at - 1.0)))
-    assert bead.position[:2] == pytest.approx(shown(YARD).stage.shown(at - 1.0)[:2])
+    assert bead.position[:2] == pytest.approx(shown(YARD).stage.to_display(at - 1.0)[:2])
     draw(part, shown(YARD, DrawingStyle(mission=False), progress=MissionProgress(goal=at)))
     assert not bead.visible
     assert not scene.there("/mission/path/ahead").visible
@@ -256,7 +256,7 @@ def test_the_start_region_is_outlined_where_it_is():
     room = np.array([-3.0, 3.0]), np.array([-1.0, 5.0])
     draw(part, shown(YARD, room=room))
     lines = scene.there("/mission/start")
-    corners = shown(YARD).stage.shown(np.array(room))
+    corners = shown(YARD).stage.to_display(np.array(room))
     assert np.array(lines.points)[..., :2].reshape(-1, 2).min(axis=0) == pytest.approx(
         corners[0, :2]
     )
@@ -274,7 +274,7 @@ def test_boundary_points_are_dots_that_are_sent_once():
     part.draw(shown(YARD, DrawingStyle(points=True)))
     changes = part.draw(shown(YARD, DrawingStyle(points=True), points=points))
     drawn = {name: value for _, name, value in changes}
-    assert drawn["points"][:, :2] == pytest.approx(shown(YARD).stage.shown(points)[:, :2])
+    assert drawn["points"][:, :2] == pytest.approx(shown(YARD).stage.to_display(points)[:, :2])
     assert part.draw(shown(YARD, DrawingStyle(points=True), points=points)) == []
     assert [change[1:] for change in part.draw(shown(YARD, points=points))] == [("visible", False)]
 
@@ -310,12 +310,12 @@ SEEN = Inspection(
 
 
 def test_places_are_remembered_only_while_an_agent_follows_a_boundary():
-    assert {k: v.tolist() for k, v in remembered(SEEN).items()} == {
+    assert {k: v.tolist() for k, v in remembered_places(SEEN).items()} == {
         "split": [1, 2],
         "aim": [3, 4],
     }
-    assert remembered(replace(SEEN, minds=False)) == {}
-    assert remembered(replace(SEEN, places=())) == {}
+    assert remembered_places(replace(SEEN, minds=False)) == {}
+    assert remembered_places(replace(SEEN, places=())) == {}
 
 
 def test_reasons_are_drawn_for_the_inspected_agent_and_gone_with_it():

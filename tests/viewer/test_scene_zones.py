@@ -18,7 +18,7 @@ from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import MOST_SAVED
 from app.viewer.scene.shown.drawing_style import DrawingStyle, agent_colours, legend
 from app.viewer.scene.shown.frame import Frame
-from app.viewer.scene.shown.palette import decoded
+from app.viewer.scene.shown.palette import srgb_to_linear
 from tests.viewer.test_scene_worlds import Stand, draw
 from worlds.world import World
 
@@ -170,7 +170,7 @@ def test_neighbours_wear_the_colours_of_their_zones_and_the_blind_ones_grey(dim)
 
 
 def test_zones_differ_in_lightness_as_well_as_in_hue():
-    light = decoded(np.array([*palette.ZONES[:3], palette.BLIND])) @ [0.2126, 0.7152, 0.0722]
+    light = srgb_to_linear(np.array([*palette.ZONES[:3], palette.BLIND])) @ [0.2126, 0.7152, 0.0722]
     assert light[1] > 2.0 * light[0]
     assert light[1] > 2.0 * light[2]
     assert min(np.linalg.norm(palette.BLIND - zone) for zone in palette.ZONES) > 0.25
@@ -204,7 +204,7 @@ def test_the_card_of_a_crashed_agent_says_when_and_against_what():
 
 def test_saving_is_teal_paying_is_orange_and_neither_is_grey():
     saved = np.array([-2.0, -MOST_SAVED, -0.2, 0.0, 0.2, MOST_SAVED, 2.0, np.nan])
-    colours = palette.by_saving(saved, MOST_SAVED)
+    colours = palette.saving_colours(saved, MOST_SAVED)
     assert colours[0] == pytest.approx(colours[1])
     assert colours[5] == pytest.approx(colours[6])
     assert colours[7] == pytest.approx(palette.UNKNOWN)
@@ -221,7 +221,7 @@ def test_energy_saved_is_said_to_be_unknown_where_it_is_not_measured():
     saved = np.array([0.3, 0.0, -0.3, np.nan, 0.1, 0.6])
     known = replace(one, saved=saved, active=np.arange(6) != 2)
     colours = agent_colours(known, look)
-    assert colours[0] == pytest.approx(palette.by_saving(saved, MOST_SAVED)[0])
+    assert colours[0] == pytest.approx(palette.saving_colours(saved, MOST_SAVED)[0])
     assert colours[2] == pytest.approx(palette.CRASHED)
     entries = dict(legend(look, known))
     assert list(entries)[-2:] == ["unknown", "crashed"]

@@ -68,7 +68,7 @@ coordinates = st.tuples(*(st.floats(-1.0, side + 1.0) for side in HALL.size))
 @given(coordinates, coordinates)
 def test_what_a_line_of_sight_goes_through_is_in_the_way_and_what_is_far_from_it_is_not(eye, at):
     eye, at = np.array(eye), np.array(at)
-    found = solids(HALL).between(eye, at, WIDE)
+    found = solids(HALL).blocking(eye, at, WIDE)
     length = float(np.linalg.norm(at - eye))
     assert length > WIDE or not found
     reach = max(0.0, 1.0 - WIDE / length) if length else 0.0
@@ -85,11 +85,11 @@ def test_what_a_line_of_sight_goes_through_is_in_the_way_and_what_is_far_from_it
 
 def test_what_is_behind_an_agent_is_not_in_the_way():
     hall = solids(HALL)
-    assert hall.between(BEHIND_BOX, AT, WIDE) == {1}
-    assert hall.between(BEHIND_BALL, AT, WIDE) == {0}
+    assert hall.blocking(BEHIND_BOX, AT, WIDE) == {1}
+    assert hall.blocking(BEHIND_BALL, AT, WIDE) == {0}
     close = np.array([3.95, 2.0, 1.5])
-    assert hall.between(BEHIND_BALL, close, WIDE) == {0}
-    assert hall.between(close, close, WIDE) == set()
+    assert hall.blocking(BEHIND_BALL, close, WIDE) == {0}
+    assert hall.blocking(close, close, WIDE) == set()
 
 
 def test_in_the_plane_nothing_hides_anything_from_above():
@@ -99,12 +99,12 @@ def test_in_the_plane_nothing_hides_anything_from_above():
     seen = ((0.0, 30.0, 0), (-2.0, 0.5 * height, 1), (-2.0, 4.0, 0), (2.0, 0.1, 0))
     for along, up, hidden in seen:
         eye = agent + np.array([along, 0.0, up])
-        assert len(yard.between(eye, agent, WIDE)) == hidden
+        assert len(yard.blocking(eye, agent, WIDE)) == hidden
 
 
 def test_what_was_in_the_way_stays_so_for_a_while():
     hall, one = solids(HALL), ViewBlockers()
-    look = lambda eye, now: one.look(hall, np.array(eye), AT, WIDE, now)  # noqa: E731
+    look = lambda eye, now: one.find_blockers(hall, np.array(eye), AT, WIDE, now)  # noqa: E731
     assert look(BEHIND_BOX, 10.0) == {1}
     aside = np.array([7.5, 2.0, 12.0])
     assert look(aside, 10.0 + 0.9 * LASTS) == {1}
@@ -113,10 +113,10 @@ def test_what_was_in_the_way_stays_so_for_a_while():
     edge = [7.5, 3.0 + 1.25 * WIDE, 1.5]
     agent = np.array([3.2, 3.0 + 1.25 * WIDE, 1.5])
     fresh = ViewBlockers()
-    assert fresh.look(hall, np.array(edge), agent, WIDE, 0.0) == set()
-    fresh.look(hall, BEHIND_BOX, AT, WIDE, 1.0)
+    assert fresh.find_blockers(hall, np.array(edge), agent, WIDE, 0.0) == set()
+    fresh.find_blockers(hall, BEHIND_BOX, AT, WIDE, 1.0)
     for now in np.arange(1.2, 5.0, 0.2):
-        assert fresh.look(hall, np.array(edge), agent, WIDE, now) == {1}
+        assert fresh.find_blockers(hall, np.array(edge), agent, WIDE, now) == {1}
 
 
 class Client:
@@ -142,7 +142,7 @@ def clock(monkeypatch):
 def watched(client: Client, eye: np.ndarray, world: World = HALL, root: str = "") -> FollowedAgent:
     at = np.array([AT, [6.5, 1.0, 1.0], [7.0, 1.0, 1.0]])
     made = shown(world, position=at, informed=np.zeros(3, bool))
-    return FollowedAgent(client, made, 0, made.stage.placed(eye), root)  # type: ignore[arg-type]
+    return FollowedAgent(client, made, 0, made.stage.place_on_display(eye), root)  # type: ignore[arg-type]
 
 
 def test_only_the_browser_that_follows_sees_through_and_only_what_is_in_its_way(clock):

@@ -12,7 +12,7 @@ import pytest
 
 from app.viewer.lab.panels.inspector import facts
 from app.viewer.run.frame_builder import FrameRequest
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_limits import ANSWER
 from tests.viewer.stub_flock import StubFlock
@@ -27,7 +27,7 @@ def simulate():
 
     def make(build=StubFlock, running=False, speed=math.inf, clock=time.perf_counter, **start):
         simulation = Simulation(
-            at_home(**start), speed=speed, running=running, build=build, clock=clock
+            preset_spec(**start), speed=speed, running=running, build=build, clock=clock
         )
         made.append(simulation)
         assert simulation.ready.wait(60)
@@ -104,7 +104,7 @@ def test_a_change_is_noted_at_its_tick_and_told_in_the_spec(simulate):
 def test_setup_builds_another_flock_and_of_many_only_the_last(simulate):
     simulation = simulate()
     for agents in range(2, 30):
-        simulation.setup(at_home(agents=agents))
+        simulation.setup(preset_spec(agents=agents))
     until(lambda: len(simulation.frame.ids) == 29)
     assert simulation.state.agents == 29
     assert simulation.state.run < 29
@@ -134,7 +134,7 @@ def test_a_control_of_a_model_that_is_gone_sets_nothing(simulate):
 
 def test_a_refused_setup_leaves_the_old_flock_running(simulate):
     simulation = simulate(running=True)
-    simulation.setup(at_home(parameters={"eta": -1.0}))
+    simulation.setup(preset_spec(parameters={"eta": -1.0}))
     assert "eta = -1" in simulation.notices.get(timeout=60)
     before = tick(simulation)
     until(lambda: tick(simulation) > before)
@@ -159,7 +159,7 @@ def test_a_rule_that_raises_stops_the_run_and_setup_mends_it(simulate, error, wo
     assert not simulation.state.running
     with pytest.raises(InputError, match="press Setup"):
         simulation.go().result(60)
-    simulation.setup(at_home())
+    simulation.setup(preset_spec())
     until(lambda: simulation.state.run == 2)
     simulation.go().result(60)
     until(lambda: tick(simulation) > 20)
@@ -174,9 +174,9 @@ def test_a_flock_that_cannot_be_built_stops_nothing(simulate):
         return StubFlock(start)
 
     simulation = simulate(build=build)
-    simulation.setup(at_home(agents=13))
+    simulation.setup(preset_spec(agents=13))
     until(lambda: "MemoryError: too many" in simulation.state.error)
-    simulation.setup(at_home(agents=14))
+    simulation.setup(preset_spec(agents=14))
     until(lambda: simulation.state.agents == 14 and not simulation.state.error)
 
 
@@ -239,7 +239,7 @@ def test_commands_from_many_threads_are_all_carried_out(simulate):
     assert all(answer.exception(60) is None for answer in answers)
     simulation.go().result(60)
     before = simulation.state.run
-    simulation.setup(at_home(agents=5))
+    simulation.setup(preset_spec(agents=5))
     until(lambda: simulation.frame.run > before and len(simulation.frame.ids) == 5)
     until(lambda: tick(simulation) > 3)
 
@@ -257,14 +257,14 @@ def test_layers_groups_links_and_an_agent_are_in_frames_only_when_wanted(simulat
     simulation = simulate(agents=3, size=0.5)
     frame = simulation.frame
     assert frame.layer is frame.group is frame.links is frame.inspected is None
-    simulation.want(FrameRequest(layers=True, groups=True, links=True, row=2))
+    simulation.set_request(FrameRequest(layers=True, groups=True, links=True, row=2))
     frame = until(lambda: simulation.frame if simulation.frame.layer is not None else None)
     assert frame.layer.tolist() == [1, 2, 2]
     assert frame.group.tolist() == [0, 0, 0]
     assert frame.links.tolist() == [[0, 1], [0, 2], [1, 2]]
     assert frame.inspected.row == 2
     assert facts(frame, frame.inspected)["heading"] == "0°"
-    simulation.setup(at_home(agents=2))
+    simulation.setup(preset_spec(agents=2))
     until(lambda: len(simulation.frame.ids) == 2)
     assert simulation.frame.inspected is None
 
@@ -279,7 +279,7 @@ def test_the_leader_can_be_moved_and_turned(simulate):
 def test_spec_and_state_can_be_taken_home_while_it_runs(simulate):
     simulation = simulate(running=True, seed=8)
     assert simulation.spec().result(60) == b"seed = 8\n"
-    assert simulation.saved().result(60) == b"saved"
+    assert simulation.save().result(60) == b"saved"
 
 
 def test_nobody_reads_frames_and_it_runs_all_the_same(simulate):
@@ -296,7 +296,7 @@ def test_what_cannot_be_observed_is_told_once_and_the_flock_runs_on(simulate, ca
             raise KeyError("nothing to see")
 
     simulation = simulate(build=Shy, running=True)
-    simulation.want(FrameRequest(row=1))
+    simulation.set_request(FrameRequest(row=1))
     before = tick(simulation)
     until(lambda: tick(simulation) > before + 20)
     told = {simulation.notices.get(timeout=60), simulation.notices.get(timeout=60)}

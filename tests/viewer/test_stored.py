@@ -19,7 +19,7 @@ from agents.recordings.recorder import KEY
 from app.sandboxed_reader import read_in_sandbox
 from app.viewer.gallery.file_opener import open_file
 from app.viewer.run import stored_flock as limits
-from app.viewer.run.stored_flock import REWRITE, StoredFlock, stored
+from app.viewer.run.stored_flock import REWRITE, StoredFlock, read_stored
 from worlds.input_error import InputError
 
 
@@ -51,7 +51,7 @@ def with_column(table, name: str, values) -> bytes:
 
 def refused(content: bytes) -> str:
     with pytest.raises(InputError) as found:
-        stored("sent.parquet", content)
+        read_stored("sent.parquet", content)
     line = str(found.value)
     assert "\n" not in line
     return line

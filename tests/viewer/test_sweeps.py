@@ -16,11 +16,11 @@ import pytest
 from agents.flock import Flock
 from app.studies.charts.run_group import CellRuns
 from app.studies.runs.database import FILE, Outcome
-from app.studies.runs.store import Store, is_taken
+from app.studies.runs.store import Store, is_locked
 from app.studies.runs.store_reader import StoreReader
 from app.studies.study_runner import SPEC, STOP
 from app.studies.sweeps.checked_sweep import read_sweep
-from app.studies.sweeps.sweep_table import wide
+from app.studies.sweeps.sweep_table import wide_table
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.sweep_panel import status
 from app.viewer.lab.sweeps import laboratory_sweeps
@@ -40,14 +40,14 @@ from app.viewer.lab.sweeps.sweep_request import (
     SweepRequest,
     describe_limits,
 )
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from tests.viewer.http_client import ask
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
 from worlds.layout import world as build_world
 
 OPENS = {"X-Flockscope": "scene"}
-SPEC_OF = at_home("vem", agents=20, seed=2, parameters={"eta": 0.4, "v0": 0.05})
+SPEC_OF = preset_spec("vem", agents=20, seed=2, parameters={"eta": 0.4, "v0": 0.05})
 ASKED = SweepRequest(SPEC_OF, [Axis("eta", 0.0, 6.0, 3)], "polarisation", runs=2, ticks=30)
 OF_PAGE = '[run]\nmodel = "vem"\nticks = 100\n'
 GRID_OF_WORLDS = '[[design]]\nkind = "grid"\n[design.axes]\nworld = ["mine.toml"]\n'
@@ -97,7 +97,9 @@ def test_a_sweep_is_around_the_run_as_it_is_now(tmp_path):
 def test_a_world_of_ones_own_goes_along(tmp_path):
     world = replace(build_world("obstacles", 2, None, lambda _: 1.0), name="mine")
     asked = replace(
-        ASKED, spec=at_home("hwvem-nav", world=world, agents=10), axes=[Axis("eta", 0.0, 1.0, 2)]
+        ASKED,
+        spec=preset_spec("hwvem-nav", world=world, agents=10),
+        axes=[Axis("eta", 0.0, 1.0, 2)],
     )
     (tmp_path / SPEC).write_text(asked.to_toml())
     (tmp_path / "world.toml").write_text(asked.world())
@@ -177,7 +179,7 @@ def test_a_picture_is_drawn_only_if_there_is_more_to_show(finished, monkeypatch)
 
 
 def test_a_run_of_a_sweep_is_the_run_that_opens(laboratory, finished):
-    table = wide(StoreReader(finished))
+    table = wide_table(StoreReader(finished))
     row = list(zip(table["place"], table["seed"], strict=True)).index((2, 2))
     scene = scene_of(finished, 2, 2, None)
     flock = Flock(scene.spec)
@@ -258,7 +260,7 @@ def test_it_is_stopped_gone_on_with_and_outlives_the_laboratory(tmp_path):
     assert 0 < done < 5000
     until(lambda: sweeps.making is None or not sweeps.making.runs)
     sweeps.go_on(name)
-    until(lambda: is_taken(tmp_path / name), 60)
+    until(lambda: is_locked(tmp_path / name), 60)
     until(lambda: sweeps.seen.of(name).done > done, 60)
     making = sweeps.making
     assert sweeps.close() == name
@@ -268,7 +270,7 @@ def test_it_is_stopped_gone_on_with_and_outlives_the_laboratory(tmp_path):
     with pytest.raises(InputError, match="one sweep at a time"):
         other.begin(ASKED)
     other.stop(name)
-    assert (tmp_path / name / STOP).exists() or not is_taken(tmp_path / name)
+    assert (tmp_path / name / STOP).exists() or not is_locked(tmp_path / name)
     until(lambda: state_of(other, name) == "stopped", 60)
     making.process.wait(60)
     other.close()
@@ -286,7 +288,7 @@ def test_what_the_command_refuses_is_said_and_leaves_nothing(tmp_path):
 def store_of(folder: Path, text: str, runs: int, agents: int = 20) -> Path:
     with Store(folder, ["polarisation"]) as store:
         cell = {"axes": {"eta": 0.1}, "identity": {"spec": {"agents": agents, "informed": None}}}
-        (number,) = store.lay_out([("a", json.dumps(cell))])
+        (number,) = store.store_plan([("a", json.dumps(cell))])
         store.tell(kind="sweep", runs=runs, limit=100, columns=["polarisation"], axes=["eta"])
         store.add(number, 1, Outcome("ok", {"polarisation": 0.5}))
     (folder / SPEC).write_text(text)

@@ -17,7 +17,7 @@ from app.front.server import renders_of
 from app.viewer.lab import picture_exporter
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.pictures.browser import darkened
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from tests.viewer.http_client import ask
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
@@ -52,7 +52,7 @@ class Page:
 
 @pytest.fixture(scope="module")
 def laboratory():
-    made = Laboratory(at_home("vem", agents=20, seed=2, parameters={"eta": 0.25}), port=0,
+    made = Laboratory(preset_spec("vem", agents=20, seed=2, parameters={"eta": 0.25}), port=0,
                       running=False)  # fmt: skip
     until(lambda: made.drawing.drawn is not None, 60)
     yield made

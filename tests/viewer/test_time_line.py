@@ -13,9 +13,9 @@ from agents.recordings.recorder import Recorder
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.measuring.time_series import TimeSeries
 from app.viewer.run.frame_builder import FrameRequest
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
-from app.viewer.run.stored_flock import stored
+from app.viewer.run.stored_flock import read_stored
 from app.viewer.run.time_line import CheckpointHistory, RunCheckpoint
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
@@ -31,7 +31,7 @@ def simulate():
     made = []
 
     def make(**more) -> Simulation:
-        spec = at_home("vem", agents=30, seed=4, parameters={"eta": 0.3})
+        spec = preset_spec("vem", agents=30, seed=4, parameters={"eta": 0.3})
         simulation = Simulation(**{"spec": spec, "speed": math.inf, "running": False, **more})
         made.append(simulation)
         until(lambda: simulation.frame and simulation.state.compiling is None, 60)
@@ -58,7 +58,7 @@ def recorded(tmp_path_factory):
 @pytest.fixture
 def played(simulate, recorded):
     """A simulation that plays it, paused at its beginning."""
-    opened = stored("flight.parquet", path=recorded[0])
+    opened = read_stored("flight.parquet", path=recorded[0])
     return simulate(spec=opened.spec, stored=opened)
 
 
@@ -140,7 +140,7 @@ def test_what_is_measured_of_a_recording_is_that_of_the_tick(played):
 def test_an_agent_of_a_recording_is_looked_at_from_close(played):
     flock = Flock("vem", agents=30, rng=4, eta=0.3)
     flock.run(15)
-    played.want(FrameRequest(row=3, links=True)).result(60)
+    played.set_request(FrameRequest(row=3, links=True)).result(60)
     seek(played, 15)
 
     def seen():
@@ -165,7 +165,7 @@ def test_a_recording_is_gone_on_from_to_the_bit(played, recorded):
 
 
 def test_a_laboratory_opens_on_a_recording(recorded):
-    opened = stored("flight.parquet", path=recorded[0])
+    opened = read_stored("flight.parquet", path=recorded[0])
     laboratory = Laboratory(opened=opened, port=0, running=False)
     simulation = laboratory.simulation
     until(lambda: simulation.state.line and simulation.state.line.recording == "flight.parquet")
@@ -184,7 +184,7 @@ def test_a_state_is_begun_again_with_parameters_and_world_as_they_are(simulate, 
     flock = Flock("vem", agents=30, rng=4, eta=0.3)
     flock.run(12)
     flock.save(tmp_path / "state.parquet")
-    opened = stored("state.parquet", path=tmp_path / "state.parquet")
+    opened = read_stored("state.parquet", path=tmp_path / "state.parquet")
     live = simulate(spec=opened.spec, stored=opened)
     assert live.frame.tick == 12
     live.set("eta", 1.0).result(60)
@@ -251,7 +251,7 @@ def test_parameters_are_those_of_the_tick_that_is_gone_on_from(simulate):
     shown(live, 40)
     seek(live, 0)
     assert live.state.values["eta"] == 1.5
-    with pytest.raises(InputError, match="looked back at"):
+    with pytest.raises(InputError, match="you look back at tick"):
         live.set("eta", 0.9).result(60)
     live.time_line.to_now().result(60)
     assert live.state.values["eta"] == 0.2
@@ -263,7 +263,7 @@ def test_parameters_are_those_of_the_tick_that_is_gone_on_from(simulate):
 
 
 def test_two_flocks_go_back_together(simulate):
-    live = simulate(beside=at_home("hwvem"))
+    live = simulate(beside=preset_spec("hwvem"))
     live.step(20).result(60)
     shown(live, 20)
     first = live.frame.beside.position.copy()
@@ -277,7 +277,7 @@ def test_two_flocks_go_back_together(simulate):
 
 def moment(tick: int, numbers: int = 100) -> RunCheckpoint:
     snapshot = SimpleNamespace(tick=tick, arrays=(np.zeros(numbers),))
-    return RunCheckpoint((snapshot,), ((0.0, 0.0),), 0.0, at_home(), None)
+    return RunCheckpoint((snapshot,), ((0.0, 0.0),), 0.0, preset_spec(), None)
 
 
 def test_a_history_is_bounded_and_denser_towards_now():
@@ -289,8 +289,8 @@ def test_a_history_is_bounded_and_denser_towards_now():
     assert (ticks[0], ticks[-1], len(ticks)) == (0, 2999, 50)
     gaps = np.diff(ticks)
     assert gaps[-5:].max() <= 2 < 100 < gaps.max()
-    assert history.before(2999).tick == 2999
-    assert history.before(-1).tick == 0
+    assert history.last_before(2999).tick == 2999
+    assert history.last_before(-1).tick == 0
 
 
 def test_a_moment_at_the_same_tick_takes_the_place_of_the_one_before():

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints
 from app.viewer.scene.draw.drawn_frame import Picture
-from app.viewer.scene.marks.ribbons import MOST, RISE, Ribbons, heights, marks, risen
+from app.viewer.scene.marks.ribbons import MOST, RISE, Ribbons, age_marks, heights, present_height
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from tests.viewer.fleet import frame, shown
 from tests.viewer.live_fleet import live_frame
@@ -77,7 +77,7 @@ def test_a_room_with_real_cars_has_it_too():
 def test_it_is_hidden_where_nothing_rises_and_still_once_it_is_full():
     scene, made = drawn(range(80), "ribbon")
     assert scale(scene) == {}
-    assert risen(made) == 0.0
+    assert present_height(made) == 0.0
     scene = Stand()
     part = Ribbons(scene)
     look = DrawingStyle(trails="rising in time", trail_length=LENGTH)
@@ -92,7 +92,7 @@ def test_it_is_hidden_where_nothing_rises_and_still_once_it_is_full():
 
 @given(st.floats(0.01, 1e5))
 def test_marks_are_round_and_few(span):
-    ages = marks(span)
+    ages = age_marks(span)
     assert ages[0] == 0.0
     assert 2 <= len(ages) <= MOST
     assert ages[-1] <= span * (1.0 + 1e-6)

@@ -15,10 +15,10 @@ from agents.flock import Flock
 from agents.spec import Spec
 from app.viewer.lab.panels.flock_view import FlockView
 from app.viewer.live.panels.room_panel import CONTROLS
-from app.viewer.live.panels.room_panel import usual as usual_of_room
+from app.viewer.live.panels.room_panel import room_defaults as usual_of_room
 from app.viewer.panels.view import ViewPanel
 from app.viewer.run.frame_builder import FrameBuilder
-from app.viewer.run.run_preset import at_home, usual_of
+from app.viewer.run.run_preset import drawing_defaults, preset_spec
 from app.viewer.scene.shown.control import controls_of
 from app.viewer.scene.shown.drawing_style import (
     AGENTS,
@@ -47,7 +47,7 @@ def server():
 
 @pytest.fixture
 def view(server):
-    return FlockView(server.gui, usual_of(Spec("vem")), lambda *_: None)
+    return FlockView(server.gui, drawing_defaults(Spec("vem")), lambda *_: None)
 
 
 def shown(panel: ViewPanel) -> set[str]:
@@ -69,10 +69,10 @@ def plane(**more):
 
 @pytest.mark.parametrize("name", MODELS)
 def test_every_model_at_home_shows_what_its_scene_has(view, name):
-    flock = Flock(at_home(name, seed=3))
+    flock = Flock(preset_spec(name, seed=3))
     rule, world, mission = flock.model.rule, flock.world, flock.world.mission
     count, space = len(flock.ids), flock.world.dim == 3
-    view.fit(FrameBuilder(flock, 1).take())
+    view.fit(FrameBuilder(flock, 1).build())
     expected = {
         "wake": space and count <= BIRDS_UP_TO,
         "birds": space and count <= BIRDS_UP_TO,
@@ -99,7 +99,7 @@ def test_every_model_at_home_shows_what_its_scene_has(view, name):
 def test_each_control_stands_in_its_group_and_each_group_once(server, monkeypatch):
     made, add = [], server.gui.add_folder
     monkeypatch.setattr(server.gui, "add_folder", lambda label: made.append(label) or add(label))
-    FlockView(server.gui, usual_of(Spec("vem")), lambda *_: None)
+    FlockView(server.gui, drawing_defaults(Spec("vem")), lambda *_: None)
     assert made == [AGENTS, WORLD, CAMERA]
     assert {control.group for control in SEEN.values()} == {AGENTS, WORLD}
     assert {control.group for control in CONTROLS.values()} == {"Cars", WORLD}
@@ -123,10 +123,10 @@ def test_what_is_out_of_sight_keeps_its_value_and_is_saved(view):
     view.take({"birds": False, "trail_length": 300})
     view.fit(plane())
     assert not {"birds", "trail_length"} & shown(view)
-    assert view.not_usual() == {"birds": False, "trail_length": 300}
+    assert view.changed_values() == {"birds": False, "trail_length": 300}
     view.fit(frame([heading(0.0)] * 5))
     assert "birds" in shown(view)
-    assert view.look() == DrawingStyle(birds=False, trail_length=300)
+    assert view.drawing_style() == DrawingStyle(birds=False, trail_length=300)
 
 
 def test_numbers_of_many_are_there_once_one_of_them_is_clicked(view):
@@ -149,33 +149,33 @@ def test_two_flocks_show_what_either_has(view):
 def test_a_colouring_that_a_flock_lacks_comes_back_with_one_that_has_it(view):
     led = plane(informed=np.arange(5) == 0)
     view.take({"colour": "layer"})
-    assert view.look().colour == "layer"
+    assert view.drawing_style().colour == "layer"
     view.fit(plane())
-    assert view.look().colour == "heading"
-    assert view.not_usual() == {"colour": "layer"}
+    assert view.drawing_style().colour == "heading"
+    assert view.changed_values() == {"colour": "layer"}
     view.fit(led)
-    assert view.look().colour == "layer"
+    assert view.drawing_style().colour == "layer"
     view.form["colour"].value = "speed"
     view.fit(plane())
     view.fit(led)
-    assert view.look().colour == "speed"
+    assert view.drawing_style().colour == "speed"
 
 
 def test_a_number_that_a_flock_lacks_comes_back_too(view):
     view.fit(plane(), ("neighbours", "angle"))
     view.form["colour"].value = "angle"
-    assert view.look().measured == "angle"
+    assert view.drawing_style().measured == "angle"
     view.fit(plane(), ("neighbours",))
-    assert view.look() == DrawingStyle()
+    assert view.drawing_style() == DrawingStyle()
     view.fit(plane(), ("neighbours", "angle"))
-    assert view.look().measured == "angle"
+    assert view.drawing_style().measured == "angle"
 
 
 def test_the_next_colour_is_one_that_this_flock_has(view):
     view.fit(plane())
     seen = []
     for _ in range(5):
-        seen.append(view.look().colour)
+        seen.append(view.drawing_style().colour)
         view.next_colour()
     assert seen == ["heading", "each its own", "group", "speed", "plain"]
 
@@ -209,10 +209,10 @@ def event(panel: ViewPanel, name: str, value):
 
 
 def test_what_rises_goes_back_some_turns_unless_somebody_has_said_how_far(server):
-    cars = FlockView(server.gui, usual_of(at_home("squashing-cars")), lambda *_: None)
+    cars = FlockView(server.gui, drawing_defaults(preset_spec("squashing-cars")), lambda *_: None)
     asyncio.run(cars.trailed(event(cars, "trails", "rising in time")))
     assert cars.look().trail_length * 0.01 == pytest.approx(TURNS)
-    assert cars.not_usual() == {"trails": "rising in time"}
+    assert cars.changed_values() == {"trails": "rising in time"}
     asyncio.run(cars.trailed(event(cars, "trails", "line")))
     assert cars.look().trail_length == DrawingStyle().trail_length
     cars.form["trail_length"].value = 700
@@ -224,13 +224,17 @@ def test_what_rises_goes_back_some_turns_unless_somebody_has_said_how_far(server
 
 
 def test_few_cars_have_each_its_own_colour_until_somebody_chooses(view):
-    assert view.look().colour == "heading"
-    view.suit(usual_of(at_home("squashing-cars")))
-    assert (view.look().colour, view.not_usual()) == ("each its own", {})
+    assert view.drawing_style().colour == "heading"
+    view.set_defaults(drawing_defaults(preset_spec("squashing-cars")))
+    assert (view.drawing_style().colour, view.changed_values()) == ("each its own", {})
     view.take({"colour": "speed", "trails": "line"})
-    for spec in (at_home("vem"), at_home("squashing-cars", agents=40), at_home("squashing-cars")):
-        view.suit(usual_of(spec))
-        assert view.not_usual() == {"colour": "speed", "trails": "line"}
+    for spec in (
+        preset_spec("vem"),
+        preset_spec("squashing-cars", agents=40),
+        preset_spec("squashing-cars"),
+    ):
+        view.set_defaults(drawing_defaults(spec))
+        assert view.changed_values() == {"colour": "speed", "trails": "line"}
     view.take({})
-    view.suit(usual_of(at_home("squashing-cars", agents=40)))
-    assert view.look().colour == "heading"
+    view.set_defaults(drawing_defaults(preset_spec("squashing-cars", agents=40)))
+    assert view.drawing_style().colour == "heading"

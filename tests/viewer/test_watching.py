@@ -13,7 +13,7 @@ from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.scene_requests import GALLERY, OPEN, TAKE
 from app.viewer.measuring.observable_format import QUICK
 from app.viewer.run.frame_builder import FrameBuilder, FrameRequest, WatchPageRequest
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from app.viewer.watching.watch_page import LOOKED_AT, WatchPage, standing, values
 from app.viewer.watching.watcher import ALWAYS, MOST, AgentSelection, measured_for_all
 from tests.live.stand_in import StandIn
@@ -21,7 +21,7 @@ from tests.viewer.http_client import ask
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.waiting import until
 
-START = at_home("hwvem", agents=30, seed=2)
+START = preset_spec("hwvem", agents=30, seed=2)
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +60,7 @@ def plotted(browser: StandIn) -> str:
 
 def click(browser: StandIn, page: WatchPage, row: int) -> None:
     """Click on an agent, from straight above."""
-    x, y, _ = until(lambda: page.scene.where(row))
+    x, y, _ = until(lambda: page.scene.display_place(row))
     browser.say(
         type="ScenePointerMessage",
         event_type="click",
@@ -223,7 +223,7 @@ def test_agents_of_other_pages_are_looked_at_a_few_times_a_second_and_the_own_in
             return super().inspect(row)
 
     camera = FrameBuilder(
-        Seen(at_home(agents=5)), 1, FrameRequest(row=1, others=frozenset({2, 3, 99}))
+        Seen(preset_spec(agents=5)), 1, FrameRequest(row=1, others=frozenset({2, 3, 99}))
     )
     until(camera.is_warm)
     for _ in range(10):
@@ -232,20 +232,20 @@ def test_agents_of_other_pages_are_looked_at_a_few_times_a_second_and_the_own_in
     assert looked.count(1) == 10
     assert looked.count(2) == looked.count(3) == 1
     assert 99 not in looked
-    assert set(camera.take().others) == {2, 3}
+    assert set(camera.build().others) == {2, 3}
     camera.inspect_others(at_once=True)
     assert looked.count(2) == 2
-    camera.want(FrameRequest(row=1))
+    camera.set_request(FrameRequest(row=1))
     camera.inspect_others()
-    assert camera.take().others == {}
+    assert camera.build().others == {}
 
 
 def test_what_other_pages_inspect_does_not_have_layers_found_anew():
-    camera = FrameBuilder(StubFlock(at_home(agents=5)), 1, FrameRequest(layers=True))
+    camera = FrameBuilder(StubFlock(preset_spec(agents=5)), 1, FrameRequest(layers=True))
     camera.rate_limit.next = 1e12
-    camera.want(FrameRequest(layers=True, others=frozenset({2})))
+    camera.set_request(FrameRequest(layers=True, others=frozenset({2})))
     assert camera.rate_limit.next == 1e12
-    camera.want(FrameRequest(layers=True, groups=True, others=frozenset({2})))
+    camera.set_request(FrameRequest(layers=True, groups=True, others=frozenset({2})))
     assert camera.rate_limit.next == 0.0
 
 

@@ -16,12 +16,11 @@ from app.classroom.collect.collection import ResultGroup
 from app.classroom.collect.differences import RunIdentity, differences
 from app.classroom.collect.question import Question
 from app.classroom.collect.question_choices import spread
-from app.studies.charts.run_group import is_number, varied
+from app.studies.charts.run_group import is_number, varied_axes
 from app.studies.key_lines import KeyLocations
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.checked_sweep import Sweep, sweep_of
-from app.studies.sweeps.sweep_groups import groups_of
-from app.studies.sweeps.sweep_table import places_of, spec_at
+from app.studies.sweeps.sweep_table import groups_of, places_of, spec_at
 from app.viewer.lab.sweeps.stored_sweeps import MOST_SHOWN, named_in
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, demand, run_table
 from worlds.input_error import InputError
@@ -68,7 +67,7 @@ def curve_of(folder: Path, question: Question, scene: CompleteSpec) -> ClassCurv
     cells = kept.cells
     demand_same(name, [cell["identity"] for cell in cells.values()], question)
     _, found = groups_of(kept, question.column)
-    others = [axis for axis in varied(found) if axis != question.parameter]
+    others = [axis for axis in varied_axes(found) if axis != question.parameter]
     if others:
         raise InputError(f"{name} is swept over {others[0]} too")
     if not all(is_number(one.axes.get(question.parameter)) for one in found):

@@ -16,7 +16,7 @@ from app.classroom.collect.question import Question
 from app.figure import NAMED, new_figure, save_figure
 from app.studies.charts.colour_table import COLOURS
 from app.studies.charts.mean_line import draw_mean_bars, draw_mean_line, draw_missing
-from app.viewer.panels.dials import plain
+from app.viewer.panels.dials import plain_symbol
 from worlds.input_error import unknown
 
 Format = Literal["svg", "png", "pdf"]
@@ -68,7 +68,7 @@ def parameter_label(question: Question) -> str:
     if one is None:
         return "agents"
     unit = "" if one.unit == "1" else f" ({one.unit})"
-    return f"{one.words} {plain(one.symbol)}{unit}"
+    return f"{one.words} {plain_symbol(one.symbol)}{unit}"
 
 
 def draw_curve(axes: Any, curve: ClassCurve) -> None:

@@ -18,7 +18,7 @@ from app.classroom.collect.question import Question
 from app.classroom.student import student_name
 from app.studies.runs.database import Status
 from app.studies.sweeps.sweep_table import as_csv
-from app.viewer.panels.dials import plain
+from app.viewer.panels.dials import plain_symbol
 from worlds.file_writer import unguard_cell
 from worlds.input_error import InputError, shorten
 
@@ -195,7 +195,7 @@ def to_json(collection: Collection, curve: ClassCurve | None = None) -> dict[str
         "x": {
             "name": question.parameter,
             "title": one.words if one is not None else "Agents",
-            "symbol": plain(one.symbol) if one is not None else "N",
+            "symbol": plain_symbol(one.symbol) if one is not None else "N",
             "unit": question.unit,
             "log": collection.is_log(() if curve is None else curve.values),
             "limits": list(along),

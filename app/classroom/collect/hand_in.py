@@ -19,7 +19,7 @@ from app.studies.runs.database import Outcome, Status, failure
 from app.studies.sweeps.sweep_job import RunRequest
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
 from app.viewer.lab.sweeps.sweep_request import AGENTS
-from app.viewer.run.run_preset import at_home
+from app.viewer.run.run_preset import preset_spec
 from worlds.input_error import InputError
 
 SECONDS = 8.0
@@ -106,7 +106,7 @@ def hand_in(
 
 def complete_run(spec: CompleteSpec, flock: Flock) -> str:
     """A run with all its parameters, as a scene opens it again. Raises InputError if none can."""
-    made = at_home(**dict(spec)).but(
+    made = preset_spec(**dict(spec)).but(
         agents=flock.options.agents,
         informed=flock.options.informed,
         parameters=flock.parameters.model_dump(),

@@ -19,7 +19,7 @@ from agents.spec import CompleteSpec
 from app.classroom.collect.question import Question, question_of
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
 from app.viewer.measuring.observable_format import observable_words
-from app.viewer.panels.dials import plain
+from app.viewer.panels.dials import plain_symbol
 from worlds.input_error import InputError
 
 How = Literal["final", "over", "until"]
@@ -83,7 +83,7 @@ def chosen(spec: CompleteSpec, one: DeclaredParameter) -> ParameterChoice:
     now = float(spec.parameters.get(one.name, one.default))
     suggested = spread(least, most, SUGGESTED, whole, is_wide(least, most))
     return ParameterChoice(
-        one.name, one.words, plain(one.symbol), one.unit, low, high, whole, now, suggested
+        one.name, one.words, plain_symbol(one.symbol), one.unit, low, high, whole, now, suggested
     )
 
 

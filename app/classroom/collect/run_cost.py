@@ -26,7 +26,7 @@ MOST_STEPS = 5_000_000
 """Agents times ticks: a second or two of a core."""
 MOST_PAIRS = 300_000_000
 """Agents times those that each looks at times ticks: less than the 8 s of a core that a run has, as
-a pair of a crowd takes 1 to 25 ns (`benchmarks/collect.py --pairs` prints it for each model)."""
+a pair of a crowd takes 1 to 25 ns (`benchmarks/pages/collect.py --pairs` prints it by model)."""
 ALONE = 8
 """Pairs that an agent's own work in a tick is worth."""
 MOST_SEEN = 200_000

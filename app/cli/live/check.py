@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from app.cli.live.live_options import LinkName, SourceName
-from app.cli.outcome_table import as_json
-from app.cli.terminal import refuse
-from app.cli.usage import Rules
+from app.cli.terminal.console import refuse
+from app.cli.terminal.outcome_table import as_json
+from app.cli.terminal.usage import Rules
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -28,10 +28,10 @@ KIND = "recorded:"
 SUFFIXES = (".csv", ".parquet", ".c3d")
 
 
-def names_recording(text: str) -> bool:
+def is_recording_path(text: str) -> bool:
     """Whether an argument names a recording, and not a laboratory's file.
 
-    >>> [names_recording(text) for text in ("lab.toml", "poses.csv?up=y", "recorded:trial.c3d")]
+    >>> [is_recording_path(text) for text in ("lab.toml", "poses.csv?up=y", "recorded:trial.c3d")]
     [False, True, True]
     """
     path = Path(text.removeprefix(KIND).partition("?")[0])
@@ -46,13 +46,13 @@ def check_recording(text: str, speed: float | None) -> dict[str, Any]:
     """
     from app.live.control.safety_limits import CarLimits
     from app.live.sources.recorded_source import recording_of
-    from app.live.sources.source_address import parsed
+    from app.live.sources.source_address import parse_address
 
     if speed is not None and not 0.0 < speed <= 10.0:
         raise InputError(f"--speed {speed:g} m/s is outside (0, 10]")
     if Path(text).is_dir():
         return check_live_run(Path(text), speed)
-    recorded = recording_of(parsed(text if text.startswith(KIND) else KIND + text))
+    recorded = recording_of(parse_address(text if text.startswith(KIND) else KIND + text))
     frames = recorded.recording()
     reports, swaps = recorded.judge(frames, speed or CarLimits().speed)
     return summary(text, frames, reports, swaps, recorded)
@@ -128,41 +128,42 @@ def body_values(report: BodyReport) -> dict[str, Any]:
     }
 
 
-def recording_lines(found: dict[str, Any]) -> list[str]:
+def recording_lines(findings: dict[str, Any]) -> list[str]:
     """What was found, for people; the last line is the verdict, if nothing is amiss."""
-    made = [f"{found['recording']}: {found['frames']} frames, {found['seconds']:.2f} s"]
-    for name, body in found["bodies"].items():
-        made.append(f"  {name!r}: tracked in {body['frames']} frames")
+    lines = [f"{findings['recording']}: {findings['frames']} frames, {findings['seconds']:.2f} s"]
+    for name, body in findings["bodies"].items():
+        lines.append(f"  {name!r}: tracked in {body['frames']} frames")
         vertical, yaw, worst = body["vertical"], body["yaw"], body["worst_jump"]
         if vertical is None:
-            made.append("    vertical axis: not in this recording, which holds yaw alone")
+            lines.append("    vertical axis: not in this recording, which holds yaw alone")
         else:
-            made.append(
+            lines.append(
                 f"    vertical axis: {vertical['axis']}, {vertical['tilt']:.1f} degrees from up; "
                 f"upright in {100 * vertical['upright']:.0f} % of its frames"
             )
-        made.append(
+        lines.append(
             "    yaw: not judged, it moves too little"
             if yaw is None
             else f"    yaw: {yaw['difference']:z.1f} degrees from the direction of motion in the "
             f"mean; agrees in {100 * yaw['forwards']:.0f} % of its way, backwards in "
             f"{100 * yaw['backwards']:.0f} %"
         )
-        made.append(
+        lines.append(
             "    jumps: none"
             if worst is None
             else f"    jumps: {body['jumps']}, the furthest {worst['distance']:.2f} m in frame "
             f"{worst['number']}"
         )
     swaps = [
-        f"{one['one']!r} and {one['other']!r} in frame {one['number']}" for one in found["swaps"]
+        f"{swap['one']!r} and {swap['other']!r} in frame {swap['number']}"
+        for swap in findings["swaps"]
     ]
-    made.append(f"  changed places: {'; '.join(swaps[:5]) or 'none'}")
-    if not found["amiss"]:
-        open_points = ", ".join(map(repr, found["not_judged"]))
+    lines.append(f"  changed places: {'; '.join(swaps[:5]) or 'none'}")
+    if not findings["amiss"]:
+        open_points = ", ".join(map(repr, findings["not_judged"]))
         but = f", but yaw is not judged of {open_points}" if open_points else ""
-        made.append(f"  nothing speaks against driving by this tracking{but}")
-    return made
+        lines.append(f"  nothing speaks against driving by this tracking{but}")
+    return lines
 
 
 WATCHED = 1.0
@@ -197,11 +198,11 @@ def check(
     jumps that no car can make, bodies that change places. Sends nothing to the cars. Exit code 2,
     and one line, if anything is amiss.
     """
-    if names_recording(file):
+    if is_recording_path(file):
         if source is not None or link is not None or not devices:
             raise InputError("--source, --link and --file-only are for a laboratory's file")
-        found = check_recording(file, speed)
-        report(found, recording_lines, json_asked, quiet)
+        findings = check_recording(file, speed)
+        report(findings, recording_lines, json_asked, quiet)
         return
     if speed is not None:
         raise InputError(
@@ -215,7 +216,7 @@ def check(
     choices = laboratory(Path(file), source, link)
     lab = choices.lab
     driver = FlockDriver(lab)
-    found = {
+    findings = {
         "file": file,
         "title": lab.title,
         "rule": driver.model.name,
@@ -228,46 +229,46 @@ def check(
         "amiss": [],
     }
     if devices:
-        look_at_devices(lab, within, found)
-    report(found, lines, json_asked, quiet)
+        look_at_devices(lab, within, findings)
+    report(findings, lines, json_asked, quiet)
 
 
 def report(
-    found: dict[str, Any],
+    findings: dict[str, Any],
     describe: Callable[[dict[str, Any]], list[str]],
     json_asked: bool,
     quiet: bool,
 ) -> None:
     """Print what was found; end with exit code 2, and one line, if anything is amiss."""
     if json_asked:
-        typer.echo(as_json(found))
+        typer.echo(as_json(findings))
     elif not quiet:
-        typer.echo("\n".join(describe(found)))
-    if found["amiss"]:
-        refuse("; ".join(found["amiss"]))
+        typer.echo("\n".join(describe(findings)))
+    if findings["amiss"]:
+        refuse("; ".join(findings["amiss"]))
 
 
-def look_at_devices(lab: Lab, within: float, found: dict[str, Any]) -> None:
+def look_at_devices(lab: Lab, within: float, findings: dict[str, Any]) -> None:
     """Open the source and the link."""
     from app.live.operating.loop_process import source_and_link
 
     poses, commands = source_and_link(lab)
-    look_at_link(lab, commands, found)
-    look_at_source(lab, poses, within, found)
+    look_at_link(lab, commands, findings)
+    look_at_source(lab, poses, within, findings)
 
 
-def look_at_link(lab: Lab, link: CarLink, found: dict[str, Any]) -> None:
+def look_at_link(lab: Lab, link: CarLink, findings: dict[str, Any]) -> None:
     """Send nothing through an open link, work out whether it can carry the commands, close it."""
     from app.live.links.link import shortage
 
     short = shortage(link, len(lab.cars), lab.rate)
     link.close()
-    found["link"] = {"text": lab.link, "shortage": short}
+    findings["link"] = {"text": lab.link, "shortage": short}
     if short:
-        found["amiss"].append(short)
+        findings["amiss"].append(short)
 
 
-def look_at_source(lab: Lab, source: Source, within: float, found: dict[str, Any]) -> None:
+def look_at_source(lab: Lab, source: Source, within: float, findings: dict[str, Any]) -> None:
     """Watch the tracking for a second: its rate, and which bodies it sees."""
     from app.live.control.plausibility import judge_bodies
     from app.live.sources.feed import Feed
@@ -277,7 +278,7 @@ def look_at_source(lab: Lab, source: Source, within: float, found: dict[str, Any
         first = feed.first(within)
         time.sleep(WATCHED)
         frames = feed.since(first.number)
-        seen = feed.last_seen()
+        last_seen = feed.last_seen()
     bodies: dict[str, dict[str, Any]] = {
         name: {
             "called": lab.bodies.get(name, ""),
@@ -285,47 +286,57 @@ def look_at_source(lab: Lab, source: Source, within: float, found: dict[str, Any
             "y": at.pose.y,
             "yaw": at.pose.yaw,
         }
-        for name, at in sorted(seen.items())
+        for name, at in sorted(last_seen.items())
     }
-    found["source"] = {
+    findings["source"] = {
         "text": lab.source,
         "what": source.describe(),
         "rate": len(frames) / WATCHED,
         "bodies": bodies,
     }
     cars = {body: lab.cars[name] for body, name in lab.bodies.items() if name in lab.cars}
-    tracks = tracks_of(RecordedFrame(one.received, one.number, one.sightings) for one in frames)
+    tracks = tracks_of(
+        RecordedFrame(frame.received, frame.number, frame.sightings) for frame in frames
+    )
     followed = [track for track in tracks if track.name in cars]
     fastest = {body: car.fastest for body, car in cars.items()}
     reports, swaps = judge_bodies(followed, "", fastest, lab.limits.leap)
     for body, report_of_body in reports.items():
-        found["amiss"] += [f"{lab.bodies[body]}: {fault}" for fault in report_of_body.faults]
-    found["amiss"] += [f"{lab.bodies[a]} and {lab.bodies[b]} change places" for _, a, b in swaps]
-    why = {one.name: one.why for frame in frames for one in frame.sightings if one.why}
+        findings["amiss"] += [f"{lab.bodies[body]}: {fault}" for fault in report_of_body.faults]
+    findings["amiss"] += [f"{lab.bodies[a]} and {lab.bodies[b]} change places" for _, a, b in swaps]
+    why = {
+        sighting.name: sighting.why
+        for frame in frames
+        for sighting in frame.sightings
+        if sighting.why
+    }
     for body, name in lab.bodies.items():
         if body in why:
-            found["amiss"].append(f"{name} is not tracked: {why[body]}")
-        elif body not in seen:
-            there = ", ".join(map(repr, sorted(seen))) or "nobody"
-            found["amiss"].append(f"{name} is not seen: no body {body!r}, only {there}")
-        elif name in lab.cars and lab.area.inside(bodies[body]["x"], bodies[body]["y"]) <= 0.0:
-            found["amiss"].append(f"{name} is not within the fence")
+            findings["amiss"].append(f"{name} is not tracked: {why[body]}")
+        elif body not in last_seen:
+            body_names = ", ".join(map(repr, sorted(last_seen))) or "nobody"
+            findings["amiss"].append(f"{name} is not seen: no body {body!r}, only {body_names}")
+        elif (
+            name in lab.cars
+            and lab.area.distance_inside(bodies[body]["x"], bodies[body]["y"]) <= 0.0
+        ):
+            findings["amiss"].append(f"{name} is not within the fence")
 
 
-def lines(found: dict[str, Any]) -> list[str]:
+def lines(findings: dict[str, Any]) -> list[str]:
     """What was found, for people."""
-    cars = ", ".join(f"{name} at address {address}" for name, address in found["cars"].items())
-    made = [f"{found['title'] or found['file']}: {found['rule']}", f"  cars: {cars}"]
-    if "link" in found:
-        made.append(f"  link: {found['link']['text']} opens")
-    if "source" in found:
-        source = found["source"]
-        made.append(f"  source: {source['what']}, {source['rate']:.0f} frames per second")
+    cars = ", ".join(f"{name} at address {address}" for name, address in findings["cars"].items())
+    lines = [f"{findings['title'] or findings['file']}: {findings['rule']}", f"  cars: {cars}"]
+    if "link" in findings:
+        lines.append(f"  link: {findings['link']['text']} opens")
+    if "source" in findings:
+        source = findings["source"]
+        lines.append(f"  source: {source['what']}, {source['rate']:.0f} frames per second")
         for body, at in source["bodies"].items():
             called = f"is {at['called']}" if at["called"] else "is none of ours"
             where = f"x {at['x']:.3f} m, y {at['y']:.3f} m, yaw {at['yaw']:.3f} rad"
-            made.append(f"    {body!r} {called}: {where}")
-    made.append("  may be chosen:")
-    for kind, names in found["choices"].items():
-        made.append(f"    {kind}: {', '.join(names)}")
-    return made
+            lines.append(f"    {body!r} {called}: {where}")
+    lines.append("  may be chosen:")
+    for kind, names in findings["choices"].items():
+        lines.append(f"    {kind}: {', '.join(names)}")
+    return lines

@@ -12,8 +12,8 @@ from app.cli.live.check import check
 from app.cli.live.lab import lab
 from app.cli.live.live_options import Seconds, Ticks
 from app.cli.live.run import run
-from app.cli.outcome_table import as_json
-from app.cli.usage import command_group
+from app.cli.terminal.outcome_table import as_json
+from app.cli.terminal.usage import command_group
 from worlds.number_text import counted
 
 # `flockscope live emulate`: a laboratory in software, to try everything without hardware.
@@ -41,13 +41,15 @@ def emulate(
 
     Loop, safety, frames on the link and the firmware's watchdog are those of real cars.
     """
-    from app.cli.live.run import conduct, driving_seconds
+    from app.cli.live.run import driving_seconds, run_laboratory
     from app.live.device_kinds import SIMULATED
     from app.live.operating.lab_choices import laboratory, open_driven
 
     link = f"{SIMULATED}?port={port}" if port else SIMULATED
-    lab = laboratory(file).lab.altered(str(file or "the example"), source=SIMULATED, link=link)
-    conduct(lab, open_driven, arm, record, driving_seconds(lab, seconds, ticks), json_asked, quiet)
+    lab = laboratory(file).lab.with_values(str(file or "the example"), source=SIMULATED, link=link)
+    run_laboratory(
+        lab, open_driven, arm, record, driving_seconds(lab, seconds, ticks), json_asked, quiet
+    )
 
 
 # `flockscope live replay`: does a recording give the same commands again?
@@ -67,23 +69,25 @@ def replay(
     from app.live.operating.flock_driver import FlockDriver
     from app.live.recording.recording_replay import replay as replayed
 
-    made = replayed(folder, FlockDriver)
+    result = replayed(folder, FlockDriver)
     if json_asked:
         typer.echo(
             as_json(
                 {
                     "folder": str(folder),
-                    "ticks": made.ticks,
-                    "commands": made.commands,
-                    "same": not made.differs,
-                    "differs": made.differs,
+                    "ticks": result.ticks,
+                    "commands": result.commands,
+                    "same": not result.differs,
+                    "differs": result.differs,
                 }
             )
         )
     else:
-        outcome = f"differs: {made.differs}" if made.differs else "the same to the bit"
-        typer.echo(f"{counted(made.ticks, 'tick')}, {counted(made.commands, 'command')}: {outcome}")
-    if made.differs:
+        outcome = f"differs: {result.differs}" if result.differs else "the same to the bit"
+        typer.echo(
+            f"{counted(result.ticks, 'tick')}, {counted(result.commands, 'command')}: {outcome}"
+        )
+    if result.differs:
         raise typer.Exit(DIFFERS)
 
 
@@ -98,24 +102,24 @@ def recover(
 
     Says what the cars were told last, and whether that was to stop.
     """
-    from app.live.recording.recovery import ending
+    from app.live.recording.recovery import read_end
     from app.live.recording.recovery import recover as recovered
 
     rows = recovered(folder)
-    last = ending(folder)
+    last = read_end(folder)
     if json_asked:
-        made = {"folder": str(folder), "rows": rows, "ending": None}
+        result = {"folder": str(folder), "rows": rows, "ending": None}
         if last is not None:
-            made["ending"] = asdict(last) | {
-                "told_to_stop": last.told_to_stop,
-                "words": last.words(),
+            result["ending"] = asdict(last) | {
+                "told_to_stop": last.is_stop,
+                "words": last.describe(),
             }
-        typer.echo(as_json(made))
+        typer.echo(as_json(result))
     else:
         typer.echo(
             "recovered: " + ", ".join(f"{counted(n, 'row')} of {name}" for name, n in rows.items())
         )
-        typer.echo(last.words() if last is not None else "nothing was sent that is recorded")
+        typer.echo(last.describe() if last is not None else "nothing was sent that is recorded")
 
 
 live = command_group(

@@ -1,7 +1,8 @@
-"""`flockscope live lab`: a laboratory of real or emulated cars in the browser."""
+"""`flockscope live lab`: a laboratory of cars in the browser, and the terminal beside it."""
 
 from __future__ import annotations
 
+import time
 import webbrowser
 from collections.abc import Callable
 from pathlib import Path
@@ -9,13 +10,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.serving_options import AllowHost, Host, OpenBrowser, Port, announce
-from app.cli.usage import Rules
+from app.cli.options.serving_options import AllowHost, Host, OpenBrowser, Port, announce
+from app.cli.terminal.progress import StopSignals
+from app.cli.terminal.usage import Rules
 from worlds.plug_ins import demand_parquet
 
 if TYPE_CHECKING:
+    from app.live.control.loop_status import Event
     from app.viewer.live.page import LivePage
-
+    from app.viewer.live.session import Session
 
 RECORDINGS = Path("recordings")
 
@@ -72,9 +75,6 @@ def lab(
 
 def serve(opening: Callable[[], LivePage], open_browser: bool, quiet: bool) -> None:
     """Serve the page until q, Ctrl-C or SIGTERM; then stop the cars. Raises InputError."""
-    from app.cli.live.console import SessionConsole
-    from app.cli.progress import StopSignals
-
     with StopSignals() as stopping:
         page = opening()
         try:
@@ -86,3 +86,58 @@ def serve(opening: Callable[[], LivePage], open_browser: bool, quiet: bool) -> N
             SessionConsole(page.session, stopping, not quiet).operate()
         finally:
             page.close()
+
+
+# The terminal beside a laboratory's page: keys in, events out.
+
+
+TERMINAL = "terminal"
+
+
+class SessionConsole:
+    """Passes the keys of the terminal to a session; `verbose`: events are shown."""
+
+    def __init__(self, session: Session, stopping: StopSignals, verbose: bool):
+        self.session = session
+        self.stopping = stopping
+        self.verbose = verbose
+        self.shown = 0
+        self.trouble = ""
+        self.began = time.monotonic()
+
+    def operate(self) -> None:
+        """Handle keys until q, Ctrl-C or SIGTERM."""
+        from app.cli.live.operate import handle_keys_until_over
+
+        handle_keys_until_over(
+            self.handle_key, self.print_news, lambda: self.stopping.asked, self.verbose
+        )
+
+    def handle_key(self, pressed: str) -> None:
+        """Ask the session for what was typed."""
+        from app.cli.live.operate import actions_of
+
+        for action in actions_of(pressed):
+            if action == "emergency":
+                self.session.emergency(TERMINAL)
+            else:
+                self.session.ask(action, TERMINAL)
+
+    def print_news(self) -> None:
+        """Show what is new: events, and why no loop is open."""
+        state = self.session.state
+        trouble = state.trouble if state.phase == "failed" else ""
+        if trouble and trouble != self.trouble:
+            typer.echo(trouble, err=True)
+        self.trouble = trouble
+        event_count = len(self.session.events)
+        for event in self.session.events[self.shown : event_count] if self.verbose else ():
+            self.show(event)
+        self.shown = event_count
+
+    def show(self, event: Event) -> None:
+        """Print an event."""
+        from app.cli.live.operate import event_line
+
+        self.began = min(self.began, event.time)
+        typer.echo(event_line(event, event.time - self.began))

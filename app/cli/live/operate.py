@@ -12,9 +12,9 @@ from typing import Any
 
 import typer
 
-from app.cli.outcome_table import as_json
-from app.cli.progress import StopSignals
-from app.cli.terminal import rewrite_line
+from app.cli.terminal.console import rewrite_line
+from app.cli.terminal.outcome_table import as_json
+from app.cli.terminal.progress import StopSignals
 from app.live.control.arm import Action, OperatorRequest
 from app.live.control.loop_status import Event, Status
 from app.live.links.link import EMERGENCY, RUN
@@ -24,14 +24,14 @@ from worlds.number_text import counted
 
 
 class Keys:
-    """While entered, `pressed` gives the keys; where there is no terminal there are none."""
+    """While entered, `read_keys` gives the keys; where there is no terminal there are none."""
 
     def __init__(self) -> None:
         self.before: Any = None
         self.fileno = -1
 
     @property
-    def there(self) -> bool:
+    def is_terminal(self) -> bool:
         """Whether keys can come."""
         return self.fileno >= 0
 
@@ -50,15 +50,15 @@ class Keys:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self.there:
+        if self.is_terminal:
             import termios
 
             termios.tcsetattr(self.fileno, termios.TCSADRAIN, self.before)
             self.fileno = -1
 
-    def pressed(self, within: float) -> str:
+    def read_keys(self, within: float) -> str:
         """The keys pressed, "" if there are none within so many seconds."""
-        if not self.there:
+        if not self.is_terminal:
             time.sleep(within)
             return ""
         if not select.select([self.fileno], [], [], within)[0]:
@@ -89,7 +89,7 @@ def actions_of(pressed: str) -> list[Action]:
     return ["emergency"] if "emergency" in actions else actions
 
 
-def watch(
+def handle_keys_until_over(
     obey: Callable[[str], None],
     refresh: Callable[[], None],
     over: Callable[[], bool],
@@ -97,10 +97,10 @@ def watch(
 ) -> None:
     """Pass on the keys and refresh what is shown, until q is pressed or it is over."""
     with Keys() as keys:
-        if verbose and keys.there:
+        if verbose and keys.is_terminal:
             typer.echo(HELP, err=True)
         while not over():
-            pressed = keys.pressed(EVERY)
+            pressed = keys.read_keys(EVERY)
             if LEAVES in pressed:
                 break
             obey(pressed)
@@ -147,20 +147,20 @@ class OperatorConsole:
     def operate(self) -> None:
         """Until q, Ctrl-C, SIGTERM or the time is up. Raises InputError if the loop ends by
         itself."""
-        watch(self.obey, self.see, self.over, self.verbose)
+        handle_keys_until_over(self.handle_key, self.print_news, self.is_over, self.verbose)
         if self.verbose and self.wide:
             typer.echo("", err=True)
 
-    def over(self) -> bool:
+    def is_over(self) -> bool:
         """Whether somebody has asked to stop, or the time is up."""
         return self.stopping.asked or 0.0 < self.seconds <= time.monotonic() - self.began
 
-    def obey(self, pressed: str) -> None:
+    def handle_key(self, pressed: str) -> None:
         """Ask the loop for what was typed."""
         for action in actions_of(pressed):
             self.operator.ask(OperatorRequest(action, "terminal"))
 
-    def see(self) -> None:
+    def print_news(self) -> None:
         """Show what is new of the loop. Raises InputError if it is gone."""
         status = self.operator.status()
         if self.operator.trouble:
@@ -176,7 +176,7 @@ class OperatorConsole:
             self.arms = False
             self.operator.ask(OperatorRequest("arm", "--arm"))
         if self.verbose and not self.json_asked and sys.stderr.isatty():
-            self.wide = rewritten(state_line(status), self.wide)
+            self.wide = rewrite_status(state_line(status), self.wide)
 
     def check_silence(self) -> None:
         """Say so, once, if the loop has sent no status for too long."""
@@ -184,7 +184,7 @@ class OperatorConsole:
             return
         self.silent = True
         if self.verbose:
-            self.wide = rewritten("", self.wide) if self.wide else 0
+            self.wide = rewrite_status("", self.wide) if self.wide else 0
             typer.echo("the control loop does not answer: the cars stop themselves", err=True)
 
     def show(self, event: Event) -> None:
@@ -192,7 +192,7 @@ class OperatorConsole:
         if not self.verbose:
             return
         if self.wide:
-            self.wide = rewritten("", self.wide)
+            self.wide = rewrite_status("", self.wide)
         at = event.time - self.began
         if self.json_asked:
             typer.echo(as_json(asdict(event) | {"seconds": at}))
@@ -201,21 +201,21 @@ class OperatorConsole:
 
     def summary(self) -> dict[str, Any]:
         """What there is to say in the end; times in s."""
-        made: dict[str, Any] = {
+        result: dict[str, Any] = {
             "seconds": time.monotonic() - self.began,
             "events": len(self.operator.events),
         }
         if self.last is not None:
-            made |= {
+            result |= {
                 "ticks": self.last.tick + 1,
                 "missed": self.last.missed,
                 "period": asdict(self.last.period),
                 "latency": asdict(self.last.latency),
             }
-        return made
+        return result
 
 
-def rewritten(line: str, wide: int) -> int:
+def rewrite_status(line: str, wide: int) -> int:
     """Write over the line before, which was so wide; how wide this one is."""
     rewrite_line(line.ljust(wide))
     if not line:
@@ -239,15 +239,15 @@ def state_line(status: Status) -> str:
     return f"{status.arm} {state} | {cars} | {times}{' | ' if why else ''}{why}"[:200]
 
 
-def closing(made: dict[str, Any]) -> str:
+def format_summary(summary: dict[str, Any]) -> str:
     """The summary for people."""
-    line = f"{made['seconds']:.1f} s, {counted(made['events'], 'event')}"
-    if "ticks" in made:
+    line = f"{summary['seconds']:.1f} s, {counted(summary['events'], 'event')}"
+    if "ticks" in summary:
         line += (
-            f", {counted(made['ticks'], 'tick')} of {1000 * made['period']['median']:.2f} ms"
-            f" (one in a hundred {1000 * made['period']['late']:.2f} ms or more),"
-            f" {made['missed']} left out"
+            f", {counted(summary['ticks'], 'tick')} of {1000 * summary['period']['median']:.2f} ms"
+            f" (one in a hundred {1000 * summary['period']['late']:.2f} ms or more),"
+            f" {summary['missed']} left out"
         )
-    if "recording" in made:
-        line += f"; recorded in {made['recording']}"
+    if "recording" in summary:
+        line += f"; recorded in {summary['recording']}"
     return line

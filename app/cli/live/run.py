@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.length import demand_one_length
 from app.cli.live.live_options import LinkName, Seconds, SourceName, Ticks
-from app.cli.outcome_table import as_json
-from app.cli.usage import Rules
+from app.cli.options.run_length import demand_one_length
+from app.cli.terminal.outcome_table import as_json
+from app.cli.terminal.usage import Rules
 from worlds.input_error import InputError
 from worlds.plug_ins import demand_parquet
 
@@ -48,8 +48,10 @@ def run(
         raise InputError(f"--dry and --link {link!r} exclude each other")
     lab = laboratory(file, source, link).lab
     if dry:
-        lab = lab.altered("--dry", link="dry")
-    conduct(lab, open_driven, arm, record, driving_seconds(lab, seconds, ticks), json_asked, quiet)
+        lab = lab.with_values("--dry", link="dry")
+    run_laboratory(
+        lab, open_driven, arm, record, driving_seconds(lab, seconds, ticks), json_asked, quiet
+    )
 
 
 def driving_seconds(lab: Lab, seconds: float | None, ticks: int | None) -> float:
@@ -58,7 +60,7 @@ def driving_seconds(lab: Lab, seconds: float | None, ticks: int | None) -> float
     return ticks / lab.rate if ticks else seconds or 0.0
 
 
-def conduct(
+def run_laboratory(
     lab: Lab,
     opener: Opener,
     arm: bool,
@@ -76,8 +78,8 @@ def conduct(
             typer.echo(words, err=True)
 
     report(f"{lab.title or 'laboratory'}: {lab.rule} over {lab.link} ...")
-    from app.cli.live.operate import OperatorConsole, closing
-    from app.cli.progress import StopSignals
+    from app.cli.live.operate import OperatorConsole, format_summary
+    from app.cli.terminal.progress import StopSignals
     from app.live.operating.flock_driver import FlockDriver
     from app.live.operating.operator import Operator
 
@@ -89,7 +91,7 @@ def conduct(
             terminal.operate()
         finally:
             operator.close()
-    made = terminal.summary()
+    summary = terminal.summary()
     if record is not None:
-        made["recording"] = str(record)
-    typer.echo(as_json(made) if json_asked else closing(made))
+        summary["recording"] = str(record)
+    typer.echo(as_json(summary) if json_asked else format_summary(summary))

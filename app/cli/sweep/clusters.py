@@ -53,29 +53,29 @@ Queue = Annotated[
 Account = Annotated[str, typer.Option(help="Who pays.", rich_help_panel=PANEL)]
 
 
-def cluster_asked(
+def read_cluster_options(
     sweep: Sweep, kind: str, workers: int | None, dry: bool, **options: Any
 ) -> Cluster | None:
     """The cluster of the file with what the options change; None: this machine. Raises
     InputError."""
     from app.studies.cluster.cluster_options import Cluster
 
-    given = {name: value for name, value in options.items() if value not in (None, "")}
-    asked = sweep.file.cluster.model_dump() | given
+    given_options = {name: value for name, value in options.items() if value not in (None, "")}
+    values = sweep.file.cluster.model_dump() | given_options
     if kind:
-        asked["kind"] = kind
+        values["kind"] = kind
     try:
-        cluster = Cluster(**asked)
+        cluster = Cluster(**values)
     except ValidationError as error:
         first = error.errors()[0]
         name = str(first["loc"][0]) if first["loc"] else "cluster"
         option = "--cluster" if name == "kind" else f"--{name}"
-        said = first.get("ctx", {}).get("error") or (
-            f"{asked.get(name)!r} is not allowed: {needed(first)}"
+        reason = first.get("ctx", {}).get("error") or (
+            f"{values.get(name)!r} is not allowed: {needed(first)}"
         )
-        raise InputError(f"{option}: {said}") from None
+        raise InputError(f"{option}: {reason}") from None
     if not cluster.queued:
-        for name in given:
+        for name in given_options:
             raise InputError(
                 f"--{name} is of a queue: give --cluster slurm or --cluster pbs with it"
             )
@@ -91,10 +91,10 @@ def cluster_asked(
 def describe_cluster(cluster: Cluster, records: bool = False) -> str:
     """A cluster for people; `records`: whether runs are recorded."""
     if not cluster.queued:
-        said = f"runs are made by {cluster.kind}"
+        text = f"runs are made by {cluster.kind}"
     else:
         jobs = f"{counted(cluster.jobs, 'job')} of {counted(cluster.cores, 'core')}"
-        said = f"{jobs} asked of {cluster.kind}, for {cluster.walltime} each"
+        text = f"{jobs} asked of {cluster.kind}, for {cluster.walltime} each"
     if records and cluster.kind != "local":
-        said += "; recordings are written by the nodes, into a folder that they have to share"
-    return said
+        text += "; recordings are written by the nodes, into a folder that they have to share"
+    return text

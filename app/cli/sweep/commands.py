@@ -8,62 +8,37 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, tell_written
 from app.cli.sweep.run import run
 from app.cli.sweep.show import show
-from app.cli.sweep.sweep_choice import (
-    Fixed,
-    Hold,
-    Name,
-    Observes,
-    Over,
-    Runs,
-    Seconds,
-    Ticks,
-    Until,
-    Vary,
-    is_sweep,
-    kept_sweep,
-    sweep_asked,
-)
-from app.cli.terminal import one_line
-from app.cli.usage import command_group
+from app.cli.sweep.sweep_choice import Name, SweepOptions, find_sweep_folder, is_sweep
+from app.cli.terminal.console import one_line
+from app.cli.terminal.outcome_table import as_json, print_written_files
+from app.cli.terminal.usage import command_group, with_option_groups
 from app.results_folder import RESULTS
-from app.settings import at_least
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
 
 # `flockscope sweep check`: all cells checked, and what they will take; nothing is run.
 
 
+@with_option_groups
 def check(
     what: Annotated[str, typer.Argument(help="FILE.toml, or a MODEL with --vary.")],
-    vary: Vary = None,
-    fixed: Fixed = None,
-    runs: Runs = None,
-    ticks: Ticks = None,
-    seconds: Seconds = None,
-    observe: Observes = "",
-    over: Over = None,
-    until: Until = "",
-    hold: Hold = 1,
+    options: SweepOptions,
     json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Check every cell of a sweep. Print how many runs it has and how long they take.
 
     The first ticks of some cells are timed; nothing is kept.
     """
-    at_least("--runs", runs, 1)
-    from app.studies.sweeps.estimate import estimate, other_worlds
-    from app.studies.workers.processes import cores
+    from app.studies.sweeps.estimate import describe_other_worlds, estimate
+    from app.studies.workers.process_executor import cores
 
-    sweep, _ = sweep_asked(
-        what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, None
-    )
-    made = estimate(sweep)
-    warnings = other_worlds(sweep)
+    sweep, _ = options.read(what, None)
+    result = estimate(sweep)
+    warnings = describe_other_worlds(sweep)
     if json_asked:
-        value = made.value | {
+        value = result.value | {
             "title": sweep.title,
             "axes": sweep.axes,
             "columns": sweep.making.columns,
@@ -72,15 +47,15 @@ def check(
         }
         typer.echo(as_json(value))
         return
-    more = f" to {made.most_runs}" if made.most_runs > made.runs else ""
-    least = duration(made.seconds / cores())
+    more = f" to {result.most_runs}" if result.most_runs > result.runs else ""
+    least = duration(result.seconds / cores())
     typer.echo(
-        f"{sweep.title}: {counted(made.cells, 'cell')}, {made.runs}{more} runs of "
+        f"{sweep.title}: {counted(result.cells, 'cell')}, {result.runs}{more} runs of "
         f"{sweep.making.ticks} ticks{' at most' if sweep.making.until else ''}"
     )
     typer.echo(
         f"about {least} on {counted(cores(), 'core')}"
-        f"{' if no run ends before' if sweep.making.until else ''}, {size(made.bytes)} on disk"
+        f"{' if no run ends before' if sweep.making.until else ''}, {size(result.bytes)} on disk"
     )
     typer.echo(f"measured: {', '.join(sweep.making.columns) or 'series only'}")
     for line in warnings:
@@ -109,23 +84,23 @@ def list_sweeps(
     """List sweeps and their progress."""
     from app.studies.sweeps.sweep_table import status_of
 
-    there = sorted(folder.iterdir()) if folder.is_dir() else []
-    found = []
-    for sweep in filter(is_sweep, there):
+    paths = sorted(folder.iterdir()) if folder.is_dir() else []
+    statuses = []
+    for sweep in filter(is_sweep, paths):
         try:
-            found.append(status_of(sweep))
+            statuses.append(status_of(sweep))
         except Exception as error:  # whatever one store holds, the others are listed
             typer.echo(one_line(f"flockscope: {sweep} is left out: {error}"), err=True)
     if json_asked:
-        typer.echo(as_json({"sweeps": found}))
+        typer.echo(as_json({"sweeps": statuses}))
         return
-    if not found:
+    if not statuses:
         typer.echo(f"no sweep in {folder}/")
-    for one in found:
-        name = one_line(Path(one["folder"]).name)
-        broken = one["runs"]["failed"] + one["runs"]["killed"]
+    for status in statuses:
+        name = one_line(Path(status["folder"]).name)
+        broken = status["runs"]["failed"] + status["runs"]["killed"]
         failed = f", {broken} failed" if broken else ""
-        typer.echo(f"{name}: {one['state']}, {one['done']} of {one['of']} runs{failed}")
+        typer.echo(f"{name}: {status['state']}, {status['done']} of {status['of']} runs{failed}")
 
 
 # `flockscope sweep status`: how far a sweep is, also while another process runs it.
@@ -138,23 +113,27 @@ def status(
     """Show how many runs are done, how long the rest takes, and what failed."""
     from app.studies.sweeps.sweep_table import status_of
 
-    value = status_of(kept_sweep(name))
+    value = status_of(find_sweep_folder(name))
     typer.echo(as_json(value) if json_asked else describe_progress(value))
 
 
 def describe_progress(value: dict[str, Any]) -> str:
     """How far it is, for people."""
     counts = value["runs"]
-    said = [f"{value['title']}: {value['state']}, {value['done']} of {value['of']} runs"]
-    parts = [f"{counts[one]} {word}" for one, word in WORDS.items() if counts[one]]
+    lines = [f"{value['title']}: {value['state']}, {value['done']} of {value['of']} runs"]
+    parts = [
+        f"{counts[status_name]} {word}"
+        for status_name, word in WORDS.items()
+        if counts[status_name]
+    ]
     if parts:
-        said.append(", ".join(parts))
+        lines.append(", ".join(parts))
     if value["rate"] is not None:
         time_left = duration(value["seconds_left"])
-        said.append(f"{value['rate']:.3g} runs a second, {time_left} left (pid {value['pid']})")
+        lines.append(f"{value['rate']:.3g} runs a second, {time_left} left (pid {value['pid']})")
     if value["others"]:
-        said.append(f"{value['others']} runs of other cells or versions are kept beside")
-    return "\n".join(said)
+        lines.append(f"{value['others']} runs of other cells or versions are in the store too")
+    return "\n".join(lines)
 
 
 WORDS = {"ok": "ok", "gave-up": "gave up", "failed": "failed", "killed": "killed"}
@@ -171,19 +150,17 @@ def stop(
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing.")] = False,
 ) -> None:
     """Stop a sweep that another process runs; `flockscope sweep run` goes on with it."""
-    from app.studies.runs.store import is_taken
+    from app.studies.runs.store import is_locked
     from app.studies.study_runner import STOP
 
-    folder = kept_sweep(name)
-    if not is_taken(folder):
+    folder = find_sweep_folder(name)
+    if not is_locked(folder):
         raise InputError(f"no process runs {str(folder)!r}")
     (folder / STOP).touch()
     end = time.monotonic() + TIMEOUT
-    while is_taken(folder):
+    while is_locked(folder):
         if time.monotonic() > end:
-            raise InputError(
-                f"{str(folder)!r} has not stopped within {TIMEOUT:g} s: it was asked to"
-            )
+            raise InputError(f"{str(folder)!r} has not stopped within {TIMEOUT:g} s")
         time.sleep(0.1)
     if not quiet:
         typer.echo(f"stopped: {folder}", err=True)
@@ -240,21 +217,21 @@ def plot(
     from app.studies.charts.scaling import Scaling
     from app.studies.runs.store_reader import StoreReader
     from app.studies.sweeps.sweep_picture import draw
-    from app.studies.sweeps.sweep_table import measured
+    from app.studies.sweeps.sweep_table import measured_columns
 
     if (beta is None) != (nu is None) or (critical is not None and beta is None):
         raise InputError("a collapse takes --beta and --nu, and --critical beside them")
     scaling = None if beta is None or nu is None else Scaling(beta, nu, critical)
-    kept = StoreReader(kept_sweep(name))
-    shown = observable or next(iter(measured(kept)), "picture")
-    path = out or kept.folder / f"{shown.replace('/', '-')}.png"
+    reader = StoreReader(find_sweep_folder(name))
+    column = observable or next(iter(measured_columns(reader)), "picture")
+    path = out or reader.folder / f"{column.replace('/', '-')}.png"
     draw(
-        kept, path, observable,
+        reader, path, observable,
         kind=kind, x=x, y=y, where=where, snapshots=snapshots, scaling=scaling,
         overwrite=overwrite or out is None,
     )  # fmt: skip
     if not quiet:
-        tell_written(path)
+        print_written_files(path)
 
 
 # `flockscope sweep export`: the runs as CSV or Parquet, in the order of the plan.
@@ -281,21 +258,21 @@ def export(
     """
     from app.studies.runs.store_reader import StoreReader
     from app.studies.sweeps.sweep_table import as_csv, write_table
-    from app.studies.sweeps.sweep_table import long as in_long
-    from app.studies.sweeps.sweep_table import wide as in_wide
+    from app.studies.sweeps.sweep_table import long_table as in_long
+    from app.studies.sweeps.sweep_table import wide_table as in_wide
 
     if long and times:
         raise InputError(
             "--times cannot be given with --long: seconds are of a run, not of a value"
         )
-    kept = StoreReader(kept_sweep(name))
-    columns = in_long(kept) if long else in_wide(kept, times)
+    reader = StoreReader(find_sweep_folder(name))
+    columns = in_long(reader) if long else in_wide(reader, times)
     if out is None:
         typer.echo(as_csv(columns), nl=False)
         return
     write_table(columns, out, overwrite)
     if not quiet:
-        tell_written(out)
+        print_written_files(out)
 
 
 sweep = command_group(

@@ -7,13 +7,12 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json, tell
-from app.cli.progress import Progress, StopSignals
 from app.cli.sweep.clusters import (
     Account,
     Cores,
@@ -23,23 +22,15 @@ from app.cli.sweep.clusters import (
     OnCluster,
     Queue,
     Walltime,
-    cluster_asked,
     describe_cluster,
+    read_cluster_options,
 )
-from app.cli.sweep.sweep_choice import (
-    Fixed,
-    Hold,
-    Observes,
-    Over,
-    Runs,
-    Seconds,
-    Ticks,
-    Until,
-    Vary,
-    sweep_asked,
-)
-from app.cli.terminal import INTERRUPTED
-from app.settings import at_least
+from app.cli.sweep.sweep_choice import SweepOptions
+from app.cli.terminal.console import INTERRUPTED
+from app.cli.terminal.outcome_table import as_json, print_stderr
+from app.cli.terminal.progress import Progress, StopSignals
+from app.cli.terminal.usage import with_option_groups
+from app.settings import check_whole_number
 from worlds.number_text import counted, duration
 
 if TYPE_CHECKING:
@@ -67,15 +58,24 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")]
 
 
-def demand_sound(workers: int | None, nice: int, limit: int | None) -> None:
-    """Refuse numbers that cannot be. Raises InputError."""
-    at_least("--workers", workers, 1, MOST_WORKERS)
-    at_least("--nice", nice, 0, 19)
-    at_least("--limit", limit, 1)
+@dataclass(frozen=True)
+class RunnerOptions:
+    """How runs are made, of every command that makes many."""
+
+    workers: Workers = None
+    nice: Nice = 0
+    retry_failed: RetryFailed = False
+    limit: Limit = None
+
+    def check(self) -> None:
+        """Refuse numbers that cannot be. Raises InputError."""
+        check_whole_number("--workers", self.workers, 1, MOST_WORKERS)
+        check_whole_number("--nice", self.nice, 0, 19)
+        check_whole_number("--limit", self.limit, 1)
 
 
 @contextmanager
-def under_way(folder: Path, quiet: bool) -> Iterator[Progress]:
+def progress_bar(folder: Path, quiet: bool) -> Iterator[Progress]:
     """A bar while runs are made; after Ctrl-C a line tells how to go on."""
     again = f"flockscope {shlex.join(sys.argv[1:])}"
     stopped = f"flockscope: stopped; finished runs are in {folder}; go on with: {again}"
@@ -83,70 +83,58 @@ def under_way(folder: Path, quiet: bool) -> Iterator[Progress]:
         with StopSignals(at_once=stopped), Progress(folder.name, quiet) as progress:
             yield progress
     except KeyboardInterrupt:
-        tell(stopped)
+        print_stderr(stopped)
         raise typer.Exit(INTERRUPTED) from None
 
 
-def warn(sweep: Sweep) -> None:
+def print_warnings(sweep: Sweep) -> None:
     """Warn of worlds that are not those of the papers."""
-    from app.studies.sweeps.estimate import other_worlds
+    from app.studies.sweeps.estimate import describe_other_worlds
 
-    for line in other_worlds(sweep):
-        tell(f"flockscope: {line}")
+    for line in describe_other_worlds(sweep):
+        print_stderr(f"flockscope: {line}")
 
 
 def carry_out_sweep(
     sweep: Sweep,
     folder: Path,
-    workers: int | None,
-    nice: int,
-    retry: bool,
-    limit: int | None,
+    runner: RunnerOptions,
     quiet: bool,
     cluster: Cluster | None = None,
 ) -> StudyReport:
     """Carry out the sweep."""
-    from app.studies.sweeps.sweep_runner import conduct
-    from app.studies.workers.processes import cores
+    from app.studies.sweeps.sweep_runner import run_sweep
+    from app.studies.workers.process_executor import cores
 
     if cluster is not None and not quiet:
         from app.cli.sweep.clusters import describe_cluster
 
-        tell(describe_cluster(cluster, bool(sweep.file.record)))
-    with under_way(folder, quiet) as progress:
-        return conduct(
+        print_stderr(describe_cluster(cluster, bool(sweep.file.record)))
+    with progress_bar(folder, quiet) as progress:
+        return run_sweep(
             sweep,
             folder,
-            workers=workers or cores(),
-            nice=nice,
-            retry=retry,
-            limit=limit,
+            workers=runner.workers or cores(),
+            nice=runner.nice,
+            retry=runner.retry_failed,
+            limit=runner.limit,
             cluster=cluster,
-            tell=None if quiet else tell,
-            at=progress.at,
+            tell=None if quiet else print_stderr,
+            at=progress.update,
         )
 
 
+@with_option_groups
 def run(
     what: Annotated[
         str, typer.Argument(help="FILE.toml, a MODEL with --vary, or a sweep to go on with.")
     ],
-    vary: Vary = None,
-    fixed: Fixed = None,
-    runs: Runs = None,
-    ticks: Ticks = None,
-    seconds: Seconds = None,
-    observe: Observes = "",
-    over: Over = None,
-    until: Until = "",
-    hold: Hold = 1,
+    *,
+    options: SweepOptions,
     out: Annotated[
         Path | None, typer.Option(help="Folder of the sweep. \\[default: results/NAME]")
     ] = None,
-    workers: Workers = None,
-    nice: Nice = 0,
-    retry_failed: RetryFailed = False,
-    limit: Limit = None,
+    runner: RunnerOptions,
     cluster: OnCluster = "",
     dry_run: DryRun = False,
     jobs: Jobs = None,
@@ -165,25 +153,20 @@ def run(
 
     The exit code is 3 if any run failed or was killed: `flockscope sweep show` names them.
     """
-    at_least("--runs", runs, 1)
-    at_least("--over", over, 1)
-    at_least("--hold", hold, 1)
-    demand_sound(workers, nice, limit)
-    heard = None if quiet else tell
-    sweep, own = sweep_asked(
-        what, vary, fixed, runs, ticks, seconds, observe, over, until, hold, heard
-    )
+    runner.check()
+    listener = None if quiet else print_stderr
+    sweep, own = options.read(what, listener)
     folder = out or own
-    asked = {"jobs": jobs, "cores": cores, "memory": memory, "walltime": walltime}
-    asked |= {"queue": queue, "account": account}
-    made_on = cluster_asked(sweep, cluster, workers, dry_run, **asked)
+    queue_options = {"jobs": jobs, "cores": cores, "memory": memory, "walltime": walltime}
+    queue_options |= {"queue": queue, "account": account}
+    made_on = read_cluster_options(sweep, cluster, runner.workers, dry_run, **queue_options)
     if dry_run and made_on is not None:
         print_job(made_on, quiet)
         return
     if not quiet:
-        warn(sweep)
+        print_warnings(sweep)
     began = time.monotonic()
-    done = carry_out_sweep(sweep, folder, workers, nice, retry_failed, limit, quiet, made_on)
+    done = carry_out_sweep(sweep, folder, runner, quiet, made_on)
     files = draw_all(sweep, folder) if plot and done.made + done.taken else []
     report(sweep, folder, done, files, time.monotonic() - began, json_asked, quiet)
     if done.broken:
@@ -196,7 +179,7 @@ def print_job(cluster: Cluster, quiet: bool) -> None:
 
     typer.echo(job_script(cluster), nl=False)
     if not quiet:
-        tell(f"flockscope: nothing is run; without --dry-run {describe_cluster(cluster)}")
+        print_stderr(f"flockscope: nothing is run; without --dry-run {describe_cluster(cluster)}")
 
 
 def draw_all(sweep: Sweep, folder: Path) -> list[Path]:
@@ -224,7 +207,7 @@ def report(
     from app.cli.sweep.show import summary_of
     from app.studies.runs.store_reader import StoreReader
 
-    kept = StoreReader(folder)
+    reader = StoreReader(folder)
     if json_asked:
         value: dict[str, Any] = {
             "folder": str(folder),
@@ -232,24 +215,26 @@ def report(
             "made": done.made,
             "taken": done.taken,
             "whole": done.whole,
-            "runs": kept.counts,
+            "runs": reader.counts,
             "seconds": round(seconds, 3),
             "files": [str(path) for path in files],
         }
         typer.echo(as_json(value))
     else:
-        summary_of(kept)
+        summary_of(reader)
     if quiet:
         return
     if done.made:
         rate = done.made / max(seconds, 1e-9)
-        tell(
+        print_stderr(
             f"{counted(done.made, 'run')} made in {duration(seconds)} ({rate:.3g} a second), "
             f"{done.taken} taken from {folder}"
         )
     else:
-        tell(f"no run made, {done.taken} taken from {folder}")
+        print_stderr(f"no run made, {done.taken} taken from {folder}")
     if not done.whole:
-        tell(f"not all runs are made; go on with: flockscope sweep run {shlex.quote(str(folder))}")
+        print_stderr(
+            f"not all runs are made; go on with: flockscope sweep run {shlex.quote(str(folder))}"
+        )
     if files:
-        tell("written: " + ", ".join(map(str, files)))
+        print_stderr("written: " + ", ".join(map(str, files)))

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.outcome_table import as_json
-from app.cli.sweep.sweep_choice import Name, kept_sweep
-from app.cli.terminal import make_console
+from app.cli.sweep.sweep_choice import Name, find_sweep_folder
+from app.cli.terminal.console import make_console
+from app.cli.terminal.outcome_table import as_json
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -33,13 +33,13 @@ def show(
     from app.studies.runs.store_reader import StoreReader
     from app.studies.sweeps.sweep_table import spec_at
 
-    kept = StoreReader(kept_sweep(name))
+    reader = StoreReader(find_sweep_folder(name))
     if seed is not None:
         if cell is None:
             raise InputError("--seed needs --cell: of which cell is the run?")
-        typer.echo(spec_at(kept, cell, seed).to_toml(), nl=False)
+        typer.echo(spec_at(reader, cell, seed).to_toml(), nl=False)
         return
-    rows = summaries(kept)
+    rows = summaries(reader)
     if cell is not None:
         if not 1 <= cell <= len(rows):
             raise InputError(
@@ -47,30 +47,29 @@ def show(
             )
         rows = [rows[cell - 1]]
     if json_asked:
-        typer.echo(as_json({"folder": str(kept.folder), "cells": rows, "failed": faults(kept)}))
+        typer.echo(as_json({"folder": str(reader.folder), "cells": rows, "failed": faults(reader)}))
     else:
-        show_cells(kept, rows)
+        show_cells(reader, rows)
 
 
-def summary_of(kept: StoreReader) -> None:
+def summary_of(reader: StoreReader) -> None:
     """Print what the runs say, for people."""
-    show_cells(kept, summaries(kept))
+    show_cells(reader, summaries(reader))
 
 
-def summaries(kept: StoreReader) -> list[dict[str, Any]]:
+def summaries(reader: StoreReader) -> list[dict[str, Any]]:
     """Each cell with the mean and the interval of what was measured, and runs without a value."""
-    from app.studies.sweeps.sweep_groups import groups_of
-    from app.studies.sweeps.sweep_table import measured, places_of
+    from app.studies.sweeps.sweep_table import groups_of, measured_columns, places_of
 
-    places = places_of(kept)
+    places = places_of(reader)
     rows: list[dict[str, Any]] = [
-        {"cell": places[number], "axes": one["axes"], "runs": 0, "gave_up": 0, "failed": 0}
-        for number, one in kept.cells.items()
+        {"cell": places[number], "axes": cell["axes"], "runs": 0, "gave_up": 0, "failed": 0}
+        for number, cell in reader.cells.items()
     ]
-    at = dict(zip(kept.cells, rows, strict=True))
-    for column in measured(kept):
+    at = dict(zip(reader.cells, rows, strict=True))
+    for column in measured_columns(reader):
         try:
-            groups = groups_of(kept, column)[1]
+            groups = groups_of(reader, column)[1]
         except InputError:
             break
         for group in groups:
@@ -81,34 +80,34 @@ def summaries(kept: StoreReader) -> list[dict[str, Any]]:
     return rows
 
 
-def faults(kept: StoreReader) -> list[dict[str, Any]]:
+def faults(reader: StoreReader) -> list[dict[str, Any]]:
     """The runs that failed or were killed: cell, seed, why."""
     from app.studies.runs.database import BROKEN
     from app.studies.sweeps.sweep_table import places_of
 
-    places = places_of(kept)
+    places = places_of(reader)
     return [
         {"cell": places[cell], "seed": seed, "status": status, "reason": reason}
-        for cell, seed, status, reason, *_ in kept.runs([])
+        for cell, seed, status, reason, *_ in reader.runs([])
         if status in BROKEN
     ]
 
 
-def show_cells(kept: StoreReader, rows: list[dict[str, Any]]) -> None:
+def show_cells(reader: StoreReader, rows: list[dict[str, Any]]) -> None:
     """Print the cells as a table, and the runs that failed."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from app.studies.sweeps.sweep_table import axes_of, measured
+    from app.studies.sweeps.sweep_table import axes_of, measured_columns
 
-    axes, columns = axes_of(kept), measured(kept)
+    axes, columns = axes_of(reader), measured_columns(reader)
     extra = [key for key in ("gave_up", "failed") if any(row[key] for row in rows)]
     table = Table(
         "cell", *axes, "runs", *(key.replace("_", " ") for key in extra), *columns,
-        title=str(kept.state.get("title", "")), title_justify="left", box=SIMPLE_HEAD,
+        title=str(reader.state.get("title", "")), title_justify="left", box=SIMPLE_HEAD,
     )  # fmt: skip
     for row in rows[:MOST]:
-        cells = [str(row["cell"]), *(plain(row["axes"].get(axis)) for axis in axes)]
+        cells = [str(row["cell"]), *(format_axis_value(row["axes"].get(axis)) for axis in axes)]
         cells += [str(row["runs"]), *(str(row[key] or "") for key in extra)]
         cells += [interval(row.get(column)) for column in columns]
         table.add_row(*cells)
@@ -116,26 +115,27 @@ def show_cells(kept: StoreReader, rows: list[dict[str, Any]]) -> None:
     console.print(table)
     if len(rows) > MOST:
         console.print(f"and {len(rows) - MOST} more cells: `flockscope sweep export` has them all")
-    found = faults(kept)
-    for one in found[:FAULTS]:
+    failures = faults(reader)
+    for failure in failures[:FAULTS]:
         console.print(
-            f"cell {one['cell']}, seed {one['seed']}: {one['status']}: {one['reason']}",
+            f"cell {failure['cell']}, seed {failure['seed']}: {failure['status']}: "
+            f"{failure['reason']}",
             markup=False,
         )
-    if len(found) > FAULTS:
-        console.print(f"and {len(found) - FAULTS} more failed runs")
+    if len(failures) > FAULTS:
+        console.print(f"and {len(failures) - FAULTS} more failed runs")
 
 
-def plain(value: Any) -> str:
+def format_axis_value(value: Any) -> str:
     """A value of an axis."""
     if isinstance(value, float):
         return f"{value:.6g}"
     return "" if value is None else str(value)
 
 
-def interval(found: dict[str, float] | None) -> str:
+def interval(summary: dict[str, float] | None) -> str:
     """A mean with half of its interval."""
-    if found is None or found["mean"] != found["mean"]:
+    if summary is None or summary["mean"] != summary["mean"]:
         return "-"
-    half = found["half_interval"]
-    return f"{found['mean']:.4g}" + (f" ± {half:.2g}" if half == half else "")
+    half = summary["half_interval"]
+    return f"{summary['mean']:.4g}" + (f" ± {half:.2g}" if half == half else "")

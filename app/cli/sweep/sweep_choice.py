@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.length import demand_one_length, ticks_asked
+from app.cli.options.run_length import demand_one_length, ticks_asked
 from app.results_folder import RESULTS
-from app.settings import assignment, names, numbers, value
+from app.settings import assignment, check_whole_number, names, numbers, value
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -46,42 +47,85 @@ Hold = Annotated[int, typer.Option(help="Ticks for which --until has to hold.")]
 Name = Annotated[str, typer.Argument(help="A sweep in results/, or its folder.")]
 
 
-def sweep_asked(
-    what: str,
-    vary: list[str] | None,
-    fixed: list[str] | None,
-    runs: int | None,
-    ticks: int | None,
-    seconds: float | None,
-    observe: str,
-    over: int | None,
-    until: str,
-    hold: int,
-    tell: Any,
-) -> tuple[Sweep, Path]:
-    """The sweep and its folder, where no other is asked for. Raises InputError."""
-    from app.studies.key_lines import KeyLocations
-    from app.studies.sweeps.checked_sweep import sweep_of
+@dataclass(frozen=True)
+class SweepOptions:
+    """What `sweep run` and `sweep check` are given of a sweep that no file says."""
 
-    options = {
-        "--vary": vary, "--set": fixed, "--runs": runs, "--ticks": ticks, "--observe": observe,
-        "--over": over, "--until": until, "--seconds": seconds,
-    }  # fmt: skip
-    if says_all(what):
-        for name, given in options.items():
-            if given:
-                raise InputError(f"{name} cannot be given with {what}, which says it already")
-        return read_or_kept(what, tell)
-    if not vary:
-        raise InputError(
-            f"{what!r} is no FILE.toml and no folder of a sweep; for a model give --vary "
-            "NAME=FROM:TO:COUNT"
-        )
-    demand_one_length(ticks, seconds, least=1)
-    ticks = ticks if seconds is None else ticks_of(what, vary, fixed or [], seconds)
-    values, places = from_options(what, vary, fixed or [], runs, ticks, observe, over, until, hold)
-    made = sweep_of(values, KeyLocations("the command line", options=places), Path(), tell)
-    return made, RESULTS / "-".join([Path(what).stem, *made.axes])
+    vary: Vary = None
+    fixed: Fixed = None
+    runs: Runs = None
+    ticks: Ticks = None
+    seconds: Seconds = None
+    observe: Observes = ""
+    over: Over = None
+    until: Until = ""
+    hold: Hold = 1
+
+    def read(self, what: str, tell: Any) -> tuple[Sweep, Path]:
+        """The sweep and its folder, where no other is asked for. Raises InputError."""
+        from app.studies.key_lines import KeyLocations
+        from app.studies.sweeps.checked_sweep import sweep_of
+
+        check_whole_number("--runs", self.runs, 1)
+        check_whole_number("--over", self.over, 1)
+        check_whole_number("--hold", self.hold, 1)
+        options = {
+            "--vary": self.vary, "--set": self.fixed, "--runs": self.runs, "--ticks": self.ticks,
+            "--observe": self.observe, "--over": self.over, "--until": self.until,
+            "--seconds": self.seconds,
+        }  # fmt: skip
+        if is_complete_sweep(what):
+            for name, option_value in options.items():
+                if option_value:
+                    raise InputError(f"{name} cannot be given with {what}, which says it already")
+            return read_complete_sweep(what, tell)
+        if not self.vary:
+            raise InputError(
+                f"{what!r} is no FILE.toml and no folder of a sweep; for a model give --vary "
+                "NAME=FROM:TO:COUNT"
+            )
+        demand_one_length(self.ticks, self.seconds, least=1)
+        values, places = self.table(what)
+        keys = KeyLocations("the command line", options=places)
+        sweep = sweep_of(values, keys, Path(), tell)
+        return sweep, RESULTS / "-".join([Path(what).stem, *sweep.axes])
+
+    def table(self, model: str) -> tuple[dict[str, Any], dict[str, str]]:
+        """What a file would say, and which option each key is from. Raises InputError."""
+        from app.studies.sweeps.sweep_file import RunOptions
+
+        ticks = self.ticks
+        if self.seconds is not None:
+            ticks = ticks_of(model, self.vary or [], self.fixed or [], self.seconds)
+        run: dict[str, Any] = {"model": model, "ticks": 1000 if ticks is None else ticks}
+        places = {"model": "MODEL", "ticks": "--ticks", "count": "--runs", "when": "--until"}
+        for setting in self.fixed or []:
+            name, given_value = assignment(setting)
+            places[name] = f"--set {setting}"
+            if name in RunOptions.model_fields:
+                run[name] = given_value
+            else:
+                run.setdefault("parameters", {})[name] = given_value
+        axes: dict[str, Any] = {}
+        for setting in self.vary or []:
+            name, axis = axis_of(setting)
+            places[name] = f"--vary {setting}"
+            axes[name] = axis
+        values: dict[str, Any] = {"run": run, "design": [{"kind": "grid", "axes": axes}]}
+        if self.runs is not None:
+            values["replicates"] = {"count": self.runs}
+        if self.until:
+            values["stop"] = {"when": self.until, "hold": self.hold}
+        observed = names(self.observe)
+        places |= {"observe": "--observe", "over": "--over"}
+        if observed:
+            values["observe"] = [
+                {"name": name} if self.over is None else {"name": name, "over": self.over}
+                for name in observed
+            ]
+        elif self.over is not None:
+            raise InputError("--over needs --observe: of what is the mean to be taken?")
+        return values, places
 
 
 def ticks_of(model: str, vary: list[str], fixed: list[str], seconds: float) -> int | None:
@@ -96,23 +140,27 @@ def ticks_of(model: str, vary: list[str], fixed: list[str], seconds: float) -> i
                 f"--seconds {seconds:g} is not the same ticks in every run with --vary {name}: "
                 "give --ticks"
             )
-    one = find_model(model)
-    given = dict(assignment(setting) for setting in fixed)
-    own = {name: value for name, value in given.items() if name in one.parameters.model_fields}
-    dt = float(one.body.lasts(checked(one.parameters, own, "--set")))
-    return ticks_asked(None, seconds, one.name, one.body.unit, dt)
+    found_model = find_model(model)
+    given_values = dict(assignment(setting) for setting in fixed)
+    own = {
+        name: value
+        for name, value in given_values.items()
+        if name in found_model.parameters.model_fields
+    }
+    dt = float(found_model.body.lasts(checked(found_model.parameters, own, "--set")))
+    return ticks_asked(None, seconds, found_model.name, found_model.body.unit, dt)
 
 
-def says_all(what: str) -> bool:
+def is_complete_sweep(what: str) -> bool:
     """Whether this is a file, or the folder of a sweep that was run before."""
     return Path(what).suffix.lower() == ".toml" or is_sweep(folder_of(what))
 
 
-def read_or_kept(what: str, tell: Any) -> tuple[Sweep, Path]:
+def read_complete_sweep(what: str, tell: Any) -> tuple[Sweep, Path]:
     """The sweep of a file or of a folder, and its folder. Raises InputError."""
     from app.studies.sweeps.checked_sweep import read_sweep
 
-    if not says_all(what):
+    if not is_complete_sweep(what):
         raise InputError(f"{what!r} is no FILE.toml and no folder of a sweep")
     if Path(what).suffix.lower() == ".toml":
         return read_sweep(Path(what), tell), RESULTS / Path(what).stem
@@ -123,10 +171,10 @@ def read_stored_sweep(folder: Path, tell: Any) -> Sweep:
     """The sweep of a folder that was run before. Raises InputError."""
     from app.studies.sweeps.checked_sweep import sweep_of
 
-    return sweep_of(*begun_in(folder), tell)
+    return sweep_of(*read_sweep_folder(folder), tell)
 
 
-def begun_in(folder: Path) -> tuple[dict[str, Any], KeyLocations, Path]:
+def read_sweep_folder(folder: Path) -> tuple[dict[str, Any], KeyLocations, Path]:
     """What the file in a folder says, where its keys are, where it was begun. Raises InputError."""
     from app.studies.key_lines import KeyLocations
     from app.studies.runs.store_reader import StoreReader
@@ -135,52 +183,8 @@ def begun_in(folder: Path) -> tuple[dict[str, Any], KeyLocations, Path]:
 
     path = folder / SPEC
     text = read_text(f"sweep {str(path)!r}", path)
-    begun = Path(StoreReader(folder).state.get("from_folder", folder))
-    return toml(text, str(path)), KeyLocations(str(path), text), begun
-
-
-def from_options(
-    model: str,
-    vary: list[str],
-    fixed: list[str],
-    runs: int | None,
-    ticks: int | None,
-    observe: str,
-    over: int | None,
-    until: str,
-    hold: int,
-) -> tuple[dict[str, Any], dict[str, str]]:
-    """What a file would say, and which option each key is from. Raises InputError."""
-    from app.studies.sweeps.sweep_file import RunOptions
-
-    run: dict[str, Any] = {"model": model, "ticks": 1000 if ticks is None else ticks}
-    places = {"model": "MODEL", "ticks": "--ticks", "count": "--runs", "when": "--until"}
-    for setting in fixed:
-        name, given = assignment(setting)
-        places[name] = f"--set {setting}"
-        if name in RunOptions.model_fields:
-            run[name] = given
-        else:
-            run.setdefault("parameters", {})[name] = given
-    axes: dict[str, Any] = {}
-    for setting in vary:
-        name, axis = axis_of(setting)
-        places[name] = f"--vary {setting}"
-        axes[name] = axis
-    values: dict[str, Any] = {"run": run, "design": [{"kind": "grid", "axes": axes}]}
-    if runs is not None:
-        values["replicates"] = {"count": runs}
-    if until:
-        values["stop"] = {"when": until, "hold": hold}
-    observed = names(observe)
-    places |= {"observe": "--observe", "over": "--over"}
-    if observed:
-        values["observe"] = [
-            {"name": name} if over is None else {"name": name, "over": over} for name in observed
-        ]
-    elif over is not None:
-        raise InputError("--over needs --observe: of what is the mean to be taken?")
-    return values, places
+    origin = Path(StoreReader(folder).state.get("from_folder", folder))
+    return toml(text, str(path)), KeyLocations(str(path), text), origin
 
 
 def axis_of(setting: str) -> tuple[str, Any]:
@@ -193,13 +197,13 @@ def axis_of(setting: str) -> tuple[str, Any]:
     if not equals or not name or not text:
         raise InputError(f"--vary {setting} is not of the form NAME=FROM:TO:COUNT or NAME=A,B,C")
     if ":" not in text:
-        return name, [value(one) for one in names(text)]
-    found = SPAN.fullmatch(text)
+        return name, [value(part) for part in names(text)]
+    match = SPAN.fullmatch(text)
     try:
-        if found and found[3] is not None:
-            low, high = (numbers("--vary", found[k])[0] for k in (1, 2))
-            made: dict[str, Any] = {"from": low, "to": high, "count": int(found[3])}
-            return name, made | ({"scale": found[4]} if found[4] else {})
+        if match and match[3] is not None:
+            low, high = (numbers("--vary", match[k])[0] for k in (1, 2))
+            axis: dict[str, Any] = {"from": low, "to": high, "count": int(match[3])}
+            return name, axis | ({"scale": match[4]} if match[4] else {})
     except ValueError:
         pass
     raise InputError(f"--vary {setting} is not of the form NAME=FROM:TO:COUNT, with :log if wanted")
@@ -217,7 +221,7 @@ def is_sweep(folder: Path) -> bool:
     return (folder / FILE).is_file()
 
 
-def kept_sweep(name: str) -> Path:
+def find_sweep_folder(name: str) -> Path:
     """The folder of a sweep that was run, by name or path. Raises InputError."""
     path = Path(name)
     if path.suffix.lower() == ".toml" and not path.is_dir():

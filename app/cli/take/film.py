@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.length import demand_one_length, ticks_asked
-from app.cli.outcome_table import as_json, tell, tell_written
-from app.cli.progress import Progress, StopSignals
-from app.cli.run_arguments import Asked, with_options
-from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
+from app.cli.options.run_arguments import GivenOptions, with_options
+from app.cli.options.run_length import demand_one_length, ticks_asked
+from app.cli.take.renderer import AUTO, BROWSER, PLAIN, browser, camera_request, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
-from app.cli.terminal import INTERRUPTED
-from app.cli.usage import Rules
-from app.settings import at_least, names
+from app.cli.terminal.console import INTERRUPTED
+from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
+from app.cli.terminal.progress import Progress, StopSignals
+from app.cli.terminal.usage import Rules
+from app.settings import check_whole_number, names
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError
 from worlds.number_text import counted
@@ -45,21 +45,21 @@ class FilmPlan:
     """Ticks after the last one that is shown."""
 
 
-def planned(
+def plan_film(
     ticks: list[int], first: int, last: int, every: int | None, speed: float, fps: float
 ) -> FilmPlan:
     """The ticks to show of those that there are, rising. Raises InputError if none is left.
 
     `speed` ticks are shown in a second, in at most `fps` pictures, unless `every` says otherwise.
     """
-    there = [tick for tick in ticks if first <= tick <= last]
-    if not there:
+    in_range = [tick for tick in ticks if first <= tick <= last]
+    if not in_range:
         raise InputError(f"there is no tick from {first} to {last}")
-    apart = max(1, (there[-1] - there[0]) // max(1, len(there) - 1))
+    apart = max(1, (in_range[-1] - in_range[0]) // max(1, len(in_range) - 1))
     step = max(1, round((every if every else speed / fps) / apart))
     rate = min(MOST_FPS, speed / (step * apart))
-    shown = there[::step]
-    return FilmPlan(shown, rate, there[-1] - shown[-1])
+    chosen_ticks = in_range[::step]
+    return FilmPlan(chosen_ticks, rate, in_range[-1] - chosen_ticks[-1])
 
 
 @with_options
@@ -70,7 +70,7 @@ def film(
     ] = None,
     rule: Rules = None,
     *,
-    asked: Asked,
+    options: GivenOptions,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
@@ -133,52 +133,58 @@ def film(
     from app.viewer.pictures.film_writer import CODECS, demand_film
     from app.viewer.pictures.plane import Plots
 
-    at_least("--from", first, 0)
-    at_least("--to", last, first)
+    check_whole_number("--from", first, 0)
+    check_whole_number("--to", last, first)
     demand_one_length(length, seconds, last)
-    at_least("--every", every, 1)
+    check_whole_number("--every", every, 1)
     for option, value, most in (("--speed", speed, 1e6), ("--fps", fps, MOST_FPS)):
         if not 0.1 <= value <= most:
             raise InputError(f"{option} {value:g} is outside [0.1, {most:g}]")
     size = pixels(size_text)
     demand_renderer(renderer)
     demand_writable("--out", out, overwrite, (*CODECS, PAGE))
-    aim_of(camera, follow, turn, 1.0, 1)
+    camera_request(camera, follow, turn, 1.0, 1)
     is_page = out.suffix.lower() == PAGE
     if is_page:
         demand_no_film(camera, follow, plot)
     else:
         demand_film("flockscope film")
-    wanted = names(plot) if plot else []
+    plot_names = names(plot) if plot else []
     taken_at: Callable[[list[int]], Iterator[Snapshot]]
     if is_recording(spec):
-        recorded = recording_of(spec, asked, settings or [], rule)
+        recorded = recording_of(spec, options, settings or [], rule)
         model, unit = recorded.spec.model, recorded.time_unit
         length = ticks_asked(length, seconds, model, unit, recorded.time_per_tick)
         last = last if length is None else first + length
         end = int(recorded.ticks[-1]) if last is None else last
-        ticks, dt, taken_at = recorded.ticks.tolist(), recorded.time_per_tick, at_ticks(recorded)
+        ticks, dt, taken_at = (
+            recorded.ticks.tolist(),
+            recorded.time_per_tick,
+            recorded_flock_at(recorded),
+        )
         agents = len(recorded.at(ticks[0]).ids) if is_page else 0
     else:
-        flock = flock_of(spec, asked, settings or [], rule, quiet)
+        flock = flock_of(spec, options, settings or [], rule, quiet)
         model, unit = flock.model.name, flock.model.body.unit
         length = ticks_asked(length, seconds, model, unit, flock.dt)
         last = last if length is None else first + length
         end = max(LAST, first) if last is None else last
         ticks, dt, taken_at = list(range(first, end + 1)), flock.dt, run_to(flock)
         agents = len(flock.ids)
-    plan = planned(ticks, first, end, every, speed, fps)
+    plan = plan_film(ticks, first, end, every, speed, fps)
     if is_page:
-        plan = thinned(plan, agents, every, quiet)
+        plan = thin_plan(plan, agents, every, quiet)
     if plan.left_out and not quiet:
         left = counted(plan.left_out, "tick")
-        tell(f"flockscope: the film ends at tick {plan.ticks[-1]}: {left} more make no picture")
+        print_stderr(
+            f"flockscope: the film ends at tick {plan.ticks[-1]}: {left} more make no picture"
+        )
     span = plan.ticks[-1] - plan.ticks[0]
     apart = span / max(len(plan.ticks) - 1, 1)
     asked_of = FilmJob(
         taken_at(plan.ticks), plan, out, size, colour, renderer,
-        aim_of(camera, follow, turn, max(plan.fps * apart, 1e-9), span),
-        Plots(wanted, plan.ticks[0] * dt, plan.ticks[-1] * dt) if wanted else None,
+        camera_request(camera, follow, turn, max(plan.fps * apart, 1e-9), span),
+        Plots(plot_names, plan.ticks[0] * dt, plan.ticks[-1] * dt) if plot_names else None,
         overwrite, quiet,
     )  # fmt: skip
     with (
@@ -189,14 +195,14 @@ def film(
         def went_on(done: int) -> None:
             if stopping.asked:
                 raise KeyboardInterrupt
-            progress.at(done / len(plan.ticks), text=f"tick {plan.ticks[done - 1]}")
+            progress.update(done / len(plan.ticks), text=f"tick {plan.ticks[done - 1]}")
 
         try:
             drawn_by = write_page(asked_of, went_on) if is_page else write_film(asked_of, went_on)
         except (KeyboardInterrupt, InputError) as why:
             if isinstance(why, InputError) and not stopping.asked:
                 raise
-            tell("flockscope: stopped; no film was written")
+            print_stderr("flockscope: stopped; no film was written")
             raise typer.Exit(INTERRUPTED) from None
     if json_asked:
         typer.echo(
@@ -207,7 +213,7 @@ def film(
             })
         )  # fmt: skip
     if not quiet:
-        tell_written(out)
+        print_written_files(out)
 
 
 @dataclass(frozen=True)
@@ -235,10 +241,10 @@ def write_film(job: FilmJob, went_on: Callable[[int], None]) -> str:
         Encoder(job.out, job.size, job.plan.fps, job.overwrite) as encoder,
     ):
         more = job.size, job.colour, job.aim, job.plots
-        made = pictures(job.taken, *more) if window is None else seen_pictures(
+        images = pictures(job.taken, *more) if window is None else seen_pictures(
             job.taken, window, *more
         )  # fmt: skip
-        for done, picture in enumerate(made, start=1):
+        for done, picture in enumerate(images, start=1):
             encoder.add(picture)
             went_on(done)
     return PLAIN if window is None else BROWSER
@@ -268,18 +274,18 @@ def demand_no_film(camera: str, follow: int | None, plot: str | None) -> None:
         )
 
 
-def thinned(plan: FilmPlan, agents: int, every: int | None, quiet: bool) -> FilmPlan:
+def thin_plan(plan: FilmPlan, agents: int, every: int | None, quiet: bool) -> FilmPlan:
     """The plan of an HTML file, of every k-th picture where it would be large. Raises
     InputError."""
     from app.viewer.pictures.player import LIGHT, demand_playable
 
     apart = -(-agents * len(plan.ticks) // LIGHT)
     if every is None and apart > 1:
-        shown = plan.ticks[::apart]
-        left_out = plan.left_out + plan.ticks[-1] - shown[-1]
-        plan = FilmPlan(shown, plan.fps / apart, left_out)
+        chosen_ticks = plan.ticks[::apart]
+        left_out = plan.left_out + plan.ticks[-1] - chosen_ticks[-1]
+        plan = FilmPlan(chosen_ticks, plan.fps / apart, left_out)
         if not quiet:
-            tell(
+            print_stderr(
                 f"flockscope: one of {apart} pictures is taken, so that the file stays small; "
                 "--every 1 takes all ticks"
             )
@@ -287,7 +293,7 @@ def thinned(plan: FilmPlan, agents: int, every: int | None, quiet: bool) -> Film
     return plan
 
 
-def at_ticks(recording: Recording) -> Callable[[list[int]], Iterator[Snapshot]]:
+def recorded_flock_at(recording: Recording) -> Callable[[list[int]], Iterator[Snapshot]]:
     """The flock at recorded ticks."""
     return lambda ticks: map(recording.at, ticks)
 

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.outcome_table import as_json, tell_written
-from app.cli.progress import Progress, run_ticks
-from app.cli.run_arguments import Asked, with_options
-from app.cli.take.renderer import AUTO, BROWSER, PLAIN, aim_of, browser, demand_renderer
+from app.cli.options.run_arguments import GivenOptions, with_options
+from app.cli.take.renderer import AUTO, BROWSER, PLAIN, browser, camera_request, demand_renderer
 from app.cli.take.source import flock_of, is_recording, pixels, recording_of
-from app.cli.terminal import INTERRUPTED
-from app.cli.usage import Rules
-from app.settings import at_least
+from app.cli.terminal.console import INTERRUPTED
+from app.cli.terminal.outcome_table import as_json, print_written_files
+from app.cli.terminal.progress import Progress, run_ticks
+from app.cli.terminal.usage import Rules
+from app.settings import check_whole_number
 from worlds.file_writer import demand_writable, writing
 from worlds.input_error import InputError
 
@@ -34,7 +34,7 @@ def picture(
     ] = None,
     rule: Rules = None,
     *,
-    asked: Asked,
+    options: GivenOptions,
     settings: Annotated[
         list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
     ] = None,
@@ -78,7 +78,7 @@ def picture(
 
     What `flockscope run` takes to say which run it is, this takes too.
     """
-    at_least("--tick", tick, 0)
+    check_whole_number("--tick", tick, 0)
     size = pixels(size_text)
     demand_renderer(renderer)
     demand_writable("--out", out, overwrite, ENDINGS)
@@ -87,12 +87,12 @@ def picture(
         raise InputError(f"--renderer browser is not allowed: a browser draws no {out.suffix}")
     if camera == "round":
         raise InputError("--camera round is not allowed: a picture stands still")
-    aim = aim_of(camera, follow, None, 1.0, 1)
-    now = flock_to_draw(spec, rule, asked, settings or [], tick, quiet)
+    aim = camera_request(camera, follow, None, 1.0, 1)
+    now = flock_to_draw(spec, rule, options, settings or [], tick, quiet)
     from app.viewer.pictures.shot import look_of, shot
 
-    one = shot(now, look_of(now, colour))
-    seen_from = aim.camera(one)
+    frame_shot = shot(now, look_of(now, colour))
+    seen_from = aim.camera(frame_shot)
     if renderer == AUTO and (is_vector or (now.world.dim == 2 and aim.is_from_above)):
         renderer = PLAIN
     with browser(renderer, quiet) as window:
@@ -100,29 +100,35 @@ def picture(
             from app.viewer.pictures.picture_sheet import Sheet
 
             aim.demand_plain(now.world.dim)
-            Sheet(one, size, seen_from).write(out)
+            Sheet(frame_shot, size, seen_from).write(out)
         else:
             from app.viewer.pictures.film_writer import seen_picture
 
             with writing("--out", out, overwrite, ENDINGS) as file:
-                file.write(seen_picture(one, window, size, seen_from))
+                file.write(seen_picture(frame_shot, window, size, seen_from))
     if json_asked:
-        made = {"picture": str(out), "model": now.model.name, "tick": now.tick, "time": now.elapsed,
+        result = {"picture": str(out), "model": now.model.name,
+                  "tick": now.tick, "time": now.elapsed,
                 "renderer": PLAIN if window is None else BROWSER}  # fmt: skip
-        typer.echo(as_json(made))
+        typer.echo(as_json(result))
     if not quiet:
-        tell_written(out)
+        print_written_files(out)
 
 
 def flock_to_draw(
-    spec: str | None, rule: Rules, asked: Asked, settings: list[str], tick: int | None, quiet: bool
+    spec: str | None,
+    rule: Rules,
+    options: GivenOptions,
+    settings: list[str],
+    tick: int | None,
+    quiet: bool,
 ) -> Snapshot:
     """The flock to draw, of a recording or of a run that is made. Raises InputError."""
     if is_recording(spec):
-        return recording_of(spec, asked, settings, rule).at(tick)
-    flock = flock_of(spec, asked, settings, rule, quiet)
-    wanted = TICK if tick is None else tick
-    with Progress(f"{flock.model.name} to tick {wanted}", quiet) as progress:
-        if wanted and not run_ticks(flock, wanted, progress):
+        return recording_of(spec, options, settings, rule).at(tick)
+    flock = flock_of(spec, options, settings, rule, quiet)
+    target_tick = TICK if tick is None else tick
+    with Progress(f"{flock.model.name} to tick {target_tick}", quiet) as progress:
+        if target_tick and not run_ticks(flock, target_tick, progress):
             raise typer.Exit(INTERRUPTED)
     return flock.snapshot(signals=True)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from app.cli.outcome_table import tell
+from app.cli.terminal.outcome_table import print_stderr
 from worlds.input_error import InputError, unknown
 
 if TYPE_CHECKING:
@@ -18,45 +18,45 @@ AUTO, BROWSER, PLAIN = "auto", "browser", "plain"
 RENDERERS = (AUTO, BROWSER, PLAIN)
 
 
-def demand_renderer(asked: str) -> None:
+def demand_renderer(name: str) -> None:
     """Refuse what is no renderer. Raises InputError."""
-    if asked not in RENDERERS:
-        raise unknown("renderer", asked, RENDERERS)
+    if name not in RENDERERS:
+        raise unknown("renderer", name, RENDERERS)
 
 
 @contextmanager
-def browser(asked: str, quiet: bool) -> Iterator[Browser | None]:
+def browser(name: str, quiet: bool) -> Iterator[Browser | None]:
     """A browser that draws; None where it is to be drawn plainly. Raises InputError."""
-    if asked == PLAIN:
+    if name == PLAIN:
         yield None
         return
     from app.viewer.pictures.browser import NAMED, Browser, find_browser
 
     program = find_browser()
-    if program is None and asked == BROWSER:
+    if program is None and name == BROWSER:
         raise InputError(
             f"--renderer browser: there is no Chromium, Chrome or Edge; {NAMED} names one"
         )
     words = "no browser is found: drawn by the plain renderer"
-    made: Browser | None = None
+    window: Browser | None = None
     if program is not None:
         try:
-            made = Browser(program).__enter__()
+            window = Browser(program).__enter__()
             words = f"drawn by {program}; --renderer plain takes less time"
         except InputError as refusal:
-            if asked == BROWSER:
+            if name == BROWSER:
                 raise
             words = f"{refusal}: drawn by the plain renderer"
-    if asked == AUTO and not quiet:
-        tell(f"flockscope: {words}")
+    if name == AUTO and not quiet:
+        print_stderr(f"flockscope: {words}")
     try:
-        yield made
+        yield window
     finally:
-        if made is not None:
-            made.close()
+        if window is not None:
+            window.close()
 
 
-def aim_of(
+def camera_request(
     camera: str, follow: int | None, turn: float | None, ticks_a_second: float, ticks: int
 ) -> CameraRequest:
     """Where a camera is to look; going round it does so once in `ticks` unless `turn` (deg/s) says.
@@ -76,7 +76,7 @@ def aim_of(
     kind = FOLLOW if follow is not None else camera
     if kind != ROUND:
         return CameraRequest(kind, follow)
-    whole = 2.0 * math.pi / max(ticks, 1)
+    turn_per_tick = 2.0 * math.pi / max(ticks, 1)
     return CameraRequest(
-        kind, per_tick=whole if turn is None else math.radians(turn) / ticks_a_second
+        kind, per_tick=turn_per_tick if turn is None else math.radians(turn) / ticks_a_second
     )

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-from app.cli.outcome_table import tell
-from app.cli.run import built
-from app.cli.run_arguments import Asked, option_name
-from app.cli.usage import by_name, first_of
+from app.cli.options.run_arguments import GivenOptions, option_name
+from app.cli.run import build_flock
+from app.cli.terminal.outcome_table import print_stderr
+from app.cli.terminal.usage import first_of, model_name
 from app.studies.workers.kernels import compile_loop
 from worlds.input_error import InputError
 
@@ -25,9 +25,9 @@ def is_recording(what: str | None) -> TypeGuard[str]:
     return what is not None and Path(what).suffix.lower() in STATES
 
 
-def recording_of(what: str, asked: Asked, settings: list[str], rule: Any) -> Recording:
+def recording_of(what: str, options: GivenOptions, settings: list[str], rule: Any) -> Recording:
     """The recording that is named; what a run takes beside it is refused. Raises InputError."""
-    for name, value in {**asked, "set": settings or None, "rule": rule or None}.items():
+    for name, value in {**options, "set": settings or None, "rule": rule or None}.items():
         if value is not None:
             raise InputError(
                 f"{option_name(name)} {value} is not allowed: "
@@ -38,17 +38,19 @@ def recording_of(what: str, asked: Asked, settings: list[str], rule: Any) -> Rec
     return Recording(what)
 
 
-def flock_of(what: str | None, asked: Asked, settings: list[str], rule: Any, quiet: bool) -> Flock:
+def flock_of(
+    what: str | None, options: GivenOptions, settings: list[str], rule: Any, quiet: bool
+) -> Flock:
     """The flock of a model's name, of a FILE.py or of a spec (TOML), compiled. Raises
     InputError."""
     spec = Path(what) if what is not None and Path(what).suffix.lower() == ".toml" else None
-    model = None if spec else first_of(by_name(what), rule)
+    model = None if spec else first_of(model_name(what), rule)
     if spec is not None and not spec.exists():
         raise InputError(f"spec {str(spec)!r} cannot be read: there is no such file")
-    flock = built(spec, model, asked, settings, 1, False, quiet)
+    flock = build_flock(spec, model, options, settings, 1, False, quiet)
     if flock.warning and not quiet:
-        tell(f"flockscope: {flock.warning}")
-    compile_loop(flock, None if quiet else tell)
+        print_stderr(f"flockscope: {flock.warning}")
+    compile_loop(flock, None if quiet else print_stderr)
     return flock
 
 

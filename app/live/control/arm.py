@@ -40,7 +40,7 @@ class Arm:
     def __init__(self) -> None:
         self.state: State = "safe"
 
-    def take(self, request: OperatorRequest, faults: Sequence[str] = ()) -> bool:
+    def carry_out(self, request: OperatorRequest, faults: Sequence[str] = ()) -> bool:
         """Carry out a request; whether it changed the state.
 
         `faults` are the reasons, in words, why the cars would not run. Raises InputError for an

@@ -50,7 +50,7 @@ class ControlStep:
 
 
 class CarControl:
-    """A driver behind the safety; `see`, then `act`, once each a tick."""
+    """A driver behind the safety; `begin_tick`, then `end_tick`, once each a tick."""
 
     def __init__(self, safety: Safety, driver: Driver):
         self.safety = safety
@@ -69,13 +69,13 @@ class CarControl:
         """The simulated cars beside the real ones."""
         return self.accompanied.companions if self.accompanied is not None else ()
 
-    def see(
+    def begin_tick(
         self, now: float, requests: Iterable[OperatorRequest], frame: MocapFrame | None
     ) -> None:
         """Begin a tick at `now` (s): take the newest frame, then carry out the requests."""
         self.tick += 1
         self.events = []
-        self.sightings = self.safety.see(now, frame)
+        self.sightings = self.safety.take_frame(now, frame)
         for request in requests:
             self.events.append(self.answer(now, request))
 
@@ -84,9 +84,9 @@ class CarControl:
         kind: str = request.action
         try:
             if request.action == "tune":
-                words = self.tune(request)
+                words = self.set_parameters(request)
             elif request.action == "accompany":
-                words = self.accompany(request)
+                words = self.set_companions(request)
             else:
                 changed = self.safety.ask(now, request)
                 words = NAMES[kind] if changed else f"{NAMES[kind]}: nothing changed"
@@ -97,7 +97,7 @@ class CarControl:
             self.tick, now, kind, words, "", request.cause, asked=request.action, note=request.words
         )
 
-    def tune(self, request: OperatorRequest) -> str:
+    def set_parameters(self, request: OperatorRequest) -> str:
         """Change parameters of the rule; what was changed, in words. Raises InputError."""
         if not isinstance(self.driver, TunableDriver):
             raise InputError("the parameters of this driver cannot be changed")
@@ -110,7 +110,7 @@ class CarControl:
         self.driver.tune(values)
         return ", ".join(f"{name} = {value}" for name, value in values.items())
 
-    def accompany(self, request: OperatorRequest) -> str:
+    def set_companions(self, request: OperatorRequest) -> str:
         """Have other simulated cars beside the real ones; how many, in words. Raises InputError."""
         if self.accompanied is None:
             raise InputError("this driver has no simulated cars beside the real ones")
@@ -121,14 +121,16 @@ class CarControl:
         self.accompanied.accompany(count)
         return "1 simulated car" if count == 1 else f"{count or 'no'} simulated cars"
 
-    def act(self, now: float, injected: Pose | None) -> ControlStep:
+    def end_tick(self, now: float, injected: Pose | None) -> ControlStep:
         """End the tick: ask the driver for commands and the safety what may be sent."""
-        wanted: dict[str, Command] = {}
+        commands: dict[str, Command] = {}
         failed = ""
         try:
-            cars = tuple(one for one in self.sightings if one.name in self.safety.cars)
+            cars = tuple(
+                sighting for sighting in self.sightings if sighting.name in self.safety.cars
+            )
             answer = self.driver.drive(now, cars, injected, self.running)
-            wanted = {
+            commands = {
                 name: (float(answer[name][0]), float(answer[name][1]))
                 for name in self.safety.cars
                 if name in answer
@@ -138,11 +140,11 @@ class CarControl:
             self.events.append(Event(self.tick, now, "refused", words))
         except Exception as error:  # whatever a rule does wrong, the cars stop
             failed = " ".join(f"{type(error).__name__}: {error}".split())
-        verdict = self.safety.judge(now, wanted, failed)
-        self.tell(now, verdict)
-        return ControlStep(wanted, verdict, tuple(self.events), self.companions)
+        verdict = self.safety.judge(now, commands, failed)
+        self.add_events(now, verdict)
+        return ControlStep(commands, verdict, tuple(self.events), self.companions)
 
-    def tell(self, now: float, verdict: SafetyDecision) -> None:
+    def add_events(self, now: float, verdict: SafetyDecision) -> None:
         """Events for what has changed: reasons that began and ended, runs that began and ended."""
 
         def happened(kind: str, words: str, car: str = "", cause: str = "") -> None:

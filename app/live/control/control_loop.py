@@ -59,13 +59,13 @@ class Journal(Protocol):
         """Take down a tick."""
         ...
 
-    def news(self) -> list[str]:
+    def new_lines(self) -> list[str]:
         """What is new of the recording, each in one line."""
         ...
 
 
 class Loop:
-    """Runs the control; `ask`, `place`, `leave` and `latest` may be used by any thread."""
+    """Runs the control; `ask`, `place`, `end` and `latest` may be used by any thread."""
 
     def __init__(
         self,
@@ -118,7 +118,7 @@ class Loop:
         """Make a request: it is carried out at the next tick, an emergency stop before all else."""
         self.asked.put(request)
 
-    def overtake(self, request: OperatorRequest) -> None:
+    def note_overtaken(self, request: OperatorRequest) -> None:
         """Note a request that an emergency stop has overtaken; it is not carried out."""
         self.late.put(request)
 
@@ -127,12 +127,12 @@ class Loop:
         NaN."""
         self.injected.place(x, y)
 
-    def leave(self, cause: str) -> None:
+    def end(self, cause: str) -> None:
         """End the loop after this tick."""
         self.leaving = cause
 
     def run(self) -> None:
-        """Tick until `leave` is called; then, or should anything fail, stop the cars."""
+        """Tick until `end` is called; then, or should anything fail, stop the cars."""
         try:
             due = self.clock()
             while not self.leaving:
@@ -160,11 +160,11 @@ class Loop:
         frames = self.feed.since(self.newest.number if self.newest else -1)
         if frames:
             self.newest = frames[-1]
-        self.watch_the_operator(now)
-        self.control.see(now, self.requests(), self.newest)
+        self.check_operator(now)
+        self.control.begin_tick(now, self.requests(), self.newest)
         control = self.control
-        injected = self.injected.at(now, control.running, control.sightings)
-        step = control.act(now, injected)
+        injected = self.injected.pose_at(now, control.running, control.sightings)
+        step = control.end_tick(now, injected)
         self.send(step.verdict.mode, step.verdict.commands)
         latency = None
         if frames:
@@ -181,7 +181,7 @@ class Loop:
         if control.tick % STATUS_EVERY == 0 or step.events:
             self.latest = self.status(now, injected, step.verdict)
 
-    def watch_the_operator(self, now: float) -> None:
+    def check_operator(self, now: float) -> None:
         """Take the arming away where an operator has long been silent: its process hangs."""
         unattended = self.control.safety.limits.unattended
         armed = self.control.safety.arm.state == "armed"
@@ -196,21 +196,23 @@ class Loop:
         """
         self.pending += drain_requests(self.asked)
         self.overtaken = drain_requests(self.late)
-        urgent = [one for one in self.pending if one.action == "emergency"]
+        urgent = [request for request in self.pending if request.action == "emergency"]
         if urgent:
-            last = max(k for k, one in enumerate(self.pending) if one.action == "emergency")
-            self.overtaken += [one for one in self.pending[:last] if one.action in UNDOING]
-            done = {id(one) for one in (*urgent, *self.overtaken)}
-            self.pending = [one for one in self.pending if id(one) not in done]
-        found = urgent + self.pending[:MOST_REQUESTS]
+            last = max(k for k, request in enumerate(self.pending) if request.action == "emergency")
+            self.overtaken += [
+                request for request in self.pending[:last] if request.action in UNDOING
+            ]
+            done = {id(request) for request in (*urgent, *self.overtaken)}
+            self.pending = [request for request in self.pending if id(request) not in done]
+        requests = urgent + self.pending[:MOST_REQUESTS]
         del self.pending[:MOST_REQUESTS]
-        return found
+        return requests
 
     def send(self, mode: int, commands: Mapping[str, Command]) -> None:
         """Send commands; a link that fails takes the arming away, once more if armed again."""
         self.sent += 1
         try:
-            by_address = {self.addresses[name]: told for name, told in commands.items()}
+            by_address = {self.addresses[name]: command for name, command in commands.items()}
             self.link.send(self.sent % 65536, mode, by_address)
             trouble = ""
         except Exception as error:  # whatever a link does wrong, the loop goes on and says so
@@ -221,9 +223,15 @@ class Loop:
 
     def trouble_events(self, now: float) -> list[Event]:
         """Events: requests overtaken, and troubles of source, link and disk that begin or end."""
-        found = [
-            Event(self.control.tick, now, "refused", f"{one.action}: {OVERTAKEN}", cause=one.cause)
-            for one in self.overtaken
+        events = [
+            Event(
+                self.control.tick,
+                now,
+                "refused",
+                f"{request.action}: {OVERTAKEN}",
+                cause=request.cause,
+            )
+            for request in self.overtaken
         ]
         self.overtaken = []
         source = self.feed.trouble
@@ -237,22 +245,26 @@ class Loop:
         for kind, trouble in self.troubles.items():
             if trouble != self.known.get(kind, ""):
                 words = trouble or f"the {kind} works again"
-                found.append(Event(self.control.tick, now, kind, words))
+                events.append(Event(self.control.tick, now, kind, words))
                 self.known[kind] = trouble
-        news = journal.news() if journal is not None else []
-        found += [Event(self.control.tick, now, "part", words, cause="recording") for words in news]
-        return found
+        news = journal.new_lines() if journal is not None else []
+        events += [
+            Event(self.control.tick, now, "part", words, cause="recording") for words in news
+        ]
+        return events
 
     def stop_and_close(self) -> None:
         """Send stops, close the link, record the stops. A latched emergency stop stays latched.
 
         Recording comes last: whatever has failed, and fails again, delays no stop.
         """
-        asked = [one for one in drain_requests(self.asked) if one.action == "emergency"]
+        stop_requests = [
+            request for request in drain_requests(self.asked) if request.action == "emergency"
+        ]
         state = self.control.safety.arm.state
-        latched = state == "emergency" or bool(asked)
-        if state == "armed" and not asked:
-            asked = [OperatorRequest("hold", "loop", self.leaving)]
+        latched = state == "emergency" or bool(stop_requests)
+        if state == "armed" and not stop_requests:
+            stop_requests = [OperatorRequest("hold", "loop", self.leaving)]
         mode = EMERGENCY if latched else STOP
         still = {name: (steer, 0.0) for name, (steer, _) in self.control.safety.sent.items()}
         times = []
@@ -264,26 +276,26 @@ class Loop:
             frames += not self.troubles["link"] and self.link.dropped == dropped
             self.wait(self.period)
         self.link.close()
-        end = self.closing_words(frames, latched)
+        end = self.describe_end(frames, latched)
         for left, now in zip(reversed(range(PARTING)), times, strict=True):
-            self.record_stop(now, asked, mode, still, "" if left else end)
-            asked = []
+            self.record_stop(now, stop_requests, mode, still, "" if left else end)
+            stop_requests = []
 
-    def closing_words(self, frames: int, latched: bool) -> str:
+    def describe_end(self, frames: int, latched: bool) -> str:
         """Why the loop ends and what stops the cars, in words."""
         stop = "an emergency stop" if latched else "to stop"
-        told = (
+        message = (
             f"{frames} frames told the cars {stop}"
             if frames
             else f"the link took no stop ({self.troubles['link'] or 'it is busy'}): the cars' own "
             f"watchdogs stop them, {1000 * WATCHDOG:g} ms after their last command"
         )
-        return f"the control loop ends ({self.leaving or 'nobody asked it to'}): {told}"
+        return f"the control loop ends ({self.leaving or 'nobody asked it to'}): {message}"
 
     def record_stop(
         self,
         now: float,
-        asked: list[OperatorRequest],
+        requests: list[OperatorRequest],
         mode: int,
         still: dict[str, Command],
         end: str,
@@ -292,9 +304,9 @@ class Loop:
         control = self.control
         injected = None
         try:
-            control.see(now, asked, self.newest)
-            injected = self.injected.at(now, control.running, control.sightings)
-            step = control.act(now, injected)
+            control.begin_tick(now, requests, self.newest)
+            injected = self.injected.pose_at(now, control.running, control.sightings)
+            step = control.end_tick(now, injected)
         except Exception:  # what has failed before may fail again; what was sent is known
             step = ControlStep({}, SafetyDecision(mode, still, ()), ())
         events = step.events
@@ -329,8 +341,8 @@ class Loop:
 
 def drain_requests(waiting: queue.SimpleQueue[OperatorRequest]) -> list[OperatorRequest]:
     """All entries of a queue, which is then empty."""
-    found: list[OperatorRequest] = []
+    requests: list[OperatorRequest] = []
     with suppress(queue.Empty):
         while True:
-            found.append(waiting.get_nowait())
-    return found
+            requests.append(waiting.get_nowait())
+    return requests

@@ -59,42 +59,42 @@ class Injection(StrictTable):
                 return list(self.route)
         return []
 
-    def along(self, seconds: float) -> Pose:
+    def pose_after(self, seconds: float) -> Pose:
         """Where it is after so many seconds on its circle, eight or route."""
-        gone = self.speed * seconds
+        distance = self.speed * seconds
         if self.path == "route":
-            x, y, yaw = on_route(self.route, gone)
+            x, y, yaw = route_pose(self.route, distance)
         else:
-            turned = gone / self.radius
+            turned = distance / self.radius
             if self.path == "circle":
-                x, y, yaw = on_circle(turned + math.radians(self.begins))
+                x, y, yaw = circle_pose(turned + math.radians(self.begins))
             else:
-                x, y, yaw = on_eight(turned)
+                x, y, yaw = eight_pose(turned)
             x, y = self.centre[0] + self.radius * x, self.centre[1] + self.radius * y
         backwards = math.pi if self.speed < 0.0 else 0.0
         return Pose(x, y, math.remainder(yaw + backwards, 2.0 * math.pi))
 
 
-def on_circle(turned: float) -> tuple[float, float, float]:
+def circle_pose(turned: float) -> tuple[float, float, float]:
     """x, y and yaw on the unit circle."""
     return math.cos(turned), math.sin(turned), turned + 0.5 * math.pi
 
 
-def on_eight(turned: float) -> tuple[float, float, float]:
+def eight_pose(turned: float) -> tuple[float, float, float]:
     """x, y and yaw on two unit circles: first the upper, to the left, then the lower."""
     turned %= 4.0 * math.pi
     side = 1.0 if turned < 2.0 * math.pi else -1.0
     return math.sin(turned), side * (1.0 - math.cos(turned)), side * turned
 
 
-def on_route(route: Sequence[Point], gone: float) -> tuple[float, float, float]:
+def route_pose(route: Sequence[Point], distance: float) -> tuple[float, float, float]:
     """x, y (m) and yaw after so many metres round a closed route."""
-    gone %= sum(length for _, _, length in legs(route))
+    distance %= sum(length for _, _, length in legs(route))
     for (x, y), (u, v), length in legs(route):
-        if gone < length:
-            share = gone / length
+        if distance < length:
+            share = distance / length
             return x + share * (u - x), y + share * (v - y), math.atan2(v - y, u - x)
-        gone -= length
+        distance -= length
     return *route[0], math.atan2(route[1][1] - route[0][1], route[1][0] - route[0][0])
 
 
@@ -123,14 +123,14 @@ class InjectedTarget:
         yaw = math.atan2(dy, dx) if math.hypot(dx, dy) >= TURNS else self.hand.yaw
         self.hand = Pose(x, y, yaw)
 
-    def at(self, now: float, running: bool, sightings: tuple[Sighting, ...]) -> Pose | None:
+    def pose_at(self, now: float, running: bool, sightings: tuple[Sighting, ...]) -> Pose | None:
         """Where it is at `now` (s); None where there is none or its body is not seen."""
         if running and self.before is not None:
             self.seconds += now - self.before
         self.before = now
         match self.plan.path:
             case "circle" | "eight" | "route":
-                return self.plan.along(self.seconds)
+                return self.plan.pose_after(self.seconds)
             case "hand":
                 return self.hand
             case "body":

@@ -33,13 +33,13 @@ class DurationSummary:
     @staticmethod
     def of(durations: np.ndarray) -> DurationSummary:
         """The summary of durations (N,), s; those that are NaN are left out."""
-        kept = durations[np.isfinite(durations)]
-        if not len(kept):
+        finite = durations[np.isfinite(durations)]
+        if not len(finite):
             return DurationSummary(np.nan, np.nan, np.nan)
         return DurationSummary(
-            float(np.median(kept)),
-            float(np.quantile(kept, 0.99, method="higher")),
-            float(kept.max()),
+            float(np.median(finite)),
+            float(np.quantile(finite, 0.99, method="higher")),
+            float(finite.max()),
         )
 
 
@@ -101,16 +101,17 @@ class Events:
     It is read as a list is, and counts from the first event that there ever was: those that are no
     longer kept are left out of a slice, and change the place of no other.
 
-    >>> log = Events(kept=2)
+    >>> log = Events(limit=2)
     >>> for tick, kind in enumerate(("arm", "run", "stop")):
     ...     log.add(Event(tick, 0.01 * tick, kind, kind))
     >>> len(log), [event.kind for event in log[0:]], [event.kind for event in log[2:]]
     (3, ['run', 'stop'], ['stop'])
     """
 
-    def __init__(self, kept: int = EVENTS_KEPT) -> None:
+    def __init__(self, limit: int = EVENTS_KEPT) -> None:
         self.count = 0
-        self.kept: deque[Event] = deque(maxlen=kept)
+        self.kept: deque[Event] = deque(maxlen=limit)
+        # The count and the events that are kept change together: a reader must not see one alone.
         self.lock = threading.Lock()
 
     def add(self, *events: Event) -> None:
@@ -149,14 +150,14 @@ class Events:
     def __getitem__(self, which: slice, /) -> list[Event]: ...
     def __getitem__(self, which: int | slice, /) -> Event | list[Event]:
         with self.lock:
-            gone = self.count - len(self.kept)
+            dropped = self.count - len(self.kept)
             if isinstance(which, int):
-                place = range(self.count)[which] - gone
+                place = range(self.count)[which] - dropped
                 if place < 0:
                     raise IndexError(f"event {which} is no longer kept")
                 return self.kept[place]
             places = range(self.count)[which]
-            return [self.kept[place - gone] for place in places if place >= gone]
+            return [self.kept[place - dropped] for place in places if place >= dropped]
 
 
 LATE = 0.03

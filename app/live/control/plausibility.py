@@ -117,25 +117,25 @@ class BodyReport:
     @property
     def faults(self) -> list[str]:
         """All that is wrong with it, in words."""
-        found = [self.misread] if self.misread else []
+        faults = [self.misread] if self.misread else []
         if self.jumps:
             worst = max(self.jumps, key=lambda jump: jump.distance)
             times = "once" if len(self.jumps) == 1 else f"{len(self.jumps)} times"
-            found.append(
+            faults.append(
                 f"it jumps {times} as no car can, the furthest {worst.distance:.2f} m in frame "
                 f"{worst.number}"
             )
-        return found
+        return faults
 
 
-def reachable[Seconds: (float, np.ndarray)](
+def reachable_distance[Seconds: (float, np.ndarray)](
     seconds: Seconds, fastest: float, leap: float
 ) -> Seconds:
     """How far (m) from where it was a car can be seen after a time >= 0, at twice its top speed.
 
     `fastest` is that speed, m/s; `leap` (m) is what noise and a short gap may add.
 
-    >>> reachable(0.1, fastest=1.0, leap=0.25)
+    >>> reachable_distance(0.1, fastest=1.0, leap=0.25)
     0.45
     """
     return leap + 2.0 * fastest * seconds
@@ -147,7 +147,7 @@ def judge_bodies(
     """A report on every body, by name, and the bodies that change places.
 
     `top` is the axis of the bodies that is declared to point up, empty if none is; `fastest` (m/s)
-    is by name, `leap` as in `reachable`.
+    is by name, `leap` as in `reachable_distance`.
     """
     jumps = {track.name: find_jumps(track, fastest[track.name], leap) for track in tracks}
     swaps = find_swaps(tracks, jumps, fastest, leap)
@@ -219,7 +219,7 @@ def describe_yaw(track: BodyTrack, agreement: YawAgreement | None) -> str:
 def find_jumps(track: BodyTrack, fastest: float, leap: float) -> list[Jump]:
     """Where a body is seen further from where it was last seen than a car can have come."""
     far = np.hypot(*np.diff(track.position, axis=0).T)
-    reach = reachable(np.diff(track.time), fastest, leap)
+    reach = reachable_distance(np.diff(track.time), fastest, leap)
     return [Jump(int(track.number[k + 1]), float(far[k])) for k in np.flatnonzero(far > reach)]
 
 
@@ -230,19 +230,21 @@ def find_swaps(
     leap: float,
 ) -> list[Swap]:
     """Pairs of bodies that jump in one frame, each to where the other was."""
-    found = []
+    swaps = []
     numbers = {track.name: {jump.number for jump in jumps[track.name]} for track in tracks}
-    for one, other in combinations(tracks, 2):
-        for number in sorted(numbers[one.name] & numbers[other.name]):
-            k, m = (int(np.searchsorted(track.number, number)) for track in (one, other))
+    for track, other in combinations(tracks, 2):
+        for number in sorted(numbers[track.name] & numbers[other.name]):
+            k, m = (int(np.searchsorted(part.number, number)) for part in (track, other))
             crossed = all(
                 math.dist(came.position[to], left.position[at])
-                <= reachable(float(came.time[to] - left.time[at]), fastest[came.name], leap)
-                for came, to, left, at in ((one, k, other, m - 1), (other, m, one, k - 1))
+                <= reachable_distance(
+                    float(came.time[to] - left.time[at]), fastest[came.name], leap
+                )
+                for came, to, left, at in ((track, k, other, m - 1), (other, m, track, k - 1))
             )
             if crossed:
-                found.append(Swap(number, one.name, other.name))
-    return sorted(found)
+                swaps.append(Swap(number, track.name, other.name))
+    return sorted(swaps)
 
 
 def compare_yaw(track: BodyTrack, breaks: set[int]) -> YawAgreement | None:

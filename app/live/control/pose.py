@@ -102,10 +102,10 @@ class TrackingArea(StrictTable):
                 )
         return self
 
-    def inside(self, x: float, y: float) -> float:
+    def distance_inside(self, x: float, y: float) -> float:
         """How far (m) a point is inside the fence; negative beyond it.
 
-        >>> TrackingArea(low=(-2, -2), high=(2, 2)).inside(1.25, 0)
+        >>> TrackingArea(low=(-2, -2), high=(2, 2)).distance_inside(1.25, 0)
         0.25
         """
         return min(

@@ -20,7 +20,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeGuard
 
-from app.live.control.plausibility import reachable
+from app.live.control.plausibility import reachable_distance
 from app.live.control.pose import MocapFrame, Pose, Sighting
 from app.live.control.safety_limits import CarLimits
 
@@ -89,19 +89,23 @@ class PoseTracker:
         self.frame = frame
         received = min(frame.received, now)
         times = Counter(sighting.name for sighting in frame.sightings)
-        self.why = {self.bodies.get(one.name, ""): one.why for one in frame.sightings if one.why}
+        self.why = {
+            self.bodies.get(sighting.name, ""): sighting.why
+            for sighting in frame.sightings
+            if sighting.why
+        }
         for sighting in frame.sightings:
             pose = sighting.pose
             name = self.bodies.get(sighting.name)
             if name is None or times[sighting.name] > 1 or not sighting.valid or not finite(pose):
                 continue
-            if believing and not self.can_be(name, pose, received):
+            if believing and not self.is_reachable(name, pose, received):
                 self.jumped[name] = (now, self.leaps[name])
             if not believing and self.is_old(name, pose, frame):
                 self.repeated.add(name)
                 continue
             if believing or (
-                self.can_be(name, pose, received) and self.can_face(name, pose, received)
+                self.is_reachable(name, pose, received) and self.can_face(name, pose, received)
             ):
                 self.last[name] = LastPose(pose, received)
                 self.leaps.pop(name, None)
@@ -121,7 +125,7 @@ class PoseTracker:
         if last is None:
             return True
         if believing:
-            return not same(frame, last)
+            return not is_same_frame(frame, last)
         if frame.number <= last.number:
             return False
         return frame.sent is None or last.sent is None or frame.sent > last.sent
@@ -140,14 +144,14 @@ class PoseTracker:
             if len(past) > REMEMBERED:
                 del past[next(iter(past))]
 
-    def can_be(self, name: str, pose: Pose, time: float) -> bool:
+    def is_reachable(self, name: str, pose: Pose, time: float) -> bool:
         """Whether a car can have come there since it was last believed; notes a leap."""
         before = self.last.get(name)
         if before is None or name not in self.cars:
             return True
         far = math.hypot(pose.x - before.pose.x, pose.y - before.pose.y)
         seconds = max(time - before.time, 0.0)
-        if far <= reachable(seconds, self.cars[name].fastest, self.leap):
+        if far <= reachable_distance(seconds, self.cars[name].fastest, self.leap):
             return True
         self.leaps[name] = far
         return False
@@ -178,9 +182,9 @@ class PoseTracker:
         )
 
 
-def same(one: MocapFrame, other: MocapFrame) -> bool:
+def is_same_frame(frame: MocapFrame, other: MocapFrame) -> bool:
     """Whether two frames are the same one: a source that begins again counts from 0."""
-    return one.number == other.number and one.received == other.received
+    return frame.number == other.number and frame.received == other.received
 
 
 def finite(pose: Pose | None) -> TypeGuard[Pose]:

@@ -66,7 +66,7 @@ class SafetyDecision:
 
 
 class Safety:
-    """Decides, tick by tick, what may be sent; `see` comes before `judge` in each tick.
+    """Decides, tick by tick, what may be sent; `take_frame` comes before `judge` in each tick.
 
     `reached`: what is sent reaches the cars that are seen. Else, with a link that sends nothing or
     poses of a recording, nobody can tell a car to stand, and it may move.
@@ -91,7 +91,7 @@ class Safety:
         self.before: float | None = None
         """The time of the last verdict, s."""
 
-    def see(self, now: float, frame: MocapFrame | None) -> tuple[Sighting, ...]:
+    def take_frame(self, now: float, frame: MocapFrame | None) -> tuple[Sighting, ...]:
         """Take the newest frame; the last poses of all bodies seen within `stale` seconds.
 
         While unarmed every pose is accepted, also that of a car that is carried.
@@ -99,15 +99,15 @@ class Safety:
         if self.seen.take(now, frame, believing=self.arm.state != "armed"):
             for name, pose in self.seen.fresh.items():
                 if name in self.travels:
-                    self.travels[name].see(now, pose)
+                    self.travels[name].add_pose(now, pose)
                 if name in self.standstills:
-                    self.standstills[name].see(now, pose)
+                    self.standstills[name].add_pose(now, pose)
         return self.seen.sightings(now, self.limits.stale)
 
     def ask(self, now: float, request: OperatorRequest) -> bool:
         """Carry out a request; whether it changed anything. Raises InputError if it cannot arm."""
-        faults = self.faults(now) + self.jumping(now) if request.action == "arm" else []
-        changed = self.arm.take(request, [fault.words for fault in faults])
+        faults = self.faults(now) + self.jump_reasons(now) if request.action == "arm" else []
+        changed = self.arm.carry_out(request, [fault.words for fault in faults])
         if changed and request.action == "arm":
             for travel in self.travels.values():
                 travel.forget(now)
@@ -116,41 +116,54 @@ class Safety:
 
     def faults(self, now: float) -> list[StopReason]:
         """Why the cars cannot run, as far as their poses show."""
-        return [*self.moving(), *self.unseen(now), *self.leaping(now), *self.beyond()]
+        return [
+            *self.moving_reasons(),
+            *self.unseen_reasons(now),
+            *self.leap_reasons(now),
+            *self.fence_reasons(),
+        ]
 
-    def judge(self, now: float, wanted: Mapping[str, Command], failed: str = "") -> SafetyDecision:
+    def judge(
+        self, now: float, commands: Mapping[str, Command], failed: str = ""
+    ) -> SafetyDecision:
         """What may be sent at `now` (s), given the rule's (steer, throttle) by car.
 
         A car without a command gets no throttle. `failed` says how the rule failed, if it did.
         """
-        found = self.faults(now)
-        found += [StopReason("rule", f"the rule failed: {failed}")] if failed else nonsense(wanted)
+        reasons = self.faults(now)
+        reasons += (
+            [StopReason("rule", f"the rule failed: {failed}")]
+            if failed
+            else nonfinite_reasons(commands)
+        )
         if self.arm.state == "armed":
-            found += self.asleep(now) + self.standing(now) + self.turned_round(now)
-        held = self.arm.state == "armed" and any(reason.holds for reason in found)
-        if held:
-            self.arm.take(OperatorRequest("hold", "safety"))
+            reasons += (
+                self.asleep_reasons(now) + self.stuck_reasons(now) + self.reversed_reasons(now)
+            )
+        is_held = self.arm.state == "armed" and any(reason.holds for reason in reasons)
+        if is_held:
+            self.arm.carry_out(OperatorRequest("hold", "safety"))
         if self.arm.state == "emergency":
             mode = EMERGENCY
         else:
-            mode = RUN if self.arm.state == "armed" and not found else STOP
-        self.command(now, wanted if mode == RUN else {})
-        return SafetyDecision(mode, dict(self.sent), tuple(found), held)
+            mode = RUN if self.arm.state == "armed" and not reasons else STOP
+        self.command(now, commands if mode == RUN else {})
+        return SafetyDecision(mode, dict(self.sent), tuple(reasons), is_held)
 
-    def command(self, now: float, wanted: Mapping[str, Command]) -> None:
+    def command(self, now: float, commands: Mapping[str, Command]) -> None:
         """The commands to send, within the limits; without one the wheels stay as they are."""
         step = min(max(now - self.before, 0.0), LONGEST_STEP) if self.before is not None else 0.0
         self.before = now
         for name, car in self.cars.items():
             steered, _ = self.sent[name]
-            self.sent[name] = limited(car, wanted.get(name, (steered, 0.0)), steered, step)
+            self.sent[name] = limit_command(car, commands.get(name, (steered, 0.0)), steered, step)
             self.travels[name].drive(now, self.sent[name][1])
             if self.travels[name].throttle:
                 self.seen.driven.add(name)
             if name in self.standstills:
-                self.standstills[name].tell(now, self.sent[name][1])
+                self.standstills[name].set_throttle(now, self.sent[name][1])
 
-    def moving(self) -> list[StopReason]:
+    def moving_reasons(self) -> list[StopReason]:
         """Cars that move though they are told to stand."""
         return [
             StopReason(
@@ -163,9 +176,9 @@ class Safety:
             if standstill.moves
         ]
 
-    def unseen(self, now: float) -> list[StopReason]:
+    def unseen_reasons(self, now: float) -> list[StopReason]:
         """Cars that were not seen for too long; short gaps pass by themselves."""
-        found = []
+        reasons = []
         for name in self.cars:
             age = self.seen.age(name, now)
             if age > self.limits.stale:
@@ -174,26 +187,26 @@ class Safety:
                 since += f": {why}" if why else ""
                 if name in self.seen.repeated:
                     since += ": old poses of it come again"
-                found.append(StopReason("unseen", f"{name} {since}", name, holds=False))
-        return found
+                reasons.append(StopReason("unseen", f"{name} {since}", name, holds=False))
+        return reasons
 
-    def asleep(self, now: float) -> list[StopReason]:
+    def asleep_reasons(self, now: float) -> list[StopReason]:
         """Gaps so long that the cars must be armed again."""
         longest = self.limits.long_gap
-        found = [
+        reasons = [
             StopReason("asleep", f"{name} was unseen for more than {longest:g} s", name)
             for name in self.cars
             if self.seen.age(name, now) > longest
         ]
         if self.before is not None and now - self.before > longest:
-            found.append(
+            reasons.append(
                 StopReason("asleep", f"the loop stood still for {now - self.before:.2f} s")
             )
-        return found
+        return reasons
 
-    def leaping(self, now: float) -> list[StopReason]:
+    def leap_reasons(self, now: float) -> list[StopReason]:
         """Cars whose body has for too long been seen where, or turned as, they cannot be."""
-        found = [
+        reasons = [
             StopReason(
                 "leap", f"{name} is seen {far:.2f} m from where it was: is it another car?", name
             )
@@ -207,9 +220,9 @@ class Safety:
             )
             for name, turned in self.seen.turns.items()
         ]
-        return [reason for reason in found if self.seen.age(reason.car, now) > self.limits.stale]
+        return [reason for reason in reasons if self.seen.age(reason.car, now) > self.limits.stale]
 
-    def turned_round(self, now: float) -> list[StopReason]:
+    def reversed_reasons(self, now: float) -> list[StopReason]:
         """Cars that have for too long gone against their nose."""
         return [
             StopReason(
@@ -222,7 +235,7 @@ class Safety:
             if travel.against is not None and now - travel.against > self.limits.stale
         ]
 
-    def jumping(self, now: float) -> list[StopReason]:
+    def jump_reasons(self, now: float) -> list[StopReason]:
         """Cars that have lately jumped as no car can, also while unarmed: what sees them errs."""
         return [
             StopReason(
@@ -232,21 +245,21 @@ class Safety:
             if now - at <= STEADY
         ]
 
-    def beyond(self) -> list[StopReason]:
+    def fence_reasons(self) -> list[StopReason]:
         """Cars at the fence or beyond it."""
-        found = []
+        reasons = []
         for name in self.cars:
             last = self.seen.last.get(name)
-            if last is not None and self.area.inside(last.pose.x, last.pose.y) <= 0.0:
+            if last is not None and self.area.distance_inside(last.pose.x, last.pose.y) <= 0.0:
                 at = f"({last.pose.x:.2f}, {last.pose.y:.2f}) m"
-                found.append(StopReason("fence", f"{name} is at the fence: {at}", name))
-        return found
+                reasons.append(StopReason("fence", f"{name} is at the fence: {at}", name))
+        return reasons
 
-    def standing(self, now: float) -> list[StopReason]:
+    def stuck_reasons(self, now: float) -> list[StopReason]:
         """Cars that do not move as commanded."""
         for travel in self.travels.values():
             travel.advance(now)
-        still = [name for name, travel in self.travels.items() if travel.stands()]
+        still = [name for name, travel in self.travels.items() if travel.is_stuck()]
         if len(still) > 1 and len(still) == len(self.cars):
             return [
                 StopReason(
@@ -264,22 +277,22 @@ class Safety:
         ]
 
 
-def nonsense(wanted: Mapping[str, Command]) -> list[StopReason]:
+def nonfinite_reasons(commands: Mapping[str, Command]) -> list[StopReason]:
     """Commands that are no finite numbers."""
     return [
         StopReason("rule", f"the rule wants steer = {steer}, throttle = {throttle} of {name}", name)
-        for name, (steer, throttle) in wanted.items()
+        for name, (steer, throttle) in commands.items()
         if not (math.isfinite(steer) and math.isfinite(throttle))
     ]
 
 
-def limited(car: CarLimits, wanted: Command, steered: float, step: float) -> Command:
+def limit_command(car: CarLimits, command: Command, steered: float, step: float) -> Command:
     """A command within the limits of a car; its steering turns at most `steering_rate` step.
 
-    >>> limited(CarLimits(throttle=0.5), (1.0, 2.0), 0.0, 0.01)
+    >>> limit_command(CarLimits(throttle=0.5), (1.0, 2.0), 0.0, 0.01)
     (0.08, 0.5)
     """
     turn = car.steering_rate * step
-    steer = min(max(wanted[0], steered - turn), steered + turn)
-    throttle = min(max(wanted[1], -car.reverse), car.throttle)
+    steer = min(max(command[0], steered - turn), steered + turn)
+    throttle = min(max(command[1], -car.reverse), car.throttle)
     return min(max(steer, -car.steer), car.steer), throttle

@@ -58,12 +58,12 @@ class Travel:
         self.against: float | None = None
         """Since when it is seen to go against its nose, s."""
 
-    def see(self, now: float, pose: Pose) -> None:
+    def add_pose(self, now: float, pose: Pose) -> None:
         """A new pose of the car."""
         self.seen.append((now, pose.x, pose.y))
         while self.seen[0][0] < now - PATIENT * self.window:
             self.seen.popleft()
-        if not self.goes_against(pose):
+        if not self.is_reversed(pose):
             self.against = None
         elif self.against is None:
             self.against = now
@@ -76,43 +76,43 @@ class Travel:
     def advance(self, now: float) -> None:
         """Bring the commanded travel up to `now`, exactly for a throttle that was constant."""
         step = now - self.now
-        wanted = self.car.speed * self.throttle
+        target_speed = self.car.speed * self.throttle
         decay = math.exp(-step / self.car.lag) if self.car.lag > 0.0 else 0.0
-        far = wanted * step + (self.speed - wanted) * self.car.lag * (1.0 - decay)
+        far = target_speed * step + (self.speed - target_speed) * self.car.lag * (1.0 - decay)
         self.gone += far
         self.path += abs(far)
-        self.speed = wanted + (self.speed - wanted) * decay
+        self.speed = target_speed + (self.speed - target_speed) * decay
         self.now = now
         self.commanded.append((now, self.gone, self.path))
         while self.commanded[0][0] < now - PATIENT * self.window:
             self.commanded.popleft()
 
-    def judged(self) -> tuple[float, float]:
+    def expected_and_since(self) -> tuple[float, float]:
         """How far (m) it should be seen to have come, from its furthest point, and since when.
 
         Since `window` seconds ago, or since so long ago that it should have come `LEAST`.
         """
         due, begins = self.now - DELAY, self.now - self.window
         far, newest = 0.0, None
-        for at, gone, path in reversed(self.commanded):
+        for at, distance, path in reversed(self.commanded):
             if at > due:
                 continue
             if newest is None:
-                newest = gone
+                newest = distance
                 if path - self.commanded[0][2] < LEAST:  # it should not have come so far at all
                     return 0.0, begins
             if at < begins and far >= LEAST:
                 break
-            far = max(far, abs(newest - gone))
+            far = max(far, abs(newest - distance))
             since = at
         return (far, min(since, begins)) if newest is not None else (0.0, begins)
 
     @property
     def expected(self) -> float:
         """How far (m) it should be seen to have come, from its furthest point."""
-        return self.judged()[0]
+        return self.expected_and_since()[0]
 
-    def came(self, since: float) -> float:
+    def seen_distance(self, since: float) -> float:
         """How far (m) it is seen to have come from its furthest point since then."""
         if not self.seen:
             return 0.0
@@ -124,12 +124,12 @@ class Travel:
             far = max(far, math.hypot(x - a, y - b))
         return far
 
-    def stands(self) -> bool:
+    def is_stuck(self) -> bool:
         """Whether it should have moved by now and has not."""
-        expected, since = self.judged()
-        return expected >= LEAST and self.came(since) < SHARE * expected
+        expected, since = self.expected_and_since()
+        return expected >= LEAST and self.seen_distance(since) < SHARE * expected
 
-    def goes_against(self, pose: Pose) -> bool:
+    def is_reversed(self, pose: Pose) -> bool:
         """Whether it has come `LEAST` against the nose of its newest pose, as it was not told."""
         if self.path - self.commanded[0][2] < LEAST:
             return False
@@ -137,16 +137,21 @@ class Travel:
             along, across = pose.x - a, pose.y - b
             far = math.hypot(along, across)
             if far >= LEAST:
-                told = self.gone_at(self.now - DELAY) - self.gone_at(at - DELAY)
+                commanded_distance = self.expected_at(self.now - DELAY) - self.expected_at(
+                    at - DELAY
+                )
                 ahead = (along * math.cos(pose.yaw) + across * math.sin(pose.yaw)) / far
-                return abs(told) >= SHARE * LEAST and math.copysign(ahead, ahead * told) < AGAINST
+                return (
+                    abs(commanded_distance) >= SHARE * LEAST
+                    and math.copysign(ahead, ahead * commanded_distance) < AGAINST
+                )
         return False
 
-    def gone_at(self, time: float) -> float:
+    def expected_at(self, time: float) -> float:
         """Where it should have been along its way at a time, m."""
-        for at, gone, _ in reversed(self.commanded):
+        for at, distance, _ in reversed(self.commanded):
             if at <= time:
-                return gone
+                return distance
         return self.commanded[0][1]
 
 
@@ -168,14 +173,14 @@ class Standstill:
         """How many of the stages of rolling out are over."""
         self.moves = False
 
-    def tell(self, now: float, throttle: float) -> None:
+    def set_throttle(self, now: float, throttle: float) -> None:
         """The throttle that the car is sent from `now` on."""
         if throttle != 0.0:
             self.told, self.moves = None, False
         elif self.told is None:
             self.told, self.anchor, self.settled = now, None, 0
 
-    def see(self, now: float, pose: Pose) -> None:
+    def add_pose(self, now: float, pose: Pose) -> None:
         """A new pose of the car."""
         gap = now - self.seen > RESTS
         self.seen = now

@@ -20,8 +20,7 @@ from app.live.laboratory.lab_file import Lab, lab_from_toml
 from app.live.link_address import LinkAddress
 from app.live.links.firmware import Firmware
 from app.live.links.link import CarLink
-from app.live.links.link_catalogue import open_link
-from app.live.links.udp import open_udp
+from app.live.links.link_catalogue import open_link, open_udp
 from app.live.sources.pose_source import Source
 from app.live.sources.simulated_source import SimulatedSource
 
@@ -74,11 +73,11 @@ class RollingCar:
         decay = math.exp(-seconds / self.lag) if self.lag > 0.0 else 0.0
         before = self.speed
         self.speed = self.top * throttle + (self.speed - self.top * throttle) * decay
-        gone = 0.5 * (before + self.speed) * seconds
+        distance = 0.5 * (before + self.speed) * seconds
         length = 0.5 * self.mechanics.circle * math.tan(most)
-        bend = gone * math.tan(self.wheel) / length
-        self.x += gone * math.cos(self.yaw + 0.5 * bend)
-        self.y += gone * math.sin(self.yaw + 0.5 * bend)
+        bend = distance * math.tan(self.wheel) / length
+        self.x += distance * math.cos(self.yaw + 0.5 * bend)
+        self.y += distance * math.sin(self.yaw + 0.5 * bend)
         self.yaw = math.remainder(self.yaw + bend, 2.0 * math.pi)
 
 
@@ -86,8 +85,9 @@ class EmulatedPlant:
     """The cars of a laboratory at their start; a plant as `EmulatedCars` wants it."""
 
     def __init__(self, lab: Lab):
-        known = [field.name for field in fields(Mechanics) if field.name in lab.parameters]
-        mechanics = Mechanics(**{name: float(lab.parameters[name]) for name in known})
+        names = [field.name for field in fields(Mechanics) if field.name in lab.parameters]
+        mechanics = Mechanics(**{name: float(lab.parameters[name]) for name in names})
+        # The thread of the cars moves them, that of the tracking looks: never at half a step.
         self.lock = threading.Lock()
         self.cars: dict[int, RollingCar] = {}
         self.names = {car.address: name for name, car in lab.cars.items()}
@@ -107,8 +107,8 @@ class EmulatedPlant:
                 for address, command in commands.items():
                     self.cars[address].roll(*command, step)
                 left -= step
-            for one, other in combinations(self.cars.values(), 2):
-                self.least = min(self.least, math.hypot(one.x - other.x, one.y - other.y))
+            for car, other in combinations(self.cars.values(), 2):
+                self.least = min(self.least, math.hypot(car.x - other.x, car.y - other.y))
 
     def poses(self) -> dict[str, Pose]:
         """Where the cars are, by name."""
@@ -118,7 +118,7 @@ class EmulatedPlant:
                 for address, car in self.cars.items()
             }
 
-    def fastest(self) -> float:
+    def top_speed(self) -> float:
         """The highest speed of any car, m/s."""
         with self.lock:
             return max(abs(car.speed) for car in self.cars.values())
@@ -133,20 +133,20 @@ def starts(lab: Lab) -> list[Pose]:
     round_about = plan.path == "circle"
     low, high = area.low, area.high
     middle = plan.centre if round_about else (0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]))
-    ring = 0.8 * plan.radius if round_about else 0.8 * area.inside(*middle)
+    ring = 0.8 * plan.radius if round_about else 0.8 * area.distance_inside(*middle)
     way = math.copysign(1.0, plan.speed) if round_about else 1.0
     apart = min(35.0, 300.0 / len(lab.cars))
-    found = []
+    places = []
     for k in range(len(lab.cars)):
         angle = math.radians(plan.begins - way * (50.0 + apart * k))
-        found.append(
+        places.append(
             Pose(
                 middle[0] + ring * math.cos(angle),
                 middle[1] + ring * math.sin(angle),
                 math.remainder(angle + way * 0.5 * math.pi, 2.0 * math.pi),
             )
         )
-    return found
+    return places
 
 
 NOISE_XY, NOISE_YAW = 0.0005, 0.005
@@ -169,10 +169,11 @@ class EmulatedRoom:
     def sightings(self) -> tuple[Sighting, ...]:
         """Where the cars are, with the tracking's noise."""
         return tuple(
-            seen(self.bodies[name], self.shaken(pose)) for name, pose in self.plant.poses().items()
+            seen(self.bodies[name], self.add_tracking_noise(pose))
+            for name, pose in self.plant.poses().items()
         )
 
-    def shaken(self, pose: Pose) -> Pose:
+    def add_tracking_noise(self, pose: Pose) -> Pose:
         """A pose as the tracking has it."""
         gauss = self.chance.gauss
         return Pose(gauss(pose.x, NOISE_XY), gauss(pose.y, NOISE_XY), gauss(pose.yaw, NOISE_YAW))

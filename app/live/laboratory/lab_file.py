@@ -1,4 +1,4 @@
-"""A laboratory in one small file: its area, its cars, its tracking, its link and its rule."""
+"""A laboratory in one small file: its area, cars, tracking, link and rule; an example of it."""
 
 from __future__ import annotations
 
@@ -37,26 +37,24 @@ from app.strict_table import StrictTable, Value
 from worlds.input_error import InputError, needed, shorten, unknown
 from worlds.text_file import read_text, toml
 
-# On which line of a TOML file something stands: `tomllib` gives values without their lines.
-
 KeyPath = tuple[str, ...]
 
 
-def line_of(text: str, keys: Sequence[str]) -> int | None:
+def find_line(text: str, keys: Sequence[str]) -> int | None:
     """The line (from 1) that sets a key, given the keys that lead to it.
 
     Where nothing sets it, the table that lacks it; None if that cannot be found either.
 
-    >>> line_of("title = 'a'\\n[cars.red]\\naddress = 1", ["cars", "red", "address"])
+    >>> find_line("title = 'a'\\n[cars.red]\\naddress = 1", ["cars", "red", "address"])
     3
-    >>> line_of("title = 'a'\\n[cars.red]\\nspeed = 1", ["cars", "red", "address"])
+    >>> find_line("title = 'a'\\n[cars.red]\\nspeed = 1", ["cars", "red", "address"])
     2
     """
-    best, found = 0, None
+    best, last_line = 0, None
     for number, path in settings(text):
         if len(path) > best and tuple(keys[: len(path)]) == path:
-            best, found = len(path), number
-    return found
+            best, last_line = len(path), number
+    return last_line
 
 
 def settings(text: str) -> Iterator[tuple[int, KeyPath]]:
@@ -64,7 +62,7 @@ def settings(text: str) -> Iterator[tuple[int, KeyPath]]:
     table: KeyPath = ()
     for number, line in enumerate(text.splitlines(), 1):
         if line.lstrip().startswith("["):
-            paths = list(paths_of(parsed(line)))
+            paths = list(paths_of(parse_line(line)))
             if paths:
                 table = paths[-1]
                 yield number, table
@@ -72,11 +70,11 @@ def settings(text: str) -> Iterator[tuple[int, KeyPath]]:
         key, equals, _ = line.partition("=")
         if equals:
             # a value that goes on in the next lines cannot be parsed by itself; its key can
-            for path in paths_of(parsed(line) or parsed(f"{key} = 0")):
+            for path in paths_of(parse_line(line) or parse_line(f"{key} = 0")):
                 yield number, (*table, *path)
 
 
-def parsed(line: str) -> dict[str, Any]:
+def parse_line(line: str) -> dict[str, Any]:
     """One line as TOML; empty if it is none by itself."""
     try:
         return tomllib.loads(line)
@@ -106,7 +104,7 @@ class LabFileConflict(ValueError):
         self.keys = keys
 
 
-def fitted(demand: Callable[[str], object], text: str, *keys: str) -> None:
+def check_text(demand: Callable[[str], object], text: str, *keys: str) -> None:
     """Demand something of a text at these keys. Raises Misfit where `demand` raises InputError."""
     try:
         demand(text)
@@ -134,7 +132,7 @@ def demand_matching_ends(source: str, link: str, follows_body: bool) -> None:
             f"source = {SIMULATED!r} needs link = {SIMULATED!r} or {DRY!r}, not {link!r}", "link"
         )
     if kind_of(link) == SIMULATED:
-        fitted(port_of, link, "link")
+        check_text(port_of, link, "link")
     if follows_body:
         raise LabFileConflict(
             'injected.path = "body" cannot be emulated: use "circle", "hand" or "none" there',
@@ -150,12 +148,12 @@ def demand_choices(table: str, own: str, others: Mapping[str, str]) -> None:
     """
     names = [name_of(own), *BUILT_IN_NAMES.values()]
     for name, text in others.items():
-        fitted(partial(demand_name, others=names), name, table, name)
+        check_text(partial(demand_name, others=names), name, table, name)
         names.append(name)
         if kind_of(text) == SIMULATED:
             words = f"{text!r} can be chosen anyway, as {BUILT_IN_NAMES[SIMULATED]!r}"
             raise LabFileConflict(words, table, name)
-        fitted(KNOWN[table], text, table, name)
+        check_text(KNOWN[table], text, table, name)
 
 
 MOST_SIMULATED = 32
@@ -273,7 +271,7 @@ class Lab(StrictTable):
         """The injected car stays within the fence. Raises Misfit."""
         plan = self.injected
         for x, y in plan.corners():
-            if self.area.inside(x, y) < 0.0:
+            if self.area.distance_inside(x, y) < 0.0:
                 raise LabFileConflict(
                     f"the injected car's path reaches ({x:g}, {y:g}), which is not within the "
                     f"fence, {self.area.fence:g} m inside the area",
@@ -289,23 +287,23 @@ class Lab(StrictTable):
     @property
     def bodies(self) -> dict[str, str]:
         """The tracked bodies that are followed: body -> the name of its car here."""
-        found = {car.body or name: name for name, car in self.cars.items()}
+        names_by_body = {car.body or name: name for name, car in self.cars.items()}
         if self.injected.path == "body":
-            found[self.injected.body] = INJECTED
-        return found
+            names_by_body[self.injected.body] = INJECTED
+        return names_by_body
 
     def safety(self) -> Safety:
         """The safety of this laboratory, unarmed."""
         reached = kind_of(self.link) != DRY and kind_of(self.source) != RECORDED
         return Safety(self.limits, self.area, self.cars, self.bodies, reached)
 
-    def altered(self, origin: str, **values: Any) -> Lab:
+    def with_values(self, origin: str, **values: Any) -> Lab:
         """The laboratory with other values, which are checked as those of a file are.
 
         Raises InputError naming `origin`.
         """
         try:
-            return checked(self.model_dump(mode="json") | values)
+            return validate_lab(self.model_dump(mode="json") | values)
         except ValidationError as error:
             raise refusal(error, "", origin) from None
 
@@ -331,11 +329,11 @@ def read_lab(path: str | Path) -> Lab:
     """
     lab = lab_from_toml(read_text(f"laboratory {str(path)!r}", path), str(path))
     folder = Path(path).parent.resolve()
-    links = {name: in_folder(folder, text) for name, text in lab.links.items()}
-    return lab.model_copy(update={"link": in_folder(folder, lab.link), "links": links})
+    links = {name: resolve_link(folder, text) for name, text in lab.links.items()}
+    return lab.model_copy(update={"link": resolve_link(folder, lab.link), "links": links})
 
 
-def in_folder(folder: Path, link: str) -> str:
+def resolve_link(folder: Path, link: str) -> str:
     """The text of a link; if it is a Python file, that in a folder. Raises InputError."""
     kind = kind_of(link)
     if not kind.endswith(FILE):
@@ -349,18 +347,18 @@ def lab_from_toml(text: str, origin: str) -> Lab:
     """The laboratory that a text describes. Raises InputError naming the line that is wrong."""
     values = toml(text, origin)
     try:
-        return checked(values)
+        return validate_lab(values)
     except ValidationError as error:
         raise refusal(error, text, origin) from None
 
 
-def checked(values: Mapping[str, Any]) -> Lab:
+def validate_lab(values: Mapping[str, Any]) -> Lab:
     """The laboratory of these values. Raises ValidationError."""
     # as JSON, strict: a number in quotes is no number, but a list is a pair
-    return Lab.model_validate_json(json.dumps(values, default=no_json), strict=True)
+    return Lab.model_validate_json(json.dumps(values, default=replace_dates), strict=True)
 
 
-def no_json(date: object) -> dict[str, str]:
+def replace_dates(date: object) -> dict[str, str]:
     """Dates, which TOML knows and JSON does not: no key has one."""
     return {"a date": str(date)}
 
@@ -372,7 +370,7 @@ def refusal(error: ValidationError, text: str, origin: str) -> InputError:
     keys = [str(key) for key in first["loc"] if isinstance(key, str)]
     if isinstance(cause, LabFileConflict):
         keys = list(cause.keys)
-    line = line_of(text, keys)
+    line = find_line(text, keys)
     where = f"{origin}, line {line}" if line else origin
     if first["type"] == "extra_forbidden":
         return unknown("key", keys[-1], known_keys(keys[:-1]), where)
@@ -381,8 +379,10 @@ def refusal(error: ValidationError, text: str, origin: str) -> InputError:
     if isinstance(cause, ValueError):
         return InputError(f"{needed(first)} ({where})")
     value = first["input"]
-    shown = f"{value:g}" if isinstance(value, float) and math.isfinite(value) else shorten(value)
-    return InputError(f"{'.'.join(keys)} = {shown} is not allowed: {needed(first)} ({where})")
+    value_text = (
+        f"{value:g}" if isinstance(value, float) and math.isfinite(value) else shorten(value)
+    )
+    return InputError(f"{'.'.join(keys)} = {value_text} is not allowed: {needed(first)} ({where})")
 
 
 def known_keys(table: Sequence[str]) -> list[str]:
@@ -393,3 +393,15 @@ def known_keys(table: Sequence[str]) -> list[str]:
 def table_of(keys: Sequence[str]) -> str:
     """The table that a key belongs to, in words."""
     return f"[{'.'.join(keys[:-1])}]" if len(keys) > 1 else "the laboratory"
+
+
+# The laboratory of the example: two cars that follow an injected one, as in the reading.
+
+
+EXAMPLE_FILE = Path(__file__).with_name("example.toml")
+"""A file to begin from."""
+
+
+def example() -> Lab:
+    """The laboratory of that file."""
+    return read_lab(EXAMPLE_FILE)

@@ -52,7 +52,7 @@ class RecordingPart:
         return self.folder / f"{name}.parquet.part"
 
     @property
-    def begun(self) -> bool:
+    def has_begun(self) -> bool:
         """Whether anything of it counts: its ticks are begun last, and removed first."""
         return self.table("ticks").exists() or self.stream("ticks").exists()
 
@@ -79,7 +79,7 @@ def parts_of(folder: Path) -> list[RecordingPart]:
     numbers = [1]
     if folder.is_dir():
         numbers += [
-            int(one.name) for one in folder.iterdir() if re.fullmatch(r"[0-9]{4,9}", one.name)
+            int(path.name) for path in folder.iterdir() if re.fullmatch(r"[0-9]{4,9}", path.name)
         ]
     parts = [part_of(folder, number) for number in sorted(set(numbers)) if number > 0]
-    return [part for part in parts if part.begun]
+    return [part for part in parts if part.has_begun]

@@ -63,7 +63,7 @@ def levels(mode: int, commands: dict[int, tuple[float, float]]) -> list[tuple[in
         raise InputError(f"mode = {mode!r} is none of 0 (stop), 1 (run), 2 (emergency stop)")
     if len(commands) > MOST_CARS:
         raise InputError(f"{len(commands)} cars are more than the {MOST_CARS} of a frame")
-    found = []
+    result = []
     for address, (steer, throttle) in commands.items():
         if isinstance(address, bool) or not isinstance(address, int):
             raise InputError(f"address = {address!r} is no whole number")
@@ -71,8 +71,8 @@ def levels(mode: int, commands: dict[int, tuple[float, float]]) -> list[tuple[in
             raise InputError(f"address = {address} is outside [{LEAST_ADDRESS}, {MOST_ADDRESS}]")
         turn = level(steer, f"steer of car {address}")
         drive = level(throttle, f"throttle of car {address}")
-        found.append((address, turn, drive if mode == RUN else 0))
-    return found
+        result.append((address, turn, drive if mode == RUN else 0))
+    return result
 
 
 def size(cars: int) -> int:
@@ -137,12 +137,12 @@ class Decoder:
     def feed(self, data: bytes) -> list[CommandFrame]:
         """The commands that these bytes complete, oldest first."""
         pieces = range(0, len(data), PIECE)
-        return [command for at in pieces for command in self.take(data[at : at + PIECE])]
+        return [command for at in pieces for command in self.decode(data[at : at + PIECE])]
 
-    def take(self, data: bytes) -> list[CommandFrame]:
+    def decode(self, data: bytes) -> list[CommandFrame]:
         """The commands that a few more bytes complete."""
         self.waiting += data
-        found = []
+        frames = []
         while (span := self.first_complete()) is not None:
             start, end = span
             command = decode(bytes(self.waiting[start:end]))
@@ -150,30 +150,30 @@ class Decoder:
                 self.rejected += 1
                 self.waiting[start] = 0  # no valid frame has a sync within: none is spoilt
             else:
-                found.append(command)
+                frames.append(command)
                 del self.waiting[:end]
         self.forget()
-        return found
+        return frames
 
     def starts(self) -> list[tuple[int, int]]:
         """(start, end) of everything that begins like a frame; the end may be yet to come."""
-        found = []
+        candidates = []
         at = self.waiting.find(SYNC)
         while at >= 0:
             length = at + len(SYNC)
             if length >= len(self.waiting):
-                found.append((at, length + 1))
+                candidates.append((at, length + 1))
             elif is_length(self.waiting[length]):
-                found.append((at, at + AROUND + self.waiting[length]))
+                candidates.append((at, at + AROUND + self.waiting[length]))
             at = self.waiting.find(SYNC, at + 1)
-        return found
+        return candidates
 
     def first_complete(self) -> tuple[int, int] | None:
         """Of what begins like a frame and is all there, the one that ends first."""
-        whole = [(end, at) for at, end in self.starts() if end <= len(self.waiting)]
-        if not whole:
+        complete = [(end, at) for at, end in self.starts() if end <= len(self.waiting)]
+        if not complete:
             return None
-        end, at = min(whole)
+        end, at = min(complete)
         return at, end
 
     def forget(self) -> None:

@@ -41,7 +41,7 @@ class CarFirmware:
         self.heard = 0.0
         """When that came."""
 
-    def hear(self, command: CommandFrame, now: float) -> None:
+    def take_frame(self, command: CommandFrame, now: float) -> None:
         """Take what a frame says, if it is for this car and newer than the last.
 
         Stops are for all cars. An emergency stop is obeyed however old it is. After the watchdog
@@ -49,23 +49,23 @@ class CarFirmware:
         """
         if command.mode == EMERGENCY:
             self.latched = "emergency"
-        told = command.commands.get(self.address)
-        if (told is None and command.mode == RUN) or not self.newer(command.seq, now):
+        own_command = command.commands.get(self.address)
+        if (own_command is None and command.mode == RUN) or not self.is_newer(command.seq, now):
             return
         self.seq, self.heard, self.mode = command.seq, now, command.mode
         if command.mode == STOP:
             self.latched = None
-        if told is not None:
-            self.steer, self.throttle = told
+        if own_command is not None:
+            self.steer, self.throttle = own_command
 
-    def newer(self, seq: int, now: float) -> bool:
+    def is_newer(self, seq: int, now: float) -> bool:
         """Whether a sequence number comes after that of the newest command."""
         if self.seq is None:
             return True
         ahead = (seq - self.seq) % COUNT
-        return 0 < ahead < COUNT // 2 or (ahead != 0 and self.late(now))
+        return 0 < ahead < COUNT // 2 or (ahead != 0 and self.is_late(now))
 
-    def late(self, now: float) -> bool:
+    def is_late(self, now: float) -> bool:
         """Whether the watchdog has run out."""
         return self.seq is None or now - self.heard > self.watchdog
 
@@ -73,7 +73,7 @@ class CarFirmware:
         """What the car does: only when running it drives."""
         if self.latched is not None:
             return self.latched
-        if self.late(now):
+        if self.is_late(now):
             return "lost"
         return "running" if self.mode == RUN else "stopped"
 
@@ -93,7 +93,7 @@ class Firmware:
         """Take bytes as they come, at time `now`, s."""
         for command in self.decoder.feed(data):
             for car in self.cars.values():
-                car.hear(command, now)
+                car.take_frame(command, now)
 
     def drive(self, now: float) -> dict[int, tuple[float, float]]:
         """(steer, throttle) of every car, by address."""

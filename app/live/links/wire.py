@@ -27,7 +27,7 @@ class StallDetector:
         self.name = name
         self.in_a_row = 0
 
-    def saw(self, free: bool) -> bool:
+    def count_stall(self, free: bool) -> bool:
         """`free`. Raises LinkLost at the last of MOST_IN_A_ROW frames that were not taken."""
         self.in_a_row = 0 if free else self.in_a_row + 1
         if self.in_a_row >= MOST_IN_A_ROW:
@@ -48,7 +48,7 @@ WHY = {
 }
 
 
-def why(error: OSError) -> str:
+def describe_port_error(error: OSError) -> str:
     """What went wrong with a port, in words."""
     if error.errno is None:
         return str(error)
@@ -70,7 +70,7 @@ def open_wire(place: LinkAddress, baud: int) -> SerialWire:
     try:
         return SerialWire(serial.Serial(port, baud, exclusive=True), place.text)
     except (OSError, ValueError) as error:
-        reason = why(error) if isinstance(error, OSError) else str(error)
+        reason = describe_port_error(error) if isinstance(error, OSError) else str(error)
         raise InputError(f"the link {place.text!r} cannot open {port}: {reason}") from None
 
 
@@ -100,14 +100,16 @@ class SerialWire:
         try:
             self.port.read(self.port.in_waiting)  # whatever a radio says: it must never wait for us
             self.push()
-            if not self.jam.saw(free=not self.left and not self.port.out_waiting):
+            if not self.jam.count_stall(free=not self.left and not self.port.out_waiting):
                 return False
             self.left = frame
             self.push()
         except LinkLost:
             raise
         except OSError as error:
-            raise LinkLost(f"the link {self.name!r} is lost: {why(error)}") from None
+            raise LinkLost(
+                f"the link {self.name!r} is lost: {describe_port_error(error)}"
+            ) from None
         return True
 
     def free(self) -> bool:

@@ -16,7 +16,14 @@ from collections.abc import Callable
 from app.live.link_address import LinkAddress
 from app.live.links.command_frame import encode, size
 from app.live.links.link import CarLink
-from app.live.links.wire import LEAST_BAUD, MOST_BAUD, SerialWire, open_wire, take_port, why
+from app.live.links.wire import (
+    LEAST_BAUD,
+    MOST_BAUD,
+    SerialWire,
+    describe_port_error,
+    open_wire,
+    take_port,
+)
 from worlds.input_error import InputError
 from worlds.plug_ins import install
 
@@ -73,7 +80,7 @@ def open_xbee(place: LinkAddress) -> XBeeLink:
         device.open()
     except (OSError, ValueError) as error:
         device.close()
-        reason = why(error) if isinstance(error, OSError) else str(error)
+        reason = describe_port_error(error) if isinstance(error, OSError) else str(error)
         raise InputError(f"the link {place.text!r} cannot open {port}: {reason}") from None
     except XBeeException as error:
         device.close()

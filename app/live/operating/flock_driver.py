@@ -49,7 +49,9 @@ def demand_allowed(lab: Lab, count: int) -> None:
         raise InputError(f"simulated cars = {count} is not allowed: {bound}")
 
 
-def begins(lab: Lab, number: int, taken: Iterable[Sequence[float]], size: float) -> Pose:
+def companion_start(
+    lab: Lab, number: int, occupied: Iterable[Sequence[float]], size: float
+) -> Pose:
     """Where simulated car `number` begins: within the fence, clear of the places (m) taken.
 
     It heads along the injected car's circle, or anywhere if that goes no circle. `size` is the
@@ -62,7 +64,7 @@ def begins(lab: Lab, number: int, taken: Iterable[Sequence[float]], size: float)
     tried = rng.uniform(low, high, (TRIES, 2))
     yaw = float(rng.uniform(-math.pi, math.pi))
     apart = max(APART, size)
-    others = np.array([tuple(one) for one in taken]).reshape(-1, 2)
+    others = np.array([tuple(place) for place in occupied]).reshape(-1, 2)
     gaps = np.linalg.norm(tried[:, None] - others[None], axis=2).min(axis=1, initial=math.inf)
     free = np.flatnonzero(gaps >= apart)
     if not len(free):
@@ -70,22 +72,22 @@ def begins(lab: Lab, number: int, taken: Iterable[Sequence[float]], size: float)
             f"{simulated_car_name(number)} has no room: none of {TRIES} places within the fence "
             f"is {apart:g} m from every other car"
         )
-    x, y = (float(one) for one in tried[free[0]])
-    return Pose(x, y, along_circle(lab, x, y) if lab.injected.path == "circle" else yaw)
+    x, y = (float(candidate) for candidate in tried[free[0]])
+    return Pose(x, y, circle_yaw(lab, x, y) if lab.injected.path == "circle" else yaw)
 
 
-def begin_more(
-    lab: Lab, kept: int, count: int, taken: Iterable[Sequence[float]], size: float
+def companion_starts(
+    lab: Lab, kept_count: int, count: int, taken_places: Iterable[Sequence[float]], size: float
 ) -> list[Pose]:
-    """Where simulated cars `kept` + 1 to `count` begin; for the rest see `begins`.
+    """Where simulated cars `kept_count` + 1 to `count` begin; for the rest see `companion_start`.
 
     Raises NoFreeSpace with the number that would fit.
     """
-    occupied = [tuple(one) for one in taken]
+    occupied = [tuple(place) for place in taken_places]
     more: list[Pose] = []
-    for number in range(kept + 1, count + 1):
+    for number in range(kept_count + 1, count + 1):
         try:
-            more.append(begins(lab, number, occupied, size))
+            more.append(companion_start(lab, number, occupied, size))
         except NoFreeSpace as refused:
             raise NoFreeSpace(
                 f"simulated cars = {count} is not allowed: {refused}; {number - 1} would fit"
@@ -94,7 +96,7 @@ def begin_more(
     return more
 
 
-def along_circle(lab: Lab, x: float, y: float) -> float:
+def circle_yaw(lab: Lab, x: float, y: float) -> float:
     """The yaw (rad) at (x, y) of a car that goes round the injected car's circle in its sense."""
     plan = lab.injected
     outwards = math.atan2(y - plan.centre[1], x - plan.centre[0])
@@ -102,23 +104,23 @@ def along_circle(lab: Lab, x: float, y: float) -> float:
     return math.remainder(outwards + sense, 2.0 * math.pi)
 
 
-def resized(arrays: Arrays, kept: int, more: Sequence[Pose], model: Model) -> Arrays:
-    """The first `kept` rows of a flock with their memory, and rows of cars that begin."""
-    n = kept + len(more)
+def resize_arrays(arrays: Arrays, kept_count: int, more: Sequence[Pose], model: Model) -> Arrays:
+    """The first `kept_count` rows of a flock with their memory, and rows of cars that begin."""
+    n = kept_count + len(more)
     position, heading = np.zeros((n, 2)), np.tile((1.0, 0.0), (n, 1))
-    for row, pose in enumerate(more, kept):
+    for row, pose in enumerate(more, kept_count):
         position[row] = pose.x, pose.y
         heading[row] = math.cos(pose.yaw), math.sin(pose.yaw)
-    made = start_arrays(
+    start_values = start_arrays(
         Start(position, heading, np.zeros(n, bool), np.zeros(n), np.arange(n)), model, 1
     )
-    for name, column in made._asdict().items():
+    for name, column in start_values._asdict().items():
         before = getattr(arrays, name)
         if name == "memory":
-            column[:, :kept] = before[:, :kept]
+            column[:, :kept_count] = before[:, :kept_count]
         else:
-            column[:kept] = before[:kept]
-    return made
+            column[:kept_count] = before[:kept_count]
+    return start_values
 
 
 NOT_SIMULATED = {
@@ -160,8 +162,8 @@ class FlockDriver(Motion):
         self.seed, self.tick, self.threads = 0, 0, 1
         self._acted = set()
         self.fixed = NOT_SIMULATED | {"dt": 1.0 / lab.rate}
-        fastest = max(one.speed for one in lab.cars.values())
-        self.parameters = self.agreed({"v_max": fastest} | AT_ONCE | dict(lab.parameters))
+        fastest = max(car.speed for car in lab.cars.values())
+        self.parameters = self.check_values({"v_max": fastest} | AT_ONCE | dict(lab.parameters))
         n = len(self.names)
         self.place = np.full((n, 2), np.nan)
         self.nose = np.tile((1.0, 0.0), (n, 1))
@@ -171,10 +173,10 @@ class FlockDriver(Motion):
         self.wanted = lab.simulated.cars
         """How many simulated cars there are to be; they begin once all real ones were seen."""
         self.begin()
-        begin_more(
+        companion_starts(
             lab, 0, lab.simulated.cars, [], self.size
         )  # they must fit an empty room at least
-        self.warm(tell)
+        self.compile(tell)
         self.begin()
 
     def begin(self) -> None:
@@ -184,7 +186,7 @@ class FlockDriver(Motion):
         still = Start(np.zeros((n, 2)), self.nose.copy(), np.zeros(n, bool), np.zeros(n), number)
         self._set_arrays(start_arrays(still, self.model, 1))
 
-    def warm(self, tell: Callable[[str], object] | None) -> None:
+    def compile(self, tell: Callable[[str], object] | None) -> None:
         """Compile, which takes up to a minute the first time, so that the loop need not."""
         from numba.core.errors import NumbaError
 
@@ -198,7 +200,7 @@ class FlockDriver(Motion):
                 "declared with"
             ) from None
 
-    def agreed(self, values: Mapping[str, Any]) -> Any:
+    def check_values(self, values: Mapping[str, Any]) -> Any:
         """The parameters of the rule and of the car with these values. Raises InputError."""
         for name in values:
             if name in NOT_SIMULATED:
@@ -211,8 +213,8 @@ class FlockDriver(Motion):
     def tune(self, values: Mapping[str, Any]) -> None:
         """Change parameters while it drives. Raises InputError, and then changes nothing."""
         now = self.parameters.model_dump()
-        kept = {name: value for name, value in now.items() if name not in NOT_SIMULATED}
-        self.parameters = self.agreed(kept | dict(values))
+        unchanged = {name: value for name, value in now.items() if name not in NOT_SIMULATED}
+        self.parameters = self.check_values(unchanged | dict(values))
         self.context = self._make_context()
 
     def drive(
@@ -224,27 +226,30 @@ class FlockDriver(Motion):
         is an injected car in the laboratory that is not seen. Raises
         NoFreeSpace, once, if the simulated cars have no space to begin: there are none then.
         """
-        seen = [sighting.name for sighting in sightings if self.found(now, sighting)]
+        seen_names = [sighting.name for sighting in sightings if self.place_car(now, sighting)]
         if injected is not None:
             self.target = injected.x, injected.y
-        if not self.is_placed or (injected is None and self.follows):
-            self.stand()
+        if not self.is_placed or (injected is None and self.has_injected_car):
+            self.stop_companions()
             return {}
         if self.wanted != self.simulated:
-            wanted, self.wanted = self.wanted, self.simulated  # what is refused is not tried again
-            self.have(wanted)
-            self.wanted = wanted
+            wanted_count, self.wanted = (
+                self.wanted,
+                self.simulated,
+            )  # what is refused is not tried again
+            self.set_companion_count(wanted_count)
+            self.wanted = wanted_count
         n = len(self.names)
         self.position[:n], self.heading[:n] = self.place, self.nose
         self.speed[:n] = [pace(past, nose) for past, nose in zip(self.past, self.nose, strict=True)]
         self.signal_row(self.vehicle.pace)[:n] = self.speed[:n]
-        if injected is not None and self.follows:
+        if injected is not None and self.has_injected_car:
             self.engine.surroundings.route[0, :2] = injected.x, injected.y
         self.advance_once(running)
         most = math.radians(self.context.parameters.wheel_max)
         steer = self.signal_row(self.vehicle.wheel) / most
         throttle = self.signal_row(self.vehicle.throttle)
-        rows = [self.names.index(name) for name in seen]
+        rows = [self.names.index(name) for name in seen_names]
         return {self.names[row]: (float(steer[row]), float(throttle[row])) for row in rows}
 
     def advance_once(self, running: bool) -> None:
@@ -258,11 +263,11 @@ class FlockDriver(Motion):
         self.advance(1)
         for column, values in zip(own, before, strict=True):
             column[:] = values
-        self.stand()
+        self.stop_companions()
         # Who does not get on because it may not is not stuck.
         self.signal_row(self.vehicle.stuck)[:] = 0.0
 
-    def stand(self) -> None:
+    def stop_companions(self) -> None:
         """Stop the simulated cars where they are."""
         n = len(self.names)
         self.speed[n:] = self.signal_row(self.vehicle.pace)[n:] = 0.0
@@ -274,7 +279,9 @@ class FlockDriver(Motion):
     @property
     def is_placed(self) -> bool:
         """Whether it is known where everybody is, or was last: each car and the injected one."""
-        return not np.isnan(self.place).any() and not (self.target is None and self.follows)
+        return not np.isnan(self.place).any() and not (
+            self.target is None and self.has_injected_car
+        )
 
     @property
     def simulated(self) -> int:
@@ -306,18 +313,18 @@ class FlockDriver(Motion):
         ones leave first. Raises InputError, and then changes nothing."""
         demand_allowed(self.lab, count)
         if self.is_placed:
-            self.have(count)
+            self.set_companion_count(count)
         self.wanted = count
 
-    def have(self, count: int) -> None:
+    def set_companion_count(self, count: int) -> None:
         """Make it so many simulated cars. Raises NoFreeSpace, and then changes nothing."""
         n = len(self.names)
-        kept = n + min(count, self.simulated)
-        taken = [*self.place, *self.position[n:kept]]
+        kept_count = n + min(count, self.simulated)
+        occupied = [*self.place, *self.position[n:kept_count]]
         if self.target is not None:
-            taken.append(self.target)
-        more = begin_more(self.lab, kept - n, count, taken, self.size)
-        self._set_arrays(resized(self.arrays, kept, more, self.model))
+            occupied.append(self.target)
+        more = companion_starts(self.lab, kept_count - n, count, occupied, self.size)
+        self._set_arrays(resize_arrays(self.arrays, kept_count, more, self.model))
 
     @property
     def size(self) -> float:
@@ -326,11 +333,11 @@ class FlockDriver(Motion):
         return math.hypot(body.length, body.width)
 
     @property
-    def follows(self) -> bool:
+    def has_injected_car(self) -> bool:
         """Whether there is an injected car in the laboratory."""
         return self.world.mission is not None
 
-    def found(self, now: float, sighting: Sighting) -> bool:
+    def place_car(self, now: float, sighting: Sighting) -> bool:
         """Take down where a car is; whether it is one of ours and seen."""
         pose = sighting.pose
         if sighting.name not in self.names or pose is None or not sighting.valid:

@@ -12,8 +12,7 @@ from pathlib import Path
 
 from agents.catalogue import cars_for_rule, obedient_car_models
 from app.live.device_kinds import BUILT_IN_NAMES, DRY, SIMULATED, kind_of, name_of
-from app.live.laboratory.example import example
-from app.live.laboratory.lab_file import Lab, read_lab
+from app.live.laboratory.lab_file import Lab, example, read_lab
 from app.live.operating.flock_driver import FlockDriver
 from app.live.operating.loop_process import LoopComponents, open_ends
 from worlds.input_error import InputError, unknown
@@ -51,8 +50,8 @@ class Choices:
     @staticmethod
     def of(lab: Lab) -> Choices:
         """What may be chosen in a laboratory; what its file says is chosen."""
-        sources = offered(lab.source, lab.sources, SIMULATED)
-        links = offered(lab.link, lab.links, DRY)
+        sources = merge_devices(lab.source, lab.sources, SIMULATED)
+        links = merge_devices(lab.link, lab.links, DRY)
         rules = tuple(dict.fromkeys([lab.rule, *obedient_car_models()]))
         return Choices(
             lab, sources, links, rules, next(iter(sources)), next(iter(links)), lab.rule, lab
@@ -81,7 +80,7 @@ class Choices:
         )
         if source == SIMULATED:
             link = self.file.link if kind_of(self.file.link) == SIMULATED else SIMULATED
-        lab = self.file.altered(
+        lab = self.file.with_values(
             "the choice",
             source=source,
             link=link,
@@ -100,23 +99,23 @@ def laboratory(
     """
     choices = Choices.of(example() if file is None else read_lab(file))
     names = {"source": source, "link": link}
-    given = {kind: name for kind, name in names.items() if name is not None}
-    if not given:
+    chosen_names = {kind: name for kind, name in names.items() if name is not None}
+    if not chosen_names:
         return choices
-    made = choices.choosing(**given)
-    if link is not None and made.lab.link != made.links[link]:
+    selection = choices.choosing(**chosen_names)
+    if link is not None and selection.lab.link != selection.links[link]:
         raise InputError(
             f"--link {link!r} is not allowed: emulated cars have a link of their own (--dry sends "
             "nothing)"
         )
-    return made
+    return selection
 
 
-def offered(own: str, others: Mapping[str, str], always: str) -> dict[str, str]:
+def merge_devices(own: str, others: Mapping[str, str], always: str) -> dict[str, str]:
     """Texts by name: the file's own, its others, and the one that is always there; each once."""
-    found = {name_of(own): own, **others}
-    found.setdefault(BUILT_IN_NAMES[always], always)
-    return found
+    devices = {name_of(own): own, **others}
+    devices.setdefault(BUILT_IN_NAMES[always], always)
+    return devices
 
 
 def shared_parameters(lab: Lab, rule: str) -> dict:

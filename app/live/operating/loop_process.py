@@ -125,7 +125,7 @@ def serve(
     def leave(number: int, _frame: object) -> None:
         leaving.append(signal.Signals(number).name)
         if loop is not None:
-            loop.leave(leaving[0])
+            loop.end(leaving[0])
 
     for name in LEAVES:
         if hasattr(signal, name):
@@ -142,9 +142,11 @@ def serve(
             return
         recorder.loop = loop = ends.loop(lab, journal)
         if leaving:
-            loop.leave(leaving[0])
+            loop.end(leaving[0])
         arguments = (line, stops, loop, recorder)
-        threading.Thread(target=attend, args=arguments, name="operator", daemon=True).start()
+        threading.Thread(
+            target=serve_operator, args=arguments, name="operator", daemon=True
+        ).start()
         line.send(LoopReply())
         gc.collect()
         gc.freeze()  # so that later collections are short: they look at what a run makes
@@ -160,14 +162,14 @@ class RequestForwarder:
         self.stopped = 0
         """The number of the last emergency stop."""
 
-    def ask(self, asked: NumberedRequest) -> None:
+    def ask(self, numbered: NumberedRequest) -> None:
         """Pass on a request, unless it was overtaken."""
-        if asked.request.action == "emergency":
-            self.stopped = max(self.stopped, asked.number)
-        elif asked.request.action in UNDOING and asked.number < self.stopped:
-            self.loop.overtake(asked.request)
+        if numbered.request.action == "emergency":
+            self.stopped = max(self.stopped, numbered.number)
+        elif numbered.request.action in UNDOING and numbered.number < self.stopped:
+            self.loop.note_overtaken(numbered.request)
             return
-        self.loop.ask(asked.request)
+        self.loop.ask(numbered.request)
 
     def ask_all(self, stops: Connection) -> None:
         """Pass on the emergency stops that have come."""
@@ -176,7 +178,7 @@ class RequestForwarder:
                 self.ask(stops.recv())
 
 
-def attend(line: Connection, stops: Connection, loop: Loop, recorder: LoopRecorder) -> None:
+def serve_operator(line: Connection, stops: Connection, loop: Loop, recorder: LoopRecorder) -> None:
     """Pass on the operator's requests, emergency stops first, and answer it; the loop ends when the
     operator is gone."""
     parent = multiprocessing.parent_process()
@@ -200,12 +202,16 @@ def attend(line: Connection, stops: Connection, loop: Loop, recorder: LoopRecord
                     if hand is not None:
                         loop.place(*hand)  # the operator has checked that these are numbers
                     count, new = loop.events.since(known)
-                    told = new[:MOST_EVENTS]
-                    line.send(LoopReply(loop.latest, tuple(told), count - len(new) + len(told)))
+                    sent_events = new[:MOST_EVENTS]
+                    line.send(
+                        LoopReply(
+                            loop.latest, tuple(sent_events), count - len(new) + len(sent_events)
+                        )
+                    )
                 case None:
                     why = "the operator says so"
                     break
     except (EOFError, OSError):
         pass
     asking.ask_all(stops)
-    loop.leave(why)
+    loop.end(why)

@@ -41,12 +41,14 @@ class Operator:
     def __init__(self, lab: Lab, opener: Opener, recording: Path | None = None):
         spawn = multiprocessing.get_context("spawn")
         self.recording = recording
-        self.line, theirs = spawn.Pipe(duplex=True)
+        self.line, child_end = spawn.Pipe(duplex=True)
         stops, self.stops = spawn.Pipe(duplex=False)
         """The emergency stop's own way, on which nothing else ever waits."""
+        # A pipe mixes what two threads write at once, and the page and the terminal both ask. Who
+        # needs both locks takes `lock` first: `close` alone does.
         self.lock = threading.Lock()
         self.stopping = threading.Lock()
-        """Of the emergency stop's way alone."""
+        """Of the emergency stop's way alone: a stop never waits for a status or a request."""
         self.stopped: float | None = None
         """When the stop was sent that nobody has asked to undo, s."""
         self.numbers = itertools.count(1)
@@ -62,11 +64,11 @@ class Operator:
         # not a daemon: the loop has a child of its own, its tracking
         self.process = spawn.Process(
             target=serve,
-            args=(lab.to_toml(), opener, recording, theirs, stops),
+            args=(lab.to_toml(), opener, recording, child_end, stops),
             name="flockscope control loop",
         )
         self.process.start()
-        theirs.close()
+        child_end.close()
         stops.close()
         atexit.register(self.close)
         self.begin()
@@ -100,9 +102,9 @@ class Operator:
             return
         if request.action in UNDOING:
             self.stopped = None  # before its number is taken: a stop from now on is a new one
-        asked = NumberedRequest(next(self.numbers), request)
+        numbered = NumberedRequest(next(self.numbers), request)
         with self.lock, suppress(OSError):
-            self.line.send(asked)
+            self.line.send(numbered)
 
     def stop(self, request: OperatorRequest) -> None:
         """Send an emergency stop, unless one has just been sent that nobody has asked to undo."""

@@ -33,9 +33,9 @@ class RecordRequest:
 class LoopRecorder:
     """The recordings of one loop, one at a time; a context manager that finishes the last."""
 
-    def __init__(self, laboratory: str, kept: RecordingLimits):
+    def __init__(self, laboratory: str, limits: RecordingLimits):
         self.laboratory = laboratory
-        self.kept = kept
+        self.kept = limits
         self.loop: Loop | None = None
         self.journal: RecordingWriter | None = None
         self.asked: queue.SimpleQueue[RecordRequest | None] = queue.SimpleQueue()
@@ -85,7 +85,7 @@ class LoopRecorder:
                     self.start(loop, request.folder, request.cause)
             except Exception as error:  # whatever a disk does, the loop goes on and says so
                 words = " ".join(str(error).split()) or type(error).__name__
-                self.say(loop, "recording", words, request.cause)
+                self.add_event(loop, "recording", words, request.cause)
 
     def start(self, loop: Loop, folder: Path, cause: str) -> None:
         """Begin to record a loop that runs. Raises InputError or OSError."""
@@ -97,18 +97,18 @@ class LoopRecorder:
                 f"{needed / MB:.0f} MB are needed"
             )
         loop.journal = self.begin(folder)
-        self.say(loop, "record", f"recording in {folder}", cause, str(folder))
+        self.add_event(loop, "record", f"recording in {folder}", cause, str(folder))
 
     def stop(self, loop: Loop, cause: str) -> None:
         """End the recording of a loop that runs on. Raises InputError if it cannot be finished."""
         if self.journal is None:
             raise InputError("nothing is recorded")
         folder, loop.journal = self.journal.folder, None
-        self.say(loop, "record", f"the recording in {folder} ends", cause)
+        self.add_event(loop, "record", f"the recording in {folder} ends", cause)
         time.sleep(SETTLES)
         self.end()
 
-    def say(self, loop: Loop, kind: str, words: str, cause: str, folder: str = "") -> None:
+    def add_event(self, loop: Loop, kind: str, words: str, cause: str, folder: str = "") -> None:
         """Add an event of the recording itself, which is in no table."""
         loop.events.add(
             Event(loop.control.tick, loop.clock(), kind, words, cause=cause, note=folder)

@@ -19,7 +19,13 @@ from app.live.control.car_control import CarControl, ControlStep
 from app.live.control.pose import Companion, Driver, MocapFrame, Pose, Sighting
 from app.live.laboratory.lab_file import Lab, lab_from_toml
 from app.live.laboratory.recording_parts import RecordingPart, parts_of
-from app.live.recording.recording_writer import LONGEST, TABLES, arrow_type, columns_of, described
+from app.live.recording.recording_writer import (
+    LONGEST,
+    TABLES,
+    arrow_type,
+    columns_of,
+    lab_metadata,
+)
 from worlds.file_writer import writing
 from worlds.input_error import InputError, shorten, unknown
 
@@ -86,8 +92,8 @@ class StoredRecording:
         for part in self.parts:
             tables = {name: Cursor(part.table(name)) for name in self.tables}
             for row in rows(part.table("ticks")):
-                taken = {name: cursor.take(row["tick"]) for name, cursor in tables.items()}
-                yield tick_of(row, {"companions": [], **taken})
+                tick_rows = {name: cursor.take(row["tick"]) for name, cursor in tables.items()}
+                yield tick_of(row, {"companions": [], **tick_rows})
 
     def events(self) -> list[Row]:
         """All that happened."""
@@ -116,10 +122,10 @@ class StoredRecording:
         frame = self.table(name).to_pandas(ignore_metadata=True)
         columns = columns_of(name)
         frame.attrs.update(
-            described(self.lab),
+            lab_metadata(self.lab),
             table=name,
-            units={one: column["unit"] for one, column in columns.items()},
-            meanings={one: column["meaning"] for one, column in columns.items()},
+            units={column_name: column["unit"] for column_name, column in columns.items()},
+            meanings={column_name: column["meaning"] for column_name, column in columns.items()},
             began=self.began,
             laboratory=self.lab.to_toml(),
         )
@@ -191,9 +197,11 @@ def meta_of(path: Path) -> dict[str, Any]:
     if missing:
         raise InputError(f"{str(path)!r} has no column {missing[0]!r}")
     for name, kind in TABLES[path.stem].items():
-        there = table.schema.field(name).type
-        if there != arrow_type(kind):
-            raise InputError(f"{str(path)!r}: its column {name!r} is {there}, {kind} is needed")
+        field_type = table.schema.field(name).type
+        if field_type != arrow_type(kind):
+            raise InputError(
+                f"{str(path)!r}: its column {name!r} is {field_type}, {kind} is needed"
+            )
     for key, of in METADATA.items():
         if not isinstance(meta.get(key), of):
             raise InputError(
@@ -232,12 +240,12 @@ class Cursor:
 
     def take(self, tick: int) -> list[Row]:
         """The rows of a tick; each tick can be taken once, and in order."""
-        found = []
+        taken_rows = []
         while self.row is not None and self.row["tick"] <= tick:
             if self.row["tick"] == tick:
-                found.append(self.row)
+                taken_rows.append(self.row)
             self.row = next(self.rows, None)
-        return found
+        return taken_rows
 
 
 def tick_of(row: Row, belongs: dict[str, list[Row]]) -> Tick:
@@ -250,14 +258,16 @@ def tick_of(row: Row, belongs: dict[str, list[Row]]) -> Tick:
         tuple(frames(belongs["frames"], belongs["poses"])),
         pose(row["injected_x"], row["injected_y"], row["injected_yaw"]),
         {
-            one["name"]: (one["wanted_steer"], one["wanted_throttle"])
-            for one in belongs["commands"]
-            if one["wanted_steer"] is not None
+            record["name"]: (record["wanted_steer"], record["wanted_throttle"])
+            for record in belongs["commands"]
+            if record["wanted_steer"] is not None
         },
-        {one["name"]: (one["steer"], one["throttle"]) for one in belongs["commands"]},
+        {record["name"]: (record["steer"], record["throttle"]) for record in belongs["commands"]},
         tuple(
-            Companion(one["name"], Pose(one["x"], one["y"], one["yaw"]), one["steer"])
-            for one in belongs["companions"]
+            Companion(
+                record["name"], Pose(record["x"], record["y"], record["yaw"]), record["steer"]
+            )
+            for record in belongs["companions"]
         ),
     )
 
@@ -276,9 +286,11 @@ def frames(rows: list[Row], poses: list[Row]) -> Iterator[MocapFrame]:
             row["number"],
             row["received"],
             tuple(
-                Sighting(one["name"], pose(one["x"], one["y"], one["yaw"]), one["valid"])
-                for one in poses
-                if one["number"] == row["number"]
+                Sighting(
+                    record["name"], pose(record["x"], record["y"], record["yaw"]), record["valid"]
+                )
+                for record in poses
+                if record["number"] == row["number"]
             ),
             row["sent"],
         )
@@ -310,8 +322,8 @@ def steps(recorded: StoredRecording, driver: Driver) -> Iterator[tuple[Tick, Con
                 "`flockscope live lab` shows it"
             )
         newest = tick.frames[-1] if tick.frames else newest
-        control.see(tick.now, tick.requests, newest)
-        yield tick, control.act(tick.now, tick.injected)
+        control.begin_tick(tick.now, tick.requests, newest)
+        yield tick, control.end_tick(tick.now, tick.injected)
 
 
 def replay(folder: str | Path, make: Callable[[Lab], Driver]) -> ReplayResult:
@@ -342,9 +354,9 @@ def difference(tick: Tick, step: ControlStep) -> str:
                 return f"{what} for {name}: {now[name]} instead of {then[name]}"
     if len(tick.companions) != len(step.companions):
         return f"{len(step.companions)} simulated cars instead of {len(tick.companions)}"
-    for before, made in zip(tick.companions, step.companions, strict=True):
-        if before.name != made.name or bits(numbers(before)) != bits(numbers(made)):
-            return f"{made} instead of {before}"
+    for before, companion in zip(tick.companions, step.companions, strict=True):
+        if before.name != companion.name or bits(numbers(before)) != bits(numbers(companion)):
+            return f"{companion} instead of {before}"
     return ""
 
 

@@ -109,7 +109,10 @@ COLUMNS: dict[str, dict[str, tuple[str, str]]] = {
 
 def columns_of(table: str) -> dict[str, dict[str, str]]:
     """Units and meanings of a table's columns, as recordings of simulations have them."""
-    return {name: {"unit": unit, "meaning": said} for name, (unit, said) in COLUMNS[table].items()}
+    return {
+        name: {"unit": unit, "meaning": description}
+        for name, (unit, description) in COLUMNS[table].items()
+    }
 
 
 def units_of(table: str) -> dict[str, str]:
@@ -117,7 +120,7 @@ def units_of(table: str) -> dict[str, str]:
     return {name: unit for name, (unit, _) in COLUMNS[table].items() if unit != "1"}
 
 
-def described(lab: Lab) -> dict[str, Any]:
+def lab_metadata(lab: Lab) -> dict[str, Any]:
     """What a table's metadata says of the room beside the text of its laboratory."""
     area = lab.area
     return {
@@ -203,18 +206,18 @@ def finish(part: Path, path: Path) -> int:
     """
     import pyarrow.parquet as pq
 
-    made = path.with_name(path.name + ".tmp")
+    temporary = path.with_name(path.name + ".tmp")
     rows = 0
     try:
         with open(part, "rb") as source:
             stream = PartStream(part, source, LONGEST)
-            with pq.ParquetWriter(made, stream.schema, compression="zstd") as writer:
+            with pq.ParquetWriter(temporary, stream.schema, compression="zstd") as writer:
                 for batch in stream.batches(GROUP):
                     writer.write_batch(batch)
                     rows += batch.num_rows
-        os.replace(made, path)
+        os.replace(temporary, path)
     finally:
-        made.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
     part.unlink()
     return rows
 
@@ -285,19 +288,19 @@ NOWHERE = (None, None, None)
 class RecordingWriter:
     """Writes a recording in a thread of its own, so that the loop never waits for the disk.
 
-    A context manager; `laboratory` is its TOML, `kept` how much of it stays on the disk. Entering
+    A context manager; `laboratory` is its TOML, `limits` how much of it stays on the disk. Entering
     raises InputError if the folder has something in it or cannot be written.
     """
 
-    def __init__(self, folder: str | Path, laboratory: str, kept: RecordingLimits | None = None):
+    def __init__(self, folder: str | Path, laboratory: str, limits: RecordingLimits | None = None):
         self.folder = Path(folder)
         self.laboratory = laboratory
-        self.kept = kept or RecordingLimits()
+        self.kept = limits or RecordingLimits()
         self.trouble = ""
         """Why it cannot write, in one line; empty while all is well."""
         self.waiting: queue.SimpleQueue[TickRecord] = queue.SimpleQueue()
         self.told: queue.SimpleQueue[str] = queue.SimpleQueue()
-        """News of it that `news` has not given yet."""
+        """News of it that `new_lines` has not given yet."""
         self.ending = threading.Event()
         self.part = part_of(self.folder, 1)
         """The one that is being written."""
@@ -320,12 +323,12 @@ class RecordingWriter:
                 "began": time.time(),
                 "began_on_the_clock": time.monotonic(),
                 "versions": versions(),
-                **described(lab_from_toml(self.laboratory, "laboratory")),
+                **lab_metadata(lab_from_toml(self.laboratory, "laboratory")),
             }
             self.begin(self.part)
         except OSError as error:
             raise refused(self.folder, error) from None
-        self.thread = threading.Thread(target=self.keep_writing, name="recording", daemon=True)
+        self.thread = threading.Thread(target=self.write_until_end, name="recording", daemon=True)
         self.thread.start()
         return self
 
@@ -359,15 +362,15 @@ class RecordingWriter:
             return
         self.waiting.put(moment)
 
-    def news(self) -> list[str]:
+    def new_lines(self) -> list[str]:
         """What is new of it, each in one line: parts that begin, and those that are removed."""
-        found = []
+        messages = []
         with suppress(queue.Empty):
             while True:
-                found.append(self.told.get_nowait())
-        return found
+                messages.append(self.told.get_nowait())
+        return messages
 
-    def keep_writing(self) -> None:
+    def write_until_end(self) -> None:
         """Write what waits, until the end."""
         ended = False
         while not ended:
@@ -380,8 +383,8 @@ class RecordingWriter:
                 for some in batched(moments, AT_ONCE):
                     for name, stream in self.streams.items():
                         stream.write(list(rows(name, some)))
-                    if sum(one.size for one in self.streams.values()) >= MB * self.kept.part:
-                        self.turn_over()
+                    if sum(stream.size for stream in self.streams.values()) >= MB * self.kept.part:
+                        self.begin_next_part()
             except OSError as error:
                 self.trouble = str(refused(self.folder, error))
                 return
@@ -400,7 +403,7 @@ class RecordingWriter:
                 part.remove()
             raise
 
-    def turn_over(self) -> None:
+    def begin_next_part(self) -> None:
         """Begin the next part; the tables of this one are made meanwhile. Raises OSError."""
         for stream in self.streams.values():
             stream.close()
@@ -482,5 +485,5 @@ def pose_rows(moment: TickRecord) -> Iterator[tuple]:
 def command_rows(moment: TickRecord) -> Iterator[tuple]:
     """The rows of a tick's commands."""
     for name, sent in moment.step.verdict.commands.items():
-        wanted = moment.step.wanted.get(name, (None, None))
-        yield (moment.tick, moment.now, name, *wanted, *sent)
+        command = moment.step.wanted.get(name, (None, None))
+        yield (moment.tick, moment.now, name, *command, *sent)

@@ -34,11 +34,11 @@ class RecordingEnd:
     """What the loop wrote when it left; empty if it was killed."""
 
     @property
-    def told_to_stop(self) -> bool:
+    def is_stop(self) -> bool:
         """Whether the last that is recorded is a stop."""
         return self.mode != RUN
 
-    def words(self) -> str:
+    def describe(self) -> str:
         """What the cars were told last, and what stopped them."""
         if self.end:
             return self.end
@@ -50,7 +50,7 @@ class RecordingEnd:
         last = f"sent last at {self.seconds:.2f} s, tick {self.tick}: {mode}, {commands}"
         lost = f"what was sent in the {1000 * EVERY:g} ms after it may be missing"
         watchdog = f"{1000 * WATCHDOG:g} ms after the last command that they heard"
-        if self.told_to_stop:
+        if self.is_stop:
             return f"{last}; the cars had been told to stop ({lost})"
         return (
             f"{last}; no stop was sent after it, for the loop was killed ({lost}): the cars' own "
@@ -64,42 +64,42 @@ def recover(folder: str | Path) -> dict[str, int]:
     Raises InputError if there is nothing to recover.
     """
     folder = Path(folder)
-    for part in unbegun(folder):
+    for part in unbegun_parts(folder):
         part.remove()
-    found: dict[str, int] = {}
+    row_counts: dict[str, int] = {}
     for part in parts_of(folder):
-        for name, rows in recovered(part).items():
-            found[name] = found.get(name, 0) + rows
-    if not found:
+        for name, rows in recover_part(part).items():
+            row_counts[name] = row_counts.get(name, 0) + rows
+    if not row_counts:
         raise InputError(f"{str(folder)!r} holds nothing to recover")
-    return found
+    return row_counts
 
 
-def recovered(part: RecordingPart) -> dict[str, int]:
+def recover_part(part: RecordingPart) -> dict[str, int]:
     """The rows by table of what was left of a part, of which tables are made. Raises InputError."""
     demand_parquet("a recording of the laboratory")
-    found = {}
+    row_counts = {}
     for name in TABLES:
         stream = part.stream(name)
         if not stream.exists():
             continue
         try:
-            found[name] = finish(stream, part.table(name))
+            row_counts[name] = finish(stream, part.table(name))
         except OSError as error:
             raise InputError(f"{str(stream)!r} cannot be recovered: {error}") from None
-    return found
+    return row_counts
 
 
-def unbegun(folder: Path) -> list[RecordingPart]:
+def unbegun_parts(folder: Path) -> list[RecordingPart]:
     """Later parts that a kill has left before there was anything in them."""
-    begun = parts_of(folder)
-    if not begun:
+    parts = parts_of(folder)
+    if not parts:
         return []
-    after = part_of(folder, begun[-1].number + 1)
+    after = part_of(folder, parts[-1].number + 1)
     return [after] if after.folder.is_dir() else []
 
 
-def ending(folder: str | Path) -> RecordingEnd | None:
+def read_end(folder: str | Path) -> RecordingEnd | None:
     """How a recording ends, of which there are tables; None if it has no tick. Raises
     InputError."""
     from app.live.recording.recording_replay import meta_of
@@ -118,7 +118,7 @@ def ending(folder: str | Path) -> RecordingEnd | None:
             if row["tick"] == tick["tick"]
         }
         ends = [row["words"] for row in last_rows(part, "events", None) if row["kind"] == END]
-        began = began_on_the_clock(part)
+        began = start_clock(part)
         return RecordingEnd(
             tick["tick"], tick["now"] - began, tick["mode"], commands, ends[-1] if ends else ""
         )
@@ -140,7 +140,7 @@ def last_rows(part: RecordingPart, name: str, count: int | None) -> list[dict[st
     return []
 
 
-def began_on_the_clock(part: RecordingPart) -> float:
+def start_clock(part: RecordingPart) -> float:
     """When the recording of a part began, by the clock of its ticks, s. Raises InputError."""
     from app.live.recording.recording_replay import meta_of
 

@@ -101,9 +101,9 @@ class Axes:
         if nose is None:
             return unseen(name, "its quaternion is no rotation")
         top = rotate_axis(self.body_top, quaternion) if self.body_top else None
-        return self.turned_sighting(name, point, nose, top)
+        return self.sighting_from_directions(name, point, nose, top)
 
-    def turned_sighting(
+    def sighting_from_directions(
         self,
         name: str,
         point: Iterable[float],

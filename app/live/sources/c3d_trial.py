@@ -113,7 +113,7 @@ def _of_rotations(path: Path, trial: Any, axes: Axes) -> dict[str, list[Sighting
         )
     return {
         name: [
-            axes.turned_sighting(
+            axes.sighting_from_directions(
                 name,
                 matrix[:3, 3].tolist(),
                 _axis(matrix, axes.nose),

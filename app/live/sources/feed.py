@@ -49,11 +49,11 @@ type Message = (
 def serve(source: Source, line: Connection, timeout: float) -> None:
     """Send through `line` that the source is connected, its frames, its trouble and its end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which ends us
-    silence()
+    silence_output()
     stop = threading.Event()
     threading.Thread(target=_heed, args=(line, stop), daemon=True).start()
     to_parent = _ToParent(line)
-    threading.Thread(target=_beat, args=(to_parent,), daemon=True).start()
+    threading.Thread(target=_send_signs_of_life, args=(to_parent,), daemon=True).start()
     outcome = _outcome(source, stop, to_parent, timeout)
     with suppress(OSError):  # the parent is gone
         to_parent.send(outcome)
@@ -72,7 +72,7 @@ class _ToParent:
             self.line.send(message)
 
 
-def _beat(line: _ToParent) -> None:
+def _send_signs_of_life(line: _ToParent) -> None:
     """Give signs of life. A library that hangs while it holds the interpreter stops them."""
     with suppress(OSError):
         while True:
@@ -80,7 +80,7 @@ def _beat(line: _ToParent) -> None:
             line.send(("alive", None))
 
 
-def silence() -> None:
+def silence_output() -> None:
     """Let libraries print nowhere: they would print to the terminal that the laboratory uses.
 
     The errors too: one prints each name that a stream tells, which anybody in its network can send.
@@ -203,11 +203,11 @@ class Feed:
         """Start a child that opens the source. Raises OSError if no process can be started."""
         spawn = multiprocessing.get_context("spawn")
         deadline = time.monotonic() + self.timeout
-        line, theirs = spawn.Pipe(duplex=True)
-        with theirs:
+        line, child_end = spawn.Pipe(duplex=True)
+        with child_end:
             process = spawn.Process(
                 target=serve,
-                args=(self.source, theirs, self.timeout),
+                args=(self.source, child_end, self.timeout),
                 name=f"flockscope {self.source.name}",
                 daemon=True,
             )
@@ -314,7 +314,7 @@ class Feed:
         """Take what the child sends until it is gone."""
         while True:
             try:
-                if not self._line.poll(self._left()):
+                if not self._line.poll(self._seconds_left()):
                     self._give_up()
                     return
                 self._take(self._line.recv())
@@ -330,7 +330,7 @@ class Feed:
         """Whether this child has not come to its end yet."""
         return self._state in ("connecting", "waiting", "streaming")
 
-    def _left(self) -> float:
+    def _seconds_left(self) -> float:
         """Seconds until the child is given up: to connect, then to its next sign of life."""
         if self._state != "connecting":
             return SILENT

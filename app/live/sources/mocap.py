@@ -71,7 +71,7 @@ class MotionCapture:
         for option, value in self.options.items():
             if option not in system.options:
                 raise unknown(f"option of {self.name}", option, system.options)
-            if option in LARGEST and not _whole(value, LARGEST[option]):
+            if option in LARGEST and not _is_whole_number(value, LARGEST[option]):
                 raise InputError(f"{option} = {value} is no whole number in [1, {LARGEST[option]}]")
         if system.fixed and (self.axes.up, self.axes.unit) != ("z", "m"):
             raise InputError(f"{self.name} is given in metres with z up, not with {self.axes}")
@@ -129,7 +129,7 @@ def _bodies(system: Any) -> Mapping[str, Any]:
         return {}
 
 
-def _whole(word: str, largest: int) -> bool:
+def _is_whole_number(word: str, largest: int) -> bool:
     return word.isascii() and word.isdigit() and 1 <= int(word) <= largest
 
 

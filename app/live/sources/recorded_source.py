@@ -53,8 +53,8 @@ def read_table(path: Path, axes: Axes, order: str = "xyzw") -> list[RecordedFram
 
     Raises InputError naming the line (or row) and column of the first thing that is wrong.
     """
-    given = _of_parquet(path) if path.suffix.lower() == ".parquet" else _of_csv(path)
-    rows = (_row(values, where, axes, order) for where, values in given)
+    named_rows = _of_parquet(path) if path.suffix.lower() == ".parquet" else _of_csv(path)
+    rows = (_row(values, where, axes, order) for where, values in named_rows)
     frames: list[RecordedFrame] = []
     for number, together in groupby(rows, key=lambda row: row.number):
         frame = _frame(number, list(together), frames[-1] if frames else None)
@@ -136,8 +136,8 @@ def _number(values: dict[str, Any], column: str, where: str) -> float:
     except (TypeError, ValueError):
         number = math.nan
     if not math.isfinite(number):
-        said = "it is empty" if value in ("", None) else f"{value!r} is not a number"
-        raise InputError(f"{where}, column {column}: {said}")
+        reason = "it is empty" if value in ("", None) else f"{value!r} is not a number"
+        raise InputError(f"{where}, column {column}: {reason}")
     return number
 
 
@@ -174,12 +174,12 @@ def _of_parquet(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
             yield f"{path}, row {number}", values
 
 
-def _check_columns(path: Path, given: list[str] | Any) -> None:
-    missing = [column for column in COLUMNS if column not in given]
+def _check_columns(path: Path, columns: list[str] | Any) -> None:
+    missing = [column for column in COLUMNS if column not in columns]
     if missing:
         raise InputError(f"{path} has no column {', '.join(missing)}: a table of poses needs "
                       f"{', '.join(COLUMNS)}")  # fmt: skip
-    twice = [column for column in COLUMNS if list(given).count(column) > 1]
+    twice = [column for column in COLUMNS if list(columns).count(column) > 1]
     if twice:
         raise InputError(f"{path} has the column {twice[0]} twice")
 
@@ -323,8 +323,10 @@ def recording_of(address: Address) -> RecordedSource:
             address.word("quaternion", ""),
         )
     except InputError as refused:
-        said = str(refused)
-        raise InputError(said if address.text in said else f"{said} ({address.text})") from None
+        message = str(refused)
+        raise InputError(
+            message if address.text in message else f"{message} ({address.text})"
+        ) from None
 
 
 def demand_order(recorded: RecordedSource, frames: list[RecordedFrame]) -> None:

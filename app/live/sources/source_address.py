@@ -27,13 +27,13 @@ class Address:
     def known(self, names: Iterable[str], several: Iterable[str] = ()) -> None:
         """Refuse an option that is none of `names` or `several`, or one given twice."""
         names, several = list(names), list(several)
-        given: set[str] = set()
+        given_names: set[str] = set()
         for name, _ in self.options:
             if name not in (*names, *several):
                 raise unknown("option", name, [*names, *several], self.text)
-            if name in given and name not in several:
+            if name in given_names and name not in several:
                 raise InputError(f"{name} is given twice ({self.text})")
-            given.add(name)
+            given_names.add(name)
 
     def word(self, name: str, default: str) -> str:
         """The value of an option."""
@@ -41,7 +41,7 @@ class Address:
 
     def words(self, name: str) -> list[str]:
         """The values of an option that may be given several times."""
-        return [value for given, value in self.options if given == name]
+        return [value for option, value in self.options if option == name]
 
     def number(self, name: str, default: float, low: float, high: float) -> float:
         """The value of an option that is a number in [low, high]."""
@@ -74,12 +74,12 @@ class Address:
             raise InputError(f"{refused} ({self.text})") from None
 
 
-def parsed(text: str) -> Address:
+def parse_address(text: str) -> Address:
     """The parts of a source's text.
 
     Raises InputError if it is not of the form `kind:place?option=value`.
 
-    >>> parsed("optitrack:192.168.1.5?up=y").options
+    >>> parse_address("optitrack:192.168.1.5?up=y").options
     (('up', 'y'),)
     """
     head, question, tail = text.partition("?")

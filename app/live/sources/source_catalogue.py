@@ -7,7 +7,7 @@ from collections.abc import Callable
 from app.live.device_kinds import SIMULATED, kind_of
 from app.live.sources import mocap, recorded_source
 from app.live.sources.pose_source import Source
-from app.live.sources.source_address import Address, parsed
+from app.live.sources.source_address import Address, parse_address
 from worlds.input_error import InputError, unknown
 from worlds.plug_ins import plug_ins
 
@@ -52,7 +52,7 @@ def known_source(text: str) -> Address:
 
     The kind `simulated` is opened together with its link, by `app.live.emulation.emulated_cars`.
     """
-    address = parsed(text)
+    address = parse_address(text)
     if address.kind not in OPENERS:
         raise unknown("kind of source", address.kind, (*OPENERS, SIMULATED), text)
     return address

@@ -42,9 +42,9 @@ def column_bounds(column: str) -> MeasureBounds:
     ((0.0, 1.0), (0.0, inf), (-inf, inf))
     """
     name = observable_of(column)
-    found = OBSERVABLES[name].range if name else None
-    if isinstance(found, Range):
-        return MeasureBounds(found.low, found.high)
+    value_range = OBSERVABLES[name].range if name else None
+    if isinstance(value_range, Range):
+        return MeasureBounds(value_range.low, value_range.high)
     return COUNT if column == TICKS else UNBOUNDED
 
 
@@ -57,10 +57,21 @@ def parameter_bounds(model: str, name: str) -> MeasureBounds:
     if name == AGENTS:
         return COUNT
     parameters = declared(MODELS[model].parameters) if model in MODELS else ()
-    found = next((one for one in parameters if one.name == name and one.low is not None), None)
-    if found is None or found.low is None or found.high is None:
+    declared_parameter = next(
+        (
+            parameter
+            for parameter in parameters
+            if parameter.name == name and parameter.low is not None
+        ),
+        None,
+    )
+    if (
+        declared_parameter is None
+        or declared_parameter.low is None
+        or declared_parameter.high is None
+    ):
         return UNBOUNDED
-    return MeasureBounds(found.low, found.high)
+    return MeasureBounds(declared_parameter.low, declared_parameter.high)
 
 
 def measure_limits(
@@ -78,14 +89,14 @@ def measure_limits(
     >>> measure_limits([17.0], COUNT), measure_limits([-0.3, 0.2]), measure_limits([])
     ((0.0, 20.0), (-0.3, 0.2), (0.0, 1.0))
     """
-    known = [value for value in values if math.isfinite(value)]
-    known += [min(max(end, bounds.low), bounds.high) for end in ends if math.isfinite(end)]
+    finite = [value for value in values if math.isfinite(value)]
+    finite += [min(max(end, bounds.low), bounds.high) for end in ends if math.isfinite(end)]
     if bounds[:2] == (0.0, 1.0):
-        known += [0.0, 1.0]
+        finite += [0.0, 1.0]
     elif bounds.low == 0.0:
-        known.append(0.0)
-    low, high = round_limits(known)
-    least, most = min(known, default=low), max(known, default=high)
+        finite.append(0.0)
+    low, high = round_limits(finite)
+    least, most = min(finite, default=low), max(finite, default=high)
     room = ROOM * (most - least)
     low = max(low, bounds.low) if least >= bounds.low else least - room
     high = min(high, bounds.high) if most <= bounds.high else most + room
@@ -100,10 +111,10 @@ def parameter_limits(
     >>> parameter_limits([0.0, 6.0], MeasureBounds(0.0, 6.2)), parameter_limits([2.0])
     ((0.0, 6.2), (1.0, 3.0))
     """
-    known = [float(value) for value in values if math.isfinite(value)]
-    if not known:
+    finite = [float(value) for value in values if math.isfinite(value)]
+    if not finite:
         return 0.0, 1.0
-    low, high = min(known), max(known)
+    low, high = min(finite), max(finite)
     if log:
         ratio = (high / low) ** ROOM if high > low else 2.0
         return low / ratio, min(high * ratio, max(bounds.high, high))
@@ -120,10 +131,10 @@ def round_limits(values: Iterable[float]) -> Limits:
     >>> round_limits([0.13, 0.92]), round_limits([])
     ((0.0, 1.0), (0.0, 1.0))
     """
-    known = [value for value in values if math.isfinite(value)]
-    if not known:
+    finite = [value for value in values if math.isfinite(value)]
+    if not finite:
         return 0.0, 1.0
-    low, high = min(known), max(known)
+    low, high = min(finite), max(finite)
     if high - low < 1e-9 * max(1.0, abs(high)):
         low, high = low - 0.5 * max(abs(low), 1.0), high + 0.5 * max(abs(high), 1.0)
     step = round_step((high - low) / 6.0)

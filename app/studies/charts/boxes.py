@@ -11,7 +11,7 @@ WHISKERS = (5, 95)
 WORDS = "box: quartiles and median; whiskers: 5 and 95 %; dots: runs beyond; dotted line: mean"
 
 
-def explain(figure: Any, signs: list[Any], words: str) -> None:
+def draw_key(figure: Any, signs: list[Any], words: str) -> None:
     """Say what is what, below the panels, where no data are."""
     figure.legend(
         handles=signs,
@@ -24,19 +24,19 @@ def explain(figure: Any, signs: list[Any], words: str) -> None:
     )
 
 
-def came(values: Sequence[float | None]) -> np.ndarray:
+def runs_with_value(values: Sequence[float | None]) -> np.ndarray:
     """The runs that have a value."""
     return np.array([k for k in values if k is not None], float)
 
 
 def box(axes: Any, x: float, values: Sequence[float | None], colour: str, width: float) -> None:
     """Draw one box at x."""
-    there = came(values)
-    if there.size == 0:
+    present = runs_with_value(values)
+    if present.size == 0:
         return
     line = {"color": colour, "linewidth": 1.2}
     axes.boxplot(
-        [there],
+        [present],
         positions=[x],
         widths=width,
         whis=WHISKERS,

@@ -19,7 +19,7 @@ from app.studies.charts.axis_limits import (
     spans_decades,
 )
 from app.studies.charts.colour_table import CENSORED, COLOURS, FAILED
-from app.studies.charts.run_group import CellRuns, RunGroup, is_number, label, varied
+from app.studies.charts.run_group import CellRuns, RunGroup, is_number, label, varied_axes
 from app.studies.judge.statistics import MeasureSummary
 from app.studies.measure import UNBOUNDED, MeasureBounds
 from worlds.input_error import InputError
@@ -51,17 +51,24 @@ def draw_mean_line(
     `joined`: whether there is a line; without one, as over places in no order, the points stand
     by themselves and the intervals are bars. Places without a mean are left out.
     """
-    known = [(x, one) for x, one in zip(places, summaries, strict=True) if math.isfinite(one.mean)]
-    at, found = [x for x, _ in known], [one for _, one in known]
+    points = [
+        (x, summary)
+        for x, summary in zip(places, summaries, strict=True)
+        if math.isfinite(summary.mean)
+    ]
+    at, known_summaries = [x for x, _ in points], [summary for _, summary in points]
     if not joined:
-        draw_mean_bars(axes, at, found, colour, linestyle="", elinewidth=1.2)
-    elif known:
-        low, high = (np.array([one.interval[k] for one in found]) for k in (0, 1))
+        draw_mean_bars(axes, at, known_summaries, colour, linestyle="", elinewidth=1.2)
+    elif points:
+        low, high = (np.array([summary.interval[k] for summary in known_summaries]) for k in (0, 1))
         band = axes.fill_between(at, low, high, color=colour, alpha=0.18, linewidth=0)
         band.set_gid("fs-band")
-        axes.plot(at, [one.mean for one in found], color=colour, gid="fs-mean", **line)
+        axes.plot(
+            at, [summary.mean for summary in known_summaries], color=colour, gid="fs-mean", **line
+        )
     axes.plot(
-        at, [one.mean for one in found], "o", color=colour, markersize=4, clip_on=False,
+        at, [summary.mean for summary in known_summaries], "o",
+        color=colour, markersize=4, clip_on=False,
         gid="fs-point", zorder=3,
     )  # fmt: skip
     if words:  # line and points are one in the legend
@@ -80,8 +87,8 @@ def draw_mean_bars(
 
     A side of an interval of which nothing is known, or that has no end, has no bar.
     """
-    means = np.array([one.mean for one in summaries], float)
-    sides = interval_sides(means, [one.interval for one in summaries])
+    means = np.array([summary.mean for summary in summaries], float)
+    sides = interval_sides(means, [summary.interval for summary in summaries])
     look = {"marker": "o", "markersize": 5, "linewidth": 1.6, "capsize": 2.5} | style
     axes.errorbar(places, means, yerr=sides, color=colour, label=words or None, **look)
 
@@ -114,8 +121,8 @@ def draw_missing(
     axes: Any, gave_up: Iterable[float], failed: Iterable[float], words: Sequence[str] = ()
 ) -> None:
     """Mark, at the foot, the places where runs gave up or failed; `words` are for a legend."""
-    said = words or [mark[3] for mark in MARKS]
-    for places, (name, sign, colour, _), text in zip((gave_up, failed), MARKS, said, strict=True):
+    labels = words or [mark[3] for mark in MARKS]
+    for places, (name, sign, colour, _), text in zip((gave_up, failed), MARKS, labels, strict=True):
         at = sorted(set(places))
         if at:
             axes.plot(
@@ -150,10 +157,10 @@ def group_limits(
     groups: Sequence[RunGroup], bounds: MeasureBounds = UNBOUNDED, with_runs: bool = False
 ) -> Limits:
     """The ends of an axis that has room for the means of groups, and for their runs if asked."""
-    there = [group for group in groups if group.values]
-    values = [group.mean for group in there]
-    values += [value for group in there for value in group.values if with_runs]
-    return measure_limits(values, bounds, [end for g in there for end in g.summary.interval])
+    with_values = [group for group in groups if group.values]
+    values = [group.mean for group in with_values]
+    values += [value for group in with_values for value in group.values if with_runs]
+    return measure_limits(values, bounds, [end for g in with_values for end in g.summary.interval])
 
 
 def draw_lines(
@@ -167,7 +174,7 @@ def draw_lines(
 
     `along` and `up` bound the two axes of the chart.
     """
-    others = [axis for axis in varied(groups) if axis != x]
+    others = [axis for axis in varied_axes(groups) if axis != x]
     lines: dict[str, list[CellRuns]] = {}
     for group in groups:
         if x in group.axes:
@@ -181,18 +188,18 @@ def draw_lines(
         line.sort(key=lambda group: float(group.axes[x]))
         places = [float(group.axes[x]) for group in line]
         draw_mean_line(axes, places, [group.summary for group in line], colour, words)
-    shown = [group for line in lines.values() for group in line]
-    fit_axes(axes, [float(g.axes[x]) for g in shown], shown, along, up)
-    mark_missing(axes, shown, x)
+    drawn_groups = [group for line in lines.values() for group in line]
+    fit_axes(axes, [float(g.axes[x]) for g in drawn_groups], drawn_groups, along, up)
+    mark_missing(axes, drawn_groups, x)
 
 
 def mark_missing(axes: Any, groups: Sequence[CellRuns], x: str) -> None:
     """Mark, at the foot, where along the axis `x` runs gave up or failed."""
-    there = [group for group in groups if x in group.axes]
+    present = [group for group in groups if x in group.axes]
     draw_missing(
         axes,
-        [float(group.axes[x]) for group in there if group.gave_up],
-        [float(group.axes[x]) for group in there if group.broken],
+        [float(group.axes[x]) for group in present if group.gave_up],
+        [float(group.axes[x]) for group in present if group.broken],
     )
 
 
@@ -204,10 +211,10 @@ def draw_sample(
     up: MeasureBounds = UNBOUNDED,
 ) -> None:
     """Draw the mean of each cell of a sample over one of its axes."""
-    there = [group for group in groups if group.values and x in group.axes]
-    numeric = all(is_number(group.axes[x]) for group in there)
-    places = [group.axes[x] if numeric else str(group.axes[x]) for group in there]
-    means = [group.mean for group in there]
+    present = [group for group in groups if group.values and x in group.axes]
+    numeric = all(is_number(group.axes[x]) for group in present)
+    places = [group.axes[x] if numeric else str(group.axes[x]) for group in present]
+    means = [group.mean for group in present]
     axes.plot(places, means, "o", color=COLOURS[0], markersize=3, alpha=0.6, clip_on=False)
     if numeric:
         mark_missing(axes, groups, x)

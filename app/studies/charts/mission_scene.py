@@ -109,7 +109,7 @@ def draw_links(axes: Any, position: np.ndarray, links: np.ndarray) -> None:
     )
 
 
-def within(tracks: np.ndarray, margin: float) -> tuple[np.ndarray, np.ndarray]:
+def bounding_box(tracks: np.ndarray, margin: float) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper corner of the box around positions (..., dim) with a margin, length."""
     flat = tracks.reshape(-1, tracks.shape[-1])[:, :2]
     return flat.min(axis=0) - margin, flat.max(axis=0) + margin
@@ -117,14 +117,14 @@ def within(tracks: np.ndarray, margin: float) -> tuple[np.ndarray, np.ndarray]:
 
 def extent(world: Any, tracks: np.ndarray, margin: float) -> tuple[np.ndarray, np.ndarray]:
     """The same for positions, all obstacles and the way of a mission."""
-    shapes = [one.footprint().bounds for one in world.obstacles]
+    shapes = [obstacle.footprint().bounds for obstacle in world.obstacles]
     places = [np.array(shape).reshape(2, 2) for shape in shapes]
     if world.mission is not None and world.mission.path is not None:
         places.append(np.array(world.mission.path.waypoints)[:, :2])
     if world.mission is not None and world.mission.goal is not None:
         places.append(np.array(world.mission.goal.route)[:, :2])
     flat = tracks.reshape(-1, tracks.shape[-1])[:, :2]
-    return within(np.concatenate([flat, *places]), margin)
+    return bounding_box(np.concatenate([flat, *places]), margin)
 
 
 def show_box(axes: Any, low: np.ndarray, high: np.ndarray) -> None:

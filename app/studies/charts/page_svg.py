@@ -82,9 +82,9 @@ def page_svg(
     for element in root.iter():
         element.tag = element.tag.rpartition("}")[2]
     for name in ("metadata", "defs"):  # its own styles would be those of the whole page
-        for found in root.findall(name):
-            if found.find("style") is not None or name == "metadata":
-                root.remove(found)
+        for node in root.findall(name):
+            if node.find("style") is not None or name == "metadata":
+                root.remove(node)
     for group in list(root.iter("g")):
         name = group.get("id", "")
         if name.startswith(CLASS):
@@ -94,7 +94,12 @@ def page_svg(
     name_ids(root)
     box = root.get("viewBox", "")
     root.attrib.clear()
-    root.attrib |= {"class": "fs-figure", "viewBox": box, "role": "img", "aria-label": plain(label)}
+    root.attrib |= {
+        "class": "fs-figure",
+        "viewBox": box,
+        "role": "img",
+        "aria-label": without_control_characters(label),
+    }
     return ElementTree.tostring(root, encoding="unicode")
 
 
@@ -126,15 +131,15 @@ def linked_shape(shape: ElementTree.Element, link: ShapeLink) -> ElementTree.Ele
     """A shape that can be pressed, by mouse and by key."""
     wrapped = ElementTree.Element("g")
     for name, value in link.data.items():
-        wrapped.set(f"data-{name}", plain(str(value)))
+        wrapped.set(f"data-{name}", without_control_characters(str(value)))
     wrapped.attrib |= {"tabindex": "0", "role": "button"}
     title = ElementTree.SubElement(wrapped, "title")
-    title.text = plain(link.title)
+    title.text = without_control_characters(link.title)
     wrapped.append(shape)
     return wrapped
 
 
-def plain(words: str) -> str:
+def without_control_characters(words: str) -> str:
     """Words without what XML cannot have."""
     return UNFIT.sub("\ufffd", words)
 
@@ -174,7 +179,7 @@ def short_numbers(text: str) -> str:
     >>> short_numbers("M 42.494537 -0.000001 L 3 4.5")
     'M 42.49 0 L 3 4.5'
     """
-    return re.sub(r"-?\d+\.\d+", lambda found: f"{round(float(found[0]), 2) + 0.0:g}", text)
+    return re.sub(r"-?\d+\.\d+", lambda match: f"{round(float(match[0]), 2) + 0.0:g}", text)
 
 
 def name_ids(root: ElementTree.Element) -> None:

@@ -75,11 +75,11 @@ def is_number(value: Any) -> bool:
 
 def values_of(groups: Sequence[CellRuns], axis: str) -> list[Value]:
     """The values that an axis takes, each once: numbers rising, words as they come."""
-    found = list(dict.fromkeys(group.axes[axis] for group in groups if axis in group.axes))
-    return sorted(found) if all(map(is_number, found)) else found
+    values = list(dict.fromkeys(group.axes[axis] for group in groups if axis in group.axes))
+    return sorted(values) if all(map(is_number, values)) else values
 
 
-def varied(groups: Sequence[CellRuns]) -> list[str]:
+def varied_axes(groups: Sequence[CellRuns]) -> list[str]:
     """The axes that take more than one value, the one with most values first."""
     names = list(dict.fromkeys(name for group in groups for name in group.axes))
     counts = {name: len(values_of(groups, name)) for name in names}

@@ -21,7 +21,7 @@ from app.studies.charts.mean_line import (
     draw_mean_line,
     fit_axes,
 )
-from app.studies.charts.run_group import CellRuns, is_number, varied
+from app.studies.charts.run_group import CellRuns, is_number, varied_axes
 from app.studies.judge.statistics import MeasureSummary
 from app.studies.measure import UNBOUNDED, MeasureBounds
 from app.studies.runs.store_reader import StoreReader
@@ -87,9 +87,9 @@ def draw_scaling(
         panel.legend(fontsize=8)
 
 
-def by_size(kept: StoreReader, groups: list[CellRuns], x: str) -> Lines:
+def group_by_size(reader: StoreReader, groups: list[CellRuns], x: str) -> Lines:
     """The cells by the number of agents. Raises InputError if something else varies too."""
-    axes = varied(groups)
+    axes = varied_axes(groups)
     if SIZE not in axes or x == SIZE:
         raise InputError(
             f"scaling needs the axis {SIZE!r} with two sizes or more, and another axis"
@@ -99,17 +99,17 @@ def by_size(kept: StoreReader, groups: list[CellRuns], x: str) -> Lines:
         raise InputError(
             f"{', '.join(rest)} varies too: say at which value, such as --where '{rest[0]} == ...'"
         )
-    cells = kept.cells
-    found: Lines = {}
+    cells = reader.cells
+    lines: Lines = {}
     for group in groups:
         if group.values and is_number(group.axes.get(x)):
             side = max(cells[group.number]["identity"]["spec"]["size"])
-            found.setdefault(int(group.axes[SIZE]), (float(side), []))[1].append(group)
-    for _, line in found.values():
+            lines.setdefault(int(group.axes[SIZE]), (float(side), []))[1].append(group)
+    for _, line in lines.values():
         line.sort(key=lambda group: float(group.axes[x]))
-    if len(found) > len(COLOURS):
-        raise InputError(f"{len(found)} sizes cannot be told apart: leave some out with --where")
-    return dict(sorted(found.items()))
+    if len(lines) > len(COLOURS):
+        raise InputError(f"{len(lines)} sizes cannot be told apart: leave some out with --where")
+    return dict(sorted(lines.items()))
 
 
 def draw_sizes(panel: Any, lines: Lines, x: str, along: MeasureBounds, up: MeasureBounds) -> None:
@@ -126,11 +126,15 @@ def draw_collapse(panel: Any, lines: Lines, x: str, by: Scaling, critical: float
     for (agents, (side, line)), colour in zip(lines.items(), COLOURS, strict=False):
         along = (np.array(places_of(line, x)) - critical) * side ** (1.0 / by.nu)
         up = side ** (by.beta / by.nu)
-        found = [
-            replace(one, mean=up * one.mean, interval=(up * one.interval[0], up * one.interval[1]))
-            for one in summaries_of(line)
+        rescaled = [
+            replace(
+                summary,
+                mean=up * summary.mean,
+                interval=(up * summary.interval[0], up * summary.interval[1]),
+            )
+            for summary in summaries_of(line)
         ]
-        draw_mean_bars(panel, along.tolist(), found, colour, f"N = {agents}", markersize=4)
+        draw_mean_bars(panel, along.tolist(), rescaled, colour, f"N = {agents}", markersize=4)
     panel.set_xlabel(rf"({plain_text(x)} - {critical:.4g}) $L^{{1 / \nu}}$")
     panel.set_title(rf"$\beta$ = {by.beta:g}, $\nu$ = {by.nu:g}", fontsize=9)
 
@@ -154,7 +158,9 @@ def crossing_of(cumulants: Lines, x: str) -> float | None:
     """Where the lines of the two largest sizes cross; None unless they do so exactly once."""
     (_, smaller), (_, larger) = list(cumulants.values())[-2:]
     first, second = places_of(smaller, x), places_of(larger, x)
-    u, w = (np.array([one.mean for one in summaries_of(line)]) for line in (smaller, larger))
+    u, w = (
+        np.array([summary.mean for summary in summaries_of(line)]) for line in (smaller, larger)
+    )
     places = np.intersect1d(first, second)
     gap = w[np.isin(second, places)] - u[np.isin(first, places)]
     turns = np.flatnonzero(gap[:-1] * gap[1:] < 0.0)

@@ -14,7 +14,7 @@ ZONE_COLOURS = ("#b07d12", "#1f9d63", "#2166ac")
 BLIND = "#eef0f3"
 
 
-def bare(axes: Any, centre: np.ndarray, half: float) -> None:
+def set_square_view(axes: Any, centre: np.ndarray, half: float) -> None:
     """Show a square of half side `half` about a centre (2,), without ticks and frame."""
     axes.set(
         xlim=(centre[0] - half, centre[0] + half), ylim=(centre[1] - half, centre[1] + half),
@@ -25,7 +25,7 @@ def bare(axes: Any, centre: np.ndarray, half: float) -> None:
         spine.set_visible(False)
 
 
-def dart(axes: Any, place: np.ndarray, heading: np.ndarray, colour: str, size: float,
+def draw_dart(axes: Any, place: np.ndarray, heading: np.ndarray, colour: str, size: float,
          hollow: bool = False) -> None:  # fmt: skip
     """Draw an agent as a V-shaped dart of a length `size` that points along its heading (2,)."""
     from matplotlib.patches import Polygon
@@ -53,7 +53,7 @@ def arrow(axes: Any, tail: np.ndarray, vector: np.ndarray, colour: str, width: f
     )  # fmt: skip
 
 
-def word(
+def write_label(
     axes: Any,
     at: np.ndarray,
     words: str,

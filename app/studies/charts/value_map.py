@@ -55,7 +55,7 @@ def draw_map(
     for cell in cells:
         means[cell.row, cell.column] = cell.group.mean
     low, high = round_limits(means[np.isfinite(means)].tolist())
-    shown = axes.pcolormesh(
+    mesh = axes.pcolormesh(
         np.ma.masked_invalid(means), cmap=COLOUR_MAP, vmin=max(low, bounds.low),
         vmax=min(high, bounds.high), edgecolors="face", linewidth=0.4, gid="fs-cell",
     )  # fmt: skip
@@ -64,7 +64,7 @@ def draw_map(
     mark_cells(axes, cells)
     name_ticks(axes.set_xticks, across, labels)
     name_ticks(axes.set_yticks, up, labels)
-    return shown
+    return mesh
 
 
 def mark_cells(axes: Any, cells: Sequence[MapCell]) -> None:

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from app.studies.claims.sweep_claims import HALF
 from app.studies.experiment import Experiment
 from app.studies.experiment_file import (
+    DeclaredClaim,
     EnduranceClaim,
     EveryRunClaim,
     FasterClaim,
     PhaseClaim,
-    Said,
 )
 from app.studies.judge.claim_verdict import runs_for_share
 from app.studies.judge.comparison import runs_to_agree
@@ -19,31 +19,34 @@ from app.studies.judge.judge import FEWEST_RUNS
 from worlds.number_text import counted
 
 
-def prospects(experiment: Experiment, runs: int) -> str:
+def describe_prospects(experiment: Experiment, runs: int) -> str:
     """What so many runs can decide, in a sentence; empty where nothing is to be decided."""
-    asked = list(questions(experiment))
-    few = [(words, needed) for words, needed in asked if needed is None or needed > runs]
-    if not asked:
+    all_questions = list(questions(experiment))
+    few = [(words, needed) for words, needed in all_questions if needed is None or needed > runs]
+    if not all_questions:
         return ""
-    decided = len(asked) - len(few)
-    said = f"{counted(runs, 'run')} can decide {decided} of {len(asked)} claims and comparisons"
+    decided = len(all_questions) - len(few)
+    text = (
+        f"{counted(runs, 'run')} can decide {decided} of {len(all_questions)} claims and "
+        "comparisons"
+    )
     if not few:
-        return said
+        return text
     listed = "; ".join(
         f"{words} ({'no number would' if needed is None else needed})"
         for words, needed in dict(few).items()
     )
-    return f"{said}, as far as their spread allows; too few to bear out: {listed}"
+    return f"{text}, as far as their spread allows; too few to bear out: {listed}"
 
 
 def questions(experiment: Experiment) -> Iterator[tuple[str, int | None]]:
     """What is asked of the runs, in words, and the runs from which on it can be borne out."""
-    for one in experiment.said:
-        if not one.by_construction and (asked := rows_of(experiment, one)):
-            words = experiment.settings.measure(one.measure).symbol
-            labels = getattr(one, "labels", None)
+    for claim in experiment.said:
+        if not claim.by_construction and (row_count := rows_of(experiment, claim)):
+            words = experiment.settings.measure(claim.measure).symbol
+            labels = getattr(claim, "labels", None)
             name = f"{words} of {', '.join(labels)}" if labels else words
-            yield name, needed_for(experiment, one, asked)
+            yield name, runs_needed(experiment, claim, row_count)
     for sweep in {id(case.sweep): case.sweep for case in experiment.cases if case.sweep}.values():
         if sweep.trend:
             yield f"{sweep.parameter} {sweep.trend}", FEWEST_RUNS
@@ -59,10 +62,10 @@ def questions(experiment: Experiment) -> Iterator[tuple[str, int | None]]:
                 yield f"{measure.symbol} agrees", runs_to_agree(published)
 
 
-def rows_of(experiment: Experiment, one: Said) -> int:
+def rows_of(experiment: Experiment, claim: DeclaredClaim) -> int:
     """How many cases a claim is about; none where those that it names are not run."""
-    labels = set(getattr(one, "labels", [])) or {getattr(one, "label", "")} - {""}
-    sizes, tick = getattr(one, "agents", []), getattr(one, "tick", None)
+    labels = set(getattr(claim, "labels", [])) or {getattr(claim, "label", "")} - {""}
+    sizes, tick = getattr(claim, "agents", []), getattr(claim, "tick", None)
     return sum(
         (not labels or case.label in labels)
         and (not sizes or case.agents in sizes)
@@ -71,14 +74,14 @@ def rows_of(experiment: Experiment, one: Said) -> int:
     )
 
 
-def needed_for(experiment: Experiment, one: Said, rows: int) -> int | None:
+def runs_needed(experiment: Experiment, claim: DeclaredClaim, rows: int) -> int | None:
     """Runs with which a claim can be borne out if no run speaks against it."""
-    if isinstance(one, EveryRunClaim):
+    if isinstance(claim, EveryRunClaim):
         if experiment.runs == 1:
             return 1
-        return runs_for_share(1.0, one.share, 1 if one.share == 1.0 else rows)
-    if isinstance(one, FasterClaim | EnduranceClaim):
+        return runs_for_share(1.0, claim.share, 1 if claim.share == 1.0 else rows)
+    if isinstance(claim, FasterClaim | EnduranceClaim):
         return runs_for_share(1.0, 1.0)
-    if isinstance(one, PhaseClaim):
+    if isinstance(claim, PhaseClaim):
         return runs_for_share(1.0, HALF, rows)
     return FEWEST_RUNS

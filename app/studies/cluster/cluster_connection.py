@@ -23,7 +23,7 @@ from distributed.core import Status
 from agents.spec import versions
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.runs.database import Outcome
-from app.studies.workers.processes import Processes
+from app.studies.workers.process_executor import ProcessExecutor
 from app.studies.workers.run_executors import Task
 from worlds.input_error import InputError
 from worlds.plug_ins import demand
@@ -38,9 +38,10 @@ if TYPE_CHECKING:
 
 TIMEOUT = 30.0
 """Seconds after which a process that is asked for nothing ends."""
-IDLE: dict[str, list[Processes]] = {}
+IDLE: dict[str, list[ProcessExecutor]] = {}
 """Processes that wait for the next chunk, by the job that they are for."""
 LOCK = threading.Lock()
+"""Of `IDLE`: a worker of Dask may make several chunks at once, each on a thread."""
 
 
 class SweepScheduler(Scheduler):
@@ -67,35 +68,35 @@ def make(beginning: bytes, chunk: bytes, limit: float | None, like: dict[str, st
     """
     demand_like(like)
     worker = get_worker()
-    asked = worker.get_current_task()
+    task_name = worker.get_current_task()
     job = hashlib.sha256(beginning).hexdigest()
-    tasks = [Task(place, seed, one) for place, (one, seed) in enumerate(pickle.loads(chunk))]
-    found: dict[int, Outcome] = {}
+    tasks = [Task(place, seed, run) for place, (run, seed) in enumerate(pickle.loads(chunk))]
+    outcomes: dict[int, Outcome] = {}
 
     def keep(task: Task, outcome: Outcome) -> None:
-        found[task.cell] = outcome
+        outcomes[task.cell] = outcome
 
     processes = take_worker(job, beginning, limit)
-    whole = False
+    is_complete = False
     try:
-        whole = processes.run(tasks, keep, lambda: is_unwanted(worker, asked))
+        is_complete = processes.run(tasks, keep, lambda: is_unwanted(worker, task_name))
     except InputError as refusal:
         raise InputError(f"{refusal} (a worker on {platform.node()})") from None
     finally:
-        if not whole:
+        if not is_complete:
             processes.__exit__()
-    if not whole:
+    if not is_complete:
         raise Reschedule  # whoever still waits for it has it made elsewhere
     with LOCK:
         IDLE.setdefault(job, []).append(processes)
-    return pickle.dumps([found[place] for place in sorted(found)], -1)
+    return pickle.dumps([outcomes[place] for place in sorted(outcomes)], -1)
 
 
 def demand_like(like: Mapping[str, str]) -> None:
     """Refuse to make runs that might give other numbers. Raises InputError."""
     own = versions()
-    unlike = [f"{name} {own.get(name)}, not {one}" for name, one in like.items()
-              if own.get(name) != one]  # fmt: skip
+    unlike = [f"{name} {own.get(name)}, not {value}" for name, value in like.items()
+              if own.get(name) != value]  # fmt: skip
     if unlike:
         raise InputError(
             f"a worker on {platform.node()} has {', '.join(unlike)} as here: its runs might differ"
@@ -109,7 +110,7 @@ def is_unwanted(worker: Worker, chunk: Any) -> bool:
     return ending or task is None or task.state == "cancelled"
 
 
-def take_worker(job: str, beginning: bytes, limit: float | None) -> Processes:
+def take_worker(job: str, beginning: bytes, limit: float | None) -> ProcessExecutor:
     """A process that waits for work of this job, or a new one; those of other jobs are let go."""
     with LOCK:
         for other in IDLE.keys() - {job}:
@@ -117,7 +118,7 @@ def take_worker(job: str, beginning: bytes, limit: float | None) -> Processes:
                 processes.__exit__()
         if IDLE.get(job):
             return IDLE[job].pop()
-    return Processes(pickle.loads(beginning), 1, limit=limit, timeout=TIMEOUT)
+    return ProcessExecutor(pickle.loads(beginning), 1, limit=limit, timeout=TIMEOUT)
 
 
 EXTRA = "cluster"
@@ -169,28 +170,30 @@ def open_cluster(cluster: Cluster, workers: int) -> Iterator[ClusterConnection]:
     import dask
     from distributed import Client, Security
 
-    hush()
+    silence_dask()
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(SETTINGS))
-        made = ClusterConnection(client=None)  # type: ignore[arg-type]
+        connection = ClusterConnection(client=None)  # type: ignore[arg-type]
         security: Security | None = None
         where: Any = cluster.address
         if cluster.kind == "local":
             security = Security.temporary()
             where = local_cluster(workers, security)
         elif cluster.queued:
-            security = stack.enter_context(keys(shared(cluster)))
-            where = made.queue = queue_of(cluster, security, made.faults)
-            made.jobs = cluster.jobs
+            security = stack.enter_context(keys(shared_folder(cluster)))
+            where = connection.queue = queue_of(cluster, security, connection.faults)
+            connection.jobs = cluster.jobs
         if not cluster.address:
             stack.enter_context(closing(where))
-        made.renew()
+        connection.renew()
         try:
-            made.client = Client(where, timeout=CONNECT, set_as_default=False, security=security)
+            connection.client = Client(
+                where, timeout=CONNECT, set_as_default=False, security=security
+            )
         except (OSError, TimeoutError):
             raise InputError(f"no scheduler of Dask answers at {cluster.address}") from None
-        stack.enter_context(made.client)
-        yield made
+        stack.enter_context(connection.client)
+        yield connection
 
 
 def local_cluster(workers: int, security: Security) -> Any:
@@ -198,10 +201,10 @@ def local_cluster(workers: int, security: Security) -> Any:
     from distributed import Nanny
     from distributed.deploy.spec import SpecCluster, close_clusters
 
-    here: dict[str, Any] = {"host": "127.0.0.1", "protocol": "tls://", "security": security}
+    options: dict[str, Any] = {"host": "127.0.0.1", "protocol": "tls://", "security": security}
     worker = {
         "cls": Nanny,
-        "options": here
+        "options": options
         | {
             "worker_class": SweepWorker,
             "nthreads": 1,
@@ -211,7 +214,7 @@ def local_cluster(workers: int, security: Security) -> Any:
     }
     try:
         return SpecCluster(
-            scheduler={"cls": SweepScheduler, "options": here | {"dashboard": False}},
+            scheduler={"cls": SweepScheduler, "options": options | {"dashboard": False}},
             workers=dict.fromkeys(range(workers), worker),
             worker=worker,
             security=security,
@@ -226,7 +229,7 @@ def local_cluster(workers: int, security: Security) -> Any:
         raise
 
 
-def hush() -> None:
+def silence_dask() -> None:
     """Keep Dask's own lines, tracebacks among them, off the terminal: what matters is told."""
     for name in [*logging.root.manager.loggerDict, "asyncio"]:
         if name.startswith(("distributed", "dask_jobqueue", "asyncio")):
@@ -248,8 +251,8 @@ def queue_of(cluster: Cluster, security: Security, faults: list[str]) -> Any:
             try:
                 await super().start()
             except (RuntimeError, OSError, ValueError) as error:
-                said = str(error).rpartition("stderr:")[2].split()
-                faults.append(f"{self.submit_command}: {' '.join(said)}")
+                words = str(error).rpartition("stderr:")[2].split()
+                faults.append(f"{self.submit_command}: {' '.join(words)}")
                 await ProcessInterface.start(self)
 
     return base(job_cls=Job, scheduler_cls=SweepScheduler, **arguments(cluster, security))
@@ -259,7 +262,7 @@ def arguments(cluster: Cluster, security: Security) -> dict[str, Any]:
     """What dask-jobqueue is told of a cluster."""
 
     lifetime, stagger = cluster.lifetime
-    logs = logs_of(cluster)
+    logs = log_folder(cluster)
     ports = ["--worker-port", cluster.worker_ports, "--nanny-port", cluster.worker_ports]
     scheduler: dict[str, Any] = {"port": cluster.port, "dashboard": False}
     if cluster.interface:
@@ -304,7 +307,7 @@ def environment() -> list[str]:
     return [f"export FLOCKSCOPE_CACHE={shlex.quote(str(Path(cache).absolute()))}"] if cache else []
 
 
-def shared(cluster: Cluster) -> Path:
+def shared_folder(cluster: Cluster) -> Path:
     """The folder that this machine and the nodes see."""
     own = platformdirs.user_data_path("flockscope") / "cluster"
     return (
@@ -312,12 +315,12 @@ def shared(cluster: Cluster) -> Path:
     )
 
 
-def logs_of(cluster: Cluster) -> Path:
+def log_folder(cluster: Cluster) -> Path:
     """Where jobs write what happens to them."""
-    return shared(cluster) / "logs"
+    return shared_folder(cluster) / "logs"
 
 
-def secured(folder: Path) -> Security:
+def make_security(folder: Path) -> Security:
     """The keys in a folder: who has none of them sends no work, and reads none."""
     from distributed import Security
 
@@ -335,18 +338,18 @@ def keys(folder: Path) -> Iterator[Security]:
     """Fresh keys, which only their owner can read, until it is left. Raises InputError."""
     from distributed import Security
 
-    made = Security.temporary()
+    security = Security.temporary()
     try:
         (folder / "logs").mkdir(parents=True, exist_ok=True)
         place = TemporaryDirectory(prefix="keys-", dir=folder)
         for name, part in KEYS.items():
             path = Path(place.name) / name
             path.touch(mode=0o600)
-            path.write_text(getattr(made, part))
+            path.write_text(getattr(security, part))
     except OSError as error:
         raise InputError(f"{str(folder)!r} cannot be written: {error.strerror or error}") from None
     try:
-        yield secured(Path(place.name))
+        yield make_security(Path(place.name))
     finally:
         with suppress(OSError):
             place.cleanup()
@@ -360,8 +363,8 @@ def job_script(cluster: Cluster) -> str:
     job = {"slurm": dask_jobqueue.slurm.SLURMJob, "pbs": dask_jobqueue.pbs.PBSJob}[
         cluster.queued or ""
     ]
-    told = arguments(cluster, secured(shared(cluster) / "keys-XXXX"))
+    options = arguments(cluster, make_security(shared_folder(cluster) / "keys-XXXX"))
     for name in ("scheduler_options", "silence_logs"):
-        told.pop(name)
+        options.pop(name)
     host, port = "THIS-MACHINE", cluster.port or "PORT"
-    return str(job(f"tls://{host}:{port}", name=f"{JOB}-0", **told).job_script())
+    return str(job(f"tls://{host}:{port}", name=f"{JOB}-0", **options).job_script())

@@ -19,10 +19,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from agents.spec import versions
-from app.studies.cluster.cluster_connection import ClusterConnection, logs_of, open_cluster
+from app.studies.cluster.cluster_connection import ClusterConnection, log_folder, open_cluster
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.runs.database import Outcome
-from app.studies.workers.processes import BEAT, FIRST_GUESS
+from app.studies.workers.process_executor import BEAT, FIRST_GUESS
 from app.studies.workers.run_executors import Beat, Keep, Task
 from app.studies.workers.run_worker import WorkerSetup
 from worlds.input_error import InputError
@@ -119,88 +119,90 @@ class ClusterExecutor:
             now = time.monotonic()
             if now - looked >= 1.0:
                 looked = now
-                self.slots = self.look()
-                self.hint(now)
+                self.slots = self.count_slots()
+                self.warn_without_workers(now)
             if now - renewed >= AGAIN:
                 renewed = now
                 self.opened.renew()
-            self.hand_out(ahead)
-            self.take(self.came_back(), keep)
+            self.submit_chunks(ahead)
+            self.take_results(self.wait_for_chunks(), keep)
             if time.monotonic() - beaten >= BEAT:
                 beaten = time.monotonic()
                 if beat():
                     return False
         return True
 
-    def look(self) -> int:
+    def count_slots(self) -> int:
         """How many runs the workers make at a time now. Raises InputError without a scheduler."""
         if self.client.status != "running":
-            raise self.lost()
+            raise self.scheduler_lost_error()
         try:
             return sum(self.client.nthreads().values())
         except (OSError, TimeoutError):
-            raise self.lost() from None
+            raise self.scheduler_lost_error() from None
 
-    def hint(self, now: float) -> None:
+    def warn_without_workers(self, now: float) -> None:
         """Say once that no worker comes, and what that may come from."""
         if self.slots or self.tell is None:
             self.alone_since = now
         elif self.alone_since is not None and now - self.alone_since >= ALONE:
             self.alone_since = None
-            logs = f"; logs of jobs are in {logs_of(self.cluster)}" if self.cluster.queued else ""
+            logs = (
+                f"; logs of jobs are in {log_folder(self.cluster)}" if self.cluster.queued else ""
+            )
             self.tell(
                 "flockscope: no worker has come yet: jobs wait in the queue, or cannot reach this "
                 f"machine{logs}"
             )
 
-    def lost(self) -> InputError:
+    def scheduler_lost_error(self) -> InputError:
         """What to say when there is no scheduler."""
         return InputError(
             f"the scheduler of Dask for --cluster {self.cluster.kind} is gone: finished runs are "
             "kept, and the same call goes on"
         )
 
-    def hand_out(self, ahead: deque[Task]) -> None:
+    def submit_chunks(self, ahead: deque[Task]) -> None:
         """Keep a few chunks waiting at each worker, the order kept; suspects go alone."""
         if self.suspects:
             if not self.chunks:
                 self.send(self.suspects.popleft())
             return
         slots = max(1, self.slots)
-        wanted = max(CHUNK, slots / CHUNKS)
+        target = max(CHUNK, slots / CHUNKS)
         while ahead and len(self.chunks) < WINDOW * slots:
             share = -(-len(ahead) // (2 * slots))
-            some = max(1, min(int(wanted / self.seconds), share, LARGEST))
+            some = max(1, min(int(target / self.seconds), share, LARGEST))
             self.send(Chunk(tuple(ahead.popleft() for _ in range(min(some, len(ahead))))))
 
     def send(self, chunk: Chunk) -> None:
         """Send a chunk to whichever worker is free."""
         from app.studies.cluster.cluster_connection import make
 
-        asked = pickle.dumps([(one.payload, one.seed) for one in chunk.tasks], -1)
-        more = self.beginning, asked, self.limit, self.versions
+        payload = pickle.dumps([(task.payload, task.seed) for task in chunk.tasks], -1)
+        more = self.beginning, payload, self.limit, self.versions
         future = self.client.submit(make, *more, pure=False, retries=0)
         self.chunks[future] = chunk
         future.add_done_callback(self.events.put)
 
-    def came_back(self) -> list[Future]:
+    def wait_for_chunks(self) -> list[Future]:
         """The chunks that are over, waited for a moment."""
-        found: list[Future] = []
+        futures: list[Future] = []
         with suppress(queue.Empty):
-            found.append(self.events.get(timeout=BEAT))
+            futures.append(self.events.get(timeout=BEAT))
             while True:
-                found.append(self.events.get_nowait())
-        return found
+                futures.append(self.events.get_nowait())
+        return futures
 
-    def take(self, found: list[Future], keep: Keep) -> None:
+    def take_results(self, futures: list[Future], keep: Keep) -> None:
         """Keep the runs of chunks that are over, release what Dask has of them; halve what killed.
 
         Raises InputError if a worker cannot make runs, or the scheduler is gone.
         """
-        over = [one for one in (*self.late, *found) if one in self.chunks]
-        if any(one.status == "cancelled" for one in over):
-            raise self.lost()
-        done = [one for one in over if one.status == "finished"]
+        over = [future for future in (*self.late, *futures) if future in self.chunks]
+        if any(future.status == "cancelled" for future in over):
+            raise self.scheduler_lost_error()
+        done = [future for future in over if future.status == "finished"]
         for future, result in self.fetch(done):
             chunk = self.chunks.pop(future)
             future.release()
@@ -210,9 +212,9 @@ class ClusterExecutor:
         for future in over:
             if future.status == "error":
                 chunk = self.chunks.pop(future)
-                self.broke(chunk, future.exception(), keep)
+                self.handle_failure(chunk, future.exception(), keep)
                 future.release()
-        self.late = [one for one in over if one in self.chunks]
+        self.late = [future for future in over if future in self.chunks]
 
     def fetch(self, done: list[Future]) -> list[tuple[Future, bytes]]:
         """Chunks with their results; of none if one of these is there no more.
@@ -227,16 +229,16 @@ class ClusterExecutor:
             self.client.gather(done, errors="skip", asynchronous=True), loop.asyncio_loop
         )
         while not wait([gathering], BEAT).done:
-            if any(one.status != "finished" for one in done):
+            if any(future.status != "finished" for future in done):
                 gathering.cancel()
                 return []
         try:
             results = gathering.result()
         except (OSError, TimeoutError):
-            raise self.lost() from None
+            raise self.scheduler_lost_error() from None
         return list(zip(done, results, strict=True)) if len(results) == len(done) else []
 
-    def broke(self, chunk: Chunk, error: BaseException | None, keep: Keep) -> None:
+    def handle_failure(self, chunk: Chunk, error: BaseException | None, keep: Keep) -> None:
         """Take a chunk that could not be made. Raises InputError unless workers died of it."""
         from distributed.scheduler import KilledWorker
 

@@ -99,9 +99,9 @@ class Cluster(StrictTable):
     @field_validator("directives", "prologue")
     @classmethod
     def _are_lines(cls, value: list[str]) -> list[str]:
-        for one in value:
-            if not one.strip() or not one.isprintable():
-                raise ValueError(f"{one!r} is not a line")
+        for line in value:
+            if not line.strip() or not line.isprintable():
+                raise ValueError(f"{line!r} is not a line")
         return value
 
     @model_validator(mode="after")
@@ -120,8 +120,8 @@ class Cluster(StrictTable):
     @property
     def address(self) -> str:
         """Where the scheduler of a running Dask listens; empty for others."""
-        found = self.kind.removeprefix("dask:") if self.kind.startswith("dask:") else ""
-        return found if not found or "://" in found else f"tcp://{found}"
+        location = self.kind.removeprefix("dask:") if self.kind.startswith("dask:") else ""
+        return location if not location or "://" in location else f"tcp://{location}"
 
     @property
     def bytes(self) -> int:
@@ -149,10 +149,10 @@ def seconds_of(walltime: str) -> int:
     >>> seconds_of("01:30:00"), seconds_of("2-00:00:00")
     (5400, 172800)
     """
-    found = WALLTIME.fullmatch(walltime)
-    if found is None:
+    match = WALLTIME.fullmatch(walltime)
+    if match is None:
         raise ValueError(f"{walltime!r} is not HH:MM:SS or D-HH:MM:SS")
-    days, hours, minutes, seconds = (int(part or 0) for part in found.groups())
+    days, hours, minutes, seconds = (int(part or 0) for part in match.groups())
     return ((24 * days + hours) * 60 + minutes) * 60 + seconds
 
 
@@ -162,7 +162,7 @@ def bytes_of(memory: str) -> int:
     >>> bytes_of("1.5 GB"), bytes_of("2GiB")
     (1500000000, 2147483648)
     """
-    found = MEMORY.fullmatch(memory)
-    if found is None:
+    match = MEMORY.fullmatch(memory)
+    if match is None:
         raise ValueError(f"{memory!r} is not a number of MB, GB, TB, MiB, GiB or TiB")
-    return int(float(found[1]) * BYTES[found[2]])
+    return int(float(match[1]) * BYTES[match[2]])

@@ -19,7 +19,7 @@ from types import ModuleType
 from app.figure import new_figure, write_figure
 from app.results_folder import PICTURES
 from app.studies.experiment import Experiment
-from app.studies.judge.verdict import Verdict, main_ones
+from app.studies.judge.verdict import Verdict, main_verdicts
 from app.studies.measure import Settings
 
 
@@ -32,13 +32,13 @@ def figure_files() -> tuple[ModuleType, ...]:
 @cache
 def kinds() -> dict[str, type[Settings]]:
     """The kinds of experiments by name."""
-    found = (
+    classes = (
         value
         for module in figure_files()
         for value in vars(module).values()
         if isinstance(value, type) and issubclass(value, Settings) and "kind" in vars(value)
     )
-    return {settings.kind: settings for settings in found}
+    return {settings.kind: settings for settings in classes}
 
 
 @cache
@@ -52,7 +52,7 @@ def pictures() -> dict[str, Callable[..., None]]:
 
 
 def draw(
-    experiment: Experiment, made: list[Verdict], folder: Path, seed: int = 1
+    experiment: Experiment, verdicts: list[Verdict], folder: Path, seed: int = 1
 ) -> dict[str, Path]:
     """Draw the picture into the folder; returns the files by kind.
 
@@ -62,8 +62,8 @@ def draw(
         offered = {
             "figure": figure,
             "experiment": experiment,
-            "made": made,
-            "main": main_ones(made),
+            "verdicts": verdicts,
+            "main": main_verdicts(verdicts),
             "seed": seed,
         }
         function = pictures()[experiment.picture]

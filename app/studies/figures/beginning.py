@@ -50,7 +50,7 @@ class BeginningSettings(Settings):
         low, size = np.array(flock.world.low), np.array(flock.world.size)
         clear = clearance(flock.world, flock.position)
         out = ((flock.position < low) | (flock.position > low + size)).any(axis=1)
-        pairs = gaps(flock)
+        pairs = nearest_distances(flock)
         solid = flock.world.is_solid
         return {
             "agents": int(flock.active.sum()),
@@ -69,7 +69,7 @@ class BeginningSettings(Settings):
         return 1.0
 
 
-def gaps(flock: Flock) -> np.ndarray:
+def nearest_distances(flock: Flock) -> np.ndarray:
     """Distance of each agent to the nearest other one, (N,), length; across edges that wrap."""
     apart = flock.position[:, None] - flock.position
     size = np.where(flock.world.images, flock.world.size, np.inf)
@@ -109,7 +109,7 @@ def draw_start(figure: Any, experiment: Experiment, seed: int) -> None:
     panels = right.subplots(3, 1)
     draw_spread(panels[0], flock.speed, (0.0, fastest), "speed / (length/s)")
     draw_spread(panels[1], flock.heading[:, 2], (-1.0, 1.0), "upward part of the heading")
-    near = gaps(flock)
+    near = nearest_distances(flock)
     draw_spread(
         panels[2],
         near,

@@ -11,21 +11,21 @@ from pydantic import Field
 
 from agents.inspection import obstacle_push
 from agents.observables.order import polarisation
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.mission_scene import draw_obstacles
 from app.studies.charts.scheme_marks import (
     FAINT,
     INK,
     ZONE_COLOURS,
     arrow,
-    bare,
-    dart,
+    draw_dart,
+    set_square_view,
     sign,
     stroke,
 )
 from app.studies.experiment import Experiment, flock_of
-from app.studies.figures.zoning import BRANCHES, around_of, branch_of
-from app.studies.judge.verdict import Verdict, of
+from app.studies.figures.zoning import BRANCHES, branch_of, neighbours_by_definition
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import PERCENT, Measure, Number, Settings
 from worlds.obstacles import Box
 
@@ -61,29 +61,29 @@ class BranchingSettings(Settings):
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Count which way agents that fly take; of agents times looks."""
-        flock = self.prepared(flock)
+        flock = self.prepare_flock(flock)
         counts, pushed, all_of_them = np.zeros(len(BRANCHES)), 0, 0
         for tick in range(0, self.limit + 1, self.every):
             between()
             flock.run(tick - flock.tick)
             for row in np.flatnonzero(flock.active):
-                counts[branch_of(around_of(flock, int(row)).zone)] += 1
+                counts[branch_of(neighbours_by_definition(flock, int(row)).zone)] += 1
                 pushed += bool(push_on(flock, int(row)).any())
                 all_of_them += 1
         shares = 100.0 * counts / max(1, all_of_them)
-        found: dict[str, Number | None] = dict(zip(BRANCHES, shares.tolist(), strict=True))
-        return found | {"obstacle": 100.0 * pushed / max(1, all_of_them)}
+        values: dict[str, Number | None] = dict(zip(BRANCHES, shares.tolist(), strict=True))
+        return values | {"obstacle": 100.0 * pushed / max(1, all_of_them)}
 
-    def prepared(self, flock: Flock) -> Flock:
+    def prepare_flock(self, flock: Flock) -> Flock:
         """The flock as it is followed: with the block, where there is to be one."""
-        return flock if self.block is None else with_block(flock, self.block)
+        return flock if self.block is None else add_block(flock, self.block)
 
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
         """All; a look costs as much as many."""
         return self.limit * (1.0 + 20.0 / self.every)
 
 
-def with_block(flock: Flock, side: float) -> Flock:
+def add_block(flock: Flock, side: float) -> Flock:
     """The same flock at its start with a square block in the middle of its box.
 
     Agents that would stand in it, or at it, stand beside it.
@@ -120,21 +120,21 @@ MIDDLE, RIGHT, EDGE = (0.0, 2.3), (5.6, 1.6), 7.7
 """The two columns of boxes: middle and half the width; and where ways lead down on the right."""
 
 
-def draw_flowchart(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:  # noqa: ARG001
+def draw_flowchart(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:  # noqa: ARG001
     """Draw the chart of the first row, its ways marked with the means of its runs."""
     label = experiment.cases[0].label
     share = {
-        one.measure.name: one.summary.mean
-        for measure in {one.measure.name for one in made}
-        for one in of(made, measure)
-        if one.case.label == label and one.summary.runs
+        verdict.measure.name: verdict.summary.mean
+        for measure in {verdict.measure.name for verdict in verdicts}
+        for verdict in verdicts_on(verdicts, measure)
+        if verdict.case.label == label and verdict.summary.runs
     }
     avoids = share.get("obstacle", 0.0) > 0.0
     figure.set_size_inches(10.4, 9.4 if avoids else 8.6)
     axes = figure.subplots()
     draw_chart(axes, share, avoids)
-    runs = max(one.summary.runs for one in made)
-    explain(
+    runs = max(verdict.summary.runs for verdict in verdicts)
+    draw_key(
         figure, [],
         f"per cent: of agents times looks of {runs} runs of {label}, how many went that way; "
         "questions are asked from the top down;\n(3.9) to (3.12) are one another's alternatives"
@@ -145,15 +145,15 @@ def draw_flowchart(figure: Any, experiment: Experiment, made: list[Verdict], see
 
 def draw_chart(axes: Any, share: dict[str, float], avoids: bool) -> None:
     """Draw boxes from the top down, and ways between them."""
-    seen = 100.0 - share["nobody"]
-    left = seen - share["repelled"]
+    seen_share = 100.0 - share["nobody"]
+    left = seen_share - share["repelled"]
     box(axes, MIDDLE, 0.0, "random places, headings and speeds", FILL, INK)
-    down(axes, 0.0)
+    draw_arrow_down(axes, 0.0)
     box(axes, MIDDLE, -STEP, "look around: who is within $d_a$ and in view?", ASKS, INK)
-    down(axes, -STEP)
+    draw_arrow_down(axes, -STEP)
     steps = [
         ("anyone noticed?", f"no: {share['nobody']:.0f} %", "keep the heading", INK,
-         f"yes: {seen:.0f} %"),
+         f"yes: {seen_share:.0f} %"),
         ("anyone in zor?", f"yes: {share['repelled']:.0f} %", "(3.9) away from them",
          ZONE_COLOURS[0], f"no: {left:.0f} %"),
         ("only in zoo?", f"yes: {share['aligned']:.0f} %", "(3.10) align", ZONE_COLOURS[1],
@@ -164,20 +164,20 @@ def draw_chart(axes: Any, share: dict[str, float], avoids: bool) -> None:
     y = -2.0 * STEP
     for question, way, answer, colour, rest in steps:
         box(axes, MIDDLE, y, question, ASKS, INK)
-        across(axes, y, way, colour)
+        draw_arrow_across(axes, y, way, colour)
         box(axes, RIGHT, y, answer, FILL, colour)
         path(axes, [(RIGHT[0] + RIGHT[1], y), (EDGE, y)])
-        down(axes, y, rest)
+        draw_arrow_down(axes, y, rest)
         y -= STEP
     box(axes, MIDDLE, y, "(3.12) the mean of both", FILL, FLOW_BLOCK)
     path(axes, [(EDGE, -2.0 * STEP), (EDGE, y - 0.5 * STEP), (0.0, y - 0.5 * STEP)])
-    down(axes, y)
+    draw_arrow_down(axes, y)
     y -= STEP
     if avoids:
         box(axes, MIDDLE, y, "an obstacle ahead, within $Q^*$?", ASKS, INK)
-        across(axes, y, f"yes: {share['obstacle']:.0f} %", FLOW_BLOCK)
+        draw_arrow_across(axes, y, f"yes: {share['obstacle']:.0f} %", FLOW_BLOCK)
         box(axes, RIGHT, y, "(4.2) add its push (4.1)", FILL, FLOW_BLOCK)
-        down(axes, y, f"no: {100.0 - share['obstacle']:.0f} %")
+        draw_arrow_down(axes, y, f"no: {100.0 - share['obstacle']:.0f} %")
         corner = y - 0.72 * STEP
         path(axes, [(RIGHT[0], y - 0.5 * HIGH), (RIGHT[0], corner), (0.0, corner)])
         y -= STEP
@@ -216,14 +216,14 @@ def path(axes: Any, corners: list[tuple[float, float]], arrow: bool = False) -> 
         )  # fmt: skip
 
 
-def down(axes: Any, y: float, words: str = "") -> None:
+def draw_arrow_down(axes: Any, y: float, words: str = "") -> None:
     """A way from the box at y of the middle to the one below it, with its share."""
     path(axes, [(0.0, y - 0.5 * HIGH), (0.0, y - STEP + 0.5 * HIGH)], arrow=True)
     if words:
         axes.text(0.12, y - 0.46 * STEP, words, ha="left", va="center", color=INK, fontsize=9)
 
 
-def across(axes: Any, y: float, words: str, colour: str) -> None:
+def draw_arrow_across(axes: Any, y: float, words: str, colour: str) -> None:
     """A way from a question to its answer on the right, with its share above it."""
     begin, end = MIDDLE[1], RIGHT[0] - RIGHT[1]
     path(axes, [(begin, y), (end, y)], arrow=True)
@@ -242,21 +242,21 @@ def draw_steps(figure: Any, experiment: Experiment, seed: int) -> None:
     settings = experiment.settings
     assert isinstance(settings, BranchingSettings)
     case = experiment.cases[0]
-    flock = settings.prepared(flock_of(case, seed))
+    flock = settings.prepare_flock(flock_of(case, seed))
     ticks = [0, *(round(settings.limit * share) for share in (0.1, 0.4, 1.0))]
     figure.set_size_inches(11.0, 11.0)
     for axes, tick, letter in zip(figure.subplots(2, 2).ravel(), ticks, "abcd", strict=True):
         flock.run(tick - flock.tick)
         pushes = draw_flock(axes, flock)
         p = polarisation(flock.heading[flock.active])
-        seen = f", {pushes} pushed by an obstacle" if flock.world.is_solid else ""
-        axes.set_title(f"({letter}) tick {tick}: polarisation {p:.2f}{seen}", loc="left")
-    found = [sign(colour, words, ">") for colour, words in zip(COLOURS, WORDS, strict=True)]
+        pushed_text = f", {pushes} pushed by an obstacle" if flock.world.is_solid else ""
+        axes.set_title(f"({letter}) tick {tick}: polarisation {p:.2f}{pushed_text}", loc="left")
+    signs = [sign(colour, words, ">") for colour, words in zip(COLOURS, WORDS, strict=True)]
     if flock.world.is_solid:
-        found.append(stroke(BLOCK_COLOUR, "push of obstacles"))
-    explain(
+        signs.append(stroke(BLOCK_COLOUR, "push of obstacles"))
+    draw_key(
         figure,
-        found,
+        signs,
         f"a run of {case.label}, N = {case.agents}, seed {seed}; the thesis draws a scheme",
     )
 
@@ -269,8 +269,8 @@ def draw_flock(axes: Any, flock: Any) -> int:
     place = np.where(flock.world.wraps, low + (flock.position - low) % size, flock.position)
     pushed = 0
     for row in np.flatnonzero(flock.active):
-        branch = branch_of(around_of(flock, int(row)).zone)
-        dart(axes, place[row], flock.heading[row], COLOURS[branch], 0.042 * size[0])
+        branch = branch_of(neighbours_by_definition(flock, int(row)).zone)
+        draw_dart(axes, place[row], flock.heading[row], COLOURS[branch], 0.042 * size[0])
         force = push_on(flock, int(row))
         if force.any():
             pushed += 1
@@ -282,7 +282,7 @@ def draw_flock(axes: Any, flock: Any) -> int:
                 BLOCK_COLOUR,
                 1.3,
             )
-    bare(axes, low + 0.5 * size, 0.52 * float(size.max()))
+    set_square_view(axes, low + 0.5 * size, 0.52 * float(size.max()))
     return pushed
 
 
@@ -298,7 +298,7 @@ def draw_motion(figure: Any, experiment: Experiment, seed: int) -> None:
     settings = experiment.settings
     assert isinstance(settings, BranchingSettings)
     case = experiment.cases[0]
-    flock = settings.prepared(flock_of(case, seed))
+    flock = settings.prepare_flock(flock_of(case, seed))
     figure.set_size_inches(11.6, 6.3)
     for axes, tick, letter in zip(figure.subplots(1, 2), (0, settings.limit), "ab", strict=True):
         flock.run(tick - flock.tick)
@@ -309,12 +309,12 @@ def draw_motion(figure: Any, experiment: Experiment, seed: int) -> None:
             arrow(axes, at, 0.035 * size[0] * speed * heading, ZONE_COLOURS[2], 1.5, 5.0)
         axes.plot(*place.T, "o", markersize=8, markerfacecolor="white", markeredgecolor=INK,
                   linestyle="none", zorder=6)  # fmt: skip
-        bare(axes, low + 0.5 * size, 0.52 * float(size.max()))
+        set_square_view(axes, low + 0.5 * size, 0.52 * float(size.max()))
         axes.set_title(
             f"({letter}) tick {tick}: speeds {flock.speed.min():.1f} to {flock.speed.max():.1f}, "
             f"polarisation {polarisation(flock.heading):.2f}", loc="left",
         )  # fmt: skip
-    explain(
+    draw_key(
         figure, [sign(INK, "agent", "o", hollow=True), stroke(ZONE_COLOURS[2], "its velocity")],
         f"a run of {case.label}, N = {case.agents}, seed {seed}; an arrow is as long as the agent "
         "is fast",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.experiment import Case, Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 from worlds.input_error import InputError
@@ -51,7 +51,7 @@ class ConsensusBound:
         """a(sqrt(2) s), 1/s: the least weight between two agents of a flock with X = s."""
         return self.K / (self.sigma**2 + 2.0 * s * s) ** self.beta
 
-    def lost(self, x: float) -> float:
+    def spread_lost(self, x: float) -> float:
         """Of V, at least, by the time that X comes to x (inf: ever), length/time."""
         from scipy.integrate import quad
 
@@ -66,24 +66,26 @@ class ConsensusBound:
     @property
     def share(self) -> float:
         """V_0 over the critical one: below 1 the flock is certain to come to one velocity."""
-        return self.v0 / self.lost(math.inf)
+        return self.v0 / self.spread_lost(math.inf)
 
     @property
-    def furthest(self) -> float:
+    def furthest_distance(self) -> float:
         """X_M, length; inf where there is none."""
         from scipy.optimize import brentq
 
         if self.share >= 1.0:
             return math.inf
         high = 2.0 * self.x0
-        while self.lost(high) < self.v0:
+        while self.spread_lost(high) < self.v0:
             high *= 2.0
         low = math.log(self.x0 * (1.0 + 1e-9))
-        return math.exp(brentq(lambda u: self.lost(math.exp(u)) - self.v0, low, math.log(high)))
+        return math.exp(
+            brentq(lambda u: self.spread_lost(math.exp(u)) - self.v0, low, math.log(high))
+        )
 
     def differences(self, time: np.ndarray) -> np.ndarray:
         """The most that V can be at times (T,), length/time."""
-        return self.v0 * np.exp(-self.n * self.weight(self.furthest) * time)
+        return self.v0 * np.exp(-self.n * self.weight(self.furthest_distance) * time)
 
 
 class ConsensusSettings(Settings):
@@ -113,34 +115,34 @@ class ConsensusSettings(Settings):
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Follow a flock that flies apart, and hold it against what is known beforehand."""
-        time, x, v = self.followed(flock, between)
-        bound = self.bound(flock, float(x[0]), float(v[0]))
-        found: dict[str, Number | None] = {
+        time, x, v = self.follow_flock(flock, between)
+        bound = self.find_bound(flock, float(x[0]), float(v[0]))
+        values: dict[str, Number | None] = {
             "speed": bound.share,
             "left": float(v[-1] / v[0]),
-            "kept": (float(v[-1]) + bound.lost(float(x[-1]))) / bound.v0,
+            "kept": (float(v[-1]) + bound.spread_lost(float(x[-1]))) / bound.v0,
         }
         if bound.share >= 1.0:
-            return found | {"late": None, "far": None}
+            return values | {"late": None, "far": None}
         most = bound.differences(time)[1:]
         sure = most > ROUNDING * v[0]
-        found["late"] = float((v[1:][sure] / most[sure]).max())
-        return found | {"far": float(x.max() / bound.furthest)}
+        values["late"] = float((v[1:][sure] / most[sure]).max())
+        return values | {"far": float(x.max() / bound.furthest_distance)}
 
-    def followed(
+    def follow_flock(
         self, flock: Flock, between: Callable[[], None]
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Times, X and V at the start and at each look, (1 + looks,) each.
 
         Raises InputError if the flock became larger than the reach, which stands for no limit.
         """
-        self.set_off(flock)
-        found = [(0.0, *sizes(flock))]
+        self.set_headings(flock)
+        rows = [(0.0, *sizes(flock))]
         for look in range(self.looks):
             between()
             flock.run((look + 1) * self.lasts // self.looks - look * self.lasts // self.looks)
-            found.append((flock.tick * flock.dt, *sizes(flock)))
-        time, x, v = np.array(found).T
+            rows.append((flock.tick * flock.dt, *sizes(flock)))
+        time, x, v = np.array(rows).T
         if math.sqrt(2.0) * x.max() > flock.reach:
             raise InputError(
                 f"r = {flock.reach:g} is less than the flock became wide, "
@@ -148,7 +150,7 @@ class ConsensusSettings(Settings):
             )
         return time, x, v
 
-    def set_off(self, flock: Flock) -> None:
+    def set_headings(self, flock: Flock) -> None:
         """Let the agents fly straight apart from their centre."""
         apart = flock.position - flock.position.mean(axis=0)
         out = np.linalg.norm(apart, axis=1)
@@ -157,7 +159,7 @@ class ConsensusSettings(Settings):
         flock.heading[:] = apart / out[:, None]
         flock.speed[:] = out * (flock.parameters.v_start / wide)  # type: ignore[attr-defined]
 
-    def bound(self, flock: Flock, x0: float, v0: float) -> ConsensusBound:
+    def find_bound(self, flock: Flock, x0: float, v0: float) -> ConsensusBound:
         """What is known of a flock that begins so."""
         p: Any = flock.parameters
         return ConsensusBound(len(flock.ids), p.K, p.sigma, p.beta, x0, v0)
@@ -185,16 +187,16 @@ def draw_consensus(figure: Any, experiment: Experiment, seed: int) -> None:
     assert isinstance(settings, ConsensusSettings)
     figure.set_size_inches(12.4, 5.4)
     pairs, flocks = figure.subplots(1, 2)
-    shown = []
+    lines = []
     for case, colour in zip(experiment.cases, COLOURS * 2, strict=False):
         flock = flock_of(case, seed)
-        time, x, v = settings.followed(flock, lambda: None)
-        bound = settings.bound(flock, float(x[0]), float(v[0]))
+        time, x, v = settings.follow_flock(flock, lambda: None)
+        bound = settings.find_bound(flock, float(x[0]), float(v[0]))
         if case.agents == 2:
             draw_pair(pairs, case, bound, x, v, colour)
         else:
             draw_flock(flocks, case, bound, time, v, colour)
-        shown.append(case)
+        lines.append(case)
     pairs.set_xscale("log")
     pairs.set_xlabel("distance, of that at the start")
     pairs.set_ylabel("relative speed, of the critical one")
@@ -209,7 +211,7 @@ def draw_consensus(figure: Any, experiment: Experiment, seed: int) -> None:
     for axes in (pairs, flocks):
         if axes.has_data():
             axes.legend(loc="best", fontsize=8)
-    explain(
+    draw_key(
         figure,
         [],
         "lines: runs; dashed on the left: the closed form of two agents, on the right: the bound "
@@ -222,7 +224,7 @@ def draw_pair(
 ) -> None:
     """Two agents, in units of the critical speed, or of their own where there is none."""
     critical = bound.v0 / bound.share if bound.share > 0.0 else bound.v0
-    exact = np.array([bound.v0 - bound.lost(one) for one in x])
+    exact = np.array([bound.v0 - bound.spread_lost(value) for value in x])
     axes.plot(x / x[0], v / critical, color=colour, linewidth=2.0, label=f"$\\beta$ = {case.label}")
     axes.plot(x / x[0], exact / critical, color="black", linewidth=0.9, linestyle=DASHES)
 

@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import Field
 
 from agents.state.start import goal_heading
-from app.studies.charts.boxes import WORDS, box, explain
+from app.studies.charts.boxes import WORDS, box, draw_key
 from app.studies.charts.colour_table import COLOURS, MARKERS
 from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
-from app.studies.judge.verdict import Verdict, name, sweeps_of
+from app.studies.judge.verdict import Verdict, group_by_sweep, name
 from app.studies.measure import COUNT, HALF_TURN, Measure, Number, Settings
 
 if TYPE_CHECKING:
@@ -81,20 +81,20 @@ WIDTH = 0.36
 
 def draw_models(figure: Any, main: list[Verdict]) -> None:
     """Draw the panels."""
-    sizes = sorted({one.case.agents for one in main})
+    sizes = sorted({verdict.case.agents for verdict in main})
     figure.set_size_inches(4.3 * len(sizes) + 0.6, 5.2)
     panels = figure.subplots(1, len(sizes), sharey=True, squeeze=False)[0]
     for axes, agents in zip(panels, sizes, strict=True):
-        rows = [one for one in main if one.case.agents == agents]
-        for x, one in enumerate(rows):
-            row = one.published
-            colour = DIFFERS if one.word == "differs" else MEASURED
-            box(axes, x - 0.21, one.values, colour, WIDTH)
+        rows = [verdict for verdict in main if verdict.case.agents == agents]
+        for x, point in enumerate(rows):
+            row = point.published
+            colour = DIFFERS if point.word == "differs" else MEASURED
+            box(axes, x - 0.21, point.values, colour, WIDTH)
             if row:
                 published(axes, x + 0.21, row.mean, row.quartiles)
         axes.set_yscale("log")
         axes.set_title(f"N = {agents}")
-        axes.set_xticks(range(len(rows)), [one.case.spec.model.upper() for one in rows])
+        axes.set_xticks(range(len(rows)), [row.case.spec.model.upper() for row in rows])
         axes.tick_params(axis="x", length=0, labelsize=9)
         axes.set_xlim(-0.6, len(rows) - 0.4)
     panels[0].set_ylabel("$k_{con}$ / ticks")
@@ -124,7 +124,7 @@ def signs_below(figure: Any, with_published: bool) -> None:
             Patch(facecolor="white", edgecolor=PUBLISHED, label="published quartiles"),
             Line2D([], [], marker="D", color=PUBLISHED, linestyle="none", label="published mean"),
         ]
-    explain(figure, signs, WORDS)
+    draw_key(figure, signs, WORDS)
 
 
 # Convergence times with and without something: pairs of boxes for each size of flock.
@@ -140,15 +140,15 @@ def draw_pairs(figure: Any, main: list[Verdict]) -> None:
 
     figure.set_size_inches(7.2, 5.0)
     axes = figure.subplots()
-    cases = [one.case for one in main]
+    cases = [verdict.case for verdict in main]
     sizes = sorted({case.agents for case in cases})
     values = list(dict.fromkeys(case.value for case in cases))
     colour = dict(zip(values, PAIR_COLOURS, strict=False))
-    for one in main:
-        case = one.case
+    for verdict in main:
+        case = verdict.case
         k = values.index(case.value)
         x = sizes.index(case.agents) + STEP * (k - (len(values) - 1) / 2)
-        box(axes, x, one.values, colour[case.value], 0.8 * STEP)
+        box(axes, x, verdict.values, colour[case.value], 0.8 * STEP)
     axes.set_xticks(range(len(sizes)), [f"N = {n}" for n in sizes])
     axes.tick_params(axis="x", length=0)
     axes.set_xlim(-0.6, len(sizes) - 0.4)
@@ -159,7 +159,7 @@ def draw_pairs(figure: Any, main: list[Verdict]) -> None:
         Patch(facecolor=colour[v] + "40", edgecolor=colour[v], label=f"{parameter} {name(v)}")
         for v in values
     ]
-    explain(figure, signs, WORDS)
+    draw_key(figure, signs, WORDS)
 
 
 SYMBOLS = {"p1": "$p_1$", "p2": "$p_2$"}
@@ -171,12 +171,12 @@ def draw_sweeps(figure: Any, main: list[Verdict]) -> None:
     """Draw the panels."""
     from matplotlib.ticker import LogLocator, ScalarFormatter
 
-    found = sweeps_of(main)
-    sweeps = list({id(sweep): sweep for sweep, _, _ in found}.values())
+    swept = group_by_sweep(main)
+    sweeps = list({id(sweep): sweep for sweep, _, _ in swept}.values())
     figure.set_size_inches(5.2 * len(sweeps), 4.8)
     panels = figure.subplots(1, len(sweeps), squeeze=False)[0]
     for axes, sweep in zip(panels, sweeps, strict=True):
-        lines = [(agents, points) for one, agents, points in found if one is sweep]
+        lines = [(agents, points) for paper_sweep, agents, points in swept if paper_sweep is sweep]
         for k, (agents, points) in enumerate(lines):
             draw_mean_bars(
                 axes,
@@ -198,7 +198,7 @@ def draw_sweeps(figure: Any, main: list[Verdict]) -> None:
             axes.yaxis.set_major_formatter(ScalarFormatter())
         axes.minorticks_off()
     panels[0].set_ylabel("mean $k_{con}$ / ticks")
-    explain(figure, panels[0].get_legend_handles_labels()[0], INTERVAL_WORDS)
+    draw_key(figure, panels[0].get_legend_handles_labels()[0], INTERVAL_WORDS)
 
 
 def steep(lines: list[tuple[int, list[Verdict]]]) -> bool:

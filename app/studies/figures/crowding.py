@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import came, explain
-from app.studies.judge.verdict import Verdict, of
+from app.studies.charts.boxes import draw_key, runs_with_value
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import Measure, Number, Settings
 
 if TYPE_CHECKING:
@@ -44,14 +44,14 @@ class CrowdingSettings(Settings):
         p: Any = flock.parameters
         between()
         flock.run(self.lasts)
-        seen = []
+        samples = []
         for _ in range(self.looks):
             between()
             flock.run(self.every)
-            seen.append(along(flock))
+            samples.append(velocity_along_heading(flock))
         area = float(np.prod(flock.world.size))
         packing = len(flock.ids) * math.pi * p.d**2 / (4.0 * area)
-        speed = float(np.mean(seen)) / p.v0
+        speed = float(np.mean(samples)) / p.v0
         return {"packing": packing, "speed": speed, "slope": (1.0 - speed) / packing}
 
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
@@ -59,7 +59,7 @@ class CrowdingSettings(Settings):
         return self.lasts + self.looks * (self.every + 1)
 
 
-def along(flock: Flock) -> float:
+def velocity_along_heading(flock: Flock) -> float:
     """The mean velocity along the heading in the next tick, length/s."""
     before, heading = flock.position.copy(), flock.heading.copy()
     flock.run(1)
@@ -72,12 +72,16 @@ def along(flock: Flock) -> float:
 DOTS, LINE = "#2166ac", "#c0392b"
 
 
-def draw_crowding(figure: Any, made: list[Verdict]) -> None:
+def draw_crowding(figure: Any, verdicts: list[Verdict]) -> None:
     """A dot for each run, and the line of best fit that is 1 where there is room."""
     figure.set_size_inches(7.4, 5.0)
     axes = figure.subplots()
-    x = np.concatenate([came(one.values) for one in of(made, "packing")])
-    y = np.concatenate([came(one.values) for one in of(made, "speed")])
+    x = np.concatenate(
+        [runs_with_value(verdict.values) for verdict in verdicts_on(verdicts, "packing")]
+    )
+    y = np.concatenate(
+        [runs_with_value(verdict.values) for verdict in verdicts_on(verdicts, "speed")]
+    )
     slope = float((x * (1.0 - y)).sum() / (x * x).sum())
     line = np.array([0.0, 1.15 * float(x.max())])
     axes.plot(
@@ -89,7 +93,7 @@ def draw_crowding(figure: Any, made: list[Verdict]) -> None:
     axes.set_xlabel("packing")
     axes.set_ylabel("velocity along the heading, $v / v_0$")
     axes.legend()
-    explain(figure, [], "line: least squares through 1 at no packing")
+    draw_key(figure, [], "line: least squares through 1 at no packing")
 
 
 PICTURES = {"crowding": draw_crowding}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.mission_scene import GOAL, draw_obstacles, draw_world, extent, show_box
 from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
@@ -44,17 +44,17 @@ class DetourTrack(NamedTuple):
     goal: np.ndarray
     """The gamma agent, (2,), m."""
 
-    def away(self, places: np.ndarray) -> np.ndarray:
+    def distances_to_goal(self, places: np.ndarray) -> np.ndarray:
         """Distances of places (T, 2) to the gamma agent, (T,), m."""
         return np.linalg.norm(places - self.goal, axis=1)
 
     @property
-    def splits(self) -> np.ndarray:
+    def split_ticks(self) -> np.ndarray:
         """Ticks at which a split point is set, int (S,): A1, and A3 where the way goes on."""
         return np.flatnonzero((self.scenario == A1) | (self.scenario == A3))
 
     @property
-    def rejoins(self) -> np.ndarray:
+    def rejoin_ticks(self) -> np.ndarray:
         """Ticks at which a rejoin point is set, int (R,)."""
         before = np.vstack([np.zeros((1, 2)), self.rejoin[:-1]])
         return np.flatnonzero((self.rejoin != before).any(axis=1))
@@ -96,14 +96,14 @@ class DetourSettings(Settings):
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Follow the only agent of a flock."""
         between()
-        course = self.followed(flock)
-        rejoins, twice = course.rejoins, course.scenario == A2
-        to_goal = course.away(course.position)
-        of_split = course.away(course.split)
-        gained = of_split[rejoins - 1] - course.away(course.rejoin)[rejoins]
+        course = self.follow_agent(flock)
+        rejoins, twice = course.rejoin_ticks, course.scenario == A2
+        to_goal = course.distances_to_goal(course.position)
+        of_split = course.distances_to_goal(course.split)
+        gained = of_split[rejoins - 1] - course.distances_to_goal(course.rejoin)[rejoins]
         behind = to_goal[twice] - of_split[twice]
         return {
-            "splits": len(course.splits),
+            "splits": len(course.split_ticks),
             "rejoins": len(rejoins),
             "again": int((course.scenario == A3).sum()),
             "gained": float(gained.min()) if len(gained) else None,
@@ -112,23 +112,23 @@ class DetourSettings(Settings):
             "away": float(np.linalg.norm(flock.position[0] - course.goal)),
         }
 
-    def followed(self, flock: Flock) -> DetourTrack:
+    def follow_agent(self, flock: Flock) -> DetourTrack:
         """The course of the flock's first agent from tick 0 to the limit."""
         ticks = int(self.ticks(None, flock.dt))
         at = {name: k for k, name in enumerate(flock.model.columns)}
-        position, known = np.empty((ticks, 2)), np.empty((ticks, len(at)))
+        position, positions = np.empty((ticks, 2)), np.empty((ticks, len(at)))
         for tick in range(ticks):
             position[tick] = flock.position[0]
             flock.run(1)
-            known[tick] = flock.arrays.memory[:, 0]
+            positions[tick] = flock.arrays.memory[:, 0]
         points = {
-            name: known[:, [at[f"{name}_x"], at[f"{name}_y"]]]
+            name: positions[:, [at[f"{name}_x"], at[f"{name}_y"]]]
             for name in ("split", "rejoin", "aim")
         }
         return DetourTrack(
             position=position,
-            scenario=known[:, at["scenario"]],
-            phase=known[:, at["phase"]],
+            scenario=positions[:, at["scenario"]],
+            phase=positions[:, at["phase"]],
             goal=flock.goal_at([0])[0],
             **points,
         )
@@ -143,12 +143,12 @@ def phase_error(flock: Flock, course: DetourTrack) -> float | None:
     errors = [
         abs(course.phase[tick] - boundary_end(flock, course, tick)[1])
         for tick in map(int, np.flatnonzero(course.scenario < A4))
-        if len(perceived(flock, course.position[tick]))
+        if len(perceived_points(flock, course.position[tick]))
     ]
     return float(max(errors)) if errors else None
 
 
-def perceived(flock: Flock, place: np.ndarray) -> np.ndarray:
+def perceived_points(flock: Flock, place: np.ndarray) -> np.ndarray:
     """The boundary points that an agent at a place (2,) perceives, (K, 2), m."""
     surroundings = flock.engine.surroundings
     points = np.column_stack([surroundings.point_x, surroundings.point_y])
@@ -163,7 +163,7 @@ def phases(flock: Flock, course: DetourTrack, tick: int) -> tuple[np.ndarray, np
     """
     place = course.position[tick]
     towards = (course.split[tick] if course.scenario[tick] == A2 else course.goal) - place
-    points = perceived(flock, place)
+    points = perceived_points(flock, place)
     angle = np.arctan2(points[:, 1] - place[1], points[:, 0] - place[0])
     phase = (angle - np.arctan2(towards[1], towards[0])) % (2.0 * np.pi)
     order = np.argsort(phase)
@@ -213,7 +213,7 @@ def draw_detour(figure: Any, experiment: Experiment, seed: int) -> None:
     scene.set_ylabel("y / m")
     scene.set_title(f"one agent, {case.label}, seed {seed}", loc="left")
     draw_distance(distance, course, flock.dt)
-    explain(figure, signs(course), "S: split points; R: rejoin points; in A3 every place is both")
+    draw_key(figure, signs(course), "S: split points; R: rejoin points; in A3 every place is both")
 
 
 def course_of(experiment: Experiment, seed: int) -> tuple[Any, DetourTrack]:
@@ -221,24 +221,24 @@ def course_of(experiment: Experiment, seed: int) -> tuple[Any, DetourTrack]:
     settings = experiment.settings
     assert isinstance(settings, DetourSettings)
     flock = flock_of(experiment.cases[0], seed)
-    return flock, settings.followed(flock)
+    return flock, settings.follow_agent(flock)
 
 
-def coloured(axes: Any, along: np.ndarray, course: DetourTrack) -> None:
+def draw_coloured_line(axes: Any, along: np.ndarray, course: DetourTrack) -> None:
     """Draw a line (T, 2) in the colours of the scenarios."""
     from matplotlib.collections import LineCollection
 
     pieces = np.stack([along[:-1], along[1:]], axis=1)
-    colours = [SCENARIOS.get(one, INK) for one in course.scenario[:-1]]
+    colours = [SCENARIOS.get(code, INK) for code in course.scenario[:-1]]
     axes.add_collection(LineCollection(list(pieces), colors=colours, linewidths=2.2, zorder=4))
 
 
 def draw_way(axes: Any, course: DetourTrack) -> None:
     """Draw the way with its split and rejoin points."""
-    coloured(axes, course.position, course)
+    draw_coloured_line(axes, course.position, course)
     axes.plot(*course.position[0], "o", color=INK, markersize=7, zorder=6, markeredgecolor="white")
     for ticks, marker, colour, letter, shift in points_of(course):
-        for number, tick in enumerate(ticks[spaced(course.position[ticks])], 1):
+        for number, tick in enumerate(ticks[spaced_indices(course.position[ticks])], 1):
             place = course.position[tick]
             axes.plot(*place, marker, color=colour, markersize=8, zorder=7, markeredgecolor="white")
             axes.annotate(
@@ -254,33 +254,33 @@ def points_of(course: DetourTrack) -> list[tuple[np.ndarray, str, str, str, tupl
     last are drawn.
     """
     splits = np.flatnonzero(course.scenario == A1)
-    again = course.scenario[course.rejoins - 1] == A3
-    follows = course.scenario[np.minimum(course.rejoins + 1, len(course.scenario) - 1)] == A3
+    again = course.scenario[course.rejoin_ticks - 1] == A3
+    follows = course.scenario[np.minimum(course.rejoin_ticks + 1, len(course.scenario) - 1)] == A3
     return [
         (splits, "s", SCENARIOS[A1], "S", (-9.0, -11.0)),
-        (course.rejoins[~(again & follows)], "D", GOAL, "R", (9.0, 11.0)),
+        (course.rejoin_ticks[~(again & follows)], "D", GOAL, "R", (9.0, 11.0)),
     ]
 
 
-def spaced(places: np.ndarray) -> list[int]:
+def spaced_indices(places: np.ndarray) -> list[int]:
     """Which of places (K, 2) are far enough from those before to bear a name of their own."""
-    kept: list[int] = []
+    indices: list[int] = []
     for k, place in enumerate(places):
-        if all(np.linalg.norm(place - places[j]) > APART for j in kept):
-            kept.append(k)
-    return kept
+        if all(np.linalg.norm(place - places[j]) > APART for j in indices):
+            indices.append(k)
+    return indices
 
 
 def draw_distance(axes: Any, course: DetourTrack, dt: float) -> None:
     """Draw the distance to the goal over time, and that of the split point while it counts."""
     time = dt * np.arange(len(course.position))
-    away = course.away(course.position)
-    coloured(axes, np.column_stack([time, away]), course)
+    away = course.distances_to_goal(course.position)
+    draw_coloured_line(axes, np.column_stack([time, away]), course)
     follows = course.scenario < A4
-    level = np.where(follows, course.away(course.split), np.nan)
+    level = np.where(follows, course.distances_to_goal(course.split), np.nan)
     axes.plot(time, level, color=SCENARIOS[A1], linewidth=1.1, linestyle=(0, (4, 3)), zorder=3)
     for ticks, marker, colour, letter, shift in points_of(course):
-        for number, tick in enumerate(ticks[spaced(course.position[ticks])], 1):
+        for number, tick in enumerate(ticks[spaced_indices(course.position[ticks])], 1):
             axes.plot(
                 time[tick], away[tick], marker, color=colour, markersize=7, zorder=7,
                 markeredgecolor="white",
@@ -302,14 +302,14 @@ def signs(course: DetourTrack) -> list[Any]:
     """What is what."""
     from matplotlib.lines import Line2D
 
-    there = set(course.scenario.tolist())
-    found = [
-        Line2D([], [], color=SCENARIOS[one], linewidth=2.4, label=words)
-        for one, words in WORDS.items()
-        if one in there
+    present = set(course.scenario.tolist())
+    handles = [
+        Line2D([], [], color=SCENARIOS[code], linewidth=2.4, label=words)
+        for code, words in WORDS.items()
+        if code in present
     ]
     goal = Line2D([], [], color=GOAL, marker="^", linestyle="none", label="gamma agent")
-    return [*found, goal]
+    return [*handles, goal]
 
 
 def draw_expected(figure: Any, experiment: Experiment, seed: int) -> None:
@@ -324,7 +324,7 @@ def draw_expected(figure: Any, experiment: Experiment, seed: int) -> None:
             words = WORDS[course.scenario[tick]].split(",")[0]
             axes.set_title(f"({letter}) {words} at {tick * flock.dt:.2f} s", loc="left")
     case = experiment.cases[0]
-    explain(
+    draw_key(
         figure,
         expected_signs(any(gaps)),
         f"one agent, {case.label}, seed {seed}; numbers: order of the phases",
@@ -335,12 +335,12 @@ def instants(course: DetourTrack) -> tuple[int | None, int | None]:
     """The middle of the longest time in A2, and the first split point at which A2 begins."""
     twice = course.scenario == A2
     if not twice.any():
-        return None, int(course.splits[0]) if len(course.splits) else None
+        return None, int(course.split_ticks[0]) if len(course.split_ticks) else None
     edges = np.flatnonzero(np.diff(np.concatenate([[0], twice.astype(int), [0]])))
     begins, ends = edges[::2], edges[1::2]
     longest = int((ends - begins).argmax())
     middle = int(begins[longest] + (ends[longest] - begins[longest]) // 3)
-    before = course.splits[course.splits < begins[longest]]
+    before = course.split_ticks[course.split_ticks < begins[longest]]
     return middle, int(before[-1]) if len(before) else None
 
 
@@ -377,11 +377,13 @@ def draw_instant(axes: Any, flock: Any, course: DetourTrack, tick: int) -> bool:
         "", place + 0.9 * NEARBY * along, place, zorder=5,
         arrowprops=arrow | {"color": colour},
     )  # fmt: skip
-    put(axes, place + 0.9 * NEARBY * along, along, words, colour)
+    write_label(axes, place + 0.9 * NEARBY * along, along, words, colour)
     if twice:
         axes.plot(*course.split[tick], "s", color=SCENARIOS[A1], markersize=8, zorder=7)
     axes.annotate("", aim, place, arrowprops=arrow | {"color": AIM}, zorder=6)
-    put(axes, aim, aim - place, f"$\\hat q$, phase {np.degrees(angle):.0f}°", AIM, outward=True)
+    write_label(
+        axes, aim, aim - place, f"$\\hat q$, phase {np.degrees(angle):.0f}°", AIM, outward=True
+    )
     axes.plot(*aim, "o", markersize=12, markerfacecolor="none", markeredgecolor=AIM, zorder=8,
               markeredgewidth=1.8)  # fmt: skip
     axes.plot(*place, "o", color=INK, markersize=9, zorder=8, markeredgecolor="white")
@@ -391,7 +393,7 @@ def draw_instant(axes: Any, flock: Any, course: DetourTrack, tick: int) -> bool:
     return draw_gap(axes, flock, place, points, aim)
 
 
-def put(
+def write_label(
     axes: Any, at: np.ndarray, way: np.ndarray, words: str, colour: str, outward: bool = False
 ) -> None:
     """Write words at a place, inside of the panel, on a ground of their own."""
@@ -412,7 +414,7 @@ def draw_gap(axes: Any, flock: Any, place: np.ndarray, points: np.ndarray, aim: 
     if not 0 <= k + step < len(points):
         return False
     edges = [points[k], points[k + step]][::step]
-    first, last = (np.degrees(np.arctan2(*(one - place)[::-1])) for one in edges)
+    first, last = (np.degrees(np.arctan2(*(edge - place)[::-1])) for edge in edges)
     axes.add_patch(
         Wedge(
             (place[0], place[1]),

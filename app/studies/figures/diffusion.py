@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 
@@ -50,19 +50,19 @@ class DiffusionSettings(Settings):
         dim = flock.world.dim
         tau = 1.0 / ((dim - 1) * p.D_r)
         place, heading = flock.position.copy(), flock.heading.copy()
-        found: dict[float, tuple[float, float]] = {}
+        moments: dict[float, tuple[float, float]] = {}
         turned = np.nan
         for after in (self.short, 1.0, 0.5 * self.long, self.long):
             between()
             flock.run(round(after * tau / flock.dt) - flock.tick)
             r2 = float(((flock.position - place) ** 2).sum(axis=1).mean())
-            found[after] = (r2, squared_displacement(flock.elapsed, dim, tau, p.v0, p.D_t))
+            moments[after] = (r2, squared_displacement(flock.elapsed, dim, tau, p.v0, p.D_t))
             if after == 1.0:
                 turned = float((flock.heading * heading).sum(axis=1).mean())
-        half, whole = found[0.5 * self.long], found[self.long]
+        half, whole = moments[0.5 * self.long], moments[self.long]
         return {
-            "short": found[self.short][0] / found[self.short][1],
-            "middle": found[1.0][0] / found[1.0][1],
+            "short": moments[self.short][0] / moments[self.short][1],
+            "middle": moments[1.0][0] / moments[1.0][1],
             "long": whole[0] / whole[1],
             "D": (whole[0] - half[0]) / (whole[1] - half[1]),
             "turned": turned * math.e,
@@ -107,15 +107,15 @@ def draw_diffusion(figure: Any, experiment: Experiment, seed: int) -> None:
                 time.append(flock.elapsed / tau)
                 found.append(float(((flock.position - place) ** 2).sum(axis=1).mean()))
         s = np.geomspace(FIRST, LAST, 200)
-        known = [squared_displacement(float(one) * tau, dim, tau, p.v0, p.D_t) for one in s]
-        axes.plot(s, known, color=colour, linewidth=1.6)
+        expected = [squared_displacement(float(value) * tau, dim, tau, p.v0, p.D_t) for value in s]
+        axes.plot(s, expected, color=colour, linewidth=1.6)
         axes.plot(time, found, "o", color=colour, markersize=4.5, label=case.label)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel("time, of that in which a heading is forgotten")
     axes.set_ylabel("mean square displacement / length$^2$")
     axes.legend()
-    explain(figure, [], f"dots: the run of seed {seed}; lines: the closed form")
+    draw_key(figure, [], f"dots: the run of seed {seed}; lines: the closed form")
 
 
 PICTURES = {"diffusion": draw_diffusion}

@@ -10,21 +10,21 @@ import numpy as np
 import shapely
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.mission_scene import draw_obstacles
 from app.studies.charts.scheme_marks import (
     FAINT,
     INK,
     ZONE_COLOURS,
     arrow,
-    bare,
-    dart,
+    draw_dart,
+    set_square_view,
     sign,
     stroke,
-    word,
+    write_label,
 )
 from app.studies.experiment import Experiment, flock_of
-from app.studies.figures.branching import block_of, push_on, with_block
+from app.studies.figures.branching import add_block, block_of, push_on
 from app.studies.figures.zoning import angle_between
 from app.studies.measure import RARE, Measure, Number, Settings
 
@@ -64,22 +64,22 @@ class DodgingSettings(Settings):
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Ask the rule about an agent near the block, and let it fly at it."""
         between()
-        before = with_block(flock, self.side)
+        before = add_block(flock, self.side)
         rng = np.random.default_rng(flock.seed)
         p = flock.parameters
         body, Q = p.body, p.Q  # type: ignore[attr-defined]
         off, unseen, turned, acts = 0.0, 0.0, 0.0, 0
         for _ in range(self.looks):
-            place, heading = self.placed(before, rng)
+            place, heading = self.random_placement(before, rng)
             before.position[0], before.heading[0] = place, heading
             force = push_on(before, 0)
-            to, away = nearest(before, place)
+            to, away = nearest_direction(before, place)
             skin, ahead = away - 0.5 * body, float(to @ heading)
             if abs(skin - Q) < SURE or abs(ahead) < SURE:
                 continue
             if skin < Q and ahead > 0.0:
                 acts += 1
-                expected = slope(before, place)
+                expected = potential_slope(before, place)
                 off = max(off, float(np.linalg.norm(force - expected) / np.linalg.norm(expected)))
             else:
                 unseen = max(unseen, float(np.linalg.norm(force)))
@@ -93,7 +93,9 @@ class DodgingSettings(Settings):
             "hits": sum(self.flies_into(before, rng) for _ in range(self.flights)),
         }
 
-    def placed(self, flock: FlockState, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    def random_placement(
+        self, flock: FlockState, rng: np.random.Generator
+    ) -> tuple[np.ndarray, np.ndarray]:
         """A random place around the block and a random heading, (2,) each."""
         shape = block_of(flock)
         x0, y0, x1, y1 = shape.bounds
@@ -124,7 +126,7 @@ class DodgingSettings(Settings):
         return self.looks + 200.0 * self.flights
 
 
-def nearest(flock: FlockState, place: np.ndarray) -> tuple[np.ndarray, float]:
+def nearest_direction(flock: FlockState, place: np.ndarray) -> tuple[np.ndarray, float]:
     """The unit vector (2,) to the block's nearest point, and its distance, length."""
     shape, point = block_of(flock), shapely.Point(place)
     at = np.array(shapely.get_coordinates(shapely.shortest_line(point, shape))[1])
@@ -140,7 +142,7 @@ def field(flock: FlockState, place: np.ndarray) -> float:
     return 0.5 * gain * (1.0 / d - 1.0 / Q) ** 2 if d <= Q else 0.0
 
 
-def slope(flock: FlockState, place: np.ndarray) -> np.ndarray:
+def potential_slope(flock: FlockState, place: np.ndarray) -> np.ndarray:
     """-grad U at a place, (2,), by differences."""
     steps = STEP * np.eye(2)
     return np.array(
@@ -163,7 +165,7 @@ def draw_meeting(figure: Any, experiment: Experiment, seed: int) -> None:
     assert isinstance(settings, DodgingSettings)
     case = experiment.cases[0]
     several = replace(case, spec=case.spec.but(agents=len(RANKS)))
-    flock: Any = with_block(flock_of(several, seed), settings.side)
+    flock: Any = add_block(flock_of(several, seed), settings.side)
     middle, p = centre_of(flock), flock.parameters
     flock.position[:] = middle + np.array(RANKS)
     flock.heading[:] = (1.0, 0.0)
@@ -176,24 +178,24 @@ def draw_meeting(figure: Any, experiment: Experiment, seed: int) -> None:
         force = push_on(flock, row)
         pushed = bool(force.any())
         arrow(left, place, 1.1 * flock.heading[row], NOW, 1.6)
-        dart(left, place, flock.heading[row], INK if pushed else FAINT, 0.75)
-        word(left, place, str(row + 1), INK, (-2, 13), 9.0)
+        draw_dart(left, place, flock.heading[row], INK if pushed else FAINT, 0.75)
+        write_label(left, place, str(row + 1), INK, (-2, 13), 9.0)
         if pushed:
             unit = force / np.linalg.norm(force)
             arrow(left, place, 1.6 * unit, FORCE, 2.4, 9.0)
-            word(left, place + 1.6 * unit, f"$F_{row + 1}$ = {np.linalg.norm(force):.2g}", FORCE,
-                 (-4, -11), 9.5)  # fmt: skip
-    bare(left, middle + np.array([-2.4, 0.4]), 6.4)
+            words = f"$F_{row + 1}$ = {np.linalg.norm(force):.2g}"
+            write_label(left, place + 1.6 * unit, words, FORCE, (-4, -11), 9.5)
+    set_square_view(left, middle + np.array([-2.4, 0.4]), 6.4)
     left.set_title("(a) pushed are those that have the block ahead and within Q*", loc="left")
     ticks = round(9.0 / (p.v0 * p.tau))
     track = flock.trace(ticks)
     scene(right, flock)
     for row in range(len(flock.ids)):
         right.plot(*track[:, row].T, color=NOW, linewidth=1.2, zorder=4)
-        dart(right, flock.position[row], flock.heading[row], INK, 0.75)
-    bare(right, middle + np.array([-1.0, 0.8]), 8.4)
+        draw_dart(right, flock.position[row], flock.heading[row], INK, 0.75)
+    set_square_view(right, middle + np.array([-1.0, 0.8]), 8.4)
     right.set_title(f"(b) {ticks * flock.dt:.0f} s later, and the ways they took", loc="left")
-    explain(
+    draw_key(
         figure,
         [
             sign(INK, "agent that a block pushes", ">"),
@@ -225,7 +227,7 @@ def draw_avoidance(figure: Any, experiment: Experiment, seed: int) -> None:
     settings = experiment.settings
     assert isinstance(settings, DodgingSettings)
     case = experiment.cases[0]
-    flock: Any = with_block(flock_of(case, seed), settings.side)
+    flock: Any = add_block(flock_of(case, seed), settings.side)
     middle, p = centre_of(flock), flock.parameters
     place = middle + np.array(NEAR)
     flock.position[0], flock.heading[0], flock.speed[0] = place, (1.0, 0.0), p.v0
@@ -236,7 +238,7 @@ def draw_avoidance(figure: Any, experiment: Experiment, seed: int) -> None:
     draw_obstacles(axes, flock.world)
     draw_field(axes, flock, middle)
     flock.run(1)
-    taken = flock.heading[0].copy()
+    heading = flock.heading[0].copy()
     scale = 1.5 / p.v0
     arrow(axes, place, scale * u, NOW, 2.2)
     arrow(axes, place, scale * f, FORCE, 2.2)
@@ -244,15 +246,15 @@ def draw_avoidance(figure: Any, experiment: Experiment, seed: int) -> None:
     for begin in (u, f):
         axes.plot(*np.array([place + scale * begin, place + scale * (u + f)]).T, color=FAINT,
                   linewidth=0.9, linestyle=(0, (3, 3)), zorder=6)  # fmt: skip
-    arrow(axes, place, 1.1 * taken, "#7b5ea7", 1.6, 8.5)
-    word(axes, place + scale * u, "$u$", NOW, (9, -9), 12.0)
-    word(axes, place + scale * f, "$f$", FORCE, (-10, 8), 12.0)
-    word(axes, place + scale * (u + f), "$u' = f + u$", NEXT, (6, 13), 12.0)
+    arrow(axes, place, 1.1 * heading, "#7b5ea7", 1.6, 8.5)
+    write_label(axes, place + scale * u, "$u$", NOW, (9, -9), 12.0)
+    write_label(axes, place + scale * f, "$f$", FORCE, (-10, 8), 12.0)
+    write_label(axes, place + scale * (u + f), "$u' = f + u$", NEXT, (6, 13), 12.0)
     track = flock.trace(round(6.0 / (p.v0 * p.tau)))[:, 0]
     axes.plot(*track.T, color=INK, linewidth=1.1, zorder=3, linestyle=(0, (1.5, 1.5)))
-    dart(axes, place, np.array([1.0, 0.0]), INK, 0.42)
-    bare(axes, middle + np.array([-0.9, 1.2]), 3.9)
-    explain(
+    draw_dart(axes, place, np.array([1.0, 0.0]), INK, 0.42)
+    set_square_view(axes, middle + np.array([-0.9, 1.2]), 3.9)
+    draw_key(
         figure,
         [
             stroke(NOW, "u: velocity now"),
@@ -262,7 +264,7 @@ def draw_avoidance(figure: Any, experiment: Experiment, seed: int) -> None:
             stroke(INK, "way", (0, (1.5, 1.5)), 1.2),
         ],
         f"thesis, v_0 = {p.v0:g}; lines around the block: the potential (4.1), U = "
-        f"{', '.join(f'{one:g}' for one in LEVELS)}; eta = {p.gain:g}, Q* = {p.Q:g} and "
+        f"{', '.join(f'{level:g}' for level in LEVELS)}; eta = {p.gain:g}, Q* = {p.Q:g} and "
         f"m = {p.m:g} are ours:\nthe thesis gives none; f is (4.1) downhill, the print of (4.2) "
         "has it uphill",
     )

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.experiment import Case, Experiment, flock_of
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import SUCCESS, Measure, Number, Settings
 from worlds.input_error import InputError
 from worlds.mission import Goal
@@ -41,15 +41,15 @@ class Drive:
     """Cars that are out of the run."""
 
     @property
-    def collided(self) -> bool:
+    def has_collision(self) -> bool:
         """Whether cars that are no predators have stopped each other, or any has crashed."""
         return bool(self.met[np.ix_(~self.hunts, ~self.hunts)].any()) or self.crashes > 0
 
     @property
-    def caught(self) -> bool:
+    def has_caught(self) -> bool:
         """Whether a predator and another car have stopped each other."""
         prey = self.met[np.ix_(self.hunts, ~self.hunts)], self.met[np.ix_(~self.hunts, self.hunts)]
-        return any(bool(one.any()) for one in prey)
+        return any(bool(position.any()) for position in prey)
 
 
 class DrivingSettings(Settings):
@@ -132,31 +132,33 @@ class DrivingSettings(Settings):
                 f"limit = {self.limit:g} s is less than a lap of the injected car, "
                 f"{lap * flock.dt:.1f} s in {flock.world.name}"
             )
-        return self.measured(flock, self.driven(flock, between), lap)
+        return self.measure_drive(flock, self.drive(flock, between), lap)
 
-    def driven(self, flock: Flock, between: Callable[[], None] = lambda: None) -> Drive:
+    def drive(self, flock: Flock, between: Callable[[], None] = lambda: None) -> Drive:
         """Drive from tick 0 to the limit."""
         n = len(flock.ids)
         solid = STOPS in flock.model.signals
         met = np.zeros((n, n), int)
-        kept = [flock.position[None].copy()]
+        positions = [flock.position[None].copy()]
         before = np.zeros(n)
         touched = []
         for look in range(round(self.ticks(None, flock.dt) / self.every)):
             if look % 100 == 0:
                 between()
-            kept.append(flock.trace(self.every))
+            positions.append(flock.trace(self.every))
             if solid and n > 1:
                 stops = flock.signal(STOPS)
                 for row in map(int, np.flatnonzero(stops > before)):
                     if not met[row].any():
                         touched.append((flock.tick, row))
-                    met[row, nearest(flock.position, row)] += 1
+                    met[row, nearest_car(flock.position, row)] += 1
                 before = stops.copy()
         hunts = flock.ids <= getattr(flock.parameters, "predators", 0.0)
-        return Drive(np.concatenate(kept), met, touched, hunts, len(flock.crashes) if solid else 0)
+        return Drive(
+            np.concatenate(positions), met, touched, hunts, len(flock.crashes) if solid else 0
+        )
 
-    def measured(self, flock: Flock, drive: Drive, lap: int) -> dict[str, Number | None]:
+    def measure_drive(self, flock: Flock, drive: Drive, lap: int) -> dict[str, Number | None]:
         """The measures of a drive whose last `lap` ticks are looked at."""
         solid = STOPS in flock.model.signals
         prey = drive.position[:, ~drive.hunts]
@@ -167,18 +169,18 @@ class DrivingSettings(Settings):
         low = np.array(flock.world.low)
         outside = bool(((prey < low) | (prey > low + np.array(flock.world.size))).any())
         stuck = solid and bool((pace < self.crawl).any())
-        ok = locked and not (outside or stuck or (solid and drive.collided))
+        ok = locked and not (outside or stuck or (solid and drive.has_collision))
         chases = bool(drive.hunts.any())
         return {
             "ok": 100 * ok,
             "locked": 100 * locked,
             "lag": float(np.degrees(lag.mean())) if locked else None,
-            "collision": 100 * drive.collided if solid else None,
+            "collision": 100 * drive.has_collision if solid else None,
             "stuck": 100 * stuck if solid else None,
             "outside": 100 * outside,
-            "apart": float(gaps(late).mean()) if prey.shape[1] > 1 else None,
-            "caught": 100 * drive.caught if chases and solid else None,
-            "chased": float(chased(drive)) if chases else None,
+            "apart": float(nearest_distances(late).mean()) if prey.shape[1] > 1 else None,
+            "caught": 100 * drive.has_caught if chases and solid else None,
+            "chased": float(least_chase_distance(drive)) if chases else None,
         }
 
     def is_locked(self, lag: np.ndarray) -> bool:
@@ -227,7 +229,7 @@ def lags(flock: Flock, position: np.ndarray, last: int) -> np.ndarray:
     return turned - 2.0 * np.pi * np.round(turned[0] / (2.0 * np.pi))
 
 
-def gaps(position: np.ndarray) -> np.ndarray:
+def nearest_distances(position: np.ndarray) -> np.ndarray:
     """Distance of each car to the nearest other one, (T, N), m; of positions (T, N, 2), N > 1."""
     apart = np.linalg.norm(position[:, :, None] - position[:, None], axis=3)
     n = position.shape[1]
@@ -235,13 +237,13 @@ def gaps(position: np.ndarray) -> np.ndarray:
     return apart.min(axis=2)
 
 
-def chased(drive: Drive) -> float:
+def least_chase_distance(drive: Drive) -> float:
     """Least distance between a predator and another car, m."""
     hunters, prey = drive.position[:, drive.hunts], drive.position[:, ~drive.hunts]
     return float(np.linalg.norm(hunters[:, :, None] - prey[:, None], axis=3).min(initial=np.inf))
 
 
-def nearest(position: np.ndarray, row: int) -> int:
+def nearest_car(position: np.ndarray, row: int) -> int:
     """The row of the car that is nearest to that of `row`; positions (N, 2), N > 1."""
     apart = np.linalg.norm(position - position[row], axis=1)
     apart[row] = np.inf
@@ -266,7 +268,7 @@ BARS = {
 }
 
 
-def draw_driving(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+def draw_driving(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:
     """Draw the run of that seed of the first rows above, the share of runs of all rows below."""
     settings = experiment.settings
     assert isinstance(settings, DrivingSettings)
@@ -277,9 +279,9 @@ def draw_driving(figure: Any, experiment: Experiment, made: list[Verdict], seed:
     for axes, case in zip(panels, cases, strict=True):
         draw_ways(axes, case, settings, seed)
     shares, lags = below.subplots(1, 2, width_ratios=[2.2, 1.0])
-    signs = draw_shares(shares, made)
-    draw_lags(lags, of(made, "lag"))
-    explain(
+    signs = draw_shares(shares, verdicts)
+    draw_lags(lags, verdicts_on(verdicts, "lag"))
+    draw_key(
         figure,
         signs,
         f"above: a run of each of the first rows, seed {seed}, time upwards, the injected car "
@@ -290,7 +292,7 @@ def draw_driving(figure: Any, experiment: Experiment, made: list[Verdict], seed:
 def draw_ways(axes: Any, case: Case, settings: DrivingSettings, seed: int) -> None:
     """Draw one run in space and time."""
     flock = flock_of(case, seed)
-    drive = settings.driven(flock)
+    drive = settings.drive(flock)
     step = max(1, len(drive.position) // SHOWN)
     ticks = np.arange(0, len(drive.position), step)
     time = flock.dt * ticks
@@ -315,38 +317,46 @@ def draw_ways(axes: Any, case: Case, settings: DrivingSettings, seed: int) -> No
     axes.set_title(f"{case.label}, N = {case.agents}", loc="left")
 
 
-def draw_shares(axes: Any, made: list[Verdict]) -> list[Any]:
+def draw_shares(axes: Any, verdicts: list[Verdict]) -> list[Any]:
     """Draw the share of runs of each row that end well and of each fault; what is what."""
     from matplotlib.patches import Patch
 
-    there = [name for name in BARS if any(one.summary.runs for one in of(made, name))]
-    width = 0.8 / max(1, len(there))
-    for k, name in enumerate(there):
-        points = of(made, name)
+    names = [
+        name
+        for name in BARS
+        if any(verdict.summary.runs for verdict in verdicts_on(verdicts, name))
+    ]
+    width = 0.8 / max(1, len(names))
+    for k, name in enumerate(names):
+        points = verdicts_on(verdicts, name)
         axes.bar(
-            [x + (k - 0.5 * (len(there) - 1)) * width for x in range(len(points))],
-            [one.summary.mean if one.summary.runs else 0.0 for one in points],
+            [x + (k - 0.5 * (len(names) - 1)) * width for x in range(len(points))],
+            [point.summary.mean if point.summary.runs else 0.0 for point in points],
             width,
             color=BARS[name],
         )
-    rows = of(made, made[0].measure.name)
-    labels = [f"{one.case.label}, N = {one.case.agents}".replace(", ", "\n") for one in rows]
+    rows = verdicts_on(verdicts, verdicts[0].measure.name)
+    labels = [f"{row.case.label}, N = {row.case.agents}".replace(", ", "\n") for row in rows]
     axes.set_xticks(range(len(rows)), labels, fontsize=8)
     axes.tick_params(axis="x", length=0)
     axes.set_ylim(0.0, 103.0)
     axes.set_ylabel("runs / %")
-    return [Patch(facecolor=BARS[name], label=name) for name in there]
+    return [Patch(facecolor=BARS[name], label=name) for name in names]
 
 
 def draw_lags(axes: Any, points: list[Verdict]) -> None:
     """Draw the lags of the runs that end locked, a dot for each."""
-    for x, one in enumerate(points):
-        values = [value for value in one.values if value is not None]
+    for x, point in enumerate(points):
+        values = [value for value in point.values if value is not None]
         aside = np.random.default_rng(0).uniform(-0.25, 0.25, len(values))
         axes.plot(x + aside, values, ".", color=BARS["locked"], markersize=4, alpha=0.5)
-    axes.set_xticks(range(len(points)), [one.case.label for one in points], rotation=40, fontsize=8)
+    axes.set_xticks(
+        range(len(points)), [point.case.label for point in points], rotation=40, fontsize=8
+    )
     axes.set_xlim(-0.6, len(points) - 0.4)
-    most = max((value for one in points for value in one.values if value is not None), default=0.0)
+    most = max(
+        (value for point in points for value in point.values if value is not None), default=0.0
+    )
     axes.set_ylim(0.0, 90.0 if most < 90.0 else 180.0)
     axes.set_ylabel("lag / deg")
 

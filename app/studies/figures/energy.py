@@ -44,7 +44,7 @@ class EnergySettings(Settings):
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Follow H and the distance to the goal."""
-        energy, away = self.followed(flock, between)
+        energy, away = self.follow_flock(flock, between)
         change = np.diff(energy)
         bound = furthest(energy[0], flock.parameters)
         return {
@@ -56,7 +56,7 @@ class EnergySettings(Settings):
             "rise": 100.0 * max(0.0, float(change.max() / energy[0])),
         }
 
-    def followed(
+    def follow_flock(
         self, flock: Flock, between: Callable[[], None] = lambda: None
     ) -> tuple[np.ndarray, np.ndarray]:
         """H (K,), m^2/s^2, and the largest distance to the goal (K,), m, at each look."""
@@ -90,7 +90,7 @@ def draw_energy(figure: Any, experiment: Experiment, seed: int) -> None:
     left, right = figure.subplots(1, 2)
     for case, colour in zip(experiment.cases, COLOURS, strict=False):
         flock = flock_of(case, seed)
-        energy, away = settings.followed(flock)
+        energy, away = settings.follow_flock(flock)
         time = flock.dt * settings.every * np.arange(len(energy))
         left.plot(time, energy / energy[0], color=colour, linewidth=1.6, label=case.label)
         bound = np.sqrt(2.0 * energy[0] / flock.parameters.c1g)  # type: ignore[attr-defined]

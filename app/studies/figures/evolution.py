@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from app.studies.charts.boxes import came, explain
+from app.studies.charts.boxes import draw_key, runs_with_value
 from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.convergence import ConvergenceSettings
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import SHARE, Measure, Number
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ RAMP = ("#2166ac", "#7b4fa3", "#e08214")
 """Colours of headings from that of the information UAV to the opposite one."""
 
 
-def draw_evolution(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+def draw_evolution(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:
     """Draw the first row's run of that seed, and where all runs became consistent."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap, Normalize
@@ -76,7 +76,7 @@ def draw_evolution(figure: Any, experiment: Experiment, made: list[Verdict], see
     curve = right.subplots()
     ramp = LinearSegmentedColormap.from_list("away", RAMP)
     flock = flock_of(case, seed)
-    times = came(of(made, "k_con")[0].values)
+    times = runs_with_value(verdicts_on(verdicts, "k_con")[0].values)
     degrees = []
     for k in range(round(max(AFTER * end, times.max(initial=0.0) + 1.0)) + 1):
         if k in instants:
@@ -103,7 +103,7 @@ def draw_evolution(figure: Any, experiment: Experiment, made: list[Verdict], see
     )
     bar.outline.set_visible(False)
     bar.set_label("heading, away from that of the information UAV / deg", fontsize=9)
-    explain(figure, signs(times.size), "")
+    draw_key(figure, signs(times.size), "")
 
 
 def draw_flock(axes: Any, flock: Any, ramp: Any) -> None:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import box, explain
+from app.studies.charts.boxes import box, draw_key
 from app.studies.experiment import Experiment, flock_of
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import PERCENT, RARE, SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ class FormationSettings(Settings):
         return self.settle + self.looks * self.every
 
 
-def followed(flock: Flock, ticks: int, every: int) -> tuple[np.ndarray, np.ndarray]:
+def follow_savings(flock: Flock, ticks: int, every: int) -> tuple[np.ndarray, np.ndarray]:
     """Times (K,), s, and the mean share (K,) of induced drag that those that fly save then."""
     time, saved = [], []
     while flock.tick < ticks:
@@ -99,7 +99,7 @@ LOOKS = 160
 """Points of a curve over time."""
 
 
-def draw_formation(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+def draw_formation(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:
     """Draw the run of that seed in the rows of the first size over time, all runs, one flock."""
     settings = experiment.settings
     assert isinstance(settings, FormationSettings)
@@ -109,25 +109,25 @@ def draw_formation(figure: Any, experiment: Experiment, made: list[Verdict], see
     colour = {label: COLOURS[k % len(COLOURS)] for k, label in enumerate(labels)}
     first = [case for case in experiment.cases if case.agents == experiment.cases[0].agents]
     ticks = int(settings.ticks(None, 1.0))
-    shown = None
+    drawn_flock = None
     for case in first:
         flock = flock_of(case, seed)
-        time, saved = followed(flock, ticks, max(1, ticks // LOOKS))
+        time, saved = follow_savings(flock, ticks, max(1, ticks // LOOKS))
         over_time.plot(
             time, 100.0 * settings.induced * saved, color=colour[case.label], linewidth=1.7
         )
-        shown = shown or flock
+        drawn_flock = drawn_flock or flock
     over_time.axhline(0.0, color=INK, linewidth=0.8)
     over_time.set_xlabel("time / s")
     over_time.set_ylabel("power saved / %")
     over_time.set_title(f"{first[0].agents} birds, seed {seed}", loc="left")
-    draw_runs(runs, of(made, "power"), labels, colour)
-    from_above(above, shown)
+    draw_runs(runs, verdicts_on(verdicts, "power"), labels, colour)
+    draw_from_above(above, drawn_flock)
     above.set_title(f"{first[0].label}, at the end, from above", loc="left")
     from matplotlib.lines import Line2D
 
-    signs = [Line2D([], [], color=colour[one], linewidth=2.5, label=one) for one in labels]
-    explain(
+    signs = [Line2D([], [], color=colour[label], linewidth=2.5, label=label) for label in labels]
+    draw_key(
         figure,
         signs,
         f"{100.0 * settings.induced:g} % of the power taken as induced; colours of birds: share of "
@@ -137,13 +137,13 @@ def draw_formation(figure: Any, experiment: Experiment, made: list[Verdict], see
 
 def draw_runs(axes: Any, points: list[Verdict], labels: list[str], colour: dict[str, str]) -> None:
     """Boxes of all runs, by size of flock and row."""
-    sizes = sorted({one.case.agents for one in points})
+    sizes = sorted({point.case.agents for point in points})
     width = 0.8 / max(1, len(labels))
-    for one in points:
-        x = sizes.index(one.case.agents) + width * (
-            labels.index(one.case.label) - (len(labels) - 1) / 2
+    for point in points:
+        x = sizes.index(point.case.agents) + width * (
+            labels.index(point.case.label) - (len(labels) - 1) / 2
         )
-        box(axes, x, one.values, colour[one.case.label], 0.8 * width)
+        box(axes, x, point.values, colour[point.case.label], 0.8 * width)
     axes.axhline(0.0, color=INK, linewidth=0.8)
     axes.set_xticks(range(len(sizes)), [str(n) for n in sizes])
     axes.set_xlabel("birds")
@@ -151,7 +151,7 @@ def draw_runs(axes: Any, points: list[Verdict], labels: list[str], colour: dict[
     axes.set_title("all runs", loc="left")
 
 
-def from_above(axes: Any, flock: Any) -> None:
+def draw_from_above(axes: Any, flock: Any) -> None:
     """The largest group from above, its mean heading up the page, coloured by what birds save."""
     from matplotlib.collections import LineCollection
 
@@ -167,7 +167,7 @@ def from_above(axes: Any, flock: Any) -> None:
         cmap=SHADES,
         linewidths=3.0,
         capstyle="round",
-        path_effects=outlined(),
+        path_effects=outline_effect(),
     )
     wings.set_array(share)
     wings.set_clim(-1.0, 1.0)
@@ -182,7 +182,7 @@ def from_above(axes: Any, flock: Any) -> None:
     axes.figure.colorbar(wings, ax=axes, shrink=0.7, label="share of induced drag saved")
 
 
-def outlined() -> list[Any]:
+def outline_effect() -> list[Any]:
     """A thin dark line round what is drawn, so that pale birds are seen."""
     from matplotlib.patheffects import Normal, Stroke
 

@@ -12,10 +12,10 @@ from pydantic import Field, field_validator
 from agents.observables.groups import group_labels, group_sizes
 from agents.observables.neighbours import links
 from agents.observables.order import polarisation
-from app.studies.charts.boxes import came, explain
+from app.studies.charts.boxes import draw_key, runs_with_value
 from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.convergence import PUBLISHED
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import PERCENT, RARE, RARE_PERCENT, SUCCESS, Measure, Number, Settings
 from worlds.number_text import counted
 
@@ -237,7 +237,7 @@ COLOURS = ("#2166ac", "#b07d12", "#1f9d63", "#c0392b", "#8e44ad")
 CURVES = (("groups", "groups"), ("largest", "in the largest group / %"), ("p", "polarisation"))
 
 
-def draw_gathering(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+def draw_gathering(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:
     """Draw the curves of all rows above, the first row's run of that seed below."""
     settings = experiment.settings
     assert isinstance(settings, GatheringSettings)
@@ -247,7 +247,7 @@ def draw_gathering(figure: Any, experiment: Experiment, made: list[Verdict], see
     above, below = figure.subfigures(2, 1, height_ratios=[1.0, 1.25])
     panels = above.subplots(1, 3)
     for axes, (measure, title) in zip(panels, CURVES, strict=True):
-        draw_curve(axes, of(made, measure), experiment)
+        draw_curve(axes, verdicts_on(verdicts, measure), experiment)
         axes.set_title(title, loc="left")
         axes.set_xlabel("tick")
         for tick in captions:
@@ -263,7 +263,7 @@ def draw_gathering(figure: Any, experiment: Experiment, made: list[Verdict], see
         draw_box(axes, flock)
         title = f"({letter}) tick {tick}: {measure_gathering(settings, flock)}\n{text}"
         axes.set_title(title, loc="left", fontsize=9)
-    explain(
+    draw_key(
         figure,
         signs(panels[0]),
         "above: mean and quartiles of the runs; below: a run of "
@@ -274,8 +274,8 @@ def draw_gathering(figure: Any, experiment: Experiment, made: list[Verdict], see
 
 def measure_gathering(settings: GatheringSettings, flock: Flock) -> str:
     """What the picture shows, measured."""
-    found = settings.measured(flock)
-    groups, p = int(found["groups"] or 0), found["p"]
+    values = settings.measured(flock)
+    groups, p = int(values["groups"] or 0), values["p"]
     return "nobody flies" if p is None else f"{counted(groups, 'group')}, p = {p:.2f}"
 
 
@@ -283,14 +283,14 @@ def draw_curve(axes: Any, points: list[Verdict], experiment: Experiment) -> None
     """Draw a measure over the ticks, a line and a band for each row."""
     rows = list(dict.fromkeys(id(case.row) for case in experiment.cases))
     for row, colour in zip(rows, COLOURS, strict=False):
-        mine = [one for one in points if id(one.case.row) == row and one.summary.runs]
-        ticks = [one.case.tick for one in mine]
-        quartiles = np.array([one.summary.quartiles for one in mine])
+        mine = [point for point in points if id(point.case.row) == row and point.summary.runs]
+        ticks = [verdict.case.tick for verdict in mine]
+        quartiles = np.array([verdict.summary.quartiles for verdict in mine])
         if len(mine):
             axes.fill_between(ticks, quartiles[:, 0], quartiles[:, 2], color=colour, alpha=0.18)
             axes.plot(
                 ticks,
-                [came(one.values).mean() for one in mine],
+                [runs_with_value(verdict.values).mean() for verdict in mine],
                 color=colour,
                 linewidth=1.8,
                 label=mine[0].case.label,
@@ -310,15 +310,15 @@ def signs(axes: Any) -> list[Any]:
 WIDTH = 0.3
 
 
-def draw_crashes(figure: Any, made: list[Verdict]) -> None:
+def draw_crashes(figure: Any, verdicts: list[Verdict]) -> None:
     """Draw both panels."""
     figure.set_size_inches(12.4, 5.2)
     left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.15])
     rows: dict[int, list[Verdict]] = {}
-    for one in made:
-        rows.setdefault(id(one.case.row), []).append(one)
+    for verdict in verdicts:
+        rows.setdefault(id(verdict.case.row), []).append(verdict)
     for x, (row, colour) in enumerate(zip(rows.values(), COLOURS, strict=False)):
-        draw_start(left, x, of(row, "at_0")[-1], colour)
+        draw_start(left, x, verdicts_on(row, "at_0")[-1], colour)
         draw_course(right, row, colour)
     left.set_xticks(range(len(rows)), [row[0].case.label for row in rows.values()])
     left.tick_params(axis="x", length=0)
@@ -332,23 +332,25 @@ def draw_crashes(figure: Any, made: list[Verdict]) -> None:
     crash_signs(figure)
 
 
-def draw_start(axes: Any, x: int, one: Verdict, colour: str) -> None:
+def draw_start(axes: Any, x: int, verdict: Verdict, colour: str) -> None:
     """Draw the crashes at tick 0: a dot for each run, the mean, and the published runs beside."""
-    values = came(one.values)
+    values = runs_with_value(verdict.values)
     aside = np.random.default_rng(0).uniform(-0.6 * WIDTH, 0.6 * WIDTH, values.size)
     axes.plot(x - 0.2 + aside, values, ".", color=colour, markersize=5, alpha=0.5)
     axes.plot([x - 0.2 - WIDTH / 2, x - 0.2 + WIDTH / 2], [values.mean()] * 2, color=colour, lw=2.4)
-    if one.published and one.published.values:
-        there = np.array(one.published.values)
-        axes.plot([x + 0.22] * there.size, there, "D", color=PUBLISHED, markersize=6, alpha=0.75)
-        axes.plot([x + 0.1, x + 0.34], [there.mean()] * 2, color=PUBLISHED, lw=2.0)
+    if verdict.published and verdict.published.values:
+        published = np.array(verdict.published.values)
+        axes.plot(
+            [x + 0.22] * published.size, published, "D", color=PUBLISHED, markersize=6, alpha=0.75
+        )
+        axes.plot([x + 0.1, x + 0.34], [published.mean()] * 2, color=PUBLISHED, lw=2.0)
 
 
 def draw_course(axes: Any, row: list[Verdict], colour: str) -> None:
     """Draw the mean number of crashes up to each look."""
-    counts = [of(row, measure) for measure in ("at_0", "early", "late")]
-    ticks = [one.case.tick for one in counts[0]]
-    total = [sum(one.summary.mean for one in look) for look in zip(*counts, strict=True)]
+    counts = [verdicts_on(row, measure) for measure in ("at_0", "early", "late")]
+    ticks = [verdict.case.tick for verdict in counts[0]]
+    total = [sum(value.summary.mean for value in look) for look in zip(*counts, strict=True)]
     axes.plot(ticks, total, color=colour, marker="o", markersize=4, label=row[0].case.label)
 
 
@@ -360,7 +362,7 @@ def crash_signs(figure: Any) -> None:
     thesis = Line2D(
         [], [], marker="D", color=PUBLISHED, linestyle="none", label="the thesis's five runs"
     )
-    explain(figure, [*course, thesis], "dots: runs; bars: means")
+    draw_key(figure, [*course, thesis], "dots: runs; bars: means")
 
 
 PICTURES = {"crashes": draw_crashes, "gathering": draw_gathering}

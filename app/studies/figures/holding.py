@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import came, explain
+from app.studies.charts.boxes import draw_key, runs_with_value
 from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.driving import CARS, INJECTED, STOPS
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import COUNT, SUCCESS, Measure, Number, Settings
 from worlds.input_error import InputError
 
@@ -62,30 +62,30 @@ class HoldingSettings(Settings):
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Drive, and measure the distances. Raises InputError if there is no place to stay near."""
-        away = self.distances(flock, self.driven(flock, between))
-        kept = away[round(self.late / flock.dt) :]
+        away = self.distances(flock, self.drive(flock, between))
+        late = away[round(self.late / flock.dt) :]
         inside = np.flatnonzero((away <= self.radius).all(axis=1))
         touched = STOPS in flock.model.signals and bool(flock.signal(STOPS).any())
         return {
-            "held": 100 * bool((kept <= self.radius).all()),
-            "furthest": float(kept.max()),
-            "mean": float(kept.mean()),
+            "held": 100 * bool((late <= self.radius).all()),
+            "furthest": float(late.max()),
+            "mean": float(late.mean()),
             "came": float(inside[0] * flock.dt) if len(inside) else None,
             "collision": 100 * touched,
         }
 
-    def driven(self, flock: Flock, between: Callable[[], None] = lambda: None) -> np.ndarray:
+    def drive(self, flock: Flock, between: Callable[[], None] = lambda: None) -> np.ndarray:
         """Positions at every tick from 0 to the limit, (T + 1, N, 2), m."""
         if flock.world.mission is None or flock.world.mission.goal is None:
             raise InputError(
                 f"the world {flock.world.name!r} has no place to stay near: it has no goal"
             )
         ticks = int(self.ticks(None, flock.dt))
-        kept = [flock.position[None].copy()]
+        positions = [flock.position[None].copy()]
         while flock.tick < ticks:
             between()
-            kept.append(flock.trace(min(CHUNK, ticks - flock.tick)))
-        return np.concatenate(kept)
+            positions.append(flock.trace(min(CHUNK, ticks - flock.tick)))
+        return np.concatenate(positions)
 
     def distances(self, flock: Flock, position: np.ndarray) -> np.ndarray:
         """Distances of positions (T, N, 2) from tick 0 on to the place, (T, N), m."""
@@ -100,14 +100,14 @@ class HoldingSettings(Settings):
 RADIUS, LATE, INK = "#c0392b", "#7a828c", "#3c434b"
 
 
-def draw_holding(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+def draw_holding(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:
     """Draw the first row's run of that seed, and how far the cars of all runs go."""
     from matplotlib.patches import Circle, Rectangle
 
     settings, case = experiment.settings, experiment.cases[0]
     assert isinstance(settings, HoldingSettings)
     flock = flock_of(case, seed)
-    position = settings.driven(flock)
+    position = settings.drive(flock)
     away = settings.distances(flock, position)
     figure.set_size_inches(12.8, 5.6)
     above, over_time, runs = figure.subplots(1, 3, width_ratios=[1.0, 1.25, 0.55])
@@ -139,20 +139,20 @@ def draw_holding(figure: Any, experiment: Experiment, made: list[Verdict], seed:
     over_time.set_xlim(0.0, time[-1])
     over_time.set_xlabel("time / s")
     over_time.set_ylabel("distance to the place / m")
-    draw_runs(runs, of(made, "furthest"))
+    draw_runs(runs, verdicts_on(verdicts, "furthest"))
     for axes in (over_time, runs):
         axes.axhline(settings.radius, color=RADIUS, linewidth=1.6)
         axes.set_ylim(0.0, 1.12 * max(settings.radius, float(away.max())))
-    explain(figure, signs(settings.radius), "")
+    draw_key(figure, signs(settings.radius), "")
 
 
 def draw_runs(axes: Any, points: list[Verdict]) -> None:
     """Draw the largest distance of each run, a dot, by row."""
-    for x, one in enumerate(points):
-        values = came(one.values)
+    for x, point in enumerate(points):
+        values = runs_with_value(point.values)
         aside = np.random.default_rng(0).uniform(-0.22, 0.22, values.size)
         axes.plot(x + aside, values, ".", color=CARS[0], markersize=6, alpha=0.55)
-    axes.set_xticks(range(len(points)), [f"N = {one.case.agents}" for one in points])
+    axes.set_xticks(range(len(points)), [f"N = {point.case.agents}" for point in points])
     axes.tick_params(axis="x", length=0)
     axes.set_xlim(-0.6, len(points) - 0.4)
     axes.set_title("furthest, all runs", loc="left")

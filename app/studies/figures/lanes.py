@@ -9,11 +9,11 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.lanes import lane_order
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.colour_table import COLOURS
 from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.experiment import Experiment, flock_of
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import Measure, Number, Settings
 
 if TYPE_CHECKING:
@@ -51,23 +51,23 @@ class LaneSettings(Settings):
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Let people walk, then look at them."""
         between()
-        begun = self.order(flock, ways_of(flock))
+        initial_order = self.order(flock, walking_directions(flock))
         flock.run(self.settle)
-        seen = []
+        samples = []
         for _ in range(self.looks):
             between()
             flock.run(self.every)
-            ways = ways_of(flock)
+            ways = walking_directions(flock)
             dealt = [self.order(flock, flock.rng.permutation(ways)) for _ in range(DEALS)]
-            gone = flock.speed * (flock.heading[:, 0] * ways)
-            seen.append((self.order(flock, ways), np.mean(dealt), gone.mean()))
-        order, mixed, gone = (float(mean) for mean in np.mean(seen, axis=0))
+            progress = flock.speed * (flock.heading[:, 0] * ways)
+            samples.append((self.order(flock, ways), np.mean(dealt), progress.mean()))
+        order, mixed, progress = (float(mean) for mean in np.mean(samples, axis=0))
         return {
             "order": order,
             "mixed": mixed,
             "gain": order - mixed,
-            "start": begun,
-            "progress": 100.0 * gone / flock.parameters.v0,  # type: ignore[attr-defined]
+            "start": initial_order,
+            "progress": 100.0 * progress / flock.parameters.v0,  # type: ignore[attr-defined]
         }
 
     def order(self, flock: Flock, ways: np.ndarray) -> float:
@@ -81,7 +81,7 @@ class LaneSettings(Settings):
         return self.settle + self.looks * self.every
 
 
-def ways_of(flock: Flock) -> np.ndarray:
+def walking_directions(flock: Flock) -> np.ndarray:
     """Where each of the flock wants to go along the corridor, +1 or -1, (N,)."""
     return flock.signal(WAY)
 
@@ -93,7 +93,7 @@ DART = np.array([[0.6, 0.0], [-0.4, 0.32], [-0.2, 0.0], [-0.4, -0.32]])
 """Outline of a walker of length 1 that goes along +x."""
 
 
-def draw_lanes(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+def draw_lanes(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:
     """Draw the run of that seed of the first row twice above, the lane order of all rows below."""
     settings = experiment.settings
     assert isinstance(settings, LaneSettings)
@@ -106,16 +106,16 @@ def draw_lanes(figure: Any, experiment: Experiment, made: list[Verdict], seed: i
     flock.run(settings.settle + settings.looks * settings.every)
     draw_people(last, flock, f"after {flock.elapsed:g} s")
     axes, speed = below.subplots(1, 2, width_ratios=[1.6, 1.0])
-    draw_rows(axes, made, "order")
-    draw_rows(speed, made, "progress")
+    draw_rows(axes, verdicts, "order")
+    draw_rows(speed, verdicts, "progress")
     axes.set_ylim(0.0, 1.03)
     axes.set_ylabel("lane order")
     speed.set_ylabel("speed along the own way / % of desired")
-    dots = of(made, "mixed")
-    sizes = sorted({one.case.agents for one in dots})
-    means = [np.mean([one.summary.mean for one in dots if one.case.agents == n]) for n in sizes]
+    dots = verdicts_on(verdicts, "mixed")
+    sizes = sorted({dot.case.agents for dot in dots})
+    means = [np.mean([dot.summary.mean for dot in dots if dot.case.agents == n]) for n in sizes]
     axes.plot(sizes, means, ":", color="#3c434b", linewidth=1.3, label="ways dealt by chance")
-    explain(
+    draw_key(
         figure,
         axes.get_legend_handles_labels()[0],
         f"above: seed {seed}, those who want to go to the right blue; below: mean of all runs, "
@@ -130,7 +130,7 @@ def draw_people(axes: Any, flock: Any, title: str) -> None:
     ux, uy = flock.heading.T
     turn = np.array([[ux, -uy], [uy, ux]]).transpose(2, 0, 1)
     darts = flock.position[:, None] + 0.9 * np.einsum("nij,kj->nki", turn, DART)
-    colours = np.where(ways_of(flock) > 0.0, EAST, WEST)
+    colours = np.where(walking_directions(flock) > 0.0, EAST, WEST)
     axes.add_collection(PolyCollection(darts, facecolors=colours, edgecolors="none"))
     width, height = flock.world.size
     axes.set(xlim=(0.0, width), ylim=(0.0, height), aspect="equal", xticks=[], yticks=[])
@@ -142,16 +142,16 @@ def draw_people(axes: Any, flock: Any, title: str) -> None:
     axes.set_title(title, loc="left")
 
 
-def draw_rows(axes: Any, made: list[Verdict], measure: str) -> None:
+def draw_rows(axes: Any, verdicts: list[Verdict], measure: str) -> None:
     """Draw a measure over the number of people, a line for each label."""
-    rows = of(made, measure)
-    for k, label in enumerate(dict.fromkeys(one.case.label for one in rows)):
-        line = [one for one in rows if one.case.label == label]
-        line.sort(key=lambda one: one.case.agents)
+    rows = verdicts_on(verdicts, measure)
+    for k, label in enumerate(dict.fromkeys(row.case.label for row in rows)):
+        line = [row for row in rows if row.case.label == label]
+        line.sort(key=lambda verdict: verdict.case.agents)
         draw_mean_bars(
             axes,
-            [one.case.agents for one in line],
-            [one.summary for one in line],
+            [verdict.case.agents for verdict in line],
+            [verdict.summary for verdict in line],
             LINE_COLOURS[k % len(LINE_COLOURS)],
             label,
         )

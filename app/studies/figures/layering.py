@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 
@@ -40,15 +40,15 @@ class LayeringSettings(Settings):
         between()
         n = len(flock.ids)
         layers = flock.layers()
-        known = layers <= n
+        is_known = layers <= n
         near = [flock.inspect(row) for row in range(n)]
-        sums = np.array([vectors(flock, one).sum(axis=0) for one in near])
-        upside_down = sum(heeds_lower(one, layers, n) for one in near)
+        sums = np.array([vectors(flock, inspection).sum(axis=0) for inspection in near])
+        upside_down = sum(heeds_lower(inspection, layers, n) for inspection in near)
         flock.run(1)
         steers = ~flock.informed & (np.linalg.norm(sums, axis=1) > 0.0)
         return {
-            "deepest": int(layers[known].max()),
-            "cut_off": int((~known).sum()),
+            "deepest": int(layers[is_known].max()),
+            "cut_off": int((~is_known).sum()),
             "off": int((layers != shortest_ways(flock_links(near), flock.informed)).sum()),
             "upper": upside_down,
             "angle": float(
@@ -64,8 +64,8 @@ class LayeringSettings(Settings):
 def flock_links(near: list[Inspection]) -> np.ndarray:
     """Which UAVs (row) know of which (column), (N, N) bool."""
     linked = np.zeros((len(near), len(near)), bool)
-    for one in near:
-        linked[one.row, one.neighbours] = True
+    for inspection in near:
+        linked[inspection.row, inspection.neighbours] = True
     return linked
 
 
@@ -91,23 +91,25 @@ def shortest_way(layers: np.ndarray, linked: np.ndarray, row: int) -> list[int]:
     return way
 
 
-def vectors(flock: Flock, one: Inspection) -> np.ndarray:
+def vectors(flock: Flock, inspection: Inspection) -> np.ndarray:
     """What each neighbour adds to the direction (18), h_ij times its heading, (M, dim)."""
-    total = one.weights.sum()
-    share = one.weights / total if total > 0.0 else one.weights
-    return share[:, None] * flock.heading[one.neighbours]
+    total = inspection.weights.sum()
+    share = inspection.weights / total if total > 0.0 else inspection.weights
+    return share[:, None] * flock.heading[inspection.neighbours]
 
 
-def heeds_lower(one: Inspection, layers: np.ndarray, unknown: int) -> bool:
+def heeds_lower(inspection: Inspection, layers: np.ndarray, unknown: int) -> bool:
     """Whether a neighbour weighs as much as one of a layer nearer to the information UAV, or more.
 
     `unknown`: layers above it are not known.
     """
-    theirs = layers[one.neighbours]
-    counts = theirs <= unknown
+    their_layers = layers[inspection.neighbours]
+    counts = their_layers <= unknown
     most: dict[int, float] = {}
     least: dict[int, float] = {}
-    for layer, weight in zip(theirs[counts].tolist(), one.weights[counts].tolist(), strict=True):
+    for layer, weight in zip(
+        their_layers[counts].tolist(), inspection.weights[counts].tolist(), strict=True
+    ):
         most[layer] = max(most.get(layer, 0.0), weight)
         least[layer] = min(least.get(layer, math.inf), weight)
     return any(most[low] >= least[up] > 0.0 for up in least for low in most if low > up)
@@ -160,7 +162,7 @@ def draw_layering(figure: Any, experiment: Experiment, seed: int) -> None:
     flock.run(1)
     below = layers[near[second].neighbours] - layers[second]
     draw_synthesis(right, added, below, flock.heading[second])
-    explain(figure, signs(), f"{case.label}, N = {case.agents}, seed {seed}; numbers are layers")
+    draw_key(figure, signs(), f"{case.label}, N = {case.agents}, seed {seed}; numbers are layers")
 
 
 def first_uav(layers: np.ndarray, linked: np.ndarray) -> int:
@@ -179,9 +181,9 @@ def second_uav(layers: np.ndarray, linked: np.ndarray) -> int:
     """A UAV that hears the layer above it from more than one UAV, and other layers too."""
 
     def suits(row: int) -> tuple[int, int, int]:
-        heard = layers[linked[row]]
-        upper = int((heard == layers[row] - 1).sum())
-        return min(upper, 2), len(set(heard)), -len(heard)
+        heard_layers = layers[linked[row]]
+        upper = int((heard_layers == layers[row] - 1).sum())
+        return min(upper, 2), len(set(heard_layers)), -len(heard_layers)
 
     rows = np.flatnonzero((layers > 2) & (layers <= SHOWN))
     return int(max(map(int, rows), key=suits, default=int(layers.argmax())))

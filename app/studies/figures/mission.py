@@ -121,9 +121,9 @@ class MissionSettings(Settings):
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Fly the mission and measure it."""
         ticks = round(self.limit / flock.dt)
-        return self.measured(fly(flock, ticks, every=ticks, between=between))
+        return self.measure_record(fly(flock, ticks, every=ticks, between=between))
 
-    def measured(self, record: MissionRecord) -> dict[str, Number | None]:
+    def measure_record(self, record: MissionRecord) -> dict[str, Number | None]:
         """The measures of a mission."""
         goal = len(record.away) > 0
         led = bool(record.informed.any())
@@ -177,7 +177,9 @@ class FlownMission(NamedTuple):
     record: MissionRecord
 
 
-def flown(experiment: Experiment, case: Case, seed: int, every: int | None = None) -> FlownMission:
+def fly_mission(
+    experiment: Experiment, case: Case, seed: int, every: int | None = None
+) -> FlownMission:
     """Fly the run of a case with that seed; keep every so many ticks, or about FRAMES in all."""
     settings = experiment.settings
     assert isinstance(settings, MissionSettings)
@@ -198,34 +200,34 @@ PASSAGE = "#c0392b"
 def draw_mission(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the first row's run of that seed."""
     case = experiment.cases[0]
-    flight = flown(experiment, case, seed)
+    flight = fly_mission(experiment, case, seed)
     figure.set_size_inches(12.4, 8.2)
     panels = figure.subplot_mosaic([["all", "all"], ["setup", "detail"]], height_ratios=[1.12, 1.0])
-    whole, setup, detail = panels["all"], panels["setup"], panels["detail"]
+    page, setup, detail = panels["all"], panels["setup"], panels["detail"]
     for axes in panels.values():
         draw_world(axes, flight.flock.world)
         draw_trails(axes, flight.record.position, colours(flight))
         leaders = flight.record.position[:, flight.record.informed]
         draw_trails(axes, leaders, [INFORMED] * leaders.shape[1], 2.0, 1.0)
         draw_agents(axes, flight.record.position[0], colours(flight), 5.0)
-    draw_agents(whole, flight.record.position[-1], colours(flight), 10.0)
-    kept = flight.record
-    show_box(whole, *extent(flight.flock.world, kept.position[:, kept.follows], 1.0))
-    whole.set_title(
-        f"{case.label}, N = {case.agents}, seed {seed}: {kept.success:.0%} follow to the end, "
-        f"{kept.ticks} ticks",
+    draw_agents(page, flight.record.position[-1], colours(flight), 10.0)
+    record = flight.record
+    show_box(page, *extent(flight.flock.world, record.position[:, record.follows], 1.0))
+    page.set_title(
+        f"{case.label}, N = {case.agents}, seed {seed}: {record.success:.0%} follow to the end, "
+        f"{record.ticks} ticks",
         loc="left",
     )
-    low, high = busiest(flight)
+    low, high = busiest_corner(flight)
     show_box(setup, low, high)
-    mark(whole, low, high, PASSAGE)
+    draw_detail_frame(page, low, high, PASSAGE)
     frame(setup, PASSAGE, "the obstacles")
-    row, place = closest(flight)
+    row, place = closest_approach(flight)
     show_box(detail, place - DETAIL, place + DETAIL)
-    mark(whole, place - DETAIL, place + DETAIL, NEAR)
+    draw_detail_frame(page, place - DETAIL, place + DETAIL, NEAR)
     frame(detail, NEAR, "an agent avoids an obstacle")
-    detail.plot(*kept.position[:, row, :2].T, "-", color=NEAR, linewidth=2.0, zorder=4)
-    detail.plot(*kept.position[:, row, :2].T, ".", color=NEAR, markersize=5, zorder=4.1)
+    detail.plot(*record.position[:, row, :2].T, "-", color=NEAR, linewidth=2.0, zorder=4)
+    detail.plot(*record.position[:, row, :2].T, ".", color=NEAR, markersize=5, zorder=4.1)
     signs(figure)
 
 
@@ -238,17 +240,17 @@ def colours(flight: FlownMission) -> list[str]:
     ]
 
 
-def busiest(flight: FlownMission) -> tuple[np.ndarray, np.ndarray]:
+def busiest_corner(flight: FlownMission) -> tuple[np.ndarray, np.ndarray]:
     """The corners of a box that holds the largest number of obstacles close to each other."""
-    bounds = np.array([one.footprint().bounds for one in flight.flock.world.obstacles])
+    bounds = np.array([obstacle.footprint().bounds for obstacle in flight.flock.world.obstacles])
     centre = (bounds[:, :2] + bounds[:, 2:]) / 2.0
-    inside = [(np.abs(centre - one) <= SETUP).all(axis=1) for one in centre]
+    inside = [(np.abs(centre - coordinate) <= SETUP).all(axis=1) for coordinate in centre]
     most = max(inside, key=np.count_nonzero)
     middle = (bounds[most, :2].min(axis=0) + bounds[most, 2:].max(axis=0)) / 2.0
     return middle - SETUP, middle + SETUP
 
 
-def closest(flight: FlownMission) -> tuple[int, np.ndarray]:
+def closest_approach(flight: FlownMission) -> tuple[int, np.ndarray]:
     """The agent that followed and came closest to an obstacle, and where (2,)."""
     record = flight.record
     ordinary = record.follows & ~record.informed
@@ -258,7 +260,7 @@ def closest(flight: FlownMission) -> tuple[int, np.ndarray]:
     return row, track[clearance(flight.flock.world, track).argmin(), :2]
 
 
-def mark(axes: Any, low: np.ndarray, high: np.ndarray, colour: str) -> None:
+def draw_detail_frame(axes: Any, low: np.ndarray, high: np.ndarray, colour: str) -> None:
     """Draw the frame of a detail."""
     from matplotlib.patches import Rectangle
 
@@ -299,15 +301,15 @@ def draw_snapshots(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the first row's run of that seed."""
     case = experiment.cases[0]
     assert isinstance(experiment.settings, MissionSettings)
-    end = flown(experiment, case, seed).record.ticks
+    end = fly_mission(experiment, case, seed).record.ticks
     figure.set_size_inches(12.4, 10.6)
     figure.get_layout_engine().set(h_pad=0.1)
     panels = figure.subplot_mosaic(
         [["all"] * 3, list("abc"), list("def")], height_ratios=[1.12, 1, 1]
     )
-    whole = panels["all"]
+    panel = panels["all"]
     flock = flock_of(case, seed)
-    draw_world(whole, flock.world)
+    draw_world(panel, flock.world)
     places = []
     for letter, k in zip("abcdef", (*(k for k in INSTANTS if k < end), end), strict=False):
         flock.run(k - flock.tick)
@@ -315,14 +317,14 @@ def draw_snapshots(figure: Any, experiment: Experiment, seed: int) -> None:
         middle = np.median(flock.position[near], axis=0)[:2]
         draw_one(panels[letter], flock, middle)
         panels[letter].set_title(f"({letter}) k = {k}", loc="left")
-        whole.scatter(*flock.position[:, :2].T, s=8, c=layer_colours(flock), zorder=5)
+        panel.scatter(*flock.position[:, :2].T, s=8, c=layer_colours(flock), zorder=5)
         top = flock.position[near, 1].max()
-        whole.annotate(
+        panel.annotate(
             f"({letter})", (middle[0], top), (0, 6), textcoords="offset points", ha="center"
         )
         places.append(flock.position[near])
-    show_box(whole, *extent(flock.world, np.concatenate(places), 1.6))
-    whole.set_title(f"{case.label}, N = {case.agents}, seed {seed}", loc="left")
+    show_box(panel, *extent(flock.world, np.concatenate(places), 1.6))
+    panel.set_title(f"{case.label}, N = {case.agents}, seed {seed}", loc="left")
     snapshot_signs(figure)
 
 

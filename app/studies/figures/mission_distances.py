@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from agents.observables.following import least_clearances, nearest_pairs
-from app.studies.charts.boxes import came, explain
+from app.studies.charts.boxes import draw_key, runs_with_value
 from app.studies.experiment import Case, Experiment
 from app.studies.figures.convergence import MEASURED, PUBLISHED, published
-from app.studies.figures.mission import FlownMission, flown
+from app.studies.figures.mission import FlownMission, fly_mission
 from app.studies.figures.mission_paths import COLOURS
-from app.studies.judge.verdict import Verdict, main_ones, of
+from app.studies.judge.verdict import Verdict, main_verdicts, verdicts_on
 
 # Least distance between an agent and anything in each run: a panel per size of flock.
 
@@ -21,21 +21,21 @@ SAFE = 1.0
 """d_min of Wu et al. 2023, table 3, m."""
 
 
-def draw_distances(figure: Any, made: list[Verdict]) -> None:
+def draw_distances(figure: Any, verdicts: list[Verdict]) -> None:
     """Draw the panels."""
-    rows = main_ones(made)
-    sizes = sorted({one.case.agents for one in rows})
-    labels = list(dict.fromkeys(one.case.label for one in rows))
+    rows = main_verdicts(verdicts)
+    sizes = sorted({row.case.agents for row in rows})
+    labels = list(dict.fromkeys(row.case.label for row in rows))
     figure.set_size_inches(3.4 * len(sizes) + 0.8, 4.4)
     panels = figure.subplots(1, len(sizes), sharey=True, squeeze=False)[0]
     for axes, agents in zip(panels, sizes, strict=True):
-        for one in rows:
-            if one.case.agents == agents:
-                k = labels.index(one.case.label)
-                values = np.array([np.nan if v is None else v for v in one.values], float)
+        for row in rows:
+            if row.case.agents == agents:
+                k = labels.index(row.case.label)
+                values = np.array([np.nan if v is None else v for v in row.values], float)
                 axes.plot(
                     np.arange(1, values.size + 1), values, "o", markersize=3.6, alpha=0.75,
-                    color=ROW_COLOURS[k], markeredgewidth=0, label=one.case.label,
+                    color=ROW_COLOURS[k], markeredgewidth=0, label=row.case.label,
                 )  # fmt: skip
         axes.axhline(SAFE, color="#c0392b", linewidth=1.4)
         axes.set_title(f"N = {agents}")
@@ -68,12 +68,12 @@ class NearestDistances(NamedTuple):
     """Of an agent to the surface of an obstacle."""
 
     @property
-    def anything(self) -> np.ndarray:
+    def least(self) -> np.ndarray:
         """The less of both, (K,)."""
         return np.minimum(self.agent, self.obstacle)
 
 
-def draw_nearest(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+def draw_nearest(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:
     """Draw the run of that seed of each row over time, and the least of each run beside it."""
     cases = experiment.cases
     figure.set_size_inches(12.6, 5.2)
@@ -81,16 +81,16 @@ def draw_nearest(figure: Any, experiment: Experiment, made: list[Verdict], seed:
         1, len(cases) + 1, sharey=True, width_ratios=[1.0] * len(cases) + [0.6]
     )
     for axes, case, colour in zip(panels, cases, COLOURS, strict=False):
-        flight = flown(experiment, case, seed, every=1)
-        found = nearness(flight)
+        flight = fly_mission(experiment, case, seed, every=1)
+        found = measure_nearest(flight)
         time = flight.record.dt * np.arange(len(found.agent))
         for values, style in ((found.agent, "-"), (found.obstacle, (0, (1.2, 1.2)))):
             axes.plot(time, values, color=INK, linewidth=0.8, linestyle=style, alpha=0.75)
-        axes.plot(time, found.anything, color=colour, linewidth=2.4, alpha=0.85)
+        axes.plot(time, found.least, color=colour, linewidth=2.4, alpha=0.85)
         axes.set_xlim(0.0, min(time[-1], SHOWN))
         axes.set_xlabel("time / s")
-        axes.set_title(f"{case.label}: {found.anything.min():.2f} m at least", loc="left")
-    draw_runs(panels[-1], of(made, "d_least"))
+        axes.set_title(f"{case.label}: {found.least.min():.2f} m at least", loc="left")
+    draw_runs(panels[-1], verdicts_on(verdicts, "d_least"))
     for axes in panels:
         axes.axhline(SAFE, color=DANGER, linewidth=1.4)
     panels[0].set_ylim(0.0, 6.0)
@@ -99,14 +99,14 @@ def draw_nearest(figure: Any, experiment: Experiment, made: list[Verdict], seed:
         "$d_{min}$", (0.98, SAFE), xycoords=("axes fraction", "data"), xytext=(0, 4),
         textcoords="offset points", ha="right", color=DANGER,
     )  # fmt: skip
-    explain(
+    draw_key(
         figure,
         nearest_signs(cases),
         f"left: the run of seed {seed} of each row; right: the least of each run",
     )
 
 
-def nearness(flight: FlownMission) -> NearestDistances:
+def measure_nearest(flight: FlownMission) -> NearestDistances:
     """The least distances at each kept tick of a flight, as its mission's measures have them."""
     n = len(flight.flock.ids)
     trace = np.ascontiguousarray(flight.record.position.transpose(0, 2, 1))
@@ -121,11 +121,11 @@ def nearness(flight: FlownMission) -> NearestDistances:
 
 def draw_runs(axes: Any, rows: list[Verdict]) -> None:
     """Draw the least distance of each run, a dot, by row."""
-    for x, (one, colour) in enumerate(zip(rows, COLOURS, strict=False)):
-        values = came(one.values)
+    for x, (row, colour) in enumerate(zip(rows, COLOURS, strict=False)):
+        values = runs_with_value(row.values)
         aside = np.random.default_rng(0).uniform(-0.22, 0.22, values.size)
         axes.plot(x + aside, values, "o", markersize=4, markeredgewidth=0, alpha=0.6, color=colour)
-    axes.set_xticks(range(len(rows)), [one.case.label.replace(" ", "\n") for one in rows])
+    axes.set_xticks(range(len(rows)), [row.case.label.replace(" ", "\n") for row in rows])
     axes.tick_params(axis="x", length=0)
     axes.set_xlim(-0.6, len(rows) - 0.4)
     axes.set_title("all runs", loc="left")
@@ -151,34 +151,34 @@ def nearest_signs(cases: list[Case]) -> list[Any]:
 WIDTH = 0.36
 
 
-def draw_success(figure: Any, made: list[Verdict]) -> None:
+def draw_success(figure: Any, verdicts: list[Verdict]) -> None:
     """Draw the panels."""
-    rows = main_ones(made)
-    sizes = sorted({one.case.agents for one in rows})
+    rows = main_verdicts(verdicts)
+    sizes = sorted({row.case.agents for row in rows})
     figure.set_size_inches(4.4 * len(sizes) + 0.6, 5.4)
     panels = figure.subplots(1, len(sizes), sharey=True, squeeze=False)[0]
     for axes, agents in zip(panels, sizes, strict=True):
-        here = [one for one in rows if one.case.agents == agents]
-        for x, one in enumerate(here):
-            draw_row(axes, x - 0.21, one)
-            if one.published:
-                published(axes, x + 0.21, one.published.mean, one.published.quartiles)
+        at_size = [row for row in rows if row.case.agents == agents]
+        for x, verdict in enumerate(at_size):
+            draw_row(axes, x - 0.21, verdict)
+            if verdict.published:
+                published(axes, x + 0.21, verdict.published.mean, verdict.published.quartiles)
         axes.set_title(f"N = {agents}")
-        axes.set_xticks(range(len(here)), [one.case.label for one in here])
+        axes.set_xticks(range(len(at_size)), [verdict.case.label for verdict in at_size])
         axes.tick_params(axis="x", length=0, labelsize=8.5)
-        axes.set_xlim(-0.6, len(here) - 0.4)
+        axes.set_xlim(-0.6, len(at_size) - 0.4)
         axes.set_ylim(-3, 103)
     panels[0].set_ylabel("$P_s$ / %")
     success_signs(figure)
 
 
-def draw_row(axes: Any, x: float, one: Verdict) -> None:
+def draw_row(axes: Any, x: float, verdict: Verdict) -> None:
     """Draw the runs of a row, the box from quartile to quartile, and the mean with its interval."""
-    values = came(one.values)
+    values = runs_with_value(verdict.values)
     if values.size == 0:
         return
     half = WIDTH / 2
-    low, middle, high = one.summary.quartiles
+    low, middle, high = verdict.summary.quartiles
     axes.fill_between(
         [x - half, x + half], low, high, facecolor=MEASURED + "30", edgecolor=MEASURED, linewidth=1
     )
@@ -187,13 +187,13 @@ def draw_row(axes: Any, x: float, one: Verdict) -> None:
     axes.plot(x + aside, values, ".", color=MEASURED, markersize=3, alpha=0.45, zorder=2.5)
     axes.plot(
         [x, x],
-        one.summary.interval,
+        verdict.summary.interval,
         color="#0b2545",
         linewidth=2.0,
         solid_capstyle="round",
         zorder=4,
     )
-    axes.plot([x], [one.summary.mean], "o", color="#0b2545", markersize=5, zorder=5,
+    axes.plot([x], [verdict.summary.mean], "o", color="#0b2545", markersize=5, zorder=5,
               markeredgecolor="white", markeredgewidth=0.8)  # fmt: skip
 
 
@@ -202,7 +202,7 @@ def success_signs(figure: Any) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    explain(
+    draw_key(
         figure,
         [
             Patch(facecolor=MEASURED + "30", edgecolor=MEASURED, label="measured quartiles"),
@@ -218,16 +218,20 @@ def success_signs(figure: Any) -> None:
 COLOUR = "#2166ac"
 
 
-def draw_turned(figure: Any, made: list[Verdict]) -> None:
+def draw_turned(figure: Any, verdicts: list[Verdict]) -> None:
     """Draw the main measure of all runs, each row's on a line of its own."""
-    rows = [one for one in main_ones(made) if any(value is not None for value in one.values)]
+    rows = [
+        verdict
+        for verdict in main_verdicts(verdicts)
+        if any(value is not None for value in verdict.values)
+    ]
     figure.set_size_inches(7.6, 0.42 * len(rows) + 1.2)
     axes = figure.subplots()
-    for k, one in enumerate(rows):
-        values = np.array([value for value in one.values if value is not None], float)
+    for k, row in enumerate(rows):
+        values = np.array([value for value in row.values if value is not None], float)
         axes.plot(values, np.full(values.size, k), "o", markersize=5, alpha=0.35, color=COLOUR,
                   markeredgewidth=0)  # fmt: skip
-    names = [f"{one.case.label}, N = {one.case.agents}" for one in rows]
+    names = [f"{row.case.label}, N = {row.case.agents}" for row in rows]
     axes.set_yticks(range(len(rows)), names)
     axes.set_ylim(len(rows) - 0.5, -0.5)
     axes.set_xlim(left=0.0)

@@ -16,7 +16,7 @@ from app.studies.charts.mission_scene import (
     show_box,
 )
 from app.studies.experiment import Experiment
-from app.studies.figures.mission import FlownMission, flown
+from app.studies.figures.mission import FlownMission, fly_mission
 
 # Two algorithms from the same start: their trajectories side by side, and how they get there.
 
@@ -35,7 +35,7 @@ def draw_duel(figure: Any, experiment: Experiment, seed: int) -> None:
 
 def draw_flights(panels: dict[str, Any], experiment: Experiment, seed: int) -> list[FlownMission]:
     """Draw the trajectories of the runs of that seed into the panels "a", "b" and so on."""
-    flights = [flown(experiment, case, seed) for case in experiment.cases]
+    flights = [fly_mission(experiment, case, seed) for case in experiment.cases]
     low, high = shared_box(flights)
     for letter, case, flight, colour in zip(
         LETTERS, experiment.cases, flights, COLOURS, strict=False
@@ -43,7 +43,7 @@ def draw_flights(panels: dict[str, Any], experiment: Experiment, seed: int) -> l
         axes = panels[letter]
         draw_flight(axes, flight, colour)
         show_box(axes, low, high)
-        axes.set_title(f"{case.label}: {through(experiment, flight)}", loc="left")
+        axes.set_title(f"{case.label}: {describe_arrivals(experiment, flight)}", loc="left")
         axes.set_xlabel("x / m")
     panels["a"].set_ylabel("y / m")
     return flights
@@ -65,7 +65,7 @@ def draw_flight(axes: Any, flight: FlownMission, colour: str) -> None:
     draw_agents(axes, flock.position, ["#c0392b"] * len(flock.ids), 16.0)
 
 
-def through(experiment: Experiment, flight: FlownMission) -> str:
+def describe_arrivals(experiment: Experiment, flight: FlownMission) -> str:
     """How many agents came to the goal, in words."""
     n = len(flight.flock.ids)
     share = flight.record.through(experiment.settings.spacing)  # type: ignore[attr-defined]
@@ -108,10 +108,10 @@ def draw_centres(figure: Any, experiment: Experiment, seed: int) -> None:
     figure.set_size_inches(10.8, 8.6)
     panels = figure.subplot_mosaic([["a", "b"], ["c", "d"]], height_ratios=[1.9, 1.0])
     flights = draw_flights(panels, experiment, seed)
-    end = time_shown(experiment, flights)
+    end = last_time(experiment, flights)
     for letter in "ab":
-        said = panels[letter].get_title(loc="left")
-        panels[letter].set_title(f"({letter}) {said}", loc="left")
+        title = panels[letter].get_title(loc="left")
+        panels[letter].set_title(f"({letter}) {title}", loc="left")
     for axis, (letter, name) in enumerate((("c", "x"), ("d", "y"))):
         axes = panels[letter]
         for flight, label, colour in zip(flights, labels, COLOURS, strict=False):
@@ -146,15 +146,15 @@ def row_label(experiment: Experiment, flight: FlownMission, label: str) -> str:
     return f"{label}: " + ("never settles" if settled is None else f"settles at {settled:.0f} s")
 
 
-def time_shown(experiment: Experiment, flights: list[FlownMission]) -> float:
+def last_time(experiment: Experiment, flights: list[FlownMission]) -> float:
     """The time until which curves are drawn, s: a little longer than until all have settled."""
     near = experiment.settings.within  # type: ignore[attr-defined]
     ends = [flight.record.ticks * flight.record.dt for flight in flights]
     settled = [flight.record.settled(near) for flight in flights]
-    there = [time for time in settled if time is not None]
+    times = [time for time in settled if time is not None]
     return (
-        min(max(ends), QUIET * max(there))
-        if len(there) == len(flights) and max(there)
+        min(max(ends), QUIET * max(times))
+        if len(times) == len(flights) and max(times)
         else max(ends)
     )
 
@@ -166,14 +166,16 @@ SHOWN = 120.0
 
 def draw_trajectories(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the runs of that seed, one of each row."""
-    flights = [flown(experiment, case, seed) for case in experiment.cases]
+    flights = [fly_mission(experiment, case, seed) for case in experiment.cases]
     figure.set_size_inches(5.6 * len(flights) + 0.4, 8.4)
     panels = figure.subplots(3, len(flights), squeeze=False, height_ratios=[2.0, 1, 1])
     low, high = shared_box(flights)
     for column, case, flight in zip(panels.T, experiment.cases, flights, strict=True):
         draw_flight(column[0], flight, COLOUR)
         show_box(column[0], low, high)
-        column[0].set_title(f"N = {case.agents}: {through(experiment, flight)}", loc="left")
+        column[0].set_title(
+            f"N = {case.agents}: {describe_arrivals(experiment, flight)}", loc="left"
+        )
         for axis, name in enumerate("xy"):
             draw_over_time(column[1 + axis], flight, axis, name)
         column[2].set_xlabel("time / s")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field, model_validator
 
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import Measure, Number, Settings
 from app.studies.search import PENALTY, Algorithm, PointScores, search
 
@@ -53,11 +53,11 @@ class SearchSettings(Settings):
             raise ValueError("log: names of the box with values above 0 are needed")
         return self
 
-    def common(self, flock: Flock) -> range:
+    def search_seeds(self, flock: Flock) -> range:
         """The seeds of the search that a flock stands for."""
         return range(APART * flock.seed, APART * flock.seed + self.seeds)
 
-    def unseen(self, flock: Flock) -> range:
+    def fresh_seeds(self, flock: Flock) -> range:
         """Its fresh seeds."""
         first = APART * flock.seed + FRESH
         return range(first, first + self.fresh)
@@ -74,7 +74,7 @@ class SearchSettings(Settings):
         """The values that the flock has by itself."""
         return tuple(float(getattr(flock.parameters, name)) for name in self.box)
 
-    def another(self, flock: Flock, point: Point, seed: int, **more: float) -> Flock:
+    def make_flock(self, flock: Flock, point: Point, seed: int, **more: float) -> Flock:
         """A flock like this one with other parameters and another seed."""
         from agents import Flock as Made
 
@@ -83,15 +83,15 @@ class SearchSettings(Settings):
 
     def times(self, flock: Flock, point: Point, seeds: range) -> np.ndarray:
         """k_con of a point by seed; a run that is given up has taken all ticks."""
-        found = [
-            self.another(flock, point, seed).run_until_consistent(
+        results = [
+            self.make_flock(flock, point, seed).run_until_consistent(
                 self.limit, self.desired, self.hold
             )
             for seed in seeds
         ]
-        return np.array([self.limit if k is None else k for k in found], float)
+        return np.array([self.limit if k is None else k for k in results], float)
 
-    def searched(
+    def search(
         self,
         algorithm: Algorithm,
         flock: Flock,
@@ -99,21 +99,21 @@ class SearchSettings(Settings):
         between: Callable[[], None],
     ) -> dict[Point, Sequence[float]]:
         """All points that a search has tried, with what each is worth, the less the better."""
-        found: dict[Point, Sequence[float]] = {}
+        evaluated: dict[Point, Sequence[float]] = {}
 
         def judge(units: np.ndarray) -> PointScores:
             between()
             points = self.points(units)
             for point in points:
-                found.setdefault(point, worth(point))
-            values = np.array([found[point] for point in points])
+                evaluated.setdefault(point, worth(point))
+            values = np.array([evaluated[point] for point in points])
             return PointScores(np.minimum(values, PENALTY), np.zeros((len(points), 1)))
 
         search(
             algorithm, len(self.box), 2 if algorithm == "nsga2" else 1, 1, judge,
             evaluations=self.evaluations, population=self.population, seed=flock.seed,
         )  # fmt: skip
-        return found
+        return evaluated
 
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
         """Those of all points."""
@@ -146,25 +146,25 @@ class OptimaSettings(SearchSettings):
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Search twice, and run what is found, and the plateau, with fresh seeds."""
-        fresh, tried = self.unseen(flock), self.common(flock)
+        fresh, tried = self.fresh_seeds(flock), self.search_seeds(flock)
         times = {"default": self.times(flock, self.default(flock), fresh)}
-        found: dict[str, Number | None] = {}
+        values: dict[str, Number | None] = {}
         for algorithm in ("ga", "pso"):
-            seen = self.searched(
+            evaluated = self.search(
                 algorithm,
                 flock,
                 lambda point: [float(self.times(flock, point, tried).mean())],
                 between,
             )
-            best = min(seen, key=lambda point: seen[point][0])
+            best = min(evaluated, key=lambda point: evaluated[point][0])
             times[algorithm] = self.times(flock, best, fresh)
-            found |= {f"{algorithm}_p1": best[0], f"{algorithm}_p2": best[1]}
+            values |= {f"{algorithm}_p1": best[0], f"{algorithm}_p2": best[1]}
         (low, high), (_, last) = list(self.box.values())[:2]
         corners = [(p1, p2) for p1 in (low, high) for p2 in (self.plateau_from, last)]
         means = [float(self.times(flock, corner, fresh).mean()) for corner in corners]
         of = {name: float(values.mean()) for name, values in times.items()}
         return (
-            found
+            values
             | of
             | {
                 "plateau": sum(means) / len(means),
@@ -213,23 +213,23 @@ class TradeoffSettings(SearchSettings):
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Search once, and run the front with fresh seeds."""
-        tried, fresh = self.common(flock), self.unseen(flock)
+        tried, fresh = self.search_seeds(flock), self.fresh_seeds(flock)
 
         def worth(point: Point, seeds: range = tried) -> tuple[float, float]:
             time = float(self.times(flock, point, seeds).mean())
             return time, -self.consistency(flock, point, seeds)
 
-        seen = self.searched("nsga2", flock, worth, between)
+        evaluated = self.search("nsga2", flock, worth, between)
         front = [
-            one for one, value in seen.items()
+            point for point, value in evaluated.items()
             if not any(all(o <= v for o, v in zip(other, value, strict=True)) and other != value
-                       for other in seen.values())
+                       for other in evaluated.values())
         ]  # fmt: skip
         values = {point: worth(point, fresh) for point in front}
         quick = min(front, key=lambda point: values[point][0])
         calm = min(front, key=lambda point: values[point][1])
         default = worth(self.default(flock), fresh)
-        found: dict[str, Number | None] = {
+        summary: dict[str, Number | None] = {
             "quick": values[quick][0],
             "quick_deg": -values[quick][1],
             "calm": values[calm][0],
@@ -242,20 +242,20 @@ class TradeoffSettings(SearchSettings):
             "calm_p2": calm[1],
         }
         for most in (10, 12, 15, 20):
-            there = [-deg for time, deg in values.values() if time <= most]
-            found[f"within_{most}"] = max(there, default=None)
-        return found
+            reachable = [-deg for time, deg in values.values() if time <= most]
+            summary[f"within_{most}"] = max(reachable, default=None)
+        return summary
 
     def consistency(self, flock: Flock, point: Point, seeds: range) -> float:
         """The mean consistency of a point with noise over the last ticks."""
-        found: list[float] = []
+        consistencies: list[float] = []
         for seed in seeds:
-            one = self.another(flock, point, seed, eta=self.noise)
-            one.run(self.lasts - self.over)
+            other_flock = self.make_flock(flock, point, seed, eta=self.noise)
+            other_flock.run(self.lasts - self.over)
             for _ in range(self.over):
-                one.run(1)
-                found.append(float(one.observe("consistency")))
-        return float(np.mean(found))
+                other_flock.run(1)
+                consistencies.append(float(other_flock.observe("consistency")))
+        return float(np.mean(consistencies))
 
 
 FOUND = {"ga": ("genetic algorithm", "#2166ac", "o"), "pso": ("particle swarm", "#b07d12", "^")}
@@ -263,18 +263,18 @@ TOLD = {"default": "paper's weights", "ga": "GA", "pso": "PSO", "plateau": "plat
 CALM = {10: "within_10", 12: "within_12", 15: "within_15", 20: "within_20"}
 
 
-def values(made: list[Verdict], name: str) -> np.ndarray:
+def values(verdicts: list[Verdict], name: str) -> np.ndarray:
     """What was measured in each search; nan where one has none."""
-    (row,) = of(made, name)[:1]
-    return np.array([np.nan if one is None else one for one in row.values], float)
+    (row,) = verdicts_on(verdicts, name)[:1]
+    return np.array([np.nan if value is None else value for value in row.values], float)
 
 
-def draw_optima(figure: Any, made: list[Verdict]) -> None:
+def draw_optima(figure: Any, verdicts: list[Verdict]) -> None:
     """The weights that were found, and k_con there beside the paper's and the plateau's."""
     figure.set_size_inches(9.6, 4.4)
     left, right = figure.subplots(1, 2)
     for name, (label, colour, marker) in FOUND.items():
-        places = values(made, f"{name}_p2"), values(made, f"{name}_p1")
+        places = values(verdicts, f"{name}_p2"), values(verdicts, f"{name}_p1")
         left.plot(*places, marker, color=colour, label=label, alpha=0.8)
     left.set_xlabel("$p_2$")
     left.set_ylabel("$p_1$")
@@ -282,17 +282,19 @@ def draw_optima(figure: Any, made: list[Verdict]) -> None:
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower left", ncols=2)
     off = np.random.default_rng(0)
     for k, name in enumerate(TOLD):
-        there = values(made, name)
+        present = values(verdicts, name)
         colour = FOUND.get(name, ("", "#555555", ""))[1]
-        right.plot(k + off.uniform(-0.15, 0.15, there.size), there, ".", color=colour, alpha=0.7)
-        right.hlines(there.mean(), k - 0.3, k + 0.3, color=colour)
+        right.plot(
+            k + off.uniform(-0.15, 0.15, present.size), present, ".", color=colour, alpha=0.7
+        )
+        right.hlines(present.mean(), k - 0.3, k + 0.3, color=colour)
     right.set_xticks(range(len(TOLD)), list(TOLD.values()))
     right.set_ylabel("$k_{con}$ / ticks")
     right.set_ylim(bottom=0.0)
     right.set_title("what they are worth, on fresh seeds", loc="left")
 
 
-def draw_tradeoff(figure: Any, made: list[Verdict]) -> None:
+def draw_tradeoff(figure: Any, verdicts: list[Verdict]) -> None:
     """The ends of each front, and the most consistency that a time allows."""
     figure.set_size_inches(7.2, 4.6)
     axes = figure.subplots()
@@ -301,9 +303,9 @@ def draw_tradeoff(figure: Any, made: list[Verdict]) -> None:
         ("calm", "#1b7837", "the calm end of a front"),
         ("default", "#b2182b", "the paper's weights"),
     ):
-        places = values(made, name), values(made, f"{name}_deg")
+        places = values(verdicts, name), values(verdicts, f"{name}_deg")
         axes.plot(*places, "o", color=colour, label=label, alpha=0.7, markersize=5)
-    means = [np.nanmean(values(made, name)) for name in CALM.values()]
+    means = [np.nanmean(values(verdicts, name)) for name in CALM.values()]
     axes.plot(list(CALM), means, "-", color="#555555", label="most of a front in such a time")
     axes.set_xscale("log")
     ticks = (8, 10, 15, 20, 30, 50)

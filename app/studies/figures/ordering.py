@@ -13,10 +13,10 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.neighbours import nearest_neighbour
-from app.studies.charts.boxes import WORDS, box, explain
+from app.studies.charts.boxes import WORDS, box, draw_key
 from app.studies.charts.colour_table import COLOURS, MARKERS, RULER
 from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
-from app.studies.judge.verdict import Verdict, of, sweeps_of
+from app.studies.judge.verdict import Verdict, group_by_sweep, verdicts_on
 from app.studies.measure import SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
@@ -47,17 +47,17 @@ class OrderingSettings(Settings):
         """Let the flock settle, then look at it."""
         between()
         flock.run(self.settle)
-        seen, least = np.empty(self.looks), math.inf
+        orders, least = np.empty(self.looks), math.inf
         for k in range(self.looks):
             between()
             flock.run(self.every)
-            seen[k] = flock.observe("polarisation")
+            orders[k] = flock.observe("polarisation")
             near = nearest_neighbour(flock.position, flock.world.size, flock.world.images)
             least = min(least, near.min(initial=math.inf))
         return {
-            "order": float(seen.mean()),
-            "binder": binder(seen),
-            "chi": len(flock.ids) * float(seen.var()),
+            "order": float(orders.mean()),
+            "binder": binder(orders),
+            "chi": len(flock.ids) * float(orders.var()),
             "d_pair": least if math.isfinite(least) else None,
         }
 
@@ -83,36 +83,51 @@ WIDTH = 0.4
 SYMBOLS = {"eta": "$\\eta$", "order": "order", "binder": "Binder cumulant $G$"}
 
 
-def draw_ordering(figure: Any, made: list[Verdict]) -> None:
+def draw_ordering(figure: Any, verdicts: list[Verdict]) -> None:
     """A panel for each measure and model of the sweeps, and one for the rows."""
-    measures = list(dict.fromkeys(one.measure.name for one in made))
-    swept = [(sweep.model, name) for name in measures for sweep, _, _ in sweeps_of(of(made, name))]
-    shown = list(dict.fromkeys(swept))
-    rows = [one for one in of(made, measures[0]) if one.case.row and one.case.spec.size]
-    number = len(shown) + bool(rows)
+    measures = list(dict.fromkeys(verdict.measure.name for verdict in verdicts))
+    swept = [
+        (sweep.model, name)
+        for name in measures
+        for sweep, _, _ in group_by_sweep(verdicts_on(verdicts, name))
+    ]
+    curves = list(dict.fromkeys(swept))
+    rows = [
+        verdict
+        for verdict in verdicts_on(verdicts, measures[0])
+        if verdict.case.row and verdict.case.spec.size
+    ]
+    number = len(curves) + bool(rows)
     lines = 1 if number < 4 else 2
     figure.set_size_inches(5.4 * (number / lines), 4.4 * lines + 0.4)
     panels = list(figure.subplots(lines, -(-number // lines), squeeze=False).ravel())
-    for axes, (model, name) in zip(panels, shown, strict=False):
-        draw_sweeps(axes, [one for one in of(made, name) if one.case.spec.model == model])
+    for axes, (model, name) in zip(panels, curves, strict=False):
+        draw_sweeps(
+            axes,
+            [
+                verdict
+                for verdict in verdicts_on(verdicts, name)
+                if verdict.case.spec.model == model
+            ],
+        )
         axes.set_ylabel(SYMBOLS.get(name, name))
-        if len({one for one, _ in shown}) > 1:
+        if len({curve for curve, _ in curves}) > 1:
             axes.set_title(model, loc="left")
-    if shown:
-        explain(figure, panels[0].get_legend_handles_labels()[0], INTERVAL_WORDS)
+    if curves:
+        draw_key(figure, panels[0].get_legend_handles_labels()[0], INTERVAL_WORDS)
     if rows and len({round(density(row), 6) for row in rows}) > 1:
         draw_densities(panels[-1], rows)
     elif rows:
         draw_boxes(panels[-1], rows)
-        explain(figure, [], WORDS)
+        draw_key(figure, [], WORDS)
 
 
-def draw_sweeps(axes: Any, made: list[Verdict]) -> None:
+def draw_sweeps(axes: Any, verdicts: list[Verdict]) -> None:
     """A line for each size of flock."""
-    for k, (sweep, agents, points) in enumerate(sweeps_of(made)):
+    for k, (sweep, agents, points) in enumerate(group_by_sweep(verdicts)):
         draw_line(axes, k, [float(p.case.value or 0.0) for p in points], points, f"N = {agents}")
         axes.set_xlabel(SYMBOLS.get(sweep.parameter, sweep.parameter))
-    if min(one.summary.mean for one in made) < 0.0:
+    if min(verdict.summary.mean for verdict in verdicts) < 0.0:
         axes.axhline(0.0, color=RULER, linewidth=1.0)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from agents.state.start import random_headings
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.experiment import Case
 from app.studies.judge.statistics import MeasureSummary
@@ -61,17 +61,17 @@ class PhaseSettings(Settings):
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Let the group settle, then look at it."""
         if flock.tick == 0:
-            bring_in_sight(flock)
+            place_in_sight(flock)
         between()
         flock.run(self.hold if flock.tick else self.settle)
-        before = places(flock)
-        seen = []
+        before = centred_positions(flock)
+        samples = []
         for _ in range(self.looks):
             between()
             flock.run(self.every)
-            now = places(flock)
+            now = centred_positions(flock)
             radius = float(np.sqrt((now**2).sum(axis=1).mean()))
-            seen.append(
+            samples.append(
                 (
                     flock.observe("polarisation"),
                     flock.observe("angular-momentum"),
@@ -80,7 +80,7 @@ class PhaseSettings(Settings):
                 )
             )
             before = now
-        p, m, largest, mixing = (float(mean) for mean in np.mean(seen, axis=0))
+        p, m, largest, mixing = (float(mean) for mean in np.mean(samples, axis=0))
         phase = PHASES.index(self.phase_of(p, m, largest, mixing))
         return {"p": p, "m": m, "largest": largest, "mixing": mixing, "phase": phase}
 
@@ -102,12 +102,12 @@ class PhaseSettings(Settings):
         return self.settle + self.looks * self.every
 
 
-def places(flock: Flock) -> np.ndarray:
+def centred_positions(flock: Flock) -> np.ndarray:
     """Where the agents are, seen from their centre, (N, dim), length."""
     return flock.position - flock.position.mean(axis=0)
 
 
-def bring_in_sight(flock: Flock) -> None:
+def place_in_sight(flock: Flock) -> None:
     """Place agents anew, within the box, until each detects at least one other, as the paper has.
 
     An agent detects those in its zone of repulsion and those that are in its field of view and no
@@ -166,28 +166,28 @@ class PhasePoint:
         return float(self.case.at or 0.0)
 
 
-def spots(made: list[Verdict]) -> list[PhasePoint]:
+def phase_points(verdicts: list[Verdict]) -> list[PhasePoint]:
     """All places, those of maps and those of ways there and back, in the order of the cases."""
     by_case: dict[int, dict[str, Verdict]] = {}
-    for one in made:
-        by_case.setdefault(id(one.case), {})[one.measure.name] = one
+    for verdict in verdicts:
+        by_case.setdefault(id(verdict.case), {})[verdict.measure.name] = verdict
     return [
-        PhasePoint(row["p"].case, row["p"].summary, row["m"].summary, *row["phase"].commonest)
+        PhasePoint(row["p"].case, row["p"].summary, row["m"].summary, *row["phase"].commonest_word)
         for row in by_case.values()
     ]
 
 
-def map_of(made: list[Verdict]) -> list[PhasePoint]:
+def map_points(verdicts: list[Verdict]) -> list[PhasePoint]:
     """The places of the map."""
-    return [spot for spot in spots(made) if not spot.case.way]
+    return [spot for spot in phase_points(verdicts) if not spot.case.way]
 
 
-def ways_of(made: list[Verdict]) -> list[tuple[PhasePoint, PhasePoint]]:
+def way_points(verdicts: list[Verdict]) -> list[tuple[PhasePoint, PhasePoint]]:
     """The places of the way there, each with the same place on the way back."""
-    found = spots(made)
-    there = [spot for spot in found if spot.case.way == "there"]
-    back = [spot for spot in found if spot.case.way == "back"]
-    return list(zip(there, back[::-1], strict=True))
+    points = phase_points(verdicts)
+    outward = [spot for spot in points if spot.case.way == "there"]
+    back = [spot for spot in points if spot.case.way == "back"]
+    return list(zip(outward, back[::-1], strict=True))
 
 
 P_COLOURS, M_COLOURS = "Blues", "Purples"
@@ -208,37 +208,43 @@ SURE = 0.8
 """Share of the runs from which on a letter is large."""
 
 
-def draw_phases(figure: Any, made: list[Verdict]) -> None:
+def draw_phases(figure: Any, verdicts: list[Verdict]) -> None:
     """Draw the maps above, the ways there and back below."""
-    found, ways = map_of(made), ways_of(made)
-    rows = [names for names, there in ((["p", "m"], found), (["up", "um"], ways)) if there]
-    figure.set_size_inches(12.4, 1.0 + (4.6 if found else 0.0) + (3.4 if ways else 0.0))
+    points, ways = map_points(verdicts), way_points(verdicts)
+    rows = [
+        names
+        for names, points_there in ((["p", "m"], points), (["up", "um"], ways))
+        if points_there
+    ]
+    figure.set_size_inches(12.4, 1.0 + (4.6 if points else 0.0) + (3.4 if ways else 0.0))
     heights = [4.6 if "p" in names else 3.4 for names in rows]
     panels = figure.subplot_mosaic(rows, height_ratios=heights)
-    if found:
-        draw_map(figure, panels["p"], found, [s.p.mean for s in found], P_COLOURS, "polarisation p")
+    if points:
         draw_map(
-            figure, panels["m"], found, [s.m.mean for s in found], M_COLOURS, "angular momentum m"
+            figure, panels["p"], points, [s.p.mean for s in points], P_COLOURS, "polarisation p"
+        )
+        draw_map(
+            figure, panels["m"], points, [s.m.mean for s in points], M_COLOURS, "angular momentum m"
         )
     if ways:
         draw_ways(panels["up"], ways, "p")
         draw_ways(panels["um"], ways, "m")
         handles = panels["up"].get_legend_handles_labels()[0]
-        explain(figure, handles, f"{WORDS}; {INTERVAL_WORDS}")
+        draw_key(figure, handles, f"{WORDS}; {INTERVAL_WORDS}")
 
 
 def draw_map(
-    figure: Any, axes: Any, found: list[PhasePoint], values: list[float], colours: str, title: str
+    figure: Any, axes: Any, points: list[PhasePoint], values: list[float], colours: str, title: str
 ) -> None:
     """Draw a map as equal squares, whatever the steps between the values."""
     from matplotlib.patches import Rectangle
 
-    xs, ys = sorted({spot.x for spot in found}), sorted({spot.y for spot in found})
+    xs, ys = sorted({spot.x for spot in points}), sorted({spot.y for spot in points})
     grid = np.full((len(ys), len(xs)), np.nan)
-    for spot, value in zip(found, values, strict=True):
+    for spot, value in zip(points, values, strict=True):
         grid[ys.index(spot.y), xs.index(spot.x)] = value
-    shown = axes.pcolormesh(grid, cmap=colours, vmin=0.0, vmax=1.0, edgecolors="white", linewidth=1)
-    for spot, value in zip(found, values, strict=True):
+    mesh = axes.pcolormesh(grid, cmap=colours, vmin=0.0, vmax=1.0, edgecolors="white", linewidth=1)
+    for spot, value in zip(points, values, strict=True):
         letter = LETTERS[spot.phase] if spot.share >= SURE else LETTERS[spot.phase].lower()
         x, y = xs.index(spot.x), ys.index(spot.y)
         if spot.phase == "fragments":
@@ -255,7 +261,7 @@ def draw_map(
             linespacing=1.1,
             color="white" if value > 0.55 else "#2b3138",
         )
-    sweep = found[0].case.own_sweep
+    sweep = points[0].case.own_sweep
     axes.grid(visible=False)
     axes.set_xticks(np.arange(len(xs)) + 0.5, [f"{x:g}" for x in xs])
     axes.set_yticks(np.arange(len(ys)) + 0.5, [f"{y:g}" for y in ys])
@@ -265,7 +271,7 @@ def draw_map(
     axes.set_title(title, loc="left")
     for spine in axes.spines.values():
         spine.set_visible(False)
-    figure.colorbar(shown, ax=axes, fraction=0.03, pad=0.01)
+    figure.colorbar(mesh, ax=axes, fraction=0.03, pad=0.01)
 
 
 def draw_ways(axes: Any, ways: list[tuple[PhasePoint, PhasePoint]], name: str) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 from scipy.optimize import minimize_scalar
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.scheme_marks import INK, sign, stroke
 from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.squash import SquashSettings
@@ -71,30 +71,30 @@ class PotentialSettings(Settings):
         between()
         rng = np.random.default_rng(flock.seed)
         r = np.exp(rng.uniform(np.log(self.near), np.log(self.far), self.looks))
-        found = minimize_scalar(tanner_potential, bounds=(self.near, self.far), method="bounded",
+        minimum = minimize_scalar(tanner_potential, bounds=(self.near, self.far), method="bounded",
                                 options={"xatol": 1e-9})  # fmt: skip
-        lowest, slope = float(found.x), tanner_slope(r)
+        lowest, slope = float(minimum.x), tanner_slope(r)
         step = STEP * r
         differences = (tanner_potential(r + step) - tanner_potential(r - step)) / (2.0 * step)
         return {
             "lowest": lowest,
-            "least": float(found.fun),
+            "least": float(minimum.fun),
             "nearer": float(slope[r < lowest].max()),
             "farther": float(slope[r > lowest].min()),
             "pull": float(slope.max()),
             "push": float(-slope.min() / slope.max()),
             "off": float((np.abs(differences - slope) / np.maximum(1.0, np.abs(slope))).max()),
-            "cars": self.squash.zero(flock),
+            "cars": self.squash_settings.zero(flock),
         }
 
     @property
-    def squash(self) -> SquashSettings:
+    def squash_settings(self) -> SquashSettings:
         """How two cars are looked at."""
         return SquashSettings(world=self.world, near=1e-6, far=100.0, looks=200)
 
     def ticks(self, published: float | None, dt: float) -> float:
         """Those of looking at the cars."""
-        return self.squash.ticks(published, dt)
+        return self.squash_settings.ticks(published, dt)
 
 
 CURVE, CARS = "#2166ac", "#c0392b"
@@ -131,10 +131,15 @@ def draw_potential(figure: Any, experiment: Experiment, seed: int) -> None:
         f"strongest attraction: {tanner_slope(peak):.2f} at {peak:.2f}", (peak, tanner_slope(peak)),
         (10, 10), textcoords="offset points", color=CURVE, fontsize=9,
     )  # fmt: skip
-    zero = settings.squash.zero(flock)
+    zero = settings.squash_settings.zero(flock)
     looked = np.linspace(SHOWN[0] * zero, SHOWN[1] * zero, LOOKS)
     right.plot(
-        looked / zero, settings.squash.curve(flock, looked), "o", color=CARS, markersize=4, zorder=6
+        looked / zero,
+        settings.squash_settings.curve(flock, looked),
+        "o",
+        color=CARS,
+        markersize=4,
+        zorder=6,
     )
     right.set_ylim(-3.0, 1.3)
     right.set_title("the slope: below 0 they repel each other", loc="left")
@@ -144,7 +149,7 @@ def draw_potential(figure: Any, experiment: Experiment, seed: int) -> None:
         axes.text(
             3.6, low, "attract", transform=axes.get_xaxis_transform(), ha="center", color=CURVE
         )
-    explain(
+    draw_key(
         figure,
         [
             stroke(CURVE, "Tanner et al., (1)"),

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.mission_scene import draw_obstacles
-from app.studies.charts.scheme_marks import INK, arrow, bare, sign, stroke, word
+from app.studies.charts.scheme_marks import INK, arrow, set_square_view, sign, stroke, write_label
 from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 from worlds.obstacles import Box, Disc
@@ -57,13 +57,19 @@ class ProjectionSettings(Settings):
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Put it down, again and again, and ask the rule each time."""
         between()
-        found = self.projected(flock)
-        expected = [self.equations(flock, one) for one in found]
-        normals = [(one.q - one.q_hat) / np.linalg.norm(one.q - one.q_hat) for one in found]
-        pairs = list(zip(found, expected, strict=True))
+        projections = self.find_projections(flock)
+        expected = [self.equations(flock, projection) for projection in projections]
+        normals = [
+            (projection.q - projection.q_hat) / np.linalg.norm(projection.q - projection.q_hat)
+            for projection in projections
+        ]
+        pairs = list(zip(projections, expected, strict=True))
         return {
             "place": max(float(np.linalg.norm(a.q_hat - b.q_hat)) for a, b in pairs),
-            "along": max(abs(float(n @ one.p_hat)) for n, one in zip(normals, found, strict=True)),
+            "along": max(
+                abs(float(n @ projection.p_hat))
+                for n, projection in zip(normals, projections, strict=True)
+            ),
             "velocity": max(
                 float(np.linalg.norm(a.p_hat - b.p_hat / self.shrinks(flock, a.q)))
                 for a, b in pairs
@@ -71,12 +77,14 @@ class ProjectionSettings(Settings):
             "printed": max(float(np.linalg.norm(a.p_hat - b.p_hat)) for a, b in pairs),
         }
 
-    def projected(self, flock: Flock) -> list[Projection]:
+    def find_projections(self, flock: Flock) -> list[Projection]:
         """The agent where the flock's seed puts it down, with its beta agents."""
         rng = np.random.default_rng(flock.seed)
-        return [self.ask(flock, *self.placed(flock, rng)) for _ in range(self.looks)]
+        return [self.ask(flock, *self.random_placement(flock, rng)) for _ in range(self.looks)]
 
-    def placed(self, flock: Flock, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    def random_placement(
+        self, flock: Flock, rng: np.random.Generator
+    ) -> tuple[np.ndarray, np.ndarray]:
         """A random place beside the obstacle and a random velocity, (2,) each."""
         r = flock.parameters.r  # type: ignore[attr-defined]
         away = rng.uniform(0.5, (1.0 - BORDER) * r)
@@ -99,22 +107,26 @@ class ProjectionSettings(Settings):
         flock.position[0], flock.heading[0], flock.speed[0] = q, p / speed, speed
         at = nearest_surface(flock.engine.surroundings, float(q[0]), float(q[1]), 0.0)
         q_hat = np.array([at.x, at.y])
-        b = heed(flock, float(np.linalg.norm(q_hat - q)))
+        b = expected_weight(flock, float(np.linalg.norm(q_hat - q)))
         gain = flock.parameters.c2b * b  # type: ignore[attr-defined]
         return Projection(q, p, q_hat, p + flock.inspect(0).forces["beta consensus"] / gain)
 
-    def equations(self, flock: Flock, one: Projection) -> Projection:
+    def equations(self, flock: Flock, projection: Projection) -> Projection:
         """The same by (5) for a wall, by (6) for a disc, with numbers of the obstacle's own."""
         solid = obstacle_of(flock.world, self.beside)
         if self.beside == "disc":
-            y, mu = np.array(solid.centre), self.shrinks(flock, one.q)
-            a = (one.q - y) / np.linalg.norm(one.q - y)
+            y, mu = np.array(solid.centre), self.shrinks(flock, projection.q)
+            a = (projection.q - y) / np.linalg.norm(projection.q - y)
         else:
             _, y0, _, _ = solid.footprint().bounds
             y, mu, a = np.array([0.0, y0]), 1.0, np.array([0.0, -1.0])
         along = np.eye(2) - np.outer(a, a)
-        place = mu * one.q + (1.0 - mu) * y if mu < 1.0 else along @ one.q + (np.eye(2) - along) @ y
-        return Projection(one.q, one.p, place, mu * along @ one.p)
+        place = (
+            mu * projection.q + (1.0 - mu) * y
+            if mu < 1.0
+            else along @ projection.q + (np.eye(2) - along) @ y
+        )
+        return Projection(projection.q, projection.p, place, mu * along @ projection.p)
 
     def shrinks(self, flock: Flock, q: np.ndarray) -> float:
         """mu = R / |q - y| of (6); 1 for a wall."""
@@ -131,10 +143,10 @@ class ProjectionSettings(Settings):
 def obstacle_of(world: World, beside: str):
     """The first disc of a world, or the first wall: a box of which one side is looked at."""
     shape = Disc if beside == "disc" else Box
-    return next(one for one in world.obstacles if isinstance(one, shape))
+    return next(obstacle for obstacle in world.obstacles if isinstance(obstacle, shape))
 
 
-def heed(flock: Flock, distance: float) -> float:
+def expected_weight(flock: Flock, distance: float) -> float:
     """b_ik = rho_h(|q_hat - q|_sigma / r_alpha) of (10), counted apart from the rule."""
     p = flock.parameters
 
@@ -163,11 +175,11 @@ def draw_projections(figure: Any, experiment: Experiment, seed: int) -> None:
     for axes, (beside, (letter, words)) in zip(panels, letters.items(), strict=True):
         mine = settings.model_copy(update={"beside": beside})
         flock = flock_of(experiment.cases[0], seed)
-        found = mine.projected(flock)
-        one = max(found, key=lambda each: suits(each, flock, mine))
-        draw_one(axes, flock, mine, one)
+        projections = mine.find_projections(flock)
+        projection = max(projections, key=lambda each: drawing_score(each, flock, mine))
+        draw_one(axes, flock, mine, projection)
         axes.set_title(f"({letter}) {words}", loc="left")
-    explain(
+    draw_key(
         figure,
         [
             sign(ALPHA, "agent, q, and its velocity p"),
@@ -181,52 +193,67 @@ def draw_projections(figure: Any, experiment: Experiment, seed: int) -> None:
     )
 
 
-def suits(one: Projection, flock: Any, settings: ProjectionSettings) -> float:
+def drawing_score(projection: Projection, flock: Any, settings: ProjectionSettings) -> float:
     """How well an occasion can be drawn: not too near, and its velocity slants to the surface."""
     r = flock.parameters.r
     x0, _, x1, _ = obstacle_of(flock.world, settings.beside).footprint().bounds
-    central = abs(one.q[0] - 0.5 * (x0 + x1)) < (2.5 if settings.beside == "wall" else x1 - x0)
-    away = one.q - one.q_hat
+    central = abs(projection.q[0] - 0.5 * (x0 + x1)) < (
+        2.5 if settings.beside == "wall" else x1 - x0
+    )
+    away = projection.q - projection.q_hat
     distance = float(np.linalg.norm(away))
-    share = float(np.linalg.norm(one.p_hat) / np.linalg.norm(one.p))
-    heads = float(away @ one.p) < 0.0
+    share = float(np.linalg.norm(projection.p_hat) / np.linalg.norm(projection.p))
+    heads = float(away @ projection.p) < 0.0
     fits = AWAY[0] * r < distance < AWAY[1] * r and 0.5 < share < 0.85 and heads and central
-    return float(fits) * (1.0 + np.linalg.norm(one.p))
+    return float(fits) * (1.0 + np.linalg.norm(projection.p))
 
 
-def draw_one(axes: Any, flock: Any, settings: ProjectionSettings, one: Projection) -> None:
+def draw_one(axes: Any, flock: Any, settings: ProjectionSettings, projection: Projection) -> None:
     """Draw an agent with its beta agent."""
     from matplotlib.patches import Circle
 
     r = flock.parameters.r
     draw_obstacles(axes, flock.world)
     axes.add_patch(
-        Circle((one.q[0], one.q[1]), r, fill=False, edgecolor=REACH, linewidth=1.2, zorder=3)
+        Circle(
+            (projection.q[0], projection.q[1]),
+            r,
+            fill=False,
+            edgecolor=REACH,
+            linewidth=1.2,
+            zorder=3,
+        )
     )
-    axes.plot(*np.array([one.q, one.q_hat]).T, color=INK, linewidth=1.0, linestyle=(0, (3, 3)))
-    printed = settings.equations(flock, one).p_hat
-    arrow(axes, one.q, SCALE * one.p, ALPHA)
-    arrow(axes, one.q_hat, SCALE * one.p_hat, MOVES, 2.4)
+    axes.plot(
+        *np.array([projection.q, projection.q_hat]).T,
+        color=INK,
+        linewidth=1.0,
+        linestyle=(0, (3, 3)),
+    )
+    printed = settings.equations(flock, projection).p_hat
+    arrow(axes, projection.q, SCALE * projection.p, ALPHA)
+    arrow(axes, projection.q_hat, SCALE * projection.p_hat, MOVES, 2.4)
     if settings.beside == "disc":
         y = np.array(obstacle_of(flock.world, "disc").centre)
-        axes.plot(*np.array([one.q_hat, y]).T, color=INK, linewidth=0.9, linestyle=(0, (1, 2)),
+        axes.plot(*np.array([projection.q_hat, y]).T, color=INK,
+                  linewidth=0.9, linestyle=(0, (1, 2)),
                   zorder=4)  # fmt: skip
         axes.plot(*y, "+", color=INK, markersize=10, zorder=6)
-        word(axes, y, "$y_k$", shift=(14, -10))
-        arrow(axes, one.q_hat, SCALE * printed, PRINTED, 1.6, 9.0, (0, (4, 2)))
-    axes.plot(*one.q, "o", color=ALPHA, markersize=11, zorder=9, markeredgecolor="white")
-    axes.plot(*one.q_hat, "o", color=BETA, markersize=10, zorder=9, markeredgecolor="white")
-    tip = one.q + SCALE * one.p
-    word(axes, tip, "$p_i$", ALPHA, tuple(12.0 * np.sign(one.p)))
-    word(axes, one.q_hat + SCALE * one.p_hat, "$\\hat p_{i,k}$", MOVES,
-         tuple(14.0 * np.sign(one.p_hat)))  # fmt: skip
-    out = (one.q - one.q_hat) / np.linalg.norm(one.q - one.q_hat)
-    word(axes, one.q, "$q_i$", ALPHA, tuple(16.0 * out))
+        write_label(axes, y, "$y_k$", shift=(14, -10))
+        arrow(axes, projection.q_hat, SCALE * printed, PRINTED, 1.6, 9.0, (0, (4, 2)))
+    axes.plot(*projection.q, "o", color=ALPHA, markersize=11, zorder=9, markeredgecolor="white")
+    axes.plot(*projection.q_hat, "o", color=BETA, markersize=10, zorder=9, markeredgecolor="white")
+    tip = projection.q + SCALE * projection.p
+    write_label(axes, tip, "$p_i$", ALPHA, tuple(12.0 * np.sign(projection.p)))
+    write_label(axes, projection.q_hat + SCALE * projection.p_hat, "$\\hat p_{i,k}$", MOVES,
+         tuple(14.0 * np.sign(projection.p_hat)))  # fmt: skip
+    out = (projection.q - projection.q_hat) / np.linalg.norm(projection.q - projection.q_hat)
+    write_label(axes, projection.q, "$q_i$", ALPHA, tuple(16.0 * out))
     side = np.array([-out[1], out[0]])
-    side *= -np.sign(side @ one.p_hat)
-    word(axes, one.q_hat, "$\\hat q_{i,k}$", BETA, tuple(20.0 * side + 8.0 * out))
+    side *= -np.sign(side @ projection.p_hat)
+    write_label(axes, projection.q_hat, "$\\hat q_{i,k}$", BETA, tuple(20.0 * side + 8.0 * out))
     shift, half = (4.0, 1.5 * r) if settings.beside == "disc" else (1.0, 1.25 * r)
-    bare(axes, one.q - shift * out, half)
+    set_square_view(axes, projection.q - shift * out, half)
 
 
 PICTURES = {"projections": draw_projections}

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
-from app.studies.charts.scheme_marks import INK, arrow, bare, sign, stroke, word
+from app.studies.charts.boxes import draw_key
+from app.studies.charts.scheme_marks import INK, arrow, set_square_view, sign, stroke, write_label
 from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import Measure, Number, Settings
 
@@ -62,20 +62,22 @@ class RegionSettings(Settings):
         p = flock.parameters
         rng = np.random.default_rng(flock.seed)
         r: float = p.r  # type: ignore[attr-defined]
-        found = self.pushes(flock, np.sort(rng.uniform(CLEAR * r, (1.0 - CLEAR) * r, self.looks)))
+        found = self.measure_pushes(
+            flock, np.sort(rng.uniform(CLEAR * r, (1.0 - CLEAR) * r, self.looks))
+        )
         d, d_e, want = found.distance, warning_distance(flock), p.d  # type: ignore[attr-defined]
         weight = weights(flock, d)
         near, middle, far = d < d_e, (d >= d_e) & (d <= want), d > want
         return {
             "off": float(np.abs(found.weight / weight - 1.0).max()),
-            "warning": self.jump(flock),
+            "warning": self.jump_distance(flock),
             "separation": float(-found.force[near].max()),
             "early": float(-found.force[middle].min()),
             "attraction": float(found.force[far].max()),
             "wrong": int((found.force[~far] > 0.0).sum() + (found.force[far] < 0.0).sum()),
         }
 
-    def pushes(self, flock: Flock, distance: np.ndarray) -> Pushes:
+    def measure_pushes(self, flock: Flock, distance: np.ndarray) -> Pushes:
         """What the second agent of a flock does to the first at distances (K,), m."""
         middle = np.array(flock.world.low) + 0.5 * np.array(flock.world.size)
         force = np.empty(len(distance))
@@ -85,13 +87,13 @@ class RegionSettings(Settings):
             force[k] = flock.inspect(0).forces[FORCE][0]
         return Pushes(distance, force, bare_force(flock, distance))
 
-    def jump(self, flock: Flock) -> float:
+    def jump_distance(self, flock: Flock) -> float:
         """The distance at which the rule's weight falls from tau_s, m; by halving [0, d]."""
         low, high = 0.1, float(flock.parameters.d)  # type: ignore[attr-defined]
         most: float = flock.parameters.tau_s  # type: ignore[attr-defined]
         for _ in range(40):
             middle = 0.5 * (low + high)
-            near = self.pushes(flock, np.array([middle])).weight[0] > 0.5 * most
+            near = self.measure_pushes(flock, np.array([middle])).weight[0] > 0.5 * most
             low, high = (middle, high) if near else (low, middle)
         return 0.5 * (low + high)
 
@@ -153,7 +155,7 @@ def draw_regions(figure: Any, experiment: Experiment, seed: int) -> None:
     draw_rings(left, flock, settings, edges)
     draw_force(right, flock, settings, edges)
     signs = [sign(colour, name, "s") for colour, name in zip(COLOURS, NAMES, strict=True)]
-    explain(
+    draw_key(
         figure, [*signs, stroke(INK, "what the rule makes of another agent")],
         f"two agents of {experiment.cases[0].label} put down at distances from each other; values "
         "of table 3; the paper's figure has no numbers",
@@ -172,7 +174,7 @@ def draw_rings(axes: Any, flock: Any, settings: RegionSettings, edges: list[floa
         region = k % 3
         away = edges[region] + share * (edges[region + 1] - edges[region])
         out = np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
-        force = float(settings.pushes(flock, np.array([away])).force[0])
+        force = float(settings.measure_pushes(flock, np.array([away])).force[0])
         strong = np.clip(np.log10(abs(force) / WEAKEST) / 7.0, 0.0, 1.0)
         length = SHORTEST + (LONGEST - SHORTEST) * strong
         # On the other agent: away from the middle where they repel each other.
@@ -184,8 +186,8 @@ def draw_rings(axes: Any, flock: Any, settings: RegionSettings, edges: list[floa
         ("$d_e$", "$d$", "$r$"), edges[1:], (-90.0, -78.0, -69.0), COLOURS, strict=True
     ):
         at = edge * np.array([np.cos(np.radians(turn)), np.sin(np.radians(turn))])
-        word(axes, at, f"{name} = {edge:g} m", colour)
-    bare(axes, np.zeros(2), 1.06 * edges[-1])
+        write_label(axes, at, f"{name} = {edge:g} m", colour)
+    set_square_view(axes, np.zeros(2), 1.06 * edges[-1])
     axes.set_title("(a) regions within the sensing radius of an agent", loc="left")
 
 
@@ -201,7 +203,7 @@ def draw_force(axes: Any, flock: Any, settings: RegionSettings, edges: list[floa
         )  # fmt: skip
     for k in range(3):
         distance = np.linspace(edges[k] + 1e-3, edges[k + 1] - 1e-3, 150)
-        found = settings.pushes(flock, distance)
+        found = settings.measure_pushes(flock, distance)
         axes.plot(distance, found.force, color=INK, linewidth=2.2)
         axes.plot(distance, found.bare, color=INK, linewidth=1.1, linestyle=(0, (3, 2)))
     axes.axhline(0.0, color=INK, linewidth=0.8)

@@ -43,22 +43,22 @@ class SquashSettings(Settings):
         """Measure what one car does to another; the flock needs two."""
         between()
         r = np.geomspace(self.near, self.far, self.looks)
-        found = self.curve(flock, r)
+        squashed = self.curve(flock, r)
         p = flock.parameters
         beta, c, gamma = p.beta, p.C, p.gamma  # type: ignore[attr-defined]
         return {
             "zero": self.zero(flock),
-            "touching": float(found[0]),
-            "distant": float(found[-1]),
+            "touching": float(squashed[0]),
+            "distant": float(squashed[-1]),
             "formula": c * gamma / (1.0 - c),
-            "error": float(np.abs(found - beta * (r / (r + gamma) - c)).max()),
+            "error": float(np.abs(squashed - beta * (r / (r + gamma) - c)).max()),
         }
 
     def curve(self, flock: Flock, r: np.ndarray) -> np.ndarray:
         """sigma at distances (K,) > 0, m: how fast a car goes towards another, over the gain."""
-        return np.array([self.pull(flock, one) for one in r])
+        return np.array([self.pull_at(flock, distance) for distance in r])
 
-    def pull(self, flock: Flock, r: float) -> float:
+    def pull_at(self, flock: Flock, r: float) -> float:
         """sigma at one distance r, m; above 0 cars attract each other."""
         middle = np.array(flock.world.low) + 0.5 * np.array(flock.world.size)
         flock.position[:] = middle
@@ -72,7 +72,7 @@ class SquashSettings(Settings):
         low, high = self.near, self.far
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            if self.pull(flock, middle) < 0.0:
+            if self.pull_at(flock, middle) < 0.0:
                 low = middle
             else:
                 high = middle

@@ -9,10 +9,10 @@ import numpy as np
 from pydantic import Field
 
 from agents.observables.neighbours import nearest_neighbour
-from app.studies.charts.boxes import came, explain
+from app.studies.charts.boxes import draw_key, runs_with_value
 from app.studies.experiment import Experiment, flock_of
-from app.studies.figures.phases import map_of
-from app.studies.judge.verdict import Verdict, of
+from app.studies.figures.phases import map_points
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import SHARE, Measure, Number, Settings
 
 if TYPE_CHECKING:
@@ -67,12 +67,12 @@ class SwarmingSettings(Settings):
         """Leave the swarm alone, then look at it."""
         between()
         flock.run(self.lasts)
-        seen = []
+        samples = []
         for _ in range(self.looks):
             between()
             flock.run(self.every)
-            seen.append(shape_of(flock))
-        p, m, either, radius, spacing, hole = (float(mean) for mean in np.mean(seen, axis=0))
+            samples.append(shape_of(flock))
+        p, m, either, radius, spacing, hole = (float(mean) for mean in np.mean(samples, axis=0))
         together = radius < self.wide
         return {
             "p": p,
@@ -140,17 +140,17 @@ LENGTH = 0.16
 """Of an arrow, as a share of what is shown."""
 
 
-def draw_gallery(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+def draw_gallery(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:
     """A panel for each place of the map, the first parameter to the right, the second upwards."""
     from matplotlib.colors import hsv_to_rgb
 
     settings = experiment.settings
     assert isinstance(settings, SwarmingSettings)
-    found = map_of(made)
-    xs, ys = sorted({spot.x for spot in found}), sorted({spot.y for spot in found})
+    points = map_points(verdicts)
+    xs, ys = sorted({spot.x for spot in points}), sorted({spot.y for spot in points})
     figure.set_size_inches(2.5 * len(xs) + 0.6, 2.75 * len(ys) + 0.8)
     grid = figure.subplots(len(ys), len(xs), squeeze=False)
-    for spot in found:
+    for spot in points:
         axes = grid[len(ys) - 1 - ys.index(spot.y), xs.index(spot.x)]
         flock = flock_of(spot.case, seed)
         flock.run(settings.lasts)
@@ -177,7 +177,7 @@ def draw_gallery(figure: Any, experiment: Experiment, made: list[Verdict], seed:
             axes.set_ylabel(f"$C$ = {spot.y:g}")
         if spot.y == ys[0]:
             axes.set_xlabel(f"$l$ = {spot.x:g}")
-    explain(
+    draw_key(
         figure,
         [],
         "blue: H-stable (C l^2 > 1), red: catastrophic; above each the shape of most runs with "
@@ -188,34 +188,40 @@ def draw_gallery(figure: Any, experiment: Experiment, made: list[Verdict], seed:
 COLOURS = ("#2166ac", "#c0392b", "#1b7837", "#e08214")
 
 
-def draw_growth(figure: Any, made: list[Verdict]) -> None:
+def draw_growth(figure: Any, verdicts: list[Verdict]) -> None:
     """A panel for each measure, with the slope of each line."""
-    names = list(dict.fromkeys(one.measure.name for one in made if not one.measure.words))
-    labels = list(dict.fromkeys(one.case.label for one in made))
+    names = list(
+        dict.fromkeys(verdict.measure.name for verdict in verdicts if not verdict.measure.words)
+    )
+    labels = list(dict.fromkeys(verdict.case.label for verdict in verdicts))
     figure.set_size_inches(4.6 * len(names) + 0.4, 4.4)
     for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
         for label, colour in zip(labels, COLOURS * len(labels), strict=False):
-            rows = [one for one in of(made, name) if one.case.label == label]
-            n = np.array([one.case.agents for one in rows])
-            mean = np.array([one.summary.mean for one in rows])
+            rows = [
+                verdict for verdict in verdicts_on(verdicts, name) if verdict.case.label == label
+            ]
+            n = np.array([row.case.agents for row in rows])
+            mean = np.array([row.summary.mean for row in rows])
             slope = np.polyfit(np.log(n), np.log(mean), 1)[0]
             words = f"{label}: $N^{{{slope:.2f}}}$"
             axes.plot(n, mean, "o-", color=colour, linewidth=1.8, markersize=5, label=words)
             for row in rows:
-                there = came(row.values)
-                axes.plot(np.full(there.size, row.case.agents), there, ".", color=colour, alpha=0.3)
-        first = of(made, name)[0]
+                present = runs_with_value(row.values)
+                axes.plot(
+                    np.full(present.size, row.case.agents), present, ".", color=colour, alpha=0.3
+                )
+        first = verdicts_on(verdicts, name)[0]
         unit = "" if first.unit == "1" else f" / {first.unit}"
         axes.set_xscale("log")
         axes.set_yscale("log")
-        sizes = sorted({one.case.agents for one in made})
+        sizes = sorted({verdict.case.agents for verdict in verdicts})
         axes.set_xticks(sizes, [str(n) for n in sizes])
         axes.minorticks_off()
         axes.set_xlabel("N")
         axes.set_ylabel(f"{first.measure.symbol}{unit}")
         axes.set_title(first.measure.title, loc="left")
         axes.legend()
-    explain(figure, [], "circles: means, dots: runs; the power is that of the line of best fit")
+    draw_key(figure, [], "circles: means, dots: runs; the power is that of the line of best fit")
 
 
 PICTURES = {"growth": draw_growth, "gallery": draw_gallery}

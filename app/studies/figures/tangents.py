@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.mission_scene import draw_obstacles, show_box
 from app.studies.experiment import Experiment, flock_of
 from app.studies.figures.layering import between_angles
@@ -47,22 +47,22 @@ class Probes(NamedTuple):
     """Whether it is a corner, which has no tangent, (K,) bool."""
 
     @property
-    def away(self) -> np.ndarray:
+    def distances(self) -> np.ndarray:
         """Distance to the nearest point, (K,), length."""
         return np.linalg.norm(self.nearest - self.position, axis=1)
 
     @property
-    def ahead(self) -> np.ndarray:
+    def angles_ahead(self) -> np.ndarray:
         """Angle of the nearest point from the heading that it had, (K,), deg."""
         return np.degrees(between_angles(self.before, self.nearest - self.position))
 
     @property
-    def turned(self) -> np.ndarray:
+    def turn_angles(self) -> np.ndarray:
         """Angle from the old heading to the new one, (K,), deg."""
         return np.degrees(between_angles(self.before, self.after))
 
     @property
-    def off(self) -> np.ndarray:
+    def tangent_errors(self) -> np.ndarray:
         """Angle of the new heading from the tangent at the nearest point, either way, (K,), deg."""
         normal = self.nearest - self.position
         tangent = np.column_stack([-normal[:, 1], normal[:, 0]])
@@ -91,19 +91,21 @@ class TangentSettings(Settings):
         """Put it down, again and again, each time for a tick."""
         between()
         p = flock.parameters
-        found = self.probed(flock)
+        probes = self.probe_flock(flock)
         reach, angle = p.r_avoid, np.degrees(p.theta_obstruct)  # type: ignore[attr-defined]
-        sure = (np.abs(found.away - reach) > SURE[0]) & (np.abs(found.ahead - angle) > SURE[1])
-        acts = (found.away < reach) & (found.ahead < angle) & ~found.corner
+        sure = (np.abs(probes.distances - reach) > SURE[0]) & (
+            np.abs(probes.angles_ahead - angle) > SURE[1]
+        )
+        acts = (probes.distances < reach) & (probes.angles_ahead < angle) & ~probes.corner
         return {
             "avoids": int((acts & sure).sum()),
-            "off": float(found.off[acts & sure].max(initial=0.0)),
-            "turned": float(found.turned[acts & sure].max(initial=0.0)),
-            "corners": int((found.corner & sure).sum()),
-            "kept": float(found.turned[~acts & sure].max(initial=0.0)),
+            "off": float(probes.tangent_errors[acts & sure].max(initial=0.0)),
+            "turned": float(probes.turn_angles[acts & sure].max(initial=0.0)),
+            "corners": int((probes.corner & sure).sum()),
+            "kept": float(probes.turn_angles[~acts & sure].max(initial=0.0)),
         }
 
-    def probed(self, flock: Flock) -> Probes:
+    def probe_flock(self, flock: Flock) -> Probes:
         """What a flock of one UAV does, put down where the flock's seed says."""
         rng = np.random.default_rng(flock.seed)
         around = AROUND * flock.parameters.r_avoid  # type: ignore[attr-defined]
@@ -125,16 +127,16 @@ class TangentSettings(Settings):
 
 def places_near(world: World, rng: np.random.Generator, count: int, around: float) -> np.ndarray:
     """Random places outside of obstacles, but within `around` (length) of one, (count, 2)."""
-    shapes = [one.footprint() for one in world.obstacles]
+    shapes = [obstacle.footprint() for obstacle in world.obstacles]
     solid = shapely.union_all(shapes)
-    found: list[np.ndarray] = []
-    while len(found) < count:
+    places: list[np.ndarray] = []
+    while len(places) < count:
         x0, y0, x1, y1 = shapes[rng.integers(len(shapes))].bounds
         low, high = np.array([x0, y0]) - around, np.array([x1, y1]) + around
         place = rng.uniform(low, high)
         if LEAST < solid.distance(shapely.Point(place)) <= around:
-            found.append(place)
-    return np.array(found)
+            places.append(place)
+    return np.array(places)
 
 
 def nearest_points(world: World, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -144,11 +146,15 @@ def nearest_points(world: World, places: np.ndarray) -> tuple[np.ndarray, np.nda
     """
     best = np.full(len(places), np.inf)
     nearest, corner = np.empty_like(places), np.zeros(len(places), bool)
-    for one in world.obstacles:
-        found, sharp = nearest_of(one, places)
-        away = np.linalg.norm(found - places, axis=1)
+    for obstacle in world.obstacles:
+        nearest_place, sharp = nearest_of(obstacle, places)
+        away = np.linalg.norm(nearest_place - places, axis=1)
         nearer = away < best
-        best[nearer], nearest[nearer], corner[nearer] = away[nearer], found[nearer], sharp[nearer]
+        best[nearer], nearest[nearer], corner[nearer] = (
+            away[nearer],
+            nearest_place[nearer],
+            sharp[nearer],
+        )
     return nearest, corner
 
 
@@ -181,50 +187,50 @@ def draw_tangents(figure: Any, experiment: Experiment, seed: int) -> None:
     settings = experiment.settings
     assert isinstance(settings, TangentSettings)
     flock = flock_of(experiment.cases[0], seed)
-    found = settings.probed(flock)
+    probes = settings.probe_flock(flock)
     figure.set_size_inches(12.8, 5.4)
     panels = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 1.0])
-    discs = [one for one in flock.world.obstacles if one.shape == "disc"]
-    pointed = [one for one in flock.world.obstacles if one.shape == "polygon"]
-    draw_occasion(panels[0], flock, found, discs[0])
-    for axes, one, words in (
+    discs = [obstacle for obstacle in flock.world.obstacles if obstacle.shape == "disc"]
+    pointed = [obstacle for obstacle in flock.world.obstacles if obstacle.shape == "polygon"]
+    draw_occasion(panels[0], flock, probes, discs[0])
+    for axes, obstacle, words in (
         (panels[1], discs[0], "(b) round a disc: along the tangent"),
         (panels[2], pointed[-1], "(c) at corners without a tangent: as before"),
     ):
         draw_obstacles(axes, flock.world)
-        draw_all(axes, found)
-        x0, y0, x1, y1 = one.footprint().bounds
+        draw_all(axes, probes)
+        x0, y0, x1, y1 = obstacle.footprint().bounds
         middle = 0.5 * np.array([x0 + x1, y0 + y1])
         half = 0.5 * max(x1 - x0, y1 - y0) + MARGIN
         show_box(axes, middle - half, middle + half)
-        bare(axes)
+        remove_axes(axes)
         axes.set_title(words, loc="left")
-    explain(
+    draw_key(
         figure, signs(), f"a UAV put down {settings.looks} times near the obstacles, seed {seed}"
     )
 
 
-def chosen(found: Probes, shape: Any, reach: float) -> int:
+def choose_probe(probes: Probes, shape: Any, reach: float) -> int:
     """The occasion that is drawn large: at this obstacle, a clear turn, not too near."""
-    at = np.linalg.norm(found.nearest - np.array(shape.centre), axis=1)
+    at = np.linalg.norm(probes.nearest - np.array(shape.centre), axis=1)
     good = (
         (at < shape.radius + 1e-6)
-        & (found.turned > TURNS[0])
-        & (found.turned < TURNS[1])
-        & (found.away < 0.8 * reach)
+        & (probes.turn_angles > TURNS[0])
+        & (probes.turn_angles < TURNS[1])
+        & (probes.distances < 0.8 * reach)
     )
-    return int(np.argmax(np.where(good, found.away, -1.0)))
+    return int(np.argmax(np.where(good, probes.distances, -1.0)))
 
 
-def draw_occasion(axes: Any, flock: Any, found: Probes, shape: Any) -> None:
+def draw_occasion(axes: Any, flock: Any, probes: Probes, shape: Any) -> None:
     """Draw one occasion with the names of the paper's (20) to (22)."""
     from matplotlib.patches import Circle, Wedge
 
     p = flock.parameters
-    k = chosen(found, shape, p.r_avoid)
-    place, point = found.position[k], found.nearest[k]
+    k = choose_probe(probes, shape, p.r_avoid)
+    place, point = probes.position[k], probes.nearest[k]
     draw_obstacles(axes, flock.world)
-    way = np.degrees(np.arctan2(*found.before[k][::-1]))
+    way = np.degrees(np.arctan2(*probes.before[k][::-1]))
     half = np.degrees(p.theta_obstruct)
     axes.add_patch(
         Wedge(
@@ -241,7 +247,7 @@ def draw_occasion(axes: Any, flock: Any, found: Probes, shape: Any) -> None:
     axes.plot(
         *np.array([place, point]).T, color=NEAREST, linewidth=1.2, linestyle=(0, (3, 2)), zorder=4
     )
-    along = found.after[k]
+    along = probes.after[k]
     axes.plot(
         *np.array([point - 0.75 * along, point + 0.75 * along]).T,
         color=INK,
@@ -251,8 +257,8 @@ def draw_occasion(axes: Any, flock: Any, found: Probes, shape: Any) -> None:
     axes.plot(*point, "o", color=NEAREST, markersize=9, zorder=6, markeredgecolor="white")
     axes.plot(*place, "o", color=INK, markersize=8, zorder=6, markeredgecolor="white")
     for heading, colour, words in (
-        (found.before[k], BEFORE, "$\\theta_i$, wanted"),
-        (found.after[k], AFTER, "$\\theta_{obs}$, taken"),
+        (probes.before[k], BEFORE, "$\\theta_i$, wanted"),
+        (probes.after[k], AFTER, "$\\theta_{obs}$, taken"),
     ):
         tip = place + 0.42 * heading
         axes.annotate(
@@ -260,25 +266,26 @@ def draw_occasion(axes: Any, flock: Any, found: Probes, shape: Any) -> None:
             arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 2.2, "shrinkA": 0,
                         "mutation_scale": 15, "shrinkB": 0},
         )  # fmt: skip
-        put_word(axes, place + 0.47 * heading, heading, words, colour)
-    edge = place - p.r_avoid * (point - place) / found.away[k]
-    put_word(axes, edge, edge - place, f"$r_{{avoid}}$ = {p.r_avoid:g}", KEEPS)
+        write_label(axes, place + 0.47 * heading, heading, words, colour)
+    edge = place - p.r_avoid * (point - place) / probes.distances[k]
+    write_label(axes, edge, edge - place, f"$r_{{avoid}}$ = {p.r_avoid:g}", KEEPS)
     show_box(axes, place - 1.05, place + 1.05)
-    bare(axes)
+    remove_axes(axes)
     axes.set_title(
-        f"(a) the nearest point is {found.ahead[k]:.0f}° ahead: it turns by {found.turned[k]:.0f}°",
+        f"(a) the nearest point is {probes.angles_ahead[k]:.0f}° ahead: "
+        f"it turns by {probes.turn_angles[k]:.0f}°",
         loc="left",
     )
 
 
-def bare(axes: Any) -> None:
+def remove_axes(axes: Any) -> None:
     """Take ticks and spines away."""
     axes.set(xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set_visible(False)
 
 
-def put_word(axes: Any, at: np.ndarray, way: np.ndarray, words: str, colour: str) -> None:
+def write_label(axes: Any, at: np.ndarray, way: np.ndarray, words: str, colour: str) -> None:
     """Write words beyond a place, on the side that a way (2,) leads to."""
     axes.annotate(
         words, at, (6.0 * np.sign(way[0]), 8.0 * way[1] / max(1e-9, float(np.linalg.norm(way)))),
@@ -287,15 +294,17 @@ def put_word(axes: Any, at: np.ndarray, way: np.ndarray, words: str, colour: str
     )  # fmt: skip
 
 
-def draw_all(axes: Any, found: Probes) -> None:
+def draw_all(axes: Any, probes: Probes) -> None:
     """Draw all occasions: the heading before in grey, the one after in colour."""
-    turned = found.turned > 1e-6
+    turned = probes.turn_angles > 1e-6
     style: dict[str, Any] = {
         "angles": "xy", "scale_units": "xy", "scale": 1.0 / ARROW, "width": 0.006, "clip_on": True,
     }  # fmt: skip
-    axes.quiver(*found.position.T, *found.before.T, color=BEFORE, alpha=0.6, zorder=4, **style)
-    for rows, colour in ((turned, AFTER), (~turned & found.corner, KEEPS)):
-        axes.quiver(*found.position[rows].T, *found.after[rows].T, color=colour, zorder=5, **style)
+    axes.quiver(*probes.position.T, *probes.before.T, color=BEFORE, alpha=0.6, zorder=4, **style)
+    for rows, colour in ((turned, AFTER), (~turned & probes.corner, KEEPS)):
+        axes.quiver(
+            *probes.position[rows].T, *probes.after[rows].T, color=colour, zorder=5, **style
+        )
 
 
 def signs() -> list[Any]:

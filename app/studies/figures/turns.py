@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.experiment import Experiment, flock_of
-from app.studies.judge.verdict import Verdict, of
+from app.studies.judge.verdict import Verdict, verdicts_on
 from app.studies.measure import Measure, Number, Settings
 from worlds.input_error import InputError
 
@@ -72,15 +72,15 @@ class TurnSettings(Settings):
 
     def run(self, flock: Flock, between: Callable[[], None]) -> dict[str, Number | None]:
         """Let one agent turn and see when the others do."""
-        one = self.turned(flock, between)
+        turn = self.turn_flock(flock, between)
         return {
-            "exponent": one.exponent,
-            "speed": one.speed,
-            "ratio": one.speed / one.sound,
-            "order": one.order,
+            "exponent": turn.exponent,
+            "speed": turn.speed,
+            "ratio": turn.speed / turn.sound,
+            "order": turn.order,
         }
 
-    def turned(self, flock: Flock, between: Callable[[], None] = lambda: None) -> Turn:
+    def turn_flock(self, flock: Flock, between: Callable[[], None] = lambda: None) -> Turn:
         """All are aligned, until the information agent turns. Raises InputError unless there is
         one.
 
@@ -95,22 +95,22 @@ class TurnSettings(Settings):
         if flock.parameters.T > 0.0:  # type: ignore[attr-defined]
             between()
             flock.run(self.settle)
-            begun = flock.tick
-            kept = [one.copy() for one in (flock.position, flock.heading, flock.arrays.memory)]
+            start_tick = flock.tick
+            saved = [array.copy() for array in (flock.position, flock.heading, flock.arrays.memory)]
             still = self.headings(flock, between)
-            flock.position[:], flock.heading[:], flock.arrays.memory[:] = kept
-            flock.tick = begun
+            flock.position[:], flock.heading[:], flock.arrays.memory[:] = saved
+            flock.tick = start_tick
         away, order = distances(flock, first), float(flock.observe("polarisation"))
-        sound, angle = sound_of(flock), math.radians(self.turn)
+        sound, angle = sound_speed(flock), math.radians(self.turn)
         ux, uy = flock.heading[first, :2]
         flock.heading[first, 0] = math.cos(angle) * ux - math.sin(angle) * uy
         flock.heading[first, 1] = math.sin(angle) * ux + math.cos(angle) * uy
         aside = np.zeros(flock.world.dim)
         aside[:2] = -uy, ux
-        gone = (self.headings(flock, between) - still) @ aside
+        deviation = (self.headings(flock, between) - still) @ aside
         ring = np.digitize(away, np.linspace(self.nearest, self.furthest, self.rings + 1)) - 1
         within = [ring == k for k in range(self.rings)]
-        rate = np.diff([gone[:, rows].mean(axis=1) for rows in within], axis=1)
+        rate = np.diff([deviation[:, rows].mean(axis=1) for rows in within], axis=1)
         reached = rate >= 0.5 * rate.max(axis=1, keepdims=True)
         return Turn(
             np.array([away[rows].mean() for rows in within]),
@@ -121,12 +121,12 @@ class TurnSettings(Settings):
 
     def headings(self, flock: Flock, between: Callable[[], None]) -> np.ndarray:
         """Headings at every tick from now on, (T + 1, N, dim)."""
-        seen = [flock.heading.copy()]
+        headings = [flock.heading.copy()]
         for _ in range(round(self.limit / flock.dt)):
             between()
             flock.run(1)
-            seen.append(flock.heading.copy())
-        return np.array(seen)
+            headings.append(flock.heading.copy())
+        return np.array(headings)
 
     def ticks(self, published: float | None, dt: float) -> float:  # noqa: ARG002
         """All of them, with noise."""
@@ -141,7 +141,7 @@ def distances(flock: Flock, row: int) -> np.ndarray:
     return np.linalg.norm(apart, axis=1)
 
 
-def sound_of(flock: Flock) -> float:
+def sound_speed(flock: Flock) -> float:
     """c_s = sqrt(J sum_j d_ij^2 / (2 dim chi)) of the flock as it flies, its mean over i.
 
     Of neighbours on a lattice a apart along each axis that is a sqrt(J / chi).
@@ -159,14 +159,14 @@ COLOURS = ("#2166ac", "#5aa9c9", "#1f9d63", "#c0392b", "#0b2545", "#8e44ad", "#b
 LINE = "#3c434b"
 
 
-def draw_turns(figure: Any, experiment: Experiment, made: list[Verdict], seed: int) -> None:
+def draw_turns(figure: Any, experiment: Experiment, verdicts: list[Verdict], seed: int) -> None:
     """Draw the run of that seed of each row to the left, the exponents of all runs to the right."""
     settings = experiment.settings
     assert isinstance(settings, TurnSettings)
     figure.set_size_inches(11.4, 5.6)
     ways, exponents = figure.subplots(1, 2, width_ratios=[1.7, 1.0])
     for k, case in enumerate(experiment.cases):
-        turn = settings.turned(flock_of(case, seed))
+        turn = settings.turn_flock(flock_of(case, seed))
         colour = COLOURS[k % len(COLOURS)]
         ways.plot(turn.delay, turn.distance, "o-", color=colour, linewidth=1.4, label=case.label)
     time = np.array([1.0, settings.limit])
@@ -184,20 +184,20 @@ def draw_turns(figure: Any, experiment: Experiment, made: list[Verdict], seed: i
     ways.set_xticks([0.1, 1, 10], ["0.1", "1", "10"])
     ways.minorticks_off()
     ways.set_title(f"seed {seed}: rings about the one that turned", loc="left")
-    points = of(made, "exponent")
-    for k, one in enumerate(points):
-        values = [value for value in one.values if value is not None]
+    points = verdicts_on(verdicts, "exponent")
+    for k, point in enumerate(points):
+        values = [value for value in point.values if value is not None]
         aside = np.random.default_rng(0).uniform(-0.22, 0.22, len(values))
         colour = COLOURS[k % len(COLOURS)]
         exponents.plot(k + aside, values, ".", color=colour, markersize=4, alpha=0.6)
     for level in (0.5, 1.0):
         exponents.axhline(level, color=LINE, linewidth=0.9, linestyle=":")
-    labels = [fill(one.case.label, 10) for one in points]
+    labels = [fill(point.case.label, 10) for point in points]
     exponents.set_xticks(range(len(points)), labels, fontsize=8)
     exponents.set_ylim(0.0, 1.4)
     exponents.set_ylabel("exponent a of distance ~ delay$^a$")
     exponents.set_title("all runs", loc="left")
-    explain(
+    draw_key(
         figure,
         ways.get_legend_handles_labels()[0],
         "dashed, a = 1: a wave; dotted, a = 1/2: what diffuses",

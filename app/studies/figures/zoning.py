@@ -12,7 +12,7 @@ from agents.inspection import NO_POINTS, as_me, as_near, field_of_view
 from agents.inspection import shells as shells_of
 from agents.models.model_calls import call
 from agents.observables.neighbours import separation
-from app.studies.charts.boxes import explain
+from app.studies.charts.boxes import draw_key
 from app.studies.charts.scheme_marks import (
     BLIND,
     FAINT,
@@ -20,12 +20,12 @@ from app.studies.charts.scheme_marks import (
     ZONE_COLOURS,
     ZONE_FILLS,
     arrow,
-    bare,
-    dart,
+    draw_dart,
     rotate_vector,
+    set_square_view,
     sign,
     stroke,
-    word,
+    write_label,
 )
 from app.studies.experiment import Experiment, flock_of
 from app.studies.measure import PERCENT, Measure, Number, Settings
@@ -80,15 +80,15 @@ class ZoningSettings(Settings):
         between()
         rng = np.random.default_rng(flock.seed)
         places = 1.2 * flock.reach * rng.uniform(-1.0, 1.0, (self.looks, flock.world.dim))
-        sure = is_sure(flock, places)
+        sure = is_off_edges(flock, places)
         zone, expected = zones_by_rule(flock, 0, places), zones_by_hand(flock, 0, places)
         inside = np.linalg.norm(places, axis=1) <= flock.reach
-        around = [around_of(flock, row) for row in range(len(flock.ids))]
-        branch = np.array([branch_of(one.zone) for one in around])
-        wishes = [wish_of(flock, row) for row in range(len(flock.ids))]
+        around = [neighbours_by_definition(flock, row) for row in range(len(flock.ids))]
+        branch = np.array([branch_of(neighbourhood.zone) for neighbourhood in around])
+        wishes = [rule_direction(flock, row) for row in range(len(flock.ids))]
         off = max(
-            angle_between(wish, expected_wish(one, flock.heading[row]))
-            for row, (wish, one) in enumerate(zip(wishes, around, strict=True))
+            angle_between(wish, expected_wish(neighbourhood, flock.heading[row]))
+            for row, (wish, neighbourhood) in enumerate(zip(wishes, around, strict=True))
         )
         before = flock.heading.copy()
         flock.run(1)
@@ -117,7 +117,7 @@ def zones_by_rule(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
     signals = flock.arrays.memory
     me = as_me(flock, row, signals[:, row].copy())
     other = np.array([row])
-    found = np.full(len(places), -1)
+    zones = np.full(len(places), -1)
     weigh, parameters = flock.model.rule.weigh, flock.context.parameters
     if weigh is None:
         raise InputError(f"{flock.model.name} weighs no others: it has no zones to look at")
@@ -127,8 +127,8 @@ def zones_by_rule(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
         call(flock.model, flock.interpret, weigh, me, near, parameters, weight)
         if weight[0] > 0.0:
             zone = int(np.searchsorted(radii, np.linalg.norm(apart), side="right"))
-            found[k] = min(zone, len(radii) - 1)
-    return found
+            zones[k] = min(zone, len(radii) - 1)
+    return zones
 
 
 def zones_by_hand(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
@@ -136,16 +136,16 @@ def zones_by_hand(flock: Flock, row: int, places: np.ndarray) -> np.ndarray:
     shells, view = shells_of(flock), field_of_view(flock)
     d = np.linalg.norm(places, axis=1)
     cosine = np.clip(places @ flock.heading[row] / np.where(d > 0.0, d, 1.0), -1.0, 1.0)
-    seen = np.degrees(np.arccos(cosine)) <= 0.5 * view
-    found = np.full(len(places), -1)
+    in_view = np.degrees(np.arccos(cosine)) <= 0.5 * view
+    zones = np.full(len(places), -1)
     for k in reversed(range(len(shells))):
-        found[(d <= shells[k].radius) & (seen | shells[k].all_round)] = k
+        zones[(d <= shells[k].radius) & (in_view | shells[k].all_round)] = k
         if not shells[k].all_round:  # who is too near to be seen there is not in the next either
-            found[(d <= shells[k].radius) & ~seen] = -1
-    return found
+            zones[(d <= shells[k].radius) & ~in_view] = -1
+    return zones
 
 
-def is_sure(flock: Flock, places: np.ndarray) -> np.ndarray:
+def is_off_edges(flock: Flock, places: np.ndarray) -> np.ndarray:
     """Which of places (M, dim) from row 0 lie on no edge, (M,) bool."""
     d = np.linalg.norm(places, axis=1)
     gap = np.min([np.abs(d - shell.radius) for shell in shells_of(flock)], axis=0)
@@ -153,7 +153,7 @@ def is_sure(flock: Flock, places: np.ndarray) -> np.ndarray:
     return (gap > SURE) & (np.abs(cosine - np.cos(np.radians(0.5 * field_of_view(flock)))) > SURE)
 
 
-def around_of(flock: Flock, row: int) -> AgentNeighbours:
+def neighbours_by_definition(flock: Flock, row: int) -> AgentNeighbours:
     """The others within reach of an agent, and their zones by definition."""
     others = np.array([k for k in np.flatnonzero(flock.active) if k != row], int)
     apart = separation(
@@ -186,20 +186,20 @@ def expected_wish(around: AgentNeighbours, heading: np.ndarray) -> np.ndarray:
     return wish / length if length > 1e-9 else heading
 
 
-def wish_of(flock: Flock, row: int) -> np.ndarray:
+def rule_direction(flock: Flock, row: int) -> np.ndarray:
     """The direction that the rule itself wishes for, (dim,); the heading where it has no wish."""
     signals = flock.arrays.memory
-    one = flock.inspect(row)
+    inspection = flock.inspect(row)
     me = as_me(flock, row, signals[:, row].copy())
-    near = as_near(flock, row, one.neighbours, one.separation, signals, NO_POINTS)
+    near = as_near(flock, row, inspection.neighbours, inspection.separation, signals, NO_POINTS)
     decide = flock.model.rule.decide
     if decide is None:
         raise InputError(f"{flock.model.name} decides in pairs: it cannot be asked by itself")
     surroundings, parameters = flock.engine.surroundings, flock.context.parameters
     wish = call(flock.model, flock.interpret, decide, me, near, surroundings, parameters)
-    found = np.array([wish.x, wish.y, wish.z][: flock.world.dim])
-    length = float(np.linalg.norm(found))
-    return found / length if length > 1e-9 else flock.heading[row].copy()
+    direction = np.array([wish.x, wish.y, wish.z][: flock.world.dim])
+    length = float(np.linalg.norm(direction))
+    return direction / length if length > 1e-9 else flock.heading[row].copy()
 
 
 def angle_between(a: np.ndarray, b: np.ndarray) -> float:
@@ -218,30 +218,30 @@ SEEDS = 200
 
 def draw_zones(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the zones of an agent of the first row's flock of that seed, with the others there."""
-    flock, row = chosen(experiment, seed)
+    flock, row = choose_example(experiment, seed)
     figure.set_size_inches(8.6, 7.6)
     axes = figure.subplots()
     draw_ground(axes, flock, row)
     draw_rims(axes, flock, row)
     draw_others(axes, flock, row)
-    mark_view(axes, flock, row, sight_of(experiment))
-    bare(axes, np.zeros(2), ROOM * flock.reach)
-    explain(figure, signs(), scheme_caption(experiment, seed, flock, row))
+    mark_view(axes, flock, row, sight_distance(experiment))
+    set_square_view(axes, np.zeros(2), ROOM * flock.reach)
+    draw_key(figure, signs(), scheme_caption(experiment, seed, flock, row))
 
 
-def sight_of(experiment: Experiment) -> float | None:
+def sight_distance(experiment: Experiment) -> float | None:
     """The distance of sight that the source names, length."""
     settings = experiment.settings
     assert isinstance(settings, ZoningSettings)
     return settings.sight
 
 
-def chosen(experiment: Experiment, seed: int) -> tuple[Any, int]:
+def choose_example(experiment: Experiment, seed: int) -> tuple[Any, int]:
     """The first row's flock of that seed, and its agent with others in the most zones."""
     flock = flock_of(experiment.cases[0], seed)
 
     def worth(row: int) -> tuple[int, int]:
-        zone = around_of(flock, row).zone
+        zone = neighbours_by_definition(flock, row).zone
         return len(set(zone.tolist())), len(zone)
 
     return flock, max(range(len(flock.ids)), key=worth)
@@ -258,8 +258,8 @@ def scheme_caption(experiment: Experiment, seed: int, flock: Any, row: int) -> s
 
 def signs() -> list[Any]:
     """What is what."""
-    found = [sign(colour, name, ">") for colour, name in zip(ZONE_COLOURS, NAMES, strict=True)]
-    return [sign(INK, "the agent", ">"), *found, sign(FAINT, "not noticed", ">", hollow=True)]
+    handles = [sign(colour, name, ">") for colour, name in zip(ZONE_COLOURS, NAMES, strict=True)]
+    return [sign(INK, "the agent", ">"), *handles, sign(FAINT, "not noticed", ">", hollow=True)]
 
 
 def draw_ground(axes: Any, flock: Any, row: int, alpha: float = 1.0) -> None:
@@ -270,9 +270,10 @@ def draw_ground(axes: Any, flock: Any, row: int, alpha: float = 1.0) -> None:
     at = (np.arange(CELLS) + 0.5) / CELLS * 2.0 * half - half
     x, y = np.meshgrid(at, at)
     zone = zones_by_rule(flock, row, np.column_stack([x.ravel(), y.ravel()])).reshape(x.shape)
-    shown = np.where((zone < 0) & (x * x + y * y <= flock.reach**2), 3, zone)
+    colour_index = np.where((zone < 0) & (x * x + y * y <= flock.reach**2), 3, zone)
     axes.imshow(
-        np.ma.masked_less(shown, 0), cmap=ListedColormap([*ZONE_FILLS, BLIND]), vmin=0, vmax=3,
+        np.ma.masked_less(colour_index, 0), vmin=0, vmax=3,
+        cmap=ListedColormap([*ZONE_FILLS, BLIND]),
         extent=(-half, half, -half, half), origin="lower", interpolation="nearest", zorder=0,
         alpha=alpha,
     )  # fmt: skip
@@ -291,7 +292,7 @@ def draw_rims(axes: Any, flock: Any, row: int) -> None:
                    zorder=2)
         )  # fmt: skip
         at = shell.radius * rotate_vector(back, (-78.0, -38.0, -14.0)[k])
-        word(axes, at, symbols[k], ZONE_COLOURS[k], size=9.5)
+        write_label(axes, at, symbols[k], ZONE_COLOURS[k], size=9.5)
 
 
 def zone_symbol(flock: Any, radius: float, k: int) -> str:
@@ -302,12 +303,12 @@ def zone_symbol(flock: Any, radius: float, k: int) -> str:
 
 def draw_others(axes: Any, flock: Any, row: int) -> AgentNeighbours:
     """Draw an agent in the middle and the others in the colours of their zones."""
-    around = around_of(flock, row)
+    around = neighbours_by_definition(flock, row)
     size = 0.075 * flock.reach
     for apart, heading, zone in zip(around.apart, around.heading, around.zone, strict=True):
         colour = ZONE_COLOURS[zone] if zone >= 0 else FAINT
-        dart(axes, apart, heading, colour, size, hollow=zone < 0)
-    dart(axes, np.zeros(2), flock.heading[row], INK, 1.35 * size)
+        draw_dart(axes, apart, heading, colour, size, hollow=zone < 0)
+    draw_dart(axes, np.zeros(2), flock.heading[row], INK, 1.35 * size)
     return around
 
 
@@ -326,9 +327,9 @@ def mark_view(axes: Any, flock: Any, row: int, sight: float | None) -> None:
         Arc((0.0, 0.0), 2.0 * near, 2.0 * near, theta1=way - 0.5 * view, theta2=way + 0.5 * view,
             color=INK, linewidth=1.2, zorder=4)
     )  # fmt: skip
-    word(axes, near * rotate_vector(heading, 0.32 * view), f"$\\alpha$ = {view:g}°")
+    write_label(axes, near * rotate_vector(heading, 0.32 * view), f"$\\alpha$ = {view:g}°")
     back = 360.0 - view
-    word(
+    write_label(
         axes, 0.72 * flock.reach * rotate_vector(-heading, 0.25 * back), f"unseen: {back:g}°",
         INK, size=9.0,
     )  # fmt: skip
@@ -337,26 +338,30 @@ def mark_view(axes: Any, flock: Any, row: int, sight: float | None) -> None:
             Arc((0.0, 0.0), 2.0 * sight, 2.0 * sight, theta1=way - 0.5 * view,
                 theta2=way + 0.5 * view, color=WISH, linewidth=1.6, linestyle=(0, (3, 2)), zorder=4)
         )  # fmt: skip
-        word(axes, sight * rotate_vector(heading, -0.3 * view), f"$d$ = {sight:g}", WISH, size=9.5)
+        write_label(
+            axes, sight * rotate_vector(heading, -0.3 * view), f"$d$ = {sight:g}", WISH, size=9.5
+        )
 
 
 def draw_view(figure: Any, experiment: Experiment, seed: int) -> None:
     """Draw the field of view of an agent: all places that its rule notices another one at."""
-    flock, row = chosen(experiment, seed)
+    flock, row = choose_example(experiment, seed)
     figure.set_size_inches(7.6, 6.9)
     axes = figure.subplots()
     half = ROOM * flock.reach
     at = (np.arange(CELLS) + 0.5) / CELLS * 2.0 * half - half
     x, y = np.meshgrid(at, at)
-    seen = zones_by_rule(flock, row, np.column_stack([x.ravel(), y.ravel()])).reshape(x.shape) >= 0
+    in_view = (
+        zones_by_rule(flock, row, np.column_stack([x.ravel(), y.ravel()])).reshape(x.shape) >= 0
+    )
     shade = np.zeros((*x.shape, 4))
-    shade[seen] = (0.74, 0.77, 0.81, 1.0)
+    shade[in_view] = (0.74, 0.77, 0.81, 1.0)
     axes.imshow(shade, extent=(-half, half, -half, half), origin="lower", zorder=0)
     draw_others(axes, flock, row)
-    mark_view(axes, flock, row, sight_of(experiment))
-    bare(axes, np.zeros(2), half)
+    mark_view(axes, flock, row, sight_distance(experiment))
+    set_square_view(axes, np.zeros(2), half)
     case = experiment.cases[0]
-    explain(
+    draw_key(
         figure, signs(),
         f"grey: where the rule of {case.label} notices another agent; red: the distance of sight "
         "d\nthat the source names and no equation of it uses; "
@@ -389,14 +394,15 @@ def draw_neighbourhood(figure: Any, experiment: Experiment, seed: int) -> None:
     size = 0.03 * float(flock.world.size[0])
     for k in range(len(flock.ids)):
         colour = INK if k == row else ZONE_COLOURS[2] if k in near else FAINT
-        dart(axes, flock.position[k], flock.heading[k], colour, size * (1.5 if k == row else 1.0),
-             hollow=k != row and k not in near)  # fmt: skip
+        length = size * (1.5 if k == row else 1.0)
+        is_hollow = k != row and k not in near
+        draw_dart(axes, flock.position[k], flock.heading[k], colour, length, hollow=is_hollow)
     edge = own + flock.reach * rotate_vector(np.array([1.0, 0.0]), 50.0)
     axes.plot(*np.array([own, edge]).T, color=INK, linewidth=1.0, linestyle=(0, (4, 3)))
-    word(axes, 0.5 * (own + edge), f"$r$ = {flock.reach:g}", size=9.5)
-    word(axes, own, "$i$", shift=(-13, -11))
-    bare(axes, middle, 0.54 * float(flock.world.size[0]))
-    explain(
+    write_label(axes, 0.5 * (own + edge), f"$r$ = {flock.reach:g}", size=9.5)
+    write_label(axes, own, "$i$", shift=(-13, -11))
+    set_square_view(axes, middle, 0.54 * float(flock.world.size[0]))
+    draw_key(
         figure,
         [
             sign(INK, "agent i", ">"),
@@ -423,14 +429,14 @@ def draw_cases(figure: Any, experiment: Experiment, seed: int) -> None:
     figure.set_size_inches(12.0, 11.4)
     panels = figure.subplots(2, 2).ravel()
     for axes, (branch, letter, words) in zip(panels, CASES, strict=True):
-        found = occasion(experiment, seed, branch)
+        example = find_branch_example(experiment, seed, branch)
         axes.set_title(f"({letter}) {words}", loc="left")
-        if found is None:
-            bare(axes, np.zeros(2), 1.0)
-            word(axes, np.zeros(2), f"in none of {SEEDS} flocks")
+        if example is None:
+            set_square_view(axes, np.zeros(2), 1.0)
+            write_label(axes, np.zeros(2), f"in none of {SEEDS} flocks")
             continue
-        draw_case(axes, *found)
-    explain(
+        draw_case(axes, *example)
+    draw_key(
         figure,
         [
             *signs(),
@@ -442,12 +448,12 @@ def draw_cases(figure: Any, experiment: Experiment, seed: int) -> None:
     )
 
 
-def occasion(experiment: Experiment, seed: int, branch: int) -> tuple[Any, int] | None:
+def find_branch_example(experiment: Experiment, seed: int, branch: int) -> tuple[Any, int] | None:
     """A flock and an agent of it that goes by a branch, with two or three that count."""
     for k in range(SEEDS):
         flock = flock_of(experiment.cases[0], seed + k)
         for row in range(len(flock.ids)):
-            zone = around_of(flock, row).zone
+            zone = neighbours_by_definition(flock, row).zone
             counts = int((zone == 0).sum() if branch == REPELLED else (zone > 0).sum())
             if branch_of(zone) == branch and 2 <= counts <= 4:
                 return flock, row
@@ -466,10 +472,10 @@ def draw_case(axes: Any, flock: Any, row: int) -> None:
             axes.plot([0.0, apart[0]], [0.0, apart[1]], color=ZONE_COLOURS[zone], linewidth=1.0)
             if zone == 1:
                 arrow(axes, apart, 0.2 * reach * heading, ZONE_COLOURS[1], 1.2, 6.0)
-    arrow(axes, np.zeros(2), 0.5 * reach * wish_of(flock, row), WISH, 2.4)
+    arrow(axes, np.zeros(2), 0.5 * reach * rule_direction(flock, row), WISH, 2.4)
     flock.run(1)
     arrow(axes, np.zeros(2), 0.38 * reach * flock.heading[row], TURN, 1.8, 8.5)
-    bare(axes, np.zeros(2), ROOM * reach)
+    set_square_view(axes, np.zeros(2), ROOM * reach)
 
 
 PICTURES = {

@@ -1,7 +1,7 @@
 """What runs say of a claim, on one scale: it holds, it does not hold, or more runs would decide.
 
 Each word but "undecided" is wrong in about one case of a hundred, or fewer: `judge.py` says how,
-`benchmarks/judge.py` how often.
+`benchmarks/studies/judge.py` how often.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ HOLDS, DOES_NOT, UNDECIDED = (
 TOO_FEW = ClaimVerdict("undecided", FEWEST_RUNS)
 
 
-def decide[Said: str](word_at: Callable[[float], Said], of: int = 1) -> tuple[Said, float]:
+def decide[WordT: str](word_at: Callable[[float], WordT], of: int = 1) -> tuple[WordT, float]:
     """The word that `word_at` gives at 99 %, and its p-value.
 
     `of`: how many such questions are asked at once; each is then answered more strictly, so that
@@ -89,7 +89,7 @@ def mean_above(margins: RunRanges, of: int = 1) -> ClaimVerdict:
     def word(low: float, high: float) -> Word:
         return "holds" if low > 0.0 else "does not hold" if high < 0.0 else "undecided"
 
-    return answer_of(margins, word, of)
+    return interval_verdict(margins, word, of)
 
 
 def mean_within(values: RunRanges, target: float, bound: float, of: int = 1) -> ClaimVerdict:
@@ -103,32 +103,34 @@ def mean_within(values: RunRanges, target: float, bound: float, of: int = 1) -> 
             return "holds"
         return "does not hold" if low > target + bound or high < target - bound else "undecided"
 
-    return answer_of(values, word, of)
+    return interval_verdict(values, word, of)
 
 
-def answer_of(values: RunRanges, word: Callable[[float, float], Word], of: int) -> ClaimVerdict:
+def interval_verdict(
+    values: RunRanges, word: Callable[[float, float], Word], of: int
+) -> ClaimVerdict:
     """The answer that a word makes of the interval of a mean."""
     if values.runs < FEWEST_RUNS:
         return TOO_FEW
-    found, p = decide(lambda confidence: word(*values.interval(confidence)), of)
-    if found != "undecided":
-        return ClaimVerdict(found, p=p)
+    answer, p = decide(lambda confidence: word(*values.interval(confidence)), of)
+    if answer != "undecided":
+        return ClaimVerdict(answer, p=p)
     if values.open_runs:
-        return ClaimVerdict(found, why=values.open_words)
+        return ClaimVerdict(answer, why=values.open_words)
     confidence = 1.0 - (1.0 - CONFIDENCE) / of
 
     def decides(runs: int) -> bool:
         limits = likely_interval(values, runs, confidence)
         return word(float(limits.low), float(limits.high)) != "undecided"
 
-    needed = least(decides, values.runs)
-    return ClaimVerdict(found, needed, "all runs are equal" if values.are_equal else "")
+    needed = least_runs(decides, values.runs)
+    return ClaimVerdict(answer, needed, "all runs are equal" if values.are_equal else "")
 
 
-def least(decides: Callable[[int], bool], start: int = 2) -> int | None:
+def least_runs(decides: Callable[[int], bool], start: int = 2) -> int | None:
     """The least number of runs from `start` on that decides, as far as more never decide less.
 
-    >>> least(lambda n: n * n > 1000)
+    >>> least_runs(lambda n: n * n > 1000)
     32
     """
     high = start
@@ -153,10 +155,10 @@ def share_of_runs(good: int, runs: int, share: float, of: int = 1) -> ClaimVerdi
         return ClaimVerdict("does not hold", p=0.0)
     if runs == 0:
         return TOO_FEW
-    found, p = decide(lambda confidence: share_word(good, runs, share, confidence), of)
-    if found != "undecided":
-        return ClaimVerdict(found, p=p)
-    return ClaimVerdict(found, runs_for_share(good / runs, share, of, runs))
+    answer, p = decide(lambda confidence: share_word(good, runs, share, confidence), of)
+    if answer != "undecided":
+        return ClaimVerdict(answer, p=p)
+    return ClaimVerdict(answer, runs_for_share(good / runs, share, of, runs))
 
 
 def share_word(good: int, runs: int, share: float, confidence: float) -> Word:
@@ -173,7 +175,7 @@ def share_word(good: int, runs: int, share: float, confidence: float) -> Word:
     return "does not hold" if not every and limits.high < share else "undecided"
 
 
-def runs_for_share(rate: float, share: float, of: int = 1, made: int = 1) -> int | None:
+def runs_for_share(rate: float, share: float, of: int = 1, runs_made: int = 1) -> int | None:
     """Runs, of which so many are made, with which a share like `rate` is told from `share`, about.
 
     None if no number would.
@@ -183,24 +185,24 @@ def runs_for_share(rate: float, share: float, of: int = 1, made: int = 1) -> int
     def decides(runs: int) -> bool:
         return share_word(round(rate * runs), runs, share, confidence) != "undecided"
 
-    return least(decides, made)
+    return least_runs(decides, runs_made)
 
 
-def all_of(answers: Sequence[ClaimVerdict]) -> ClaimVerdict:
+def join_all(answers: Sequence[ClaimVerdict]) -> ClaimVerdict:
     """The answer to a claim that holds if all of its parts hold."""
-    return join_verdicts(answers, every="holds", one="does not hold")
+    return join_verdicts(answers, every="holds", verdict_word="does not hold")
 
 
-def any_of(answers: Sequence[ClaimVerdict]) -> ClaimVerdict:
+def join_any(answers: Sequence[ClaimVerdict]) -> ClaimVerdict:
     """The answer to a claim that holds if one of its parts holds."""
-    return join_verdicts(answers, every="does not hold", one="holds")
+    return join_verdicts(answers, every="does not hold", verdict_word="holds")
 
 
-def join_verdicts(answers: Sequence[ClaimVerdict], every: Word, one: Word) -> ClaimVerdict:
-    """One answer of several: `one` if a part says so, `every` if all do, else undecided."""
-    parts = [answer for answer in answers if answer.word == one]
+def join_verdicts(answers: Sequence[ClaimVerdict], every: Word, verdict_word: Word) -> ClaimVerdict:
+    """Join answers: `verdict_word` if a part says so, `every` if all do, else undecided."""
+    parts = [answer for answer in answers if answer.word == verdict_word]
     if parts:
-        return ClaimVerdict(one, p=min(answer.p for answer in parts))
+        return ClaimVerdict(verdict_word, p=min(answer.p for answer in parts))
     if all(answer.word == every for answer in answers):
         return ClaimVerdict(every, p=max(answer.p for answer in answers))
     open_ones = [answer for answer in answers if answer.word == "undecided"]
@@ -209,6 +211,6 @@ def join_verdicts(answers: Sequence[ClaimVerdict], every: Word, one: Word) -> Cl
     return ClaimVerdict("undecided", max(needed) if len(needed) == len(open_ones) else None, why)
 
 
-def by_construction(answer: ClaimVerdict) -> ClaimVerdict:
+def verdict_by_construction(answer: ClaimVerdict) -> ClaimVerdict:
     """The answer to a claim that cannot fail; that it does not hold is a fault, and is said."""
     return answer if answer.word == "does not hold" else ClaimVerdict("by construction")

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from app.studies.experiment_file import PublishedMeasure
-from app.studies.judge.claim_verdict import decide, least
+from app.studies.judge.claim_verdict import decide, least_runs
 from app.studies.judge.judge import (
     CONFIDENCE,
     FEWEST_RUNS,
@@ -17,12 +17,12 @@ from app.studies.judge.judge import (
     ConfidenceInterval,
     MeanEstimate,
     RunRanges,
-    as_of_runs,
     estimate_mean,
     likely_good,
     likely_interval,
     mean_interval,
     ranges_of,
+    scale_estimate,
     share_difference,
     subtract_published,
     typical_spread,
@@ -47,14 +47,14 @@ WELCH_NOTE = (
     "that of the larger where it is less (Welch); z and d: measured less published mean, in "
     "standard errors and in standard deviations of a run"
 )
-BesideWord = Literal["agrees", "differs", "undecided", "by construction"]
+ComparisonWord = Literal["agrees", "differs", "undecided", "by construction"]
 
 
 @dataclass(frozen=True)
 class MeanComparison:
     """A measured and a published mean; NaN stands for what a sample without spread does not say."""
 
-    word: BesideWord
+    word: ComparisonWord
     difference: float
     """Measured less published mean; of runs given up: at least."""
     interval: tuple[float, float] = (math.nan, math.nan)
@@ -76,78 +76,91 @@ class MeanComparison:
 
 def compare(values: RunRanges, published: PublishedMeasure) -> MeanComparison | None:
     """How measured runs stand beside what was published; None without runs or a mean."""
-    found = compared(values, published)
+    comparison = compare_means(values, published)
     why = published.by_construction
-    if found is None or not why or found.word == "differs":
-        return found
-    return replace(found, word="by construction", needed=None, why=why, p=1.0)
+    if comparison is None or not why or comparison.word == "differs":
+        return comparison
+    return replace(comparison, word="by construction", needed=None, why=why, p=1.0)
 
 
-def compared(values: RunRanges, published: PublishedMeasure) -> MeanComparison | None:
+def compare_means(values: RunRanges, published: PublishedMeasure) -> MeanComparison | None:
     """The same, whatever can come out."""
     mean = published.average
     if mean is None or values.runs == 0 or np.isinf(values.least).any():
         return None
     difference = float(values.estimate.mean) - mean
-    theirs = np.array(published.values, float)
-    found = MeanComparison("undecided", difference, needed=FEWEST_RUNS)
+    published_values = np.array(published.values, float)
+    comparison = MeanComparison("undecided", difference, needed=FEWEST_RUNS)
     if values.runs > 1 and not values.open_runs:
-        z, effect = sizes_of(values, theirs, mean)
-        found = replace(found, z=z, effect=effect)
+        z, effect = effect_sizes(values, published_values, mean)
+        comparison = replace(comparison, z=z, effect=effect)
     if values.runs < FEWEST_RUNS:
-        return found
+        return comparison
     tolerance = TOLERANCE * float(typical_spread(values.least))
 
-    def word_at(confidence: float) -> BesideWord:
-        return word_of(difference_limits(values, theirs, mean, confidence), tolerance)
+    def word_at(confidence: float) -> ComparisonWord:
+        return difference_word(
+            difference_limits(values, published_values, mean, confidence), tolerance
+        )
 
     word, p = decide(word_at)
-    limits = difference_limits(values, theirs, mean, CONFIDENCE)
-    needed, why = (None, "") if word != "undecided" else what_lacks(values, theirs, mean, tolerance)
+    limits = difference_limits(values, published_values, mean, CONFIDENCE)
+    needed, why = (
+        (None, "")
+        if word != "undecided"
+        else describe_lack(values, published_values, mean, tolerance)
+    )
     interval = float(limits.low), float(limits.high)
-    return replace(found, word=word, interval=interval, needed=needed, why=why, p=p)
+    return replace(comparison, word=word, interval=interval, needed=needed, why=why, p=p)
 
 
-def sizes_of(values: RunRanges, theirs: np.ndarray, mean: float) -> tuple[float, float]:
+def effect_sizes(
+    values: RunRanges, published_values: np.ndarray, mean: float
+) -> tuple[float, float]:
     """The difference in standard errors, z, and in standard deviations of a run, Cohen's d."""
-    found = difference_of(values.estimate, theirs, mean)
-    ours = float(values.least.std(ddof=1))
-    other = float(theirs.std(ddof=1)) if theirs.size > 1 else ours
-    scale, error = math.sqrt(0.5 * (ours**2 + other**2)), float(found.error)
+    found = difference_of(values.estimate, published_values, mean)
+    own_deviation = float(values.least.std(ddof=1))
+    other = float(published_values.std(ddof=1)) if published_values.size > 1 else own_deviation
+    scale, error = math.sqrt(0.5 * (own_deviation**2 + other**2)), float(found.error)
     difference = float(found.mean)
     z = difference / error if error > 0.0 else math.nan
     return z, difference / scale if scale > 0.0 else math.nan
 
 
-def word_of(limits: ConfidenceInterval, tolerance: float) -> BesideWord:
+def difference_word(limits: ConfidenceInterval, tolerance: float) -> ComparisonWord:
     """What a difference says."""
     if limits.low > 0.0 or limits.high < 0.0:
         return "differs"
     return "agrees" if -tolerance < limits.low and limits.high < tolerance else "undecided"
 
 
-def difference_of(ours: MeanEstimate, theirs: np.ndarray, mean: float) -> MeanEstimate:
+def difference_of(
+    estimate: MeanEstimate, published_values: np.ndarray, mean: float
+) -> MeanEstimate:
     """Our mean less a published one; of published runs (R,), or none but their mean."""
-    if theirs.size < 2:
-        return subtract_published(ours, mean, runs=theirs.size or None)
+    if published_values.size < 2:
+        return subtract_published(estimate, mean, runs=published_values.size or None)
     return subtract_published(
-        ours, mean, float(estimate_mean(theirs).error) * math.sqrt(theirs.size), theirs.size
+        estimate,
+        mean,
+        float(estimate_mean(published_values).error) * math.sqrt(published_values.size),
+        published_values.size,
     )
 
 
 def difference_limits(
-    values: RunRanges, theirs: np.ndarray, mean: float, confidence: float
+    values: RunRanges, published_values: np.ndarray, mean: float, confidence: float
 ) -> ConfidenceInterval:
     """What the difference lies between."""
-    if values.binary and theirs.size and not values.open_runs:
+    if values.binary and published_values.size and not values.open_runs:
         low, high = values.bounds
         middle = 0.5 * (low + high)
-        good, other = int((values.least > middle).sum()), int((theirs > middle).sum())
-        found = share_difference(good, values.runs, other, theirs.size, confidence)
+        good, other = int((values.least > middle).sum()), int((published_values > middle).sum())
+        found = share_difference(good, values.runs, other, published_values.size, confidence)
         return ConfidenceInterval((high - low) * found.low, (high - low) * found.high)
-    difference = difference_of(values.estimate, theirs, mean)
+    difference = difference_of(values.estimate, published_values, mean)
     if float(difference.error) == 0.0 or values.binary:
-        return bounded_difference(values, theirs, mean, confidence)
+        return bounded_difference(values, published_values, mean, confidence)
     limits = mean_interval(difference, confidence)
     if values.rare:
         ours = values.estimate, values.interval(confidence)
@@ -155,13 +168,15 @@ def difference_limits(
     if not values.open_runs:
         return limits
     most = values.bounds[1]
-    return ConfidenceInterval(limits.low, np.asarray(most - mean if theirs.size == 0 else math.inf))
+    return ConfidenceInterval(
+        limits.low, np.asarray(most - mean if published_values.size == 0 else math.inf)
+    )
 
 
 def allow_for_rare(
     limits: ConfidenceInterval,
     difference: MeanEstimate,
-    ours: MeanEstimate,
+    estimate: MeanEstimate,
     interval: tuple[float, float],
     confidence: float = CONFIDENCE,
 ) -> ConfidenceInterval:
@@ -169,12 +184,12 @@ def allow_for_rare(
 
     `interval` of our mean allows for them; by what it is wider, so is the difference.
     """
-    plain_low, plain_high = map(float, mean_interval(ours, confidence))
+    plain_low, plain_high = map(float, mean_interval(estimate, confidence))
 
     def width(half: float, allowed: float, usual: float) -> float:
         return math.sqrt(half**2 + max(0.0, allowed**2 - usual**2))
 
-    mean, middle = float(ours.mean), float(difference.mean)
+    mean, middle = float(estimate.mean), float(difference.mean)
     low, high = interval
     return ConfidenceInterval(
         np.asarray(middle - width(middle - float(limits.low), mean - low, mean - plain_low)),
@@ -183,7 +198,7 @@ def allow_for_rare(
 
 
 def bounded_difference(
-    values: RunRanges, theirs: np.ndarray, mean: float, confidence: float
+    values: RunRanges, published_values: np.ndarray, mean: float, confidence: float
 ) -> ConfidenceInterval:
     """The same by the bounds of the measure, where no spread is known.
 
@@ -192,9 +207,9 @@ def bounded_difference(
     """
     low, high = values.bounds
     our_low, our_high = values.interval(confidence)
-    ours = float(values.estimate.mean)
-    if theirs.size > 1:
-        same = ranges_of(theirs)
+    own_mean = float(values.estimate.mean)
+    if published_values.size > 1:
+        same = ranges_of(published_values)
         their_low, their_high = RunRanges(same.least, same.most, values.bounds).interval(confidence)
         below, above = mean - their_low, their_high - mean
     else:
@@ -205,7 +220,7 @@ def bounded_difference(
         )
         published = MeanEstimate(
             np.asarray(mean),
-            np.asarray(most / math.sqrt(theirs.size or PUBLISHED_RUNS)),
+            np.asarray(most / math.sqrt(published_values.size or PUBLISHED_RUNS)),
             np.asarray(PUBLISHED_RUNS - 1.0),
             np.asarray(0.0),
             np.asarray(0.0),
@@ -216,15 +231,15 @@ def bounded_difference(
             else ConfidenceInterval(published.mean, published.mean)
         )
         below, above = mean - float(limits.low), float(limits.high) - mean
-    difference = ours - mean
+    difference = own_mean - mean
     return ConfidenceInterval(
-        np.asarray(difference - math.hypot(ours - our_low, above)),
-        np.asarray(difference + math.hypot(our_high - ours, below)),
+        np.asarray(difference - math.hypot(own_mean - our_low, above)),
+        np.asarray(difference + math.hypot(our_high - own_mean, below)),
     )
 
 
-def what_lacks(
-    values: RunRanges, theirs: np.ndarray, mean: float, tolerance: float
+def describe_lack(
+    values: RunRanges, published_values: np.ndarray, mean: float, tolerance: float
 ) -> tuple[int | None, str]:
     """Runs that would decide a comparison, about, or else what keeps it undecided."""
     if values.open_runs:
@@ -235,33 +250,33 @@ def what_lacks(
     def decides(runs: int) -> bool:
         if values.binary:
             good, (low, high) = likely_good(values, runs), values.bounds
-            made = np.repeat([low, high], [runs - good, good])
-            likely = replace(values, least=made, most=made)
-            limits = difference_limits(likely, theirs, mean, CONFIDENCE)
+            sample = np.repeat([low, high], [runs - good, good])
+            likely = replace(values, least=sample, most=sample)
+            limits = difference_limits(likely, published_values, mean, CONFIDENCE)
         else:
-            ours = as_of_runs(values.estimate, values.runs, runs)
-            difference = difference_of(ours, theirs, mean)
+            estimate = scale_estimate(values.estimate, values.runs, runs)
+            difference = difference_of(estimate, published_values, mean)
             limits = mean_interval(difference)
             if values.rare:
                 low, high = map(float, likely_interval(values, runs))
-                limits = allow_for_rare(limits, difference, ours, (low, high))
-        return word_of(limits, tolerance) != "undecided"
+                limits = allow_for_rare(limits, difference, estimate, (low, high))
+        return difference_word(limits, tolerance) != "undecided"
 
-    needed = least(decides, values.runs)
-    if needed is None and theirs.size:
-        return None, f"the paper gives {counted(theirs.size, 'run')}"
+    needed = least_runs(decides, values.runs)
+    if needed is None and published_values.size:
+        return None, f"the paper gives {counted(published_values.size, 'run')}"
     return needed, ""
 
 
 def runs_to_agree(published: PublishedMeasure) -> int | None:
     """Runs with which equal means can be told to agree; None if too few runs were published."""
-    theirs = len(published.values)
+    published_count = len(published.values)
 
     def decides(runs: int) -> bool:
-        one, none = np.asarray(1.0), np.asarray(0.0)
-        ours = MeanEstimate(none, one / math.sqrt(runs), one * (runs - 1.0), none, none)
-        spread = None if theirs < 2 else 1.0
-        found = subtract_published(ours, 0.0, spread, theirs or None)
-        return word_of(mean_interval(found), TOLERANCE) == "agrees"
+        unit, none = np.asarray(1.0), np.asarray(0.0)
+        estimate = MeanEstimate(none, unit / math.sqrt(runs), unit * (runs - 1.0), none, none)
+        spread = None if published_count < 2 else 1.0
+        difference = subtract_published(estimate, 0.0, spread, published_count or None)
+        return difference_word(mean_interval(difference), TOLERANCE) == "agrees"
 
-    return least(decides, FEWEST_RUNS)
+    return least_runs(decides, FEWEST_RUNS)

@@ -11,10 +11,11 @@ a sample of them. In this order:
    corrected for skewness, both with fewer degrees of freedom than a normal law would give.
 
 All functions work along the last axis, on one sample (R,) or on many at once (M, R), so that
-`benchmarks/judge.py` can count how often they are wrong. Sources: Johnson 1978 (J. Am. Stat. Assoc.
-73, 536), Hall 1992 (J. R. Stat. Soc. B 54, 221), Welch 1947 (Biometrika 34, 28), Zhou and Dinh 2005
-(Biostatistics 6, 187), Clopper and Pearson 1934 (Biometrika 26, 404), Zou and Donner 2008 (Stat.
-Med. 27, 1693), Manski 1989 (J. Hum. Resour. 24, 343), Holm 1979 (Scand. J. Stat. 6, 65).
+`benchmarks/studies/judge.py` can count how often they are wrong. Sources: Johnson 1978 (J. Am.
+Stat. Assoc. 73, 536), Hall 1992 (J. R. Stat. Soc. B 54, 221), Welch 1947 (Biometrika 34, 28), Zhou
+and Dinh 2005 (Biostatistics 6, 187), Clopper and Pearson 1934 (Biometrika 26, 404), Zou and Donner
+2008 (Stat. Med. 27, 1693), Manski 1989 (J. Hum. Resour. 24, 343), Holm 1979 (Scand. J. Stat. 6,
+65).
 """
 
 from __future__ import annotations
@@ -125,7 +126,7 @@ def subtract_means(a: MeanEstimate, b: MeanEstimate) -> MeanEstimate:
 
 
 def subtract_published(
-    ours: MeanEstimate,
+    estimate: MeanEstimate,
     mean: float | np.ndarray,
     deviation: float | np.ndarray | None = None,
     runs: int | None = None,
@@ -136,18 +137,22 @@ def subtract_published(
     depends on our runs alone. `runs`: how many were published, or `PUBLISHED_RUNS`.
     """
     count = runs or PUBLISHED_RUNS
-    ratio = np.sqrt((ours.freedom + 1.0) / count)
-    error = ours.error * ratio if deviation is None else np.asarray(deviation) / math.sqrt(count)
-    error = np.broadcast_to(error, np.shape(ours.error))
-    freedom = np.full(np.shape(ours.error), max(count - 1.0, 1e-3))
-    skewness = ours.skewness * ratio
-    theirs = MeanEstimate(np.asarray(mean, float), error, freedom, skewness, skewness)
-    difference = subtract_means(ours, theirs)
+    ratio = np.sqrt((estimate.freedom + 1.0) / count)
+    error = (
+        estimate.error * ratio if deviation is None else np.asarray(deviation) / math.sqrt(count)
+    )
+    error = np.broadcast_to(error, np.shape(estimate.error))
+    freedom = np.full(np.shape(estimate.error), max(count - 1.0, 1e-3))
+    skewness = estimate.skewness * ratio
+    other = MeanEstimate(np.asarray(mean, float), error, freedom, skewness, skewness)
+    difference = subtract_means(estimate, other)
     if deviation is not None:
         return difference
     with np.errstate(divide="ignore", invalid="ignore"):
-        lean = np.where(difference.error > 0.0, ours.skewness * ours.error / difference.error, 0.0)
-    return difference._replace(freedom=ours.freedom, lean=lean)
+        lean = np.where(
+            difference.error > 0.0, estimate.skewness * estimate.error / difference.error, 0.0
+        )
+    return difference._replace(freedom=estimate.freedom, lean=lean)
 
 
 def mean_interval(estimate: MeanEstimate, confidence: float = CONFIDENCE) -> ConfidenceInterval:
@@ -167,9 +172,9 @@ def mean_interval(estimate: MeanEstimate, confidence: float = CONFIDENCE) -> Con
     below = np.where(straight, y - b, (np.cbrt(1.0 + 3.0 * a * (y - b)) - 1.0) / a)
     above = np.where(straight, y + b, (1.0 - np.cbrt(1.0 - 3.0 * a * (y + b))) / a)
     below, above = (np.clip(side, y, WIDEST * y) for side in (below, above))
-    known = estimate.error > 0.0
-    low = np.where(known, estimate.mean - below * estimate.error, -np.inf)
-    high = np.where(known, estimate.mean + above * estimate.error, np.inf)
+    has_error = estimate.error > 0.0
+    low = np.where(has_error, estimate.mean - below * estimate.error, -np.inf)
+    high = np.where(has_error, estimate.mean + above * estimate.error, np.inf)
     return ConfidenceInterval(low, high)
 
 
@@ -348,7 +353,7 @@ class RunRanges:
         )
         return float(limits.low), float(limits.high)
 
-    def minus(self, other: RunRanges) -> RunRanges:
+    def subtract(self, other: RunRanges) -> RunRanges:
         """What these have more than others, run by run."""
         (low, high), (other_low, other_high) = self.bounds, other.bounds
         return RunRanges(
@@ -368,7 +373,7 @@ class RunRanges:
             ends, bounds = ends[::-1], bounds[::-1]
         return RunRanges(*ends, bounds, self.binary, self.rare, scale)
 
-    def plus(self, value: float) -> RunRanges:
+    def add(self, value: float) -> RunRanges:
         """Each and a value."""
         bounds = self.bounds[0] + value, self.bounds[1] + value
         scale = max(self.scale, largest(self.least), abs(value))
@@ -384,8 +389,10 @@ def largest(values: np.ndarray) -> float:
 
 def ranges_of(values: Sequence[float | None] | np.ndarray, limit: float | None = None) -> RunRanges:
     """Runs of an unbounded measure; None: given up, at least at `limit` where there is one."""
-    least = [(-math.inf if limit is None else limit) if one is None else one for one in values]
-    most = [math.inf if one is None else one for one in values]
+    least = [
+        (-math.inf if limit is None else limit) if value is None else value for value in values
+    ]
+    most = [math.inf if value is None else value for value in values]
     return RunRanges(np.array(least, float), np.array(most, float))
 
 
@@ -397,7 +404,7 @@ def likely_interval(
     if values.binary:
         limits = share_interval(likely_good(values, runs), runs, confidence)
         return ConfidenceInterval(low + (high - low) * limits.low, low + (high - low) * limits.high)
-    estimate = as_of_runs(values.estimate, values.runs, runs)
+    estimate = scale_estimate(values.estimate, values.runs, runs)
     below = mean_interval(estimate, confidence)
     share = (0.5 * (1.0 - confidence)) ** (1.0 / runs)
     mirrored = estimate._replace(mean=-estimate.mean)
@@ -413,7 +420,7 @@ def likely_good(values: RunRanges, runs: int) -> int:
     return round(runs * (float(values.least.mean()) - low) / (high - low))
 
 
-def as_of_runs(estimate: MeanEstimate, runs: int, others: int) -> MeanEstimate:
+def scale_estimate(estimate: MeanEstimate, runs: int, others: int) -> MeanEstimate:
     """An estimate of `runs` runs as it would be of so many others like them."""
     ratio = math.sqrt(runs / others)
     return MeanEstimate(

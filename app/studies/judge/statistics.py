@@ -59,22 +59,22 @@ def summary(values: RunRanges) -> MeasureSummary:
     ended = values.least == values.most
     absent = values.runs - int(ended.sum())
     is_limited = values.are_limited
-    there = values.least if is_limited else values.least[ended]
+    present = values.least if is_limited else values.least[ended]
     nan = math.nan
-    if there.size == 0:
+    if present.size == 0:
         return MeasureSummary(0, absent, None, nan, nan, (nan, nan, nan), (nan, nan), nan, nan)
-    low, middle, high = (float(q) for q in np.percentile(there, (25, 50, 75)))
-    known = values if is_limited else replace(values, least=there, most=there)
+    low, middle, high = (float(q) for q in np.percentile(present, (25, 50, 75)))
+    ranges = values if is_limited else replace(values, least=present, most=present)
     return MeasureSummary(
         int(ended.sum()),
         absent,
         float(values.least[~ended].max()) if is_limited else None,
-        float(there.mean()),
-        float(there.std(ddof=1)) if there.size > 1 and not is_limited else nan,
+        float(present.mean()),
+        float(present.std(ddof=1)) if present.size > 1 and not is_limited else nan,
         (low, middle, high),
-        interval_of_mean(known),
-        float(there.min()),
-        float(there.max()),
+        interval_of_mean(ranges),
+        float(present.min()),
+        float(present.max()),
     )
 
 

@@ -46,7 +46,7 @@ class Verdict:
         return model(self.case.spec.model).in_units(self.measure.unit)
 
     @property
-    def commonest(self) -> tuple[str, float]:
+    def commonest_word(self) -> tuple[str, float]:
         """The commonest word of a measure that is a name, and the share of the runs that have it.
 
         No word for a quantity.
@@ -66,7 +66,7 @@ class Verdict:
         if case.sweep:
             row |= {"parameter": case.sweep.parameter, "value": case.value}
             row |= {"against": case.sweep.against, "at": case.at, "way": case.way}
-            row |= {"commonest": self.commonest[0]}
+            row |= {"commonest": self.commonest_word[0]}
         if case.tick is not None:
             row |= {"tick": case.tick}
         row |= {"measure": self.measure.name, "unit": self.unit}
@@ -77,53 +77,53 @@ class Verdict:
         if case.row:
             published = self.published
             q = (published and published.quartiles) or (None, None, None)
-            row |= {"published_mean": published and published.average} | self.as_compared()
+            row |= {"published_mean": published and published.average} | self.comparison_row()
             row |= dict(zip(("published_q25", "published_median", "published_q75"), q, strict=True))
             row |= {"not_compared": self.not_compared, "remark": case.row.remark}
         return row
 
-    def as_compared(self) -> dict[str, Any]:
+    def comparison_row(self) -> dict[str, Any]:
         """How it stands beside what was published, as a flat row; None for what is not known."""
-        one = self.comparison
-        low, high = one.interval if one else (None, None)
+        comparison = self.comparison
+        low, high = comparison.interval if comparison else (None, None)
         return {
             "verdict": self.word,
-            "needed": one and one.needed,
-            "because": one and one.why,
-            "p": one and one.p,
-            "difference": one and one.difference,
+            "needed": comparison and comparison.needed,
+            "because": comparison and comparison.why,
+            "p": comparison and comparison.p,
+            "difference": comparison and comparison.difference,
             "difference_low99": low,
             "difference_high99": high,
-            "z": one and one.z,
-            "d": one and one.effect,
+            "z": comparison and comparison.z,
+            "d": comparison and comparison.effect,
             "expected": self.expected.verdict if self.expected else "",
             "why": self.expected.why if self.expected else "",
         }
 
 
-def paired(a: Verdict, b: Verdict) -> RunRanges:
+def paired_differences(a: Verdict, b: Verdict) -> RunRanges:
     """What b has more than a, seed by seed."""
-    return b.ranges.minus(a.ranges)
+    return b.ranges.subtract(a.ranges)
 
 
-def of(made: list[Verdict], measure: str) -> list[Verdict]:
+def verdicts_on(verdicts: list[Verdict], measure: str) -> list[Verdict]:
     """The verdicts on one measure."""
-    return [one for one in made if one.measure.name == measure]
+    return [verdict for verdict in verdicts if verdict.measure.name == measure]
 
 
-def main_ones(made: list[Verdict]) -> list[Verdict]:
+def main_verdicts(verdicts: list[Verdict]) -> list[Verdict]:
     """The verdicts on the measure that the experiment reports first."""
-    return of(made, made[0].measure.name) if made else []
+    return verdicts_on(verdicts, verdicts[0].measure.name) if verdicts else []
 
 
-def sweeps_of(made: list[Verdict]) -> list[tuple[PaperSweep, int, list[Verdict]]]:
+def group_by_sweep(verdicts: list[Verdict]) -> list[tuple[PaperSweep, int, list[Verdict]]]:
     """The verdicts by sweep and size of flock, in order of the values."""
-    found: dict[tuple[int, int], tuple[PaperSweep, int, list[Verdict]]] = {}
-    for one in made:
-        if one.case.sweep:
-            key = (id(one.case.sweep), one.case.agents)
-            found.setdefault(key, (one.case.sweep, one.case.agents, []))[2].append(one)
-    return list(found.values())
+    sweeps: dict[tuple[int, int], tuple[PaperSweep, int, list[Verdict]]] = {}
+    for verdict in verdicts:
+        if verdict.case.sweep:
+            key = (id(verdict.case.sweep), verdict.case.agents)
+            sweeps.setdefault(key, (verdict.case.sweep, verdict.case.agents, []))[2].append(verdict)
+    return list(sweeps.values())
 
 
 def name(value: object) -> str:

@@ -33,13 +33,13 @@ class OptimisationJob:
 
     def prepare(self) -> None:
         """Find what measures. Raises InputError."""
-        for one in self.parts:
-            one.prepare()
+        for part in self.parts:
+            part.prepare()
 
-    def run(self, asked: tuple[int, RunRequest], seed: int) -> Outcome:
+    def run(self, task: tuple[int, RunRequest], seed: int) -> Outcome:
         """Make a run of a variant."""
-        part, wanted = asked
-        return self.parts[part].run(wanted, seed)
+        part, request = task
+        return self.parts[part].run(request, seed)
 
 
 class Evaluations:
@@ -60,10 +60,10 @@ class Evaluations:
         tell: Tell | None = None,
     ):
         self.study = study
-        names = [*study.default, *(name for one in study.variants for name in one.at)]
+        names = [*study.default, *(name for variant in study.variants for name in variant.at)]
         self.runner = StudyRunner(
             folder,
-            OptimisationJob(tuple(one.sweep.making for one in study.variants)),
+            OptimisationJob(tuple(variant.sweep.making for variant in study.variants)),
             {
                 "kind": "optimisation",
                 "title": study.title,
@@ -101,8 +101,8 @@ class Evaluations:
 
     def prepare(self) -> None:
         """Compile what the runs of all variants call."""
-        for one in self.study.variants:
-            prepare(one.sweep, self.runner.tell)
+        for variant in self.study.variants:
+            prepare(variant.sweep, self.runner.tell)
 
     def cells_of(self, point: Point) -> list[Cell]:
         """The cells of a point, one for each variant. Raises InputError if they cannot be."""
@@ -111,7 +111,7 @@ class Evaluations:
             raise InputError(self.refused[key])
         if key not in self.by_point:
             try:
-                self.by_point[key] = [one.cell(point) for one in self.study.variants]
+                self.by_point[key] = [variant.cell(point) for variant in self.study.variants]
             except InputError as refusal:
                 self.refused[key] = str(refusal)
                 raise
@@ -119,14 +119,16 @@ class Evaluations:
 
     def run(self, points: Sequence[Point], seeds: range) -> None:
         """Have the runs of points with these seeds. Raises HaltedError where they are not all."""
-        wanted = [cell for point in points for cell in self.cells_of(point)]
+        cells = [cell for point in points for cell in self.cells_of(point)]
         before = len(self.cells)
-        for cell in wanted:
+        for cell in cells:
             self.cells.setdefault(cell.hash, cell)
         if len(self.cells) > before:
-            numbers = self.runner.plan([(one.hash, one.kept) for one in self.cells.values()])
+            numbers = self.runner.plan(
+                [(cell.hash, cell.stored_text) for cell in self.cells.values()]
+            )
             self.numbers = dict(zip(self.cells, numbers, strict=True))
-        distinct = {cell.hash: cell for cell in wanted}
+        distinct = {cell.hash: cell for cell in cells}
         parts = {cell.hash: k for point in points for k, cell in enumerate(self.cells_of(point))}
         tasks = []
         for seed in seeds:
@@ -143,12 +145,14 @@ class Evaluations:
     def values(self, point: Point, variant: int, column: str, seeds: range) -> list[float | None]:
         """A column of the runs of a point, None for a run that gave up, failed or has none."""
         cell = self.numbers[self.cells_of(point)[variant].hash]
-        found = [self.runner.outcomes[cell, seed] for seed in seeds]
-        kept = [one.values.get(column) if one.status == "ok" else None for one in found]
-        return [None if value is None else float(value) for value in kept]
+        outcomes = [self.runner.outcomes[cell, seed] for seed in seeds]
+        column_values = [
+            outcome.values.get(column) if outcome.status == "ok" else None for outcome in outcomes
+        ]
+        return [None if value is None else float(value) for value in column_values]
 
     @property
-    def broken(self) -> list[str]:
+    def failed_runs(self) -> list[str]:
         """Of each run that failed or was killed: which, and why."""
         outcomes = self.runner.outcomes
         return [
@@ -183,7 +187,7 @@ class EvaluatedPoint:
     @property
     def is_good(self) -> bool:
         """Whether it has a value and keeps to all constraints."""
-        return bool(self.means) and all(one <= 0.0 for one in self.violations)
+        return bool(self.means) and all(violation <= 0.0 for violation in self.violations)
 
 
 @dataclass
@@ -198,7 +202,7 @@ class SearchHistory:
 
     def judge(self, units: np.ndarray) -> PointScores:
         """What the points of a generation are worth. Raises HaltedError."""
-        study, seeds = self.study, self.study.file.replicates.common
+        study, seeds = self.study, self.study.file.replicates.search_seeds
         points = [study.point(row) for row in units]
         refused = [self.refusal(point) for point in points]
         self.tell()
@@ -207,20 +211,20 @@ class SearchHistory:
         self.runs.runner.progress.later = later * each
         self.runs.run([p for p, why in zip(points, refused, strict=True) if not why], seeds)
         for unit, point, why in zip(units.tolist(), points, refused, strict=True):
-            self.evaluated.append(self.worth(tuple(unit), point, why))
+            self.evaluated.append(self.evaluate(tuple(unit), point, why))
         self.generation += 1
         self.tell()
         new = self.evaluated[-len(points) :]
         signs = [goal.sign for goal in study.goals]
         objectives = [
-            [sign * mean for sign, mean in zip(signs, one.means, strict=True)]
-            if one.means
+            [sign * mean for sign, mean in zip(signs, point.means, strict=True)]
+            if point.means
             else [PENALTY] * len(signs)
-            for one in new
+            for point in new
         ]
         none = (0.0,) * len(study.limits)
         violations = [
-            [1.0 if one.refused else one.without, *(one.violations or none)] for one in new
+            [1.0 if point.refused else point.without, *(point.violations or none)] for point in new
         ]
         return PointScores(np.array(objectives), np.array(violations))
 
@@ -234,18 +238,19 @@ class SearchHistory:
             return str(refusal)
         return ""
 
-    def worth(self, unit: tuple[float, ...], point: Point, refused: str) -> EvaluatedPoint:
+    def evaluate(self, unit: tuple[float, ...], point: Point, refused: str) -> EvaluatedPoint:
         """What a point is worth, whose runs are made."""
         if refused:
             return EvaluatedPoint(unit, point, self.generation, refused=refused)
-        seeds = self.study.file.replicates.common
-        found = [
+        seeds = self.study.file.replicates.search_seeds
+        values = [
             self.runs.values(point, goal.variant, goal.column, seeds) for goal in self.study.goals
         ]
         limits = [
-            self.runs.values(point, one.variant, one.says.name, seeds) for one in self.study.limits
+            self.runs.values(point, limit.variant, limit.says.name, seeds)
+            for limit in self.study.limits
         ]
-        every = [value for values in (*found, *limits) for value in values]
+        every = [value for values in (*values, *limits) for value in values]
         missing = sum(value is None for value in every)
         if missing:
             share = missing / len(every)
@@ -254,29 +259,32 @@ class SearchHistory:
             unit,
             point,
             self.generation,
-            tuple(float(np.mean(values)) for values in found),  # type: ignore[arg-type]
+            tuple(float(np.mean(values)) for values in values),  # type: ignore[arg-type]
             tuple(
-                one.violation(float(np.mean(values)))  # type: ignore[arg-type]
-                for one, values in zip(self.study.limits, limits, strict=True)
+                limit.violation(float(np.mean(values)))  # type: ignore[arg-type]
+                for limit, values in zip(self.study.limits, limits, strict=True)
             ),
         )
 
     def tell(self) -> None:
         """Tell how far it is."""
-        asked = self.study.file.search.evaluations
+        planned = self.study.file.search.evaluations
         done = len(self.evaluated)
         seeds = self.study.file.replicates
         runs = len(self.study.variants) * seeds.count
-        left = max(0, asked - done) * runs
-        made = self.runs.runner.made
+        left = max(0, planned - done) * runs
+        run_count = self.runs.runner.made
         self.runs.runner.wanted = len(self.runs.used) + left
         self.runs.runner.store.tell(runs=self.runs.runner.wanted)
-        self.at(done / (asked + 1), f"{done} of {asked} points, {made} runs made{self.best_word()}")
+        self.at(
+            done / (planned + 1),
+            f"{done} of {planned} points, {run_count} runs made{self.best_word()}",
+        )
 
     def best_word(self) -> str:
         """The best so far, of a single objective."""
         goal = self.study.goals[0]
-        good = [goal.sign * one.means[0] for one in self.evaluated if one.is_good]
+        good = [goal.sign * point.means[0] for point in self.evaluated if point.is_good]
         if len(self.study.goals) > 1 or not good:
             return ""
         return f", {goal.aim} {goal.name} {goal.sign * min(good):.4g}"

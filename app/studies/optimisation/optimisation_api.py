@@ -15,7 +15,7 @@ from app.studies.optimisation.optimisation_result import OptimisationResult
 from app.studies.optimisation.optimisation_runner import optimise as carry_out
 from app.studies.optimisation.study import Study, read_study, study_of
 from app.studies.search import Algorithm
-from app.studies.sweeps.sweep_api import bounds, is_file, kept_in, values_of
+from app.studies.sweeps.sweep_api import StudyArguments, axis_bounds, result_folder
 from app.studies.sweeps.sweep_results import Results
 from worlds.input_error import InputError
 
@@ -53,14 +53,14 @@ class Optimum:
     @property
     def columns(self) -> dict[str, list[Any]]:
         """The default and the best, or the front, on fresh seeds, as lists by column."""
-        made: dict[str, list[Any]] = {}
-        for one in (self.answer.default, *self.answer.best):
-            row: dict[str, Any] = {"what": one.what, **one.point}
-            for name, mean in zip(self.answer.goals, one.means, strict=True):
+        columns: dict[str, list[Any]] = {}
+        for point in (self.answer.default, *self.answer.best):
+            row: dict[str, Any] = {"what": point.what, **point.point}
+            for name, mean in zip(self.answer.goals, point.means, strict=True):
                 row |= {name: mean and mean.value, f"{name} half interval": mean and mean.half}
             for name, value in row.items():
-                made.setdefault(name, []).append(value)
-        return made
+                columns.setdefault(name, []).append(value)
+        return columns
 
     def to_pandas(self) -> Any:
         """The same as `pandas.DataFrame`."""
@@ -118,16 +118,17 @@ def optimise(
 
     Begun again with the same folder it goes on where it was stopped. Raises InputError.
     """
-    if is_file(what):
-        if vary or least or most or keep or words or observe or until or where:
-            raise InputError(f"{str(what)!r} says itself what is searched: give folder and workers")
+    arguments = StudyArguments(what, runs, ticks, observe, words, until, hold)
+    if arguments.is_file:
+        searched = "what is searched: give folder and workers"
+        arguments.demand_nothing_else(searched, vary, least, most, keep, where)
         study = read_study(Path(str(what)))
     else:
-        values = values_of(what, runs, ticks, observe, until, hold, words)
+        values = arguments.table()
         values["replicates"]["fresh"] = fresh
         values["search"] = {
             "algorithm": algorithm,
-            "axes": {name: bounds(axis) for name, axis in (vary or {}).items()},
+            "axes": {name: axis_bounds(axis) for name, axis in (vary or {}).items()},
             "where": where,
             "evaluations": evaluations,
             "seed": seed,
@@ -136,9 +137,9 @@ def optimise(
             values["search"]["population"] = population
         aims = (("least", least), ("most", most))
         values["objective"] = [{"observable": name, "aim": aim} for aim, name in aims if name]
-        values["constraint"] = [{"says": one} for one in keep]
+        values["constraint"] = [{"says": condition} for condition in keep]
         study = study_of(values, KeyLocations(CALL), Path())
-    place = kept_in(folder)
+    place = result_folder(folder)
     done = carry_out(study, place, workers=workers, tell=tell)
     if done.answer is None:
         raise InputError(f"the search in {str(place)!r} was asked to stop: the same call goes on")

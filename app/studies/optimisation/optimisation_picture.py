@@ -41,8 +41,8 @@ def draw(
         for k, goal in enumerate(goals):
             draw_course(panels[k - len(goals)], goal, k, course, answer)
         algorithm = TITLES[study.file.search.algorithm]
-        said = f"{algorithm}, {counted(answer.evaluations, 'point')} of {answer.seeds} seeds"
-        figure.suptitle(f"{study.title}\n{said}", x=0.01, ha="left", wrap=True)
+        caption = f"{algorithm}, {counted(answer.evaluations, 'point')} of {answer.seeds} seeds"
+        figure.suptitle(f"{study.title}\n{caption}", x=0.01, ha="left", wrap=True)
         write_figure(figure, path)
 
 
@@ -52,7 +52,7 @@ def draw_course(
     """Draw what each point is worth in the order of the search, and the best so far."""
     numbers = np.arange(1, len(course) + 1)
     chosen = answer.best[0] if len(answer.best) == 1 else None
-    values = np.array([one.means[k] if one.is_good else np.nan for one in course])
+    values = np.array([point.means[k] if point.is_good else np.nan for point in course])
     panel.plot(numbers, values, "o", color=TRIED, markersize=4, label="a point, mean of the seeds")
     reached = np.isfinite(values)
     if reached.any():
@@ -63,22 +63,25 @@ def draw_course(
     searched = answer.default.on_search[k]
     if searched is not None:
         panel.axhline(searched, color=DEFAULT, linewidth=1.0, label="the default, same seeds")
-    shown = [*values[reached], *([] if searched is None else [searched])]
+    drawn_values = [*values[reached], *([] if searched is None else [searched])]
     ends: list[float] = []
-    for one, colour, words in ((answer.default, DEFAULT, "default"), (chosen, COLOURS[2], "best")):
-        mean = one.means[k] if one is not None else None
+    for point, colour, words in (
+        (answer.default, DEFAULT, "default"),
+        (chosen, COLOURS[2], "best"),
+    ):
+        mean = point.means[k] if point is not None else None
         if mean is not None:
             panel.errorbar(
                 [1.04 * len(course) + 1], [mean.value],
                 yerr=interval_sides([mean.value], [mean.interval]), fmt="D",
                 color=colour, markersize=5, capsize=3, label=f"the {words}, fresh seeds",
             )  # fmt: skip
-            shown.append(mean.value)
+            drawn_values.append(mean.value)
             ends += mean.interval
     if is_wide(values[reached]):
         panel.set_yscale("log")
     else:
-        panel.set_ylim(*measure_limits(shown, column_bounds(goal.column), ends))
+        panel.set_ylim(*measure_limits(drawn_values, column_bounds(goal.column), ends))
     panel.set_xlabel("points evaluated")
     panel.set_ylabel(f"{goal.name} ({goal.aim} wanted)")
     if k == 0:
@@ -95,21 +98,23 @@ def draw_front(
 ) -> None:
     """Draw the first two objectives against each other, with the front on fresh seeds."""
     first, second = study.goals[:2]
-    tried = np.array([one.means[:2] for one in course if one.is_good]).reshape(-1, 2)
+    tried = np.array([point.means[:2] for point in course if point.is_good]).reshape(-1, 2)
     panel.plot(*tried.T, "o", color=TRIED, markersize=4, label="points of the search")
-    shown: list[list[float]] = tried.T.tolist()
+    tried_points: list[list[float]] = tried.T.tolist()
     ends: list[list[float]] = [[], []]
     for points, colour, sign, words in (
         (answer.best, BEST, "o-", "the front, fresh seeds"),
         ([answer.default], DEFAULT, "D", "the default, fresh seeds"),
     ):
-        means = [one.means[:2] for one in points]
-        there = [[mean for mean in row if mean is not None] for row in means if None not in row]
-        if there:
-            x, y = ([row[k].value for row in there] for k in (0, 1))
-            across, up = ([row[k].interval for row in there] for k in (0, 1))
+        means = [point.means[:2] for point in points]
+        known_means = [
+            [mean for mean in row if mean is not None] for row in means if None not in row
+        ]
+        if known_means:
+            x, y = ([row[k].value for row in known_means] for k in (0, 1))
+            across, up = ([row[k].interval for row in known_means] for k in (0, 1))
             for k, at, sides in ((0, x, across), (1, y, up)):
-                shown[k] += at
+                tried_points[k] += at
                 ends[k] += [end for interval in sides for end in interval]
             panel.errorbar(
                 x, y, xerr=interval_sides(x, across), yerr=interval_sides(y, up), fmt=sign,
@@ -122,7 +127,7 @@ def draw_front(
         if is_wide(tried[:, k]):
             put_scale("log")
         else:
-            put_limits(*measure_limits(shown[k], column_bounds(goal.column), ends[k]))
+            put_limits(*measure_limits(tried_points[k], column_bounds(goal.column), ends[k]))
     panel.grid(axis="both")
     panel.set_xlabel(f"{first.name} ({first.aim} wanted)")
     panel.set_ylabel(f"{second.name} ({second.aim} wanted)")

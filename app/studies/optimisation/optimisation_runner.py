@@ -14,10 +14,10 @@ from app.studies.optimisation.evaluations import (
     HaltedError,
     SearchHistory,
 )
-from app.studies.optimisation.optimisation_result import OptimisationResult, answer_of
+from app.studies.optimisation.optimisation_result import OptimisationResult, make_result
 from app.studies.optimisation.study import Study
 from app.studies.search import search
-from app.studies.workers.processes import cores
+from app.studies.workers.process_executor import cores
 
 
 @dataclass
@@ -52,7 +52,7 @@ def optimise(
     goes on after any stop. `retry`: whether runs that failed are made again. `limit`: runs to make
     now. `at` hears of the share that is done, and words. Raises InputError.
     """
-    asked = study.file.search
+    settings = study.file.search
     runs = Evaluations(
         study, folder, workers=workers or cores(), nice=nice, retry=retry, limit=limit, tell=tell
     )
@@ -61,17 +61,19 @@ def optimise(
     with runs:
         try:
             end = search(
-                asked.algorithm,
-                len(asked.axes),
+                settings.algorithm,
+                len(settings.axes),
                 len(study.goals),
                 1 + len(study.limits),
                 course.judge,
-                evaluations=asked.evaluations,
-                population=asked.generation,
-                seed=asked.seed,
+                evaluations=settings.evaluations,
+                population=settings.generation,
+                seed=settings.seed,
             )
-            answer = answer_of(study, runs, course.evaluated, end)
+            answer = make_result(study, runs, course.evaluated, end)
             runs.runner.store.tell(runs=len(runs.used))
         except HaltedError:
             pass
-    return OptimisationReport(runs.runner.made, runs.taken, runs.broken, answer, course.evaluated)
+    return OptimisationReport(
+        runs.runner.made, runs.taken, runs.failed_runs, answer, course.evaluated
+    )

@@ -15,16 +15,16 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.spec import LARGEST_SEED, Spec
 from app.strict_table import Line, StrictTable, Value
 from app.studies.cluster.cluster_options import Cluster
-from app.studies.key_lines import KeyLocations, about
+from app.studies.key_lines import KeyLocations, name_in_refusal
 from app.studies.search import Algorithm, demand_package
 from app.studies.sweeps.checked_sweep import (
     Sweep,
     base_of,
-    checked_file,
+    check_file,
     first_flock,
-    making_of,
+    make_job,
 )
-from app.studies.sweeps.designs import Point, between, rounded
+from app.studies.sweeps.designs import Point, round_point, value_between
 from app.studies.sweeps.sweep_cells import Basis, Cell, spec_of
 from app.studies.sweeps.sweep_file import (
     MOST_TICKS,
@@ -95,12 +95,12 @@ class Seeds(StrictTable):
     """Seeds that the search has not seen, on which the best is told."""
 
     @property
-    def common(self) -> range:
+    def search_seeds(self) -> range:
         """Those of the search."""
         return range(self.first, self.first + self.count)
 
     @property
-    def unseen(self) -> range:
+    def fresh_seeds(self) -> range:
         """Those of the answer."""
         first = self.first + max(FRESH_FROM, self.count)
         return range(first, first + self.fresh)
@@ -225,15 +225,15 @@ class Study:
     @property
     def columns(self) -> list[str]:
         """What the runs have values of."""
-        names = [name for one in self.variants for name in one.sweep.making.columns]
+        names = [name for variant in self.variants for name in variant.sweep.making.columns]
         return list(dict.fromkeys(names))
 
     def point(self, unit: np.ndarray) -> Point:
         """A point of the unit cube (D,) as values of the axes."""
         axes = self.file.search.axes
-        return rounded(
+        return round_point(
             {
-                name: between(axis, float(share))
+                name: value_between(axis, float(share))
                 if isinstance(axis, Span)
                 else axis[min(int(share * len(axis)), len(axis) - 1)]
                 for (name, axis), share in zip(axes.items(), unit, strict=True)
@@ -254,89 +254,109 @@ def read_study(path: Path) -> Study:
 
 def study_of(values: dict[str, Any], places: KeyLocations, folder: Path) -> Study:
     """The study of values, as TOML has them. Raises InputError, before anything is run."""
-    file = checked_file(OptimisationFile, values, places)
+    file = check_file(OptimisationFile, values, places)
     demand_package(file.search.algorithm)
     observed = columns_of(file, places, folder)
     everything: list[Objective | Constraint] = [*file.objective, *file.constraint]
-    asked: list[PointMeasurement] = []
-    for one in everything:
-        if not any(alike(one, other) for other in asked):
-            asked.append(one)
-    names = [column(one, places) for one in everything]
-    wanted = [
-        [name for name, other in zip(names, everything, strict=True) if alike(one, other)]
-        for one in asked
+    measurements: list[PointMeasurement] = []
+    for entry in everything:
+        if not any(is_same_run(entry, other) for other in measurements):
+            measurements.append(entry)
+    names = [column(entry, places) for entry in everything]
+    columns_wanted = [
+        [
+            name
+            for name, other in zip(names, everything, strict=True)
+            if is_same_run(measurement, other)
+        ]
+        for measurement in measurements
     ]
     variants = [
-        variant(file, one, columns, observed, places, folder)
-        for one, columns in zip(asked, wanted, strict=True)
+        variant(file, measurement, columns, observed, places, folder)
+        for measurement, columns in zip(measurements, columns_wanted, strict=True)
     ]
-    number = [next(k for k, one in enumerate(asked) if alike(one, each)) for each in everything]
+    number = [
+        next(k for k, measurement in enumerate(measurements) if is_same_run(measurement, each))
+        for each in everything
+    ]
     goals = [
-        SearchGoal(goal_name(one, name, names), name, k, 1 if one.aim == "least" else -1)
-        for one, name, k in zip(file.objective, names, number, strict=False)
+        SearchGoal(
+            goal_name(objective, name, names), name, k, 1 if objective.aim == "least" else -1
+        )
+        for objective, name, k in zip(file.objective, names, number, strict=False)
     ]
     rest = number[len(file.objective) :]
-    limits = [Limit(bounding(one, places), k) for one, k in zip(file.constraint, rest, strict=True)]
-    made = Study(
+    limits = [
+        Limit(parse_constraint(constraint, places), k)
+        for constraint, k in zip(file.constraint, rest, strict=True)
+    ]
+    study = Study(
         file, places, folder, variants, goals, limits,
         default_of(variants[0], file), places.text or tomlkit.dumps(values),
     )  # fmt: skip
-    check_corners(made)
-    return made
+    check_corners(study)
+    return study
 
 
-def alike(one: PointMeasurement, other: PointMeasurement) -> bool:
+def is_same_run(measurement: PointMeasurement, other: PointMeasurement) -> bool:
     """Whether two things are measured of the same runs."""
-    return (one.at, one.ticks, one.stop) == (other.at, other.ticks, other.stop)
+    return (measurement.at, measurement.ticks, measurement.stop) == (
+        other.at,
+        other.ticks,
+        other.stop,
+    )
 
 
-def column(one: Objective | Constraint, places: KeyLocations) -> str:
+def column(constraint: Objective | Constraint, places: KeyLocations) -> str:
     """The column that is asked of. Raises InputError."""
-    return one.observable if isinstance(one, Objective) else bounding(one, places).name
+    return (
+        constraint.observable
+        if isinstance(constraint, Objective)
+        else parse_constraint(constraint, places).name
+    )
 
 
-def bounding(one: Constraint, places: KeyLocations) -> ObservableBound:
+def parse_constraint(constraint: Constraint, places: KeyLocations) -> ObservableBound:
     """The comparison of a constraint. Raises InputError."""
-    where = places.of("says", "constraint")
+    where = places.describe("says", "constraint")
     try:
-        says = comparison(one.says)
+        says = comparison(constraint.says)
     except InputError as refusal:
         raise InputError(f"{refusal} ({where})") from None
     if says.sign not in (">=", "<="):
-        raise InputError(f"says = {one.says!r} is not allowed: >= or <= is needed ({where})")
+        raise InputError(f"says = {constraint.says!r} is not allowed: >= or <= is needed ({where})")
     return says
 
 
-def goal_name(one: Objective, name: str, names: list[str]) -> str:
+def goal_name(objective: Objective, name: str, names: list[str]) -> str:
     """What an objective is called: with what is other in its runs, where another has its name."""
-    if names.count(name) < 2 or not one.at:
+    if names.count(name) < 2 or not objective.at:
         return name
-    return f"{name} at " + ", ".join(f"{key} = {value}" for key, value in one.at.items())
+    return f"{name} at " + ", ".join(f"{key} = {value}" for key, value in objective.at.items())
 
 
 def columns_of(file: OptimisationFile, places: KeyLocations, folder: Path) -> dict[str, Observe]:
     """What is observed by its column. Raises InputError."""
-    found: dict[str, Observe] = {}
-    for one in file.observe:
+    columns: dict[str, Observe] = {}
+    for entry in file.observe:
         try:
-            found[measure_of(one, folder).column] = one
+            columns[measure_of(entry, folder).column] = entry
         except InputError as refusal:
-            key = "measure" if one.measure else "name"
-            raise InputError(f"{refusal} ({places.of(key, 'observe')})") from None
-    return found
+            key = "measure" if entry.measure else "name"
+            raise InputError(f"{refusal} ({places.describe(key, 'observe')})") from None
+    return columns
 
 
 def variant(
     file: OptimisationFile,
-    asked: PointMeasurement,
+    measurement: PointMeasurement,
     columns: list[str],
     observed: dict[str, Observe],
     places: KeyLocations,
     folder: Path,
 ) -> Variant:
     """The runs that some columns are measured of. Raises InputError."""
-    stop = file.stop if asked.stop else None
+    stop = file.stop if measurement.stop else None
     observe: list[Observe] = []
     for name in dict.fromkeys(columns):
         if name == K and stop is not None:
@@ -346,46 +366,54 @@ def variant(
         elif name in OBSERVABLES and not OBSERVABLES[name].over:
             observe.append(Observe(name=name))
         else:
-            known = [*observed, *([K] if stop else [])]
-            raise unknown("column", name, known, places.of("observable", "objective"))
-    for one in observe:
-        if one.every is not None:
+            names = [*observed, *([K] if stop else [])]
+            raise unknown("column", name, names, places.describe("observable", "objective"))
+    for entry in observe:
+        if entry.every is not None:
             raise InputError(
-                f"when = {one.when!r} gives no single value that could be the best: leave it out "
-                f"({places.of('when', 'observe')})"
+                f"when = {entry.when!r} gives no single value that could be the best: leave it out "
+                f"({places.describe('when', 'observe')})"
             )
-    run = file.run if asked.ticks is None else file.run.model_copy(update={"ticks": asked.ticks})
+    run = (
+        file.run
+        if measurement.ticks is None
+        else file.run.model_copy(update={"ticks": measurement.ticks})
+    )
     seeds = Replicates(count=file.replicates.count, first=file.replicates.first)
-    made = SweepFile(title=file.title, run=run, stop=stop, observe=observe, replicates=seeds)
-    base = base_of(made, places, folder)
-    making = making_of(made, places, folder, lambda: first_flock(base, [(0, {})], places))
+    variant_file = SweepFile(
+        title=file.title, run=run, stop=stop, observe=observe, replicates=seeds
+    )
+    base = base_of(variant_file, places, folder)
+    making = make_job(variant_file, places, folder, lambda: first_flock(base, [(0, {})], places))
     making.prepare()
     basis = Basis(making, seeds.first)
     try:
-        cell = basis.cell(spec_of(base, asked.at), dict(asked.at), 0)
+        cell = basis.cell(spec_of(base, measurement.at), dict(measurement.at), 0)
     except InputError as refusal:
-        where = places.of(about(str(refusal)), "objective.at" if asked.at else "run")
+        where = places.describe(
+            name_in_refusal(str(refusal)), "objective.at" if measurement.at else "run"
+        )
         raise InputError(f"{refusal} ({where})") from None
-    sweep = Sweep(made, places, folder, base, making, [cell], places.text)
-    return Variant(dict(asked.at), sweep, basis)
+    sweep = Sweep(variant_file, places, folder, base, making, [cell], places.text)
+    return Variant(dict(measurement.at), sweep, basis)
 
 
 def default_of(first: Variant, file: OptimisationFile) -> Point:
     """The values that the axes have without a search. Raises InputError for an axis that is
     none."""
     spec = first.sweep.cells[0].identity["spec"]
-    known = {**spec, **spec["parameters"]}
+    values = {**spec, **spec["parameters"]}
     for name in file.search.axes:
-        where = first.sweep.places.of(name, "search.axes")
+        where = first.sweep.places.describe(name, "search.axes")
         if name in ("parameters", "ticks", "seed"):
             raise InputError(
                 f"axis {name!r} is not allowed: it is no parameter or option ({where})"
             )
-        if name not in known:
-            raise unknown("axis", name, known, where)
+        if name not in values:
+            raise unknown("axis", name, values, where)
         if name in first.at:
             raise InputError(f"axis {name!r} is not allowed: an objective says itself what it is")
-    return {name: known[name] for name in file.search.axes}
+    return {name: values[name] for name in file.search.axes}
 
 
 def check_corners(study: Study) -> None:
@@ -394,20 +422,20 @@ def check_corners(study: Study) -> None:
     try:
         study.is_allowed(study.default)
     except InputError as refusal:
-        raise InputError(f"{refusal} ({study.places.of('where', 'search')})") from None
+        raise InputError(f"{refusal} ({study.places.describe('where', 'search')})") from None
     for corner in itertools.islice(itertools.product((0.0, 1.0), repeat=len(axes)), CORNERS):
         point = study.point(np.array(corner))
         if not study.is_allowed(point):
             continue
-        for one in study.variants:
+        for variant in study.variants:
             try:
-                one.cell(point)
+                variant.cell(point)
             except InputError as refusal:
-                word = about(str(refusal))
+                word = name_in_refusal(str(refusal))
                 table = "search.axes" if word in point else "run"
-                said = ", ".join(f"{name} = {value!r}" for name, value in point.items())
-                at = study.places.of(word, table)
-                raise InputError(f"{refusal} ({at}; a corner of the box: {said})") from None
+                point_text = ", ".join(f"{name} = {value!r}" for name, value in point.items())
+                at = study.places.describe(word, table)
+                raise InputError(f"{refusal} ({at}; a corner of the box: {point_text})") from None
 
 
 def spec_at(study: Study, point: Point) -> Spec:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from app.studies.figures.phases import PhasePoint, map_of, ways_of
+from app.studies.figures.phases import PhasePoint, map_points, way_points
 from app.studies.judge.claim_verdict import ClaimVerdict
 from app.studies.judge.comparison import MeanComparison
 from app.studies.judge.statistics import MeasureSummary
-from app.studies.judge.verdict import Verdict, main_ones, name, of, sweeps_of
+from app.studies.judge.verdict import Verdict, group_by_sweep, main_verdicts, name, verdicts_on
 
 # Verdicts and answers in words and colours.
 
@@ -23,55 +23,63 @@ STYLES = {
 }
 
 
-def styled(found: MeanComparison | ClaimVerdict | None) -> str:
+def style_answer(answer: MeanComparison | ClaimVerdict | None) -> str:
     """A verdict in its colour; nothing where nothing is compared."""
-    return f"[{STYLES[found.word]}]{found}[/]" if found else ""
+    return f"[{STYLES[answer.word]}]{answer}[/]" if answer else ""
 
 
 # The table of runs that are looked at several times: a line for each row and look.
 
 
-def gathering_table(made: list[Verdict]) -> Any:
+def gathering_table(verdicts: list[Verdict]) -> Any:
     """The means of all measures at each look; below a row's last look what was published."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    symbols = list(dict.fromkeys(one.measure.symbol for one in made))
+    symbols = list(dict.fromkeys(verdict.measure.symbol for verdict in verdicts))
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     for column in ("N", "model", "tick", *symbols):
         left = "left" if column == "model" else "right"
         table.add_column(column, justify=left, no_wrap=True)  # type: ignore[arg-type]
     before = None
-    for look in looks(made):
+    for look in group_by_look(verdicts):
         case = look[0].case
         head = ("", "") if case.row is before else (str(case.agents), case.label)
         before = case.row
-        means = (format_mean(one.summary.mean) if one.summary.runs else "-" for one in look)
+        means = (
+            format_mean(verdict.summary.mean) if verdict.summary.runs else "-" for verdict in look
+        )
         table.add_row(*head, str(case.tick), *means, end_section=case.last and not paper(look))
         if case.last and paper(look):
-            table.add_row("", "published", "", *(printed(one) for one in look))
-            table.add_row("", "", "", *(styled(one.comparison) for one in look), end_section=True)
+            table.add_row("", "published", "", *(format_published(verdict) for verdict in look))
+            table.add_row(
+                "",
+                "",
+                "",
+                *(style_answer(verdict.comparison) for verdict in look),
+                end_section=True,
+            )
     return table
 
 
-def looks(made: list[Verdict]) -> list[list[Verdict]]:
+def group_by_look(verdicts: list[Verdict]) -> list[list[Verdict]]:
     """The verdicts of each look."""
-    found: dict[int, list[Verdict]] = {}
-    for one in made:
-        found.setdefault(id(one.case), []).append(one)
-    return list(found.values())
+    by_look: dict[int, list[Verdict]] = {}
+    for verdict in verdicts:
+        by_look.setdefault(id(verdict.case), []).append(verdict)
+    return list(by_look.values())
 
 
 def paper(look: list[Verdict]) -> bool:
     """Whether anything was published of it."""
-    return any(one.published for one in look)
+    return any(verdict.published for verdict in look)
 
 
-def printed(one: Verdict) -> str:
+def format_published(verdict: Verdict) -> str:
     """A published mean."""
-    if one.published is None or one.published.average is None:
+    if verdict.published is None or verdict.published.average is None:
         return ""
-    return format_mean(one.published.average)
+    return format_mean(verdict.published.average)
 
 
 def format_mean(value: float) -> str:
@@ -109,28 +117,28 @@ PHASE_STYLES = {
 }
 
 
-def phase_tables(made: list[Verdict]) -> Any:
+def phase_tables(verdicts: list[Verdict]) -> Any:
     """Both tables, as far as there are places of their kind."""
     from rich.console import Group
 
-    tables = [map_table(map_of(made)), ways_table(ways_of(made))]
+    tables = [map_table(map_points(verdicts)), ways_table(way_points(verdicts))]
     return Group(*(table for table in tables if table is not None))
 
 
-def map_table(found: list[PhasePoint]) -> Any | None:
+def map_table(points: list[PhasePoint]) -> Any | None:
     """Three lines for each value of the second parameter: p, m and the commonest phase."""
-    if not found:
+    if not points:
         return None
-    sweep = found[0].case.own_sweep
-    xs = sorted({spot.x for spot in found})
-    table = blank("", *(f"{x:g}" for x in xs))
+    sweep = points[0].case.own_sweep
+    xs = sorted({spot.x for spot in points})
+    table = empty_text_table("", *(f"{x:g}" for x in xs))
     table.title = f"columns: {sweep.parameter}, rows: {sweep.against}"
-    for y in sorted({spot.y for spot in found}, reverse=True):
-        row = {spot.x: spot for spot in found if spot.y == y}
+    for y in sorted({spot.y for spot in points}, reverse=True):
+        row = {spot.x: spot for spot in points if spot.y == y}
         line = [row.get(x) for x in xs]
         table.add_row(f"{y:g} p", *(mean(spot.p if spot else None) for spot in line))
         table.add_row("m", *(mean(spot.m if spot else None) for spot in line))
-        table.add_row("", *(short(spot) for spot in line), end_section=True)
+        table.add_row("", *(format_phase(spot) for spot in line), end_section=True)
     return table
 
 
@@ -140,14 +148,16 @@ def ways_table(pairs: list[tuple[PhasePoint, PhasePoint]]) -> Any | None:
         return None
     sweep = pairs[0][0].case.own_sweep
     heads = ("p", "m", "there", "p", "m", "back")
-    table = blank(sweep.parameter, *heads)
+    table = empty_text_table(sweep.parameter, *heads)
     for up, down in pairs:
-        cells = [text for spot in (up, down) for text in (mean(spot.p), mean(spot.m), short(spot))]
+        cells = [
+            text for spot in (up, down) for text in (mean(spot.p), mean(spot.m), format_phase(spot))
+        ]
         table.add_row(f"{up.x:g}", *cells)
     return table
 
 
-def blank(*columns: str) -> Any:
+def empty_text_table(*columns: str) -> Any:
     """An empty table."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -158,76 +168,84 @@ def blank(*columns: str) -> Any:
     return table
 
 
-def mean(one: MeasureSummary | None) -> str:
+def mean(summary: MeasureSummary | None) -> str:
     """A mean to two digits."""
-    return "" if one is None else f"{one.mean:.2f}"
+    return "" if summary is None else f"{summary.mean:.2f}"
 
 
-def short(spot: PhasePoint | None) -> str:
+def format_phase(spot: PhasePoint | None) -> str:
     """The commonest phase in its colour."""
     return "" if spot is None else f"[{PHASE_STYLES[spot.phase]}]{SHORT[spot.phase]}[/]"
 
 
-def table_of(made: list[Verdict]) -> Any:
+def table_of(verdicts: list[Verdict]) -> Any:
     """The table that fits: by what was published, and by how many measures there are."""
-    if any(one.measure.words for one in made) and any(one.case.sweep for one in made):
-        return phase_tables(made)
-    if any(one.case.tick is not None for one in made):
-        return gathering_table(made)
-    if any(one.published for one in made):
-        return published_tables(made)
-    if any(one.case.sweep for one in made):
-        return sweep_table(made) if made == main_ones(made) else sweep_tables(made)
-    return measure_table(made)
+    if any(verdict.measure.words for verdict in verdicts) and any(
+        verdict.case.sweep for verdict in verdicts
+    ):
+        return phase_tables(verdicts)
+    if any(verdict.case.tick is not None for verdict in verdicts):
+        return gathering_table(verdicts)
+    if any(verdict.published for verdict in verdicts):
+        return published_tables(verdicts)
+    if any(verdict.case.sweep for verdict in verdicts):
+        return (
+            sweep_table(verdicts) if verdicts == main_verdicts(verdicts) else sweep_tables(verdicts)
+        )
+    return measure_table(verdicts)
 
 
-def published_tables(made: list[Verdict]) -> Any:
+def published_tables(verdicts: list[Verdict]) -> Any:
     """A table for each measure of which something was published, and one of the others."""
     from rich.console import Group
 
-    measures = list(dict.fromkeys(one.measure.name for one in made))
-    compared = [name for name in measures if any(one.published for one in of(made, name))]
-    tables = [published_table(of(made, name)) for name in compared]
-    others = [one for one in made if one.measure.name not in compared]
+    measures = list(dict.fromkeys(verdict.measure.name for verdict in verdicts))
+    compared = [
+        name
+        for name in measures
+        if any(verdict.published for verdict in verdicts_on(verdicts, name))
+    ]
+    tables = [published_table(verdicts_on(verdicts, name)) for name in compared]
+    others = [verdict for verdict in verdicts if verdict.measure.name not in compared]
     return Group(*tables, *([measure_table(others)] if others else []))
 
 
-def published_table(made: list[Verdict]) -> Any:
+def published_table(verdicts: list[Verdict]) -> Any:
     """One measure, two lines per row: measured, and below it published and the difference."""
     table = empty_table("N", "model", "mean", "s", "25 %", "50 %", "75 %", "z, d", "")
-    measure = made[0].measure
-    unit = "" if made[0].unit == "1" else f", {made[0].unit}"
+    measure = verdicts[0].measure
+    unit = "" if verdicts[0].unit == "1" else f", {verdicts[0].unit}"
     table.title = f"{measure.symbol}: {measure.title[0].lower()}{measure.title[1:]}{unit}"
     table.title_justify = "left"
-    for k, one in enumerate(made):
-        s, row, found = one.summary, one.published, one.comparison
+    for k, verdict in enumerate(verdicts):
+        s, row, comparison = verdict.summary, verdict.published, verdict.comparison
         table.add_row(
-            str(one.case.agents),
-            one.case.label,
+            str(verdict.case.agents),
+            verdict.case.label,
             mean_of(s),
             number(s.sd),
             *quartiles_of(s),
-            signed(found.z if found else None),
-            styled(found),
+            format_signed(comparison.z if comparison else None),
+            style_answer(comparison),
         )
         if row:
             quartiles = row.quartiles or (None, None, None)
-            effect, interval = signed(found.effect if found else None), ""
-            if found and not math.isnan(found.interval[0]):
-                interval = " to ".join(map(rounded, found.interval))
+            effect, interval = format_signed(comparison.effect if comparison else None), ""
+            if comparison and not math.isnan(comparison.interval[0]):
+                interval = " to ".join(map(format_rounded, comparison.interval))
             table.add_row(
                 "", "paper", number(row.average), "", *(number(q) for q in quartiles),
                 effect, interval, style="dim",
             )  # fmt: skip
-        close_size(table, made, k)
+        add_size_gap(table, verdicts, k)
     return table
 
 
-def sweep_table(made: list[Verdict]) -> Any:
+def sweep_table(verdicts: list[Verdict]) -> Any:
     """What was measured for each value of the swept parameters."""
     table = empty_table("N", "model", "parameter", "mean", "s", "25 %", "50 %", "75 %")
-    for k, one in enumerate(made):
-        case, s = one.case, one.summary
+    for k, verdict in enumerate(verdicts):
+        case, s = verdict.case, verdict.summary
         table.add_row(
             str(case.agents),
             case.label,
@@ -236,52 +254,54 @@ def sweep_table(made: list[Verdict]) -> Any:
             number(s.sd),
             *quartiles_of(s),
         )
-        close_size(table, made, k)
+        add_size_gap(table, verdicts, k)
     return table
 
 
-def sweep_tables(made: list[Verdict]) -> Any:
+def sweep_tables(verdicts: list[Verdict]) -> Any:
     """Of several measures: a table for each sweep, means and standard deviations by value."""
     from rich.console import Group
 
     tables = []
-    for sweep, agents, points in sweeps_of(made):
-        rows = by_row(points)
-        symbols = [one.measure.symbol for one in rows[0]]
-        units = ["" if one.unit == "1" else f" / {one.unit}" for one in rows[0]]
+    for sweep, agents, points in group_by_sweep(verdicts):
+        rows = group_by_row(points)
+        symbols = [row.measure.symbol for row in rows[0]]
+        units = ["" if row.unit == "1" else f" / {row.unit}" for row in rows[0]]
         table = empty_table(sweep.parameter, *map("".join, zip(symbols, units, strict=True)))
         table.title = f"{rows[0][0].case.label}, N = {agents}: mean, standard deviation"
         table.title_justify = "left"
         for row in rows:
-            cells = [f"{mean_of(one.summary)} {number(one.summary.sd):>6}" for one in row]
+            cells = [
+                f"{mean_of(verdict.summary)} {number(verdict.summary.sd):>6}" for verdict in row
+            ]
             table.add_row(name(row[0].case.value), *cells)
         tables.append(table)
     return Group(*tables)
 
 
-def measure_table(made: list[Verdict]) -> Any:
+def measure_table(verdicts: list[Verdict]) -> Any:
     """A line for each measure of each row; of a single run the values alone."""
-    single = all(len(one.values) == 1 for one in made)
+    single = all(len(verdict.values) == 1 for verdict in verdicts)
     columns = ("value",) if single else ("mean", "least", "most", "runs")
     table = empty_table("N", "model", "measure", *columns, "unit")
-    for row in by_row(made):
-        for k, one in enumerate(row):
-            s = one.summary
-            head = ("", "") if k else (str(one.case.agents), one.case.label)
+    for row in group_by_row(verdicts):
+        for k, verdict in enumerate(row):
+            s = verdict.summary
+            head = ("", "") if k else (str(verdict.case.agents), verdict.case.label)
             numbers = [mean_of(s)]
             if not single:
-                numbers += [number(s.least), at_least(s.most, s), str(s.runs)]
+                numbers += [number(s.least), format_limited(s.most, s), str(s.runs)]
             if s.runs == 0:
-                numbers[0] = one.measure.absent
-            table.add_row(*head, one.measure.symbol, *numbers, one.unit)
+                numbers[0] = verdict.measure.absent
+            table.add_row(*head, verdict.measure.symbol, *numbers, verdict.unit)
         table.add_section()
     return table
 
 
-def by_row(made: list[Verdict]) -> list[list[Verdict]]:
+def group_by_row(verdicts: list[Verdict]) -> list[list[Verdict]]:
     """The verdicts on all measures of each row."""
-    step = len({one.measure for one in made}) or 1
-    return [made[k : k + step] for k in range(0, len(made), step)]
+    step = len({verdict.measure for verdict in verdicts}) or 1
+    return [verdicts[k : k + step] for k in range(0, len(verdicts), step)]
 
 
 def empty_table(*columns: str) -> Any:
@@ -296,9 +316,9 @@ def empty_table(*columns: str) -> Any:
     return table
 
 
-def close_size(table: Any, made: list[Verdict], k: int) -> None:
+def add_size_gap(table: Any, verdicts: list[Verdict], k: int) -> None:
     """Leave a gap where the size of the flock changes."""
-    if k + 1 < len(made) and made[k + 1].case.agents != made[k].case.agents:
+    if k + 1 < len(verdicts) and verdicts[k + 1].case.agents != verdicts[k].case.agents:
         table.add_section()
 
 
@@ -309,23 +329,23 @@ def mean_of(s: MeasureSummary) -> str:
 
 def quartiles_of(s: MeasureSummary) -> list[str]:
     """The quartiles; those in which a run was given up are at least this."""
-    return [at_least(q, s) for q in s.quartiles]
+    return [format_limited(q, s) for q in s.quartiles]
 
 
-def at_least(value: float, s: MeasureSummary) -> str:
+def format_limited(value: float, s: MeasureSummary) -> str:
     """A value of the runs, which is at least their limit where it reaches it."""
     return f"≥{number(value)}" if s.limit is not None and value >= s.limit else number(value)
 
 
-def signed(value: float | None) -> str:
+def format_signed(value: float | None) -> str:
     """A number of standard errors or deviations with its sign."""
     return "" if value is None or math.isnan(value) else f"{value:+.2f}"
 
 
-def rounded(value: float) -> str:
+def format_rounded(value: float) -> str:
     """A number with its sign and about three digits.
 
-    >>> rounded(-1164.2), rounded(0.01234)
+    >>> format_rounded(-1164.2), format_rounded(0.01234)
     ('-1164', '+0.0123')
     """
     return f"{value:+.0f}" if abs(value) >= 100 else f"{value:+.3g}"

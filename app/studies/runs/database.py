@@ -91,7 +91,7 @@ STEPS = 100_000
 
 
 @contextmanager
-def guarded(path: Path, kept: str = "kept") -> Iterator[None]:
+def naming_file(path: Path, kept: str = "kept") -> Iterator[None]:
     """Whatever SQLite raises within is an InputError that names the file, which cannot be
     `kept`."""
     try:
@@ -124,23 +124,23 @@ def open_database(path: Path) -> sqlite3.Connection:
     if not os.access(path.parent if new else path, os.W_OK):
         raise InputError(f"store of runs {str(path)!r} cannot be written: it may only be read")
     if not new:  # SQLite changes the file when WAL is set: whose it is must be known before
-        with guarded(path), closing(read_only(path)) as judged:
+        with naming_file(path), closing(read_only(path)) as judged:
             has_tables(judged, path)
-    with guarded(path):
-        made = sqlite3.connect(path, timeout=BUSY, isolation_level=None)
-        mode = made.execute("PRAGMA journal_mode = WAL").fetchone()[0]
+    with naming_file(path):
+        connection = sqlite3.connect(path, timeout=BUSY, isolation_level=None)
+        mode = connection.execute("PRAGMA journal_mode = WAL").fetchone()[0]
         if mode != "wal":
-            made.close()
+            connection.close()
             raise InputError(
                 f"store of runs {str(path)!r} needs a local disk: this one cannot keep what is "
                 f"written apart from what is read (journal mode {mode})"
             )
-        made.execute("PRAGMA synchronous = NORMAL")
-        if new or not has_tables(made, path):
-            made.execute(f"PRAGMA application_id = {APPLICATION}")
-            made.execute(f"PRAGMA user_version = {FORMAT}")
-            made.executescript(f"BEGIN; {TABLES} COMMIT;")
-        return made
+        connection.execute("PRAGMA synchronous = NORMAL")
+        if new or not has_tables(connection, path):
+            connection.execute(f"PRAGMA application_id = {APPLICATION}")
+            connection.execute(f"PRAGMA user_version = {FORMAT}")
+            connection.executescript(f"BEGIN; {TABLES} COMMIT;")
+        return connection
 
 
 def has_tables(connection: sqlite3.Connection, path: Path) -> bool:
@@ -154,42 +154,44 @@ def has_tables(connection: sqlite3.Connection, path: Path) -> bool:
     schema = connection.execute("SELECT type, name, rootpage FROM sqlite_master").fetchall()
     for kind, name, page in schema:
         if kind not in ("table", "index") or not page:  # a virtual table has no page of its own
-            raise foreign(path, f"{str(name)[:80]!r} is no plain table")
+            raise foreign_store_error(path, f"{str(name)[:80]!r} is no plain table")
     names = {name for kind, name, _ in schema if kind == "table"}
     if "run" not in names:
         return False
     for name, columns in COLUMNS.items():
-        found = connection.execute(f"PRAGMA table_xinfo({quoted(name)})").fetchall()
-        if not columns <= {row[1] for row in found} or any(row[-1] for row in found):
-            raise foreign(path, f"the table {name} has other columns")
+        table_columns = connection.execute(f"PRAGMA table_xinfo({quote_column(name)})").fetchall()
+        if not columns <= {row[1] for row in table_columns} or any(
+            row[-1] for row in table_columns
+        ):
+            raise foreign_store_error(path, f"the table {name} has other columns")
     return True
 
 
-def foreign(path: Path, why: str) -> InputError:
+def foreign_store_error(path: Path, why: str) -> InputError:
     """The refusal of a store that flockscope has not made so."""
     return InputError(f"{str(path)!r} is not a store of runs ({why}): move it away")
 
 
-def looked_into(path: Path) -> sqlite3.Connection:
+def open_for_reading(path: Path) -> sqlite3.Connection:
     """The file to read from, also while another process writes to it. Raises InputError."""
     if not path.is_file():
         raise InputError(f"{str(path)!r}: there is no store of runs")
     demand_ours(path)
-    with guarded(path, "read"):
-        made = read_only(path)
+    with naming_file(path, "read"):
+        connection = read_only(path)
         try:
-            there = has_tables(made, path)
+            is_store = has_tables(connection, path)
         except sqlite3.OperationalError:  # a folder that may only be read has no room for the WAL
-            made.close()
-            made = sqlite3.connect(f"{path.absolute().as_uri()}?immutable=1", uri=True)
-            there = has_tables(made, path)
+            connection.close()
+            connection = sqlite3.connect(f"{path.absolute().as_uri()}?immutable=1", uri=True)
+            is_store = has_tables(connection, path)
         except BaseException:
-            made.close()
+            connection.close()
             raise
-        if not there:
-            made.close()
+        if not is_store:
+            connection.close()
             raise InputError(f"{str(path)!r}: there is no run in it yet")
-        return made
+        return connection
 
 
 def read_only(path: Path) -> sqlite3.Connection:
@@ -222,12 +224,12 @@ def holds_tables(path: Path) -> bool:
 
     One of ours says nothing yet where a kill came while it was made, or its head is in the WAL.
     """
-    with guarded(path, "read"), closing(read_only(path)) as made:
-        names = {row[0] for row in made.execute("SELECT name FROM sqlite_master")}
-        ours = made.execute("PRAGMA application_id").fetchone()[0] == APPLICATION
-        return bool(names) and not ours
+    with naming_file(path, "read"), closing(read_only(path)) as connection:
+        names = {row[0] for row in connection.execute("SELECT name FROM sqlite_master")}
+        is_ours = connection.execute("PRAGMA application_id").fetchone()[0] == APPLICATION
+        return bool(names) and not is_ours
 
 
-def quoted(column: str) -> str:
+def quote_column(column: str) -> str:
     """The name of a column as SQL has it."""
     return '"' + column.replace('"', '""') + '"'

@@ -25,9 +25,9 @@ from app.studies.runs.database import (
     LONGEST,
     Outcome,
     QueryTimeLimit,
-    guarded,
+    naming_file,
     open_database,
-    quoted,
+    quote_column,
 )
 from app.studies.runs.store_reader import StoreContentError, demand_cell, json_value
 from worlds.input_error import InputError
@@ -63,17 +63,17 @@ class Store:
             raise InputError(
                 f"{str(self.folder)!r} cannot be made: {error.strerror or error}"
             ) from None
-        self.lock = locked(self.folder)
+        self.lock = lock_folder(self.folder)
         try:
             self.connection = open_database(self.path)
-            with guarded(self.path):
+            with naming_file(self.path):
                 self._widen()
         except BaseException:
             self.lock.release()
             raise
         names = [*FIXED, *self.columns]
         self._insert = (
-            f"INSERT OR REPLACE INTO run ({', '.join(map(quoted, names))}) "
+            f"INSERT OR REPLACE INTO run ({', '.join(map(quote_column, names))}) "
             f"VALUES ({', '.join('?' * len(names))})"
         )
         return self
@@ -81,32 +81,32 @@ class Store:
     def __exit__(self, kind: Any, *_: object) -> None:
         try:
             with nullcontext() if kind is None else suppress(InputError):
-                self.keep()
+                self.commit()
         finally:
-            with guarded(self.path):
+            with naming_file(self.path):
                 self.connection.close()
             self.lock.release()
 
     def _widen(self) -> None:
         """Add the columns that the store does not have."""
-        there = {row[1].lower() for row in self.connection.execute("PRAGMA table_info(run)")}
+        columns = {row[1].lower() for row in self.connection.execute("PRAGMA table_info(run)")}
         for name in self.columns:
-            if name.lower() not in there:
-                self.connection.execute(f"ALTER TABLE run ADD COLUMN {quoted(name)}")
+            if name.lower() not in columns:
+                self.connection.execute(f"ALTER TABLE run ADD COLUMN {quote_column(name)}")
 
-    def lay_out(self, cells: Sequence[tuple[str, str]]) -> list[int]:
+    def store_plan(self, cells: Sequence[tuple[str, str]]) -> list[int]:
         """Take a plan: the hash and the JSON of each of its cells, in order; their numbers here.
 
         What runs of other cells there are stays.
         """
-        with guarded(self.path):
+        with naming_file(self.path):
             run = self.connection.execute
             run("BEGIN IMMEDIATE")
             self.connection.executemany(
                 "INSERT OR IGNORE INTO cell (hash, json) VALUES (?, ?)", cells
             )
-            known = dict(run("SELECT hash, id FROM cell").fetchall())
-            numbers = [known[one] for one, _ in cells]
+            ids = dict(run("SELECT hash, id FROM cell").fetchall())
+            numbers = [ids[cell] for cell, _ in cells]
             run("DELETE FROM plan")
             self.connection.executemany(
                 "INSERT INTO plan (place, cell) VALUES (?, ?)", list(enumerate(numbers, 1))
@@ -116,15 +116,15 @@ class Store:
 
     def forget_broken(self) -> int:
         """Forget the runs that failed or were killed, so that they are made again; how many."""
-        with guarded(self.path):
+        with naming_file(self.path):
             marks = ", ".join("?" * len(BROKEN))
-            found = self.connection.execute(f"DELETE FROM run WHERE status IN ({marks})", BROKEN)
-            return found.rowcount
+            cursor = self.connection.execute(f"DELETE FROM run WHERE status IN ({marks})", BROKEN)
+            return cursor.rowcount
 
     @contextmanager
-    def _asked(self) -> Iterator[None]:
+    def _limit_query(self) -> Iterator[None]:
         """What is read of the store within takes LONGEST at most. Raises InputError."""
-        with guarded(self.path, "gone on with"):
+        with naming_file(self.path, "gone on with"):
             QueryTimeLimit(self.connection, LONGEST)
             try:
                 yield
@@ -133,32 +133,34 @@ class Store:
 
     def outcomes(self, columns: Sequence[str]) -> dict[tuple[int, int], Outcome]:
         """All runs by cell and seed, with these of their columns and without their series."""
-        names = ", ".join(map(quoted, [*FIXED, *columns]))
-        found: dict[tuple[int, int], Outcome] = {}
-        with self._asked():
+        names = ", ".join(map(quote_column, [*FIXED, *columns]))
+        outcomes: dict[tuple[int, int], Outcome] = {}
+        with self._limit_query():
             for row in self.connection.execute(f"SELECT {names} FROM run"):
                 cell, seed, status, reason, seconds, ticks, astray, *values = row
                 measured = dict(zip(columns, values, strict=True))
-                found[cell, seed] = Outcome(
+                outcomes[cell, seed] = Outcome(
                     status, measured, reason or "", seconds, ticks, astray or ""
                 )
-        return found
+        return outcomes
 
     def others(self, cells: Iterable[int]) -> list[tuple[dict, dict, int]]:
         """Identity, basis and number of runs of the cells that are not among these."""
         mine = set(cells)
-        with self._asked():
+        with self._limit_query():
             rows = self.connection.execute(
                 "SELECT id, json, runs FROM cell "
                 "JOIN (SELECT cell AS c, count(*) AS runs FROM run GROUP BY cell) ON c = id"
             ).fetchall()
         try:
-            found = [
-                (demand_cell(json_value(text)), runs) for one, text, runs in rows if one not in mine
+            other_cells = [
+                (demand_cell(json_value(text)), runs) for row, text, runs in rows if row not in mine
             ]
         except StoreContentError as error:
             raise InputError(f"{str(self.path)!r} cannot be gone on with: {error}") from None
-        return [(one.get("identity", {}), one.get("basis", {}), runs) for one, runs in found]
+        return [
+            (cell.get("identity", {}), cell.get("basis", {}), runs) for cell, runs in other_cells
+        ]
 
     def add(self, cell: int, seed: int, outcome: Outcome) -> None:
         """Take a run; it is on the disk after the next commit."""
@@ -169,27 +171,27 @@ class Store:
                 *(outcome.ticks, outcome.astray or None, *values),
             )
         )
-        for name, (ticks, found) in outcome.series.items():
-            blobs = np.asarray(ticks, "<i8").tobytes(), np.asarray(found, "<f8").tobytes()
+        for name, (ticks, entries) in outcome.series.items():
+            blobs = np.asarray(ticks, "<i8").tobytes(), np.asarray(entries, "<f8").tobytes()
             self.series.append((cell, seed, name, *blobs))
 
     def tell(self, **state: Any) -> None:
         """Leave word for who reads the store, with the next commit."""
         self.told |= {key: json.dumps(value) for key, value in state.items()}
 
-    def beat(self) -> None:
+    def commit_if_due(self) -> None:
         """Commit if it is time to."""
         if time.monotonic() - self.kept_at >= self.every:
-            self.keep()
+            self.commit()
 
-    def keep(self) -> None:
+    def commit(self) -> None:
         """Commit. Raises InputError if the disk takes no more; what was committed before stays."""
         self.kept_at = time.monotonic()
         if not (self.rows or self.series or self.told):
             return
         rows, series, told = self.rows, self.series, self.told
         self.rows, self.series, self.told = [], [], {}
-        with guarded(self.path):
+        with naming_file(self.path):
             try:  # an interrupt may come as soon as the transaction has begun
                 self.connection.execute("BEGIN IMMEDIATE")
                 self.connection.executemany(self._insert, rows)
@@ -213,7 +215,7 @@ def number(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
-def locked(folder: Path) -> FileLock:
+def lock_folder(folder: Path) -> FileLock:
     """The folder's lock, which a process that dies lets go. Raises InputError if another has it."""
     lock = FileLock(folder / LOCK)
     try:
@@ -228,7 +230,7 @@ def locked(folder: Path) -> FileLock:
     return lock
 
 
-def is_taken(folder: Path) -> bool:
+def is_locked(folder: Path) -> bool:
     """Whether a process writes to the store of a folder now."""
     if not (folder / LOCK).exists() or not os.access(folder / LOCK, os.W_OK):
         return False

@@ -28,9 +28,9 @@ from app.studies.runs.database import (
     LONGEST,
     STATUSES,
     QueryTimeLimit,
-    guarded,
-    looked_into,
-    quoted,
+    naming_file,
+    open_for_reading,
+    quote_column,
 )
 from worlds.input_error import InputError, demand_line
 
@@ -117,8 +117,12 @@ def finite(text: str) -> float:
 def depth(value: Any) -> int:
     """How many lists and tables are within each other."""
     level, deep = [value], 0
-    while level := [one for one in level if isinstance(one, dict | list)]:
-        level = [one for held in level for one in (held.values() if type(held) is dict else held)]
+    while level := [item for item in level if isinstance(item, dict | list)]:
+        level = [
+            item
+            for container in level
+            for item in (container.values() if type(container) is dict else container)
+        ]
         deep += 1
     return deep
 
@@ -203,29 +207,29 @@ class StoreReader:
     def _checked(self) -> Iterator[None]:
         """What the store holds that it cannot is an InputError that names the file."""
         try:
-            with guarded(self.path, "read"):
+            with naming_file(self.path, "read"):
                 yield
         except StoreContentError as error:
             raise InputError(f"{str(self.path)!r} cannot be read: {error}") from None
 
     def _rows(self, statement: str) -> list[tuple]:
-        with closing(looked_into(self.path)) as connection, self._checked():
+        with closing(open_for_reading(self.path)) as connection, self._checked():
             QueryTimeLimit(connection, self.limit)
             return connection.execute(statement).fetchall()
 
     @property
     def counts(self) -> dict[str, int]:
         """Runs of the plan by how they ended."""
-        found = dict(
+        counts = dict(
             self._rows(
                 "SELECT status, count(*) FROM run WHERE cell IN (SELECT cell FROM plan) "
                 "GROUP BY status"
             )
         )
         with self._checked():
-            if not set(found) <= set(STATUSES):
+            if not set(counts) <= set(STATUSES):
                 raise StoreContentError("a run has an unknown status")
-        return {status: found.get(status, 0) for status in STATUSES}
+        return {status: counts.get(status, 0) for status in STATUSES}
 
     @property
     def others(self) -> int:
@@ -244,47 +248,47 @@ class StoreReader:
     @cached_property
     def columns(self) -> list[str]:
         """What is measured of a run."""
-        found = [row[1] for row in self._rows("PRAGMA table_info(run)")]
-        return [name for name in found if name not in FIXED]
+        names = [row[1] for row in self._rows("PRAGMA table_info(run)")]
+        return [name for name in names if name not in FIXED]
 
     @cached_property
     def cells(self) -> dict[int, dict[str, Any]]:
         """The cells of the plan by their number in the store, each once, in order."""
-        found = self._rows(
+        rows = self._rows(
             "SELECT c, json FROM (SELECT cell AS c, min(place) AS place FROM plan GROUP BY cell) "
             "LEFT JOIN cell ON cell.id = c ORDER BY place"
         )
         with self._checked():
-            demand_kinds("cell", found, ({int}, {str}))
-            if len(dict(found)) < len(found):
+            demand_kinds("cell", rows, ({int}, {str}))
+            if len(dict(rows)) < len(rows):
                 raise StoreContentError("two cells have one number")
-            return {number: demand_cell(json_value(text)) for number, text in found}
+            return {number: demand_cell(json_value(text)) for number, text in rows}
 
     @cached_property
     def plan(self) -> list[int]:
         """The number of the cell at each place of the plan, where one may stand twice."""
-        found = self._rows("SELECT cell FROM plan ORDER BY place")
+        rows = self._rows("SELECT cell FROM plan ORDER BY place")
         with self._checked():
-            return [row[0] for row in demand_kinds("plan", found, ({int},))]
+            return [row[0] for row in demand_kinds("plan", rows, ({int},))]
 
     def runs(self, columns: list[str] | None = None) -> list[tuple]:
         """The runs of the plan in its order: the FIXED columns, then what was measured."""
         measured = self.columns if columns is None else columns
-        chosen = ", ".join(f"run.{quoted(name)}" for name in (*FIXED, *measured))
-        found = self._rows(f"SELECT {chosen} FROM run {ORDERED}")
+        chosen = ", ".join(f"run.{quote_column(name)}" for name in (*FIXED, *measured))
+        rows = self._rows(f"SELECT {chosen} FROM run {ORDERED}")
         with self._checked():
-            return demand_runs(found, len(measured))
+            return demand_runs(rows, len(measured))
 
     def series(self) -> Iterator[tuple[int, int, str, np.ndarray, np.ndarray]]:
         """Cell, seed, observable, ticks and values of all series, in the order of the plan."""
-        with closing(looked_into(self.path)) as connection, self._checked():
+        with closing(open_for_reading(self.path)) as connection, self._checked():
             limit = QueryTimeLimit(connection, self.limit)
-            found = connection.execute(
+            cursor = connection.execute(
                 'SELECT run.cell, run.seed, observable, run.ticks, "values" FROM series AS run '
                 + ORDERED
                 + ", observable"
             )
-            for row in found:
+            for row in cursor:
                 demand_kinds("series", [row], ({int}, {int}, {str}, {bytes}, {bytes}))
                 cell, seed, name, *blobs = row
                 yield cell, seed, name, *series_of(*blobs)
@@ -294,7 +298,7 @@ class StoreReader:
 def readable(folder: Path) -> bool:
     """Whether a folder holds a store that can be read."""
     try:
-        connection = looked_into(folder / FILE)
+        connection = open_for_reading(folder / FILE)
     except (ValueError, sqlite3.Error):
         return False
     connection.close()

@@ -16,11 +16,11 @@ from app.studies.charts.colour_table import COLOURS, PALE, RULER
 from app.studies.charts.mean_line import interval_sides
 from app.studies.measure import SHARE, UNBOUNDED
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sensitivity.sensitivity_result import Sensitivity, analysed, design_of
-from app.studies.sweeps.sweep_api import bounds, is_file, kept_in, requested_sweep
+from app.studies.sensitivity.sensitivity_result import Sensitivity, analyse, design_of
+from app.studies.sweeps.sweep_api import StudyArguments, axis_bounds, result_folder
 from app.studies.sweeps.sweep_results import Results
-from app.studies.sweeps.sweep_runner import conduct
-from app.studies.workers.processes import cores
+from app.studies.sweeps.sweep_runner import run_sweep
+from app.studies.workers.process_executor import cores
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError, unknown
 from worlds.number_text import counted
@@ -30,28 +30,30 @@ from worlds.number_text import counted
 TOTAL, ALONE = COLOURS[0], PALE
 
 
-def draw(found: list[Sensitivity], title: str, path: Path, overwrite: bool = True) -> None:
+def draw(sensitivities: list[Sensitivity], title: str, path: Path, overwrite: bool = True) -> None:
     """Draw a panel for each thing that is measured: PNG, SVG or PDF. Raises InputError."""
     demand_writable("picture", path, overwrite, ENDINGS)
     with new_figure(NAMED) as figure:
-        axes = len(found[0].influences)
-        figure.set_size_inches(7.2, 1.3 + len(found) * (0.8 + 0.5 * axes))
-        for panel, one in zip(figure.subplots(len(found), squeeze=False)[:, 0], found, strict=True):
-            draw_bars(panel, one)
-        first = found[0]
-        said = f"{counted(first.cells, 'cell')} of {counted(first.seeds, 'run')}"
-        figure.suptitle(f"{title}\n{said}", x=0.01, ha="left", wrap=True)
+        axes = len(sensitivities[0].influences)
+        figure.set_size_inches(7.2, 1.3 + len(sensitivities) * (0.8 + 0.5 * axes))
+        for panel, sensitivity in zip(
+            figure.subplots(len(sensitivities), squeeze=False)[:, 0], sensitivities, strict=True
+        ):
+            draw_bars(panel, sensitivity)
+        first = sensitivities[0]
+        text = f"{counted(first.cells, 'cell')} of {counted(first.seeds, 'run')}"
+        figure.suptitle(f"{title}\n{text}", x=0.01, ha="left", wrap=True)
         write_figure(figure, path)
 
 
-def draw_bars(panel: Any, one: Sensitivity) -> None:
+def draw_bars(panel: Any, sensitivity: Sensitivity) -> None:
     """Draw the bars of one thing that is measured, the largest at the top."""
-    places = np.arange(len(one.influences))[::-1].astype(float)
+    places = np.arange(len(sensitivity.influences))[::-1].astype(float)
     names = {"sobol": ("all in all, S_T", "alone, S_1"), "morris": ("size, μ*", "mean, μ")}
-    total, alone = names[one.kind]
+    total, alone = names[sensitivity.kind]
     for shift, indices, colour, label in (
-        (0.19, [i.total for i in one.influences], TOTAL, total),
-        (-0.19, [i.alone for i in one.influences], ALONE, alone),
+        (0.19, [i.total for i in sensitivity.influences], TOTAL, total),
+        (-0.19, [i.alone for i in sensitivity.influences], ALONE, alone),
     ):
         panel.barh(
             places + shift,
@@ -64,26 +66,28 @@ def draw_bars(panel: Any, one: Sensitivity) -> None:
             label=label,
             error_kw={"ecolor": INK, "elinewidth": 1.0, "capsize": 2.5},
         )
-    panel.set_yticks(places, [i.axis for i in one.influences])
+    panel.set_yticks(places, [i.axis for i in sensitivity.influences])
     panel.grid(axis="x")
     panel.grid(axis="y", visible=False)
     panel.axvline(0.0, color=RULER, linewidth=0.8)
-    panel.set_xlim(*index_limits(one))
-    what = "share of the variance" if one.kind == "sobol" else "effect of the whole range"
-    chance = "" if one.noise is None else f"; chance {one.noise:.0%} of the variance"
-    panel.set_xlabel(f"{one.observable}: {what}, 95 % intervals{chance}")
+    panel.set_xlim(*index_limits(sensitivity))
+    what = "share of the variance" if sensitivity.kind == "sobol" else "effect of the whole range"
+    chance = (
+        "" if sensitivity.noise is None else f"; chance {sensitivity.noise:.0%} of the variance"
+    )
+    panel.set_xlabel(f"{sensitivity.observable}: {what}, 95 % intervals{chance}")
     panel.legend(fontsize=9, loc="lower right")
 
 
-def index_limits(one: Sensitivity) -> tuple[float, float]:
+def index_limits(sensitivity: Sensitivity) -> tuple[float, float]:
     """The ends of the axis of the indices of one thing that is measured.
 
     Sobol's are shares, from 0 to 1; an estimate that is beyond, by chance, is shown all the same.
     """
-    indices = [index for i in one.influences for index in (i.total, i.alone)]
+    indices = [index for i in sensitivity.influences for index in (i.total, i.alone)]
     values = [index.value for index in indices]
     ends = [end for index in indices for end in index.interval]
-    bounds = SHARE if one.kind == "sobol" else UNBOUNDED
+    bounds = SHARE if sensitivity.kind == "sobol" else UNBOUNDED
     return measure_limits([0.0, *values], bounds, ends)
 
 
@@ -99,30 +103,30 @@ class Influences:
     @property
     def words(self) -> list[str]:
         """The order of the axes and what else is to be known, sentence by sentence."""
-        return [line for one in self.found for line in one.words()]
+        return [line for sensitivity in self.found for line in sensitivity.words()]
 
     def order(self, observable: str) -> list[str]:
         """The axes, the one that matters most first. Raises InputError for what is not measured."""
-        by_name = {one.observable: one for one in self.found}
+        by_name = {sensitivity.observable: sensitivity for sensitivity in self.found}
         if observable not in by_name:
             raise unknown("observable", observable, by_name)
-        return [one.axis for one in by_name[observable].influences]
+        return [influence.axis for influence in by_name[observable].influences]
 
     @property
     def columns(self) -> dict[str, list[Any]]:
         """The indices as lists by column, a row for each axis of each thing that is measured."""
         rows = [
             {
-                "observable": one.observable,
+                "observable": sensitivity.observable,
                 "axis": row.axis,
-                one.symbols[0]: row.total.value,
-                f"{one.symbols[0]} half interval": row.total.half,
-                one.symbols[1]: row.alone.value,
-                f"{one.symbols[1]} half interval": row.alone.half,
+                sensitivity.symbols[0]: row.total.value,
+                f"{sensitivity.symbols[0]} half interval": row.total.half,
+                sensitivity.symbols[1]: row.alone.value,
+                f"{sensitivity.symbols[1]} half interval": row.alone.half,
             }
             | ({"sigma": row.spread} if row.spread is not None else {})
-            for one in self.found
-            for row in one.influences
+            for sensitivity in self.found
+            for row in sensitivity.influences
         ]
         return {name: [row[name] for row in rows] for name in rows[0]}
 
@@ -174,18 +178,19 @@ def sensitivity(
     Raises InputError for what cannot be run, and for runs of which no index can be found.
     """
     design = None
-    if not is_file(what):
+    arguments = StudyArguments(what, runs, ticks, observe, words)
+    if not arguments.is_file:
         if not vary:
             raise InputError("vary is needed: which parameters may matter, each with its bounds?")
         if kind not in ("saltelli", "morris"):
             raise unknown("kind of design", kind, ("saltelli", "morris"))
         size = {"points": points} if kind == "saltelli" else {"trajectories": trajectories}
-        axes = {name: bounds(axis) for name, axis in vary.items()}
+        axes = {name: axis_bounds(axis) for name, axis in vary.items()}
         design = {"kind": kind, "axes": axes, "seed": seed, **size}
     elif vary:
         raise InputError(f"{str(what)!r} says itself what is varied: leave vary out")
-    made = requested_sweep(what, design, runs, ticks, observe, "", 1, words, tell)
-    design_of(made)
-    place = kept_in(folder)
-    conduct(made, place, workers=workers or cores(), tell=tell)
-    return Influences(analysed(made, StoreReader(place)), made.title, Results(place))
+    sweep = arguments.sweep(design, tell)
+    design_of(sweep)
+    place = result_folder(folder)
+    run_sweep(sweep, place, workers=workers or cores(), tell=tell)
+    return Influences(analyse(sweep, StoreReader(place)), sweep.title, Results(place))

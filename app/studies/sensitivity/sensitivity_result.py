@@ -78,7 +78,7 @@ def sobol(design: Saltelli, y: np.ndarray) -> tuple[list[Influence], list[PairIn
     step = expected // design.points
     demand_variation(np.concatenate([y[::step], y[step - 1 :: step]]))
     with warnings.catch_warnings(action="ignore"):
-        found = analysis.analyze(
+        result = analysis.analyze(
             problem(design),
             y,
             calc_second_order=second,
@@ -88,14 +88,14 @@ def sobol(design: Saltelli, y: np.ndarray) -> tuple[list[Influence], list[PairIn
     influences = [
         Influence(
             name,
-            Index(float(found["ST"][k]), float(found["ST_conf"][k])),
-            Index(float(found["S1"][k]), float(found["S1_conf"][k])),
+            Index(float(result["ST"][k]), float(result["ST_conf"][k])),
+            Index(float(result["S1"][k]), float(result["S1_conf"][k])),
         )
         for k, name in enumerate(names)
     ]
     pairs = [
         PairIndex(
-            (names[j], names[k]), Index(float(found["S2"][j, k]), float(found["S2_conf"][j, k]))
+            (names[j], names[k]), Index(float(result["S2"][j, k]), float(result["S2_conf"][j, k]))
         )
         for j in range(len(names) if second else 0)
         for k in range(j + 1, len(names))
@@ -111,7 +111,7 @@ def morris(design: Morris, y: np.ndarray) -> list[Influence]:
 
     demand_values(y, design.trajectories * (len(design.axes) + 1))
     demand_variation(y)
-    found = analysis.analyze(
+    result = analysis.analyze(
         problem(design),
         unit_sample(design),
         y,
@@ -123,9 +123,9 @@ def morris(design: Morris, y: np.ndarray) -> list[Influence]:
     return [
         Influence(
             name,
-            Index(float(found["mu_star"][k]), float(found["mu_star_conf"][k])),
-            Index(float(found["mu"][k]), 1.96 * float(found["sigma"][k]) / root),
-            float(found["sigma"][k]),
+            Index(float(result["mu_star"][k]), float(result["mu_star_conf"][k])),
+            Index(float(result["mu"][k]), 1.96 * float(result["sigma"][k]) / root),
+            float(result["sigma"][k]),
         )
         for k, name in enumerate(design.axes)
     ]
@@ -156,8 +156,8 @@ def noise_share(values: Sequence[Sequence[float]]) -> float | None:
     """
     if min(map(len, values)) < 2:
         return None
-    within = float(np.mean([np.var(one, ddof=1) / len(one) for one in values]))
-    between = float(np.var([np.mean(one) for one in values]))
+    within = float(np.mean([np.var(value, ddof=1) / len(value) for value in values]))
+    between = float(np.var([np.mean(value) for value in values]))
     return within / between
 
 
@@ -195,16 +195,21 @@ class Sensitivity:
     def words(self) -> Iterator[str]:
         """The order of the axes and what else is to be known, a sentence each."""
         yield self.order()
-        for one, other in zip(self.influences, self.influences[1:], strict=False):
-            if not apart(one.total, other.total):
+        for influence, other in zip(self.influences, self.influences[1:], strict=False):
+            if not are_distinct(influence.total, other.total):
                 yield (
-                    f"{one.axis} and {other.axis} are not told apart: their intervals are wider "
+                    f"{influence.axis} and {other.axis} cannot be told apart: their intervals are "
+                    "wider "
                     "than they are different"
                 )
-        unseen = [one.axis for one in self.influences if one.total.value <= one.total.half]
+        unseen = [
+            influence.axis
+            for influence in self.influences
+            if influence.total.value <= influence.total.half
+        ]
         if unseen:
             yield f"no influence is seen of {' and '.join(unseen)}"
-        yield from self.together()
+        yield from self.describe_interactions()
         if self.noise is None:
             yield "how much of it is chance is not known: that takes two seeds or more"
         else:
@@ -214,24 +219,27 @@ class Sensitivity:
     def order(self) -> str:
         """The order of the axes, with numbers."""
         first, *rest = self.influences
-        said = [f"{self.observable} depends most on {first.axis} ({self.of(first)})"]
-        return ", then on ".join([*said, *(f"{one.axis} ({self.of(one)})" for one in rest)])
+        lines = [f"{self.observable} depends most on {first.axis} ({self.format_total(first)})"]
+        return ", then on ".join(
+            [*lines, *(f"{influence.axis} ({self.format_total(influence)})" for influence in rest)]
+        )
 
-    def of(self, one: Influence) -> str:
+    def format_total(self, influence: Influence) -> str:
         """The total of an axis."""
-        return f"{self.symbols[0]} {describe_index(one.total)}"
+        return f"{self.symbols[0]} {describe_index(influence.total)}"
 
-    def together(self) -> Iterator[str]:
+    def describe_interactions(self) -> Iterator[str]:
         """What the axes do together, beyond what each does alone."""
         if self.kind == "morris":
             bent = [
-                one.axis for one in self.influences
-                if one.total.value > one.total.half and (one.spread or 0.0) > BENT * one.total.value
+                influence.axis for influence in self.influences
+                if influence.total.value > influence.total.half
+                and (influence.spread or 0.0) > BENT * influence.total.value
             ]  # fmt: skip
             if bent:
                 yield f"the effect of {' and '.join(bent)} depends on where one is (sigma / mu*)"
             return
-        alone = sum(one.alone.value for one in self.influences)
+        alone = sum(influence.alone.value for influence in self.influences)
         yield f"each by itself, the axes explain {min(max(alone, 0.0), 1.0):.0%} of the variance"
         if self.pairs:
             most = max(self.pairs, key=lambda pair: pair.index.value)
@@ -250,74 +258,76 @@ def describe_index(index: Index) -> str:
     return f"{index.value:.2f}" + (f" ± {index.half:.2f}" if index.half == index.half else "")
 
 
-def apart(one: Index, other: Index) -> bool:
+def are_distinct(index: Index, other: Index) -> bool:
     """Whether two indices differ by more than chance, as far as their intervals say."""
-    return abs(one.value - other.value) > math.hypot(one.half, other.half)
+    return abs(index.value - other.value) > math.hypot(index.half, other.half)
 
 
-def analysed(sweep: Sweep, kept: StoreReader, observable: str | None = None) -> list[Sensitivity]:
+def analyse(sweep: Sweep, reader: StoreReader, observable: str | None = None) -> list[Sensitivity]:
     """What each thing that is measured, or one of them, depends on. Raises InputError."""
     design = design_of(sweep)
     columns = sweep.making.columns
     if observable is not None and observable not in columns:
-        raise unknown("observable", observable, columns, str(kept.folder))
+        raise unknown("observable", observable, columns, str(reader.folder))
     names = [observable] if observable is not None else columns
-    numbers = kept.plan
-    found = runs_of(sweep, kept, names)
-    made: list[Sensitivity] = []
+    numbers = reader.plan
+    runs = runs_of(sweep, reader, names)
+    sensitivities: list[Sensitivity] = []
     for name in names:
-        values = [found[number][name] for number in numbers]
-        y = np.array([np.mean(one) for one in values])
+        values = [runs[number][name] for number in numbers]
+        y = np.array([np.mean(run_values) for run_values in values])
         try:
             if isinstance(design, Saltelli):
                 influences, pairs = sobol(design, y)
             else:
                 influences, pairs = morris(design, y), []
         except InputError as refusal:
-            others = [one for one in columns if one != name]
+            others = [column for column in columns if column != name]
             hint = f"; take another with --observable {others[0]}" if others else ""
             raise InputError(f"{name} cannot be analysed: {refusal}{hint}") from None
-        influences.sort(key=lambda one: -one.total.value)
+        influences.sort(key=lambda influence: -influence.total.value)
         kind = "sobol" if isinstance(design, Saltelli) else "morris"
         seeds = sweep.file.replicates.count
-        made.append(
+        sensitivities.append(
             Sensitivity(name, kind, influences, pairs, noise_share(values), len(numbers), seeds)
         )
-    return made
+    return sensitivities
 
 
 def design_of(sweep: Sweep) -> Saltelli | Morris:
     """The design that indices can be found from. Raises InputError."""
-    designs, asked = sweep.file.design, sweep.file.replicates
-    kinds = ", ".join(one.kind for one in designs) or "none"
+    designs, replicates = sweep.file.design, sweep.file.replicates
+    kinds = ", ".join(design.kind for design in designs) or "none"
     if len(designs) != 1 or not isinstance(designs[0], Saltelli | Morris):
-        where = sweep.places.of("kind", "design", 0 if designs else None)
+        where = sweep.places.describe("kind", "design", 0 if designs else None)
         raise InputError(
             f"design {kinds} is not allowed: one of kind saltelli, for Sobol's indices, or morris, "
             f"for elementary effects, is needed ({where})"
         )
-    if asked.seeds != "common" or asked.precision is not None:
+    if replicates.seeds != "common" or replicates.precision is not None:
         key, table = ("seeds", "replicates")
-        if asked.seeds == "common":
+        if replicates.seeds == "common":
             key, table = "observable", "replicates.precision"
         raise InputError(
             "every cell needs the same seeds, or their differences would count as influence: "
-            f'take seeds = "common" and no precision ({sweep.places.of(key, table)})'
+            f'take seeds = "common" and no precision ({sweep.places.describe(key, table)})'
         )
     if not sweep.making.columns:
         raise InputError("nothing has one value for each run: [[observe]] something at its end")
     return designs[0]
 
 
-def runs_of(sweep: Sweep, kept: StoreReader, names: list[str]) -> dict[int, dict[str, list[float]]]:
+def runs_of(
+    sweep: Sweep, reader: StoreReader, names: list[str]
+) -> dict[int, dict[str, list[float]]]:
     """The values of all runs by cell and name. Raises InputError if a run has none."""
-    asked = sweep.file.replicates
-    seeds = range(asked.first, asked.first + asked.count)
-    cells = set(kept.plan)
-    found: dict[int, dict[str, list[float]]] = {one: {n: [] for n in names} for one in cells}
-    again = f"flockscope sensitivity {kept.folder}"
+    replicates = sweep.file.replicates
+    seeds = range(replicates.first, replicates.first + replicates.count)
+    cells = set(reader.plan)
+    found: dict[int, dict[str, list[float]]] = {cell: {n: [] for n in names} for cell in cells}
+    again = f"flockscope sensitivity {reader.folder}"
     broken = censored = runs = 0
-    for cell, seed, status, _, _, _, _, *values in kept.runs(names):
+    for cell, seed, status, _, _, _, _, *values in reader.runs(names):
         if seed not in seeds:
             continue
         runs += 1
@@ -331,17 +341,17 @@ def runs_of(sweep: Sweep, kept: StoreReader, names: list[str]) -> dict[int, dict
     if broken:
         raise InputError(
             f"{broken} of {counted(of, 'run')} failed, and an index needs all of them: "
-            f"`flockscope sweep show {kept.folder}` names them, `{again} --retry-failed` makes "
+            f"`flockscope sweep show {reader.folder}` names them, `{again} --retry-failed` makes "
             "them again"
         )
     if censored:
         raise InputError(
             f"{censored} of {counted(of, 'run')} gave up before what [stop] waits for came, and an "
             f"index needs all of them: raise ticks = {sweep.file.run.ticks} "
-            f"({sweep.places.of('ticks', 'run')}), or narrow the axes"
+            f"({sweep.places.describe('ticks', 'run')}), or narrow the axes"
         )
     for name in names:
-        missing = sum(value != value for one in found.values() for value in one[name])
+        missing = sum(value != value for columns in found.values() for value in columns[name])
         if missing:
             raise InputError(
                 f"{name} cannot be analysed: {missing} of {of} runs have no value, and an index "

@@ -16,7 +16,7 @@ from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES, telling_observables
 from agents.spec import Options, Spec
 from app.strict_table import StrictTable
-from app.studies.key_lines import KeyLocations, about
+from app.studies.key_lines import KeyLocations, name_in_refusal
 from app.studies.sweeps.designs import Point, find_file, points_of
 from app.studies.sweeps.sweep_cells import Basis, Cell, spec_of
 from app.studies.sweeps.sweep_file import (
@@ -71,8 +71,10 @@ class Sweep:
 
     def seed(self, cell: Cell, replicate: int) -> int:
         """The seed of a replicate of a cell, which are counted from 0."""
-        asked = self.file.replicates
-        first = asked.first if asked.seeds == "common" else cell.first_seed + asked.first
+        replicates = self.file.replicates
+        first = (
+            replicates.first if replicates.seeds == "common" else cell.first_seed + replicates.first
+        )
         return first + replicate
 
     def seeds(self, cell: Cell, replicates: int) -> range:
@@ -80,17 +82,17 @@ class Sweep:
         first = self.seed(cell, 0)
         return range(first, first + replicates)
 
-    def wanted(self, cell: Cell, number: int, replicate: int, folder: Path) -> RunRequest:
+    def run_request(self, cell: Cell, number: int, replicate: int, folder: Path) -> RunRequest:
         """A run as a process is asked for it; `number` is its place in the plan, from 1."""
         for record in self.file.record:
-            if replicate < record.replicates and chosen(record, cell):
+            if replicate < record.replicates and is_recorded(record, cell):
                 seed = self.seed(cell, replicate)
                 path = folder / "recordings" / f"cell-{number}-seed-{seed}.parquet"
                 return RunRequest(cell.spec, str(path.absolute()), record.every)
         return RunRequest(cell.spec)
 
 
-def chosen(record: Record, cell: Cell) -> bool:
+def is_recorded(record: Record, cell: Cell) -> bool:
     """Whether the runs of a cell are recorded."""
     return not record.where or Condition(record.where, list(cell.axes)).holds(cell.axes)
 
@@ -108,12 +110,12 @@ def sweep_of(
     tell: Callable[[str], Any] | None = None,
 ) -> Sweep:
     """The sweep of values, as TOML has them. Raises InputError, before anything is run."""
-    file = checked_file(SweepFile, values, places)
+    file = check_file(SweepFile, values, places)
     base = base_of(file, places, folder)
     points = list(all_points(file, places, folder))
     if len(points) > MOST_CELLS:
         raise InputError(f"{len(points)} cells are not allowed: the largest sweep has {MOST_CELLS}")
-    making = making_of(file, places, folder, lambda: first_flock(base, points, places))
+    making = make_job(file, places, folder, lambda: first_flock(base, points, places))
     making.prepare()
     demand_own_names(points, making, places)
     basis = Basis(making, file.replicates.first)
@@ -127,32 +129,34 @@ def sweep_of(
         except InputError as refusal:
             same = design, str(refusal)
             if same not in faults:
-                faults[same] = explained(str(refusal), design, point, number, places)
+                faults[same] = explain_refusal(str(refusal), design, point, number, places)
             if len(faults) >= MOST_FAULTS:
                 break
     if faults:
         raise error_of_lines(list(faults.values()))
     text = places.text or tomlkit.dumps(values)
-    made = Sweep(file, places, folder, base, making, cells, text)
-    check_precision(made)
+    sweep = Sweep(file, places, folder, base, making, cells, text)
+    check_precision(sweep)
     for record in file.record:
         for cell in cells:
-            chosen(record, cell)
-    return made
+            is_recorded(record, cell)
+    return sweep
 
 
-def explained(refusal: str, design: int, point: Point, number: int, places: KeyLocations) -> str:
+def explain_refusal(
+    refusal: str, design: int, point: Point, number: int, places: KeyLocations
+) -> str:
     """A refusal with the place of the axis that it is about, or of the run's own key."""
-    word = about(refusal)
+    word = name_in_refusal(refusal)
     if word in point:
-        at = places.of(word, "design.axes", design)
+        at = places.describe(word, "design.axes", design)
     else:
-        at = places.of(word, "run" if word in RunOptions.model_fields else "run.parameters")
-    said = ", ".join(f"{name} = {value!r}" for name, value in point.items())
-    return f"{refusal} ({at}; cell {number}: {said})" if said else f"{refusal} ({at})"
+        at = places.describe(word, "run" if word in RunOptions.model_fields else "run.parameters")
+    point_text = ", ".join(f"{name} = {value!r}" for name, value in point.items())
+    return f"{refusal} ({at}; cell {number}: {point_text})" if point_text else f"{refusal} ({at})"
 
 
-def checked_file[File: StrictTable](
+def check_file[File: StrictTable](
     kind: type[File], values: dict[str, Any], places: KeyLocations
 ) -> File:
     """The file with every key as it may be. Raises InputError naming the line."""
@@ -160,7 +164,7 @@ def checked_file[File: StrictTable](
         if axis == "seed":
             raise InputError(
                 "seed: the seeds of a sweep are first and seeds of [replicates] "
-                f"({places.of('seed', 'run')})"
+                f"({places.describe('seed', 'run')})"
             )
     try:
         return kind(**values)
@@ -170,10 +174,10 @@ def checked_file[File: StrictTable](
         keys = [str(part) for part in loc if not isinstance(part, int) and "[" not in str(part)]
         numbers = [part for part in loc if isinstance(part, int)]
         design = numbers[0] if keys[:1] == ["design"] and numbers else None
-        where = places.of(keys[-1] if keys else "", ".".join(keys[:-1]), design)
+        where = places.describe(keys[-1] if keys else "", ".".join(keys[:-1]), design)
         cause = first.get("ctx", {}).get("error")
-        said = str(cause) if isinstance(cause, InputError) else needed(first)
-        raise InputError(": ".join(filter(None, [".".join(keys), f"{said} ({where})"]))) from None
+        reason = str(cause) if isinstance(cause, InputError) else needed(first)
+        raise InputError(": ".join(filter(None, [".".join(keys), f"{reason} ({where})"]))) from None
 
 
 TAGS = ("grid", "list", "csv", "latin-hypercube", "sobol", "saltelli", "morris", "Span")
@@ -201,7 +205,7 @@ def base_of(file: SweepFile, places: KeyLocations, folder: Path) -> Spec:
             **options,
         )
     except InputError as refusal:
-        where = places.of(about(str(refusal)), "run")
+        where = places.describe(name_in_refusal(str(refusal)), "run")
         raise InputError(f"{refusal} ({where})") from None
 
 
@@ -214,11 +218,11 @@ def all_points(file: SweepFile, places: KeyLocations, folder: Path) -> Iterator[
             points = points_of(design, folder)
         except InputError as refusal:
             key = "where" if design.where and repr(design.where) in str(refusal) else "kind"
-            at = places.of(key, "design", number)
+            at = places.describe(key, "design", number)
             raise InputError(f"{refusal} ({at})") from None
         for axis in points[0] if points else ():
             if axis in ("seed", "parameters", "ticks"):
-                where = places.of(axis, "design.axes", number)
+                where = places.describe(axis, "design.axes", number)
                 raise InputError(
                     f"axis {axis!r} is not allowed: it is no parameter or option ({where})"
                 )
@@ -230,11 +234,11 @@ def demand_own_names(
 ) -> None:
     """Refuse an axis with the name of another column of the table of runs. Raises InputError."""
     axes = {axis: design for design, point in points for axis in point}
-    taken = next((one for one in axes if one in {*HEADS, *making.names}), None)
-    if taken is not None:
-        where = places.of(taken, "design.axes", axes[taken])
+    clash = next((axis for axis in axes if axis in {*HEADS, *making.names}), None)
+    if clash is not None:
+        where = places.describe(clash, "design.axes", axes[clash])
         raise InputError(
-            f"axis {taken!r} is not allowed: the table of runs has another column of that name: "
+            f"axis {clash!r} is not allowed: the table of runs has another column of that name: "
             f"rename the parameter, or the column ({where})"
         )
 
@@ -245,41 +249,42 @@ def first_flock(base: Spec, points: list[tuple[int, Point]], places: KeyLocation
     try:
         return Flock(spec_of(base, point).but(seed=1))
     except InputError as refusal:
-        raise InputError(explained(str(refusal), design, point, 1, places)) from None
+        raise InputError(explain_refusal(str(refusal), design, point, 1, places)) from None
 
 
-def making_of(
+def make_job(
     file: SweepFile, places: KeyLocations, folder: Path, first: Callable[[], Flock]
 ) -> SweepJob:
     """How runs are made and measured. Raises InputError."""
-    asked = file.observe or usual(file, first)
+    observed = file.observe or default_observe(file, first)
     measures: list[SweepMeasure] = []
-    for one in asked:
-        key = "measure" if one.measure else "name"
+    for entry in observed:
+        key = "measure" if entry.measure else "name"
         try:
-            measures.append(measure_of(one, folder))
+            measures.append(measure_of(entry, folder))
         except InputError as refusal:
-            at = places.of("observe" if "observe" in places.options else key, "observe")
+            at = places.describe("observe" if "observe" in places.options else key, "observe")
             raise InputError(f"{refusal} ({at})") from None
     twice = [
-        one
-        for one, other in itertools.combinations(measures, 2)
-        if one.column.lower() == other.column.lower()
+        measure
+        for measure, other in itertools.combinations(measures, 2)
+        if measure.column.lower() == other.column.lower()
     ]
     if twice:
         raise InputError(
             f"column {twice[0].column!r} is there twice: give one of them another "
-            f"({places.of('column', 'observe')})"
+            f"({places.describe('column', 'observe')})"
         )
-    for made in measures:
-        if made.over is not None and made.over > file.run.ticks:
+    for measure in measures:
+        if measure.over is not None and measure.over > file.run.ticks:
             raise InputError(
-                f"over = {made.over} is more than ticks = {file.run.ticks}, the ticks that are run "
-                f"({places.of('over', 'observe')})"
+                f"over = {measure.over} is more than ticks = {file.run.ticks}, the ticks that are "
+                "run "
+                f"({places.describe('over', 'observe')})"
             )
     until = None
     if file.stop is not None:
-        where = places.of("when", "stop")
+        where = places.describe("when", "stop")
         try:
             says = comparison(file.stop.when)
             demand_number(says.name)
@@ -289,7 +294,7 @@ def making_of(
     return SweepJob(file.run.ticks, tuple(measures), until)
 
 
-def usual(file: SweepFile, first: Callable[[], Flock]) -> list[Observe]:
+def default_observe(file: SweepFile, first: Callable[[], Flock]) -> list[Observe]:
     """What is observed where nothing is asked for: only when it stops, or what tells of a flock."""
     if file.stop is not None:
         return []
@@ -304,5 +309,5 @@ def check_precision(sweep: Sweep) -> None:
     """Refuse a precision of what is not measured. Raises InputError."""
     precision = sweep.file.replicates.precision
     if precision is not None and precision.observable not in sweep.making.columns:
-        where = sweep.places.of("observable", "replicates.precision")
+        where = sweep.places.describe("observable", "replicates.precision")
         raise unknown("column", precision.observable, sweep.making.columns, where)

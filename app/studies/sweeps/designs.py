@@ -42,7 +42,7 @@ def points_of(design: AnyDesign, folder: Path) -> list[Point]:
 
     `folder` is where files that it names are looked for first. Raises InputError.
     """
-    points = [rounded(point) for point in MAKERS[type(design)](design, folder)]
+    points = [round_point(point) for point in MAKERS[type(design)](design, folder)]
     if not design.where:
         return points
     if isinstance(design, Saltelli | Morris):
@@ -50,13 +50,13 @@ def points_of(design: AnyDesign, folder: Path) -> list[Point]:
             f"where cannot be said of a {design.kind} design, which needs all its cells"
         )
     condition = Condition(design.where, list(points[0]) if points else [])
-    kept = [point for point in points if condition.holds(point)]
-    if not kept:
+    allowed = [point for point in points if condition.holds(point)]
+    if not allowed:
         raise InputError(f"where = {design.where!r} holds for none of {len(points)} cells")
-    return kept
+    return allowed
 
 
-def rounded(point: Point) -> Point:
+def round_point(point: Point) -> Point:
     """A point with whole numbers where there are no others."""
     return {name: nearest_whole(value) if name in WHOLE else value for name, value in point.items()}
 
@@ -66,7 +66,7 @@ def nearest_whole(value: Value) -> Value:
     return round(value) if isinstance(value, float) and math.isfinite(value) else value
 
 
-def grid(design: GridDesign, _: Path) -> Iterator[Point]:
+def grid_points(design: GridDesign, _: Path) -> Iterator[Point]:
     """The last axis changes first."""
     values = {name: grid_values(name, axis) for name, axis in design.axes.items()}
     cells = math.prod(map(len, values.values()))
@@ -85,27 +85,27 @@ def grid_values(name: str, axis: Axis) -> list[Any]:
         if count > MOST_CELLS:
             raise InputError(f"{name}: step = {axis.step:g} makes {count} values")
         step = math.copysign(axis.step, axis.to - axis.from_)
-        return [neat(axis.from_ + k * step) for k in range(count)]
+        return [round_off(axis.from_ + k * step) for k in range(count)]
     if axis.count is None:
         raise InputError(f"{name}: a grid needs count or step")
-    return [between(axis, k / (axis.count - 1)) for k in range(axis.count)]
+    return [value_between(axis, k / (axis.count - 1)) for k in range(axis.count)]
 
 
-def between(axis: Span, share: float) -> float:
+def value_between(axis: Span, share: float) -> float:
     """The value at a share of the way; the ends are exact."""
     if share in (0.0, 1.0):
         return axis.to if share else axis.from_
     if axis.scale == "log":
-        return neat(math.exp((1 - share) * math.log(axis.from_) + share * math.log(axis.to)))
-    return neat((1 - share) * axis.from_ + share * axis.to)
+        return round_off(math.exp((1 - share) * math.log(axis.from_) + share * math.log(axis.to)))
+    return round_off((1 - share) * axis.from_ + share * axis.to)
 
 
-def neat(value: float) -> float:
+def round_off(value: float) -> float:
     """A number without the last digits of its sum: 0.3 and not 0.30000000000000004."""
     return float(f"{value:.12g}")
 
 
-def listed(design: ListDesign, folder: Path) -> Iterator[Point]:
+def list_points(design: ListDesign, folder: Path) -> Iterator[Point]:
     """Rows as they stand."""
     rows = design.rows or read_csv(find_file(design.file, folder))
     names = set(rows[0])
@@ -118,8 +118,8 @@ def listed(design: ListDesign, folder: Path) -> Iterator[Point]:
 
 def find_file(file: str, folder: Path) -> Path:
     """A file that a sweep names: beside it, or else from where the command is called."""
-    beside = folder / file
-    return beside if beside.exists() else Path(file)
+    in_folder = folder / file
+    return in_folder if in_folder.exists() else Path(file)
 
 
 def read_csv(path: Path) -> list[Point]:
@@ -147,20 +147,20 @@ def read_csv(path: Path) -> list[Point]:
     return rows
 
 
-def scaled(design: SampleDesign, unit: np.ndarray) -> Iterator[Point]:
+def scale_points(design: SampleDesign, unit: np.ndarray) -> Iterator[Point]:
     """Points of the unit cube (K, D) as values of the axes."""
     for row in unit:
         yield {
-            name: between(axis, float(share))
+            name: value_between(axis, float(share))
             if isinstance(axis, Span)
             else axis[min(int(share * len(axis)), len(axis) - 1)]
             for (name, axis), share in zip(design.axes.items(), row, strict=True)
         }
 
 
-def sampled(design: SampleDesign, _: Path) -> Iterator[Point]:
+def sample_points(design: SampleDesign, _: Path) -> Iterator[Point]:
     """The points of a sample."""
-    yield from scaled(design, unit_sample(design))
+    yield from scale_points(design, unit_sample(design))
 
 
 def unit_sample(design: SampleDesign) -> np.ndarray:
@@ -198,10 +198,10 @@ def problem(design: SampleDesign) -> dict[str, Any]:
 
 
 MAKERS: dict[type, Any] = {
-    GridDesign: grid,
-    ListDesign: listed,
-    Latin: sampled,
-    Sobol: sampled,
-    Saltelli: sampled,
-    Morris: sampled,
+    GridDesign: grid_points,
+    ListDesign: list_points,
+    Latin: sample_points,
+    Sobol: sample_points,
+    Saltelli: sample_points,
+    Morris: sample_points,
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,8 @@ from app.studies.key_lines import KeyLocations
 from app.studies.sweeps.checked_sweep import Sweep, read_sweep, sweep_of
 from app.studies.sweeps.sweep_file import RunOptions
 from app.studies.sweeps.sweep_results import Results
-from app.studies.sweeps.sweep_runner import conduct
-from app.studies.workers.processes import cores
+from app.studies.sweeps.sweep_runner import run_sweep
+from app.studies.workers.process_executor import cores
 from worlds.input_error import InputError
 
 TEMPORARY: list[tempfile.TemporaryDirectory[str]] = []
@@ -61,17 +62,18 @@ def sweep(
     with the status `failed`.
     """
     axes = {
-        name: axis if isinstance(axis, Mapping) else plain(list(axis))
+        name: axis if isinstance(axis, Mapping) else plain_value(list(axis))
         for name, axis in (vary or {}).items()
     }
     design = {"kind": "grid", "where": where, "axes": axes} if vary else None
-    made = requested_sweep(what, design, runs, ticks, observe, until, hold, words, tell)
-    folder = kept_in(folder)
-    conduct(made, folder, workers=workers or cores(), tell=tell)
+    arguments = StudyArguments(what, runs, ticks, observe, words, until, hold)
+    sweep = arguments.sweep(design, tell)
+    folder = result_folder(folder)
+    run_sweep(sweep, folder, workers=workers or cores(), tell=tell)
     return Results(folder)
 
 
-def kept_in(folder: str | Path | None) -> Path:
+def result_folder(folder: str | Path | None) -> Path:
     """The folder, or one that is gone with this process."""
     if folder is None:
         TEMPORARY.append(tempfile.TemporaryDirectory(prefix="flockscope-sweep-"))
@@ -79,89 +81,88 @@ def kept_in(folder: str | Path | None) -> Path:
     return Path(folder)
 
 
-def is_file(what: str | Path | Spec) -> bool:
-    """Whether this names a file that says all that is to be run."""
-    return isinstance(what, Path) or (isinstance(what, str) and what.endswith(".toml"))
+@dataclass(frozen=True)
+class StudyArguments:
+    """What a call of `sweep`, `sensitivity` or `optimise` says of its runs, as `sweep` takes it."""
+
+    what: str | Path | Spec
+    runs: int
+    ticks: int
+    observe: Sequence[str | Mapping[str, Any]]
+    words: Mapping[str, Any]
+    until: str = ""
+    hold: int = 1
+
+    @property
+    def is_file(self) -> bool:
+        """Whether `what` names a file, which says all that is to be run."""
+        what = self.what
+        return isinstance(what, Path) or (isinstance(what, str) and what.endswith(".toml"))
+
+    def demand_nothing_else(self, allowed: str, *more: Any) -> None:
+        """Refuse what a file says itself; `more` are arguments of one kind of study."""
+        if self.words or self.observe or self.until or any(more):
+            raise InputError(f"{str(self.what)!r} says itself {allowed}")
+
+    def table(self) -> dict[str, Any]:
+        """What a file would say of the runs, but for their design. Raises InputError."""
+        what = self.what
+        run: dict[str, Any] = spec_table(what) if isinstance(what, Spec) else {"model": str(what)}
+        run["ticks"] = self.ticks
+        for name, value in self.words.items():
+            if name in RunOptions.model_fields:
+                run[name] = plain_value(value)
+            else:
+                run.setdefault("parameters", {})[name] = plain_value(value)
+        values: dict[str, Any] = {"run": run, "replicates": {"count": self.runs}}
+        if self.until:
+            values["stop"] = {"when": self.until, "hold": self.hold}
+        if self.observe:
+            values["observe"] = [
+                {"name": entry} if isinstance(entry, str) else dict(entry) for entry in self.observe
+            ]
+        return values
+
+    def sweep(self, design: Mapping[str, Any] | None, tell: Callable[[str], Any] | None) -> Sweep:
+        """The sweep that is asked for. Raises InputError."""
+        if self.is_file:
+            self.demand_nothing_else("what is run: give folder and workers only", design)
+            return read_sweep(Path(str(self.what)), tell)
+        values = self.table()
+        if design is not None:
+            values["design"] = [dict(design)]
+        return sweep_of(values, KeyLocations(CALL), Path(), tell)
 
 
-def requested_sweep(
-    what: str | Path | Spec,
-    design: Mapping[str, Any] | None,
-    runs: int,
-    ticks: int,
-    observe: Sequence[str | Mapping[str, Any]],
-    until: str,
-    hold: int,
-    words: Mapping[str, Any],
-    tell: Callable[[str], Any] | None,
-) -> Sweep:
-    """The sweep that is asked for. Raises InputError."""
-    if is_file(what):
-        if design or words or observe or until:
-            raise InputError(f"{str(what)!r} says itself what is run: give folder and workers only")
-        return read_sweep(Path(str(what)), tell)
-    values = values_of(what, runs, ticks, observe, until, hold, words)
-    if design is not None:
-        values["design"] = [dict(design)]
-    return sweep_of(values, KeyLocations(CALL), Path(), tell)
-
-
-def values_of(
-    what: str | Path | Spec,
-    runs: int,
-    ticks: int,
-    observe: Sequence[str | Mapping[str, Any]],
-    until: str,
-    hold: int,
-    words: Mapping[str, Any],
-) -> dict[str, Any]:
-    """What a file would say of the runs, but for their design. Raises InputError."""
-    run: dict[str, Any] = shared(what) if isinstance(what, Spec) else {"model": str(what)}
-    run["ticks"] = ticks
-    for name, value in words.items():
-        if name in RunOptions.model_fields:
-            run[name] = plain(value)
-        else:
-            run.setdefault("parameters", {})[name] = plain(value)
-    values: dict[str, Any] = {"run": run, "replicates": {"count": runs}}
-    if until:
-        values["stop"] = {"when": until, "hold": hold}
-    if observe:
-        values["observe"] = [
-            {"name": one} if isinstance(one, str) else dict(one) for one in observe
-        ]
-    return values
-
-
-def shared(spec: Spec) -> dict[str, Any]:
+def spec_table(spec: Spec) -> dict[str, Any]:
     """A spec as the table [run] of a file. Raises InputError for what a file cannot say."""
     if spec.start != "random" or spec.layout is not None or not isinstance(spec.world, str | None):
         raise InputError(
             "a sweep needs a world with a name or a file, and random starts: write the world to a "
             "file and name that"
         )
-    kept = spec.model_dump(exclude_none=True, exclude={"seed", "start", "versions", "layout"})
-    return {key: plain(value) for key, value in kept.items()}
+    values = spec.model_dump(exclude_none=True, exclude={"seed", "start", "versions", "layout"})
+    return {key: plain_value(value) for key, value in values.items()}
 
 
-def bounds(axis: Any) -> Any:
+def axis_bounds(axis: Any) -> Any:
     """An axis as a file has it: a pair are its bounds.
 
-    >>> bounds((0.0, 6.0)), bounds([1, 2, 3])
+    >>> axis_bounds((0.0, 6.0)), axis_bounds([1, 2, 3])
     ({'from': 0.0, 'to': 6.0}, [1, 2, 3])
     """
     if isinstance(axis, Mapping):
         return dict(axis)
-    values = plain(list(axis))
-    if len(values) == 2 and all(isinstance(one, int | float) for one in values):
+    values = plain_value(list(axis))
+    if len(values) == 2 and all(isinstance(end, int | float) for end in values):
         return {"from": float(values[0]), "to": float(values[1])}
     return values
 
 
-def plain(value: Any) -> Any:
+def plain_value(value: Any) -> Any:
     """Arrays and NumPy's numbers as Python's own."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, list | tuple):
-        return [plain(one) for one in value]
+        return [plain_value(item) for item in value]
     return value

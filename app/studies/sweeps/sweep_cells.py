@@ -46,7 +46,7 @@ class Cell:
         return int.from_bytes(digest[:5], "big") << 20
 
     @property
-    def kept(self) -> str:
+    def stored_text(self) -> str:
         """As the store keeps it."""
         return canonical(
             {
@@ -72,16 +72,16 @@ class Basis:
         self.making = making
         self.seed = seed
         self.versions = versions()
-        self.measures = {one.column: one.fingerprint for one in making.measures}
+        self.measures = {measure.column: measure.fingerprint for measure in making.measures}
         self.worlds: dict[tuple, str] = {}
 
     def cell(self, spec: Spec, axes: dict[str, Value], design: int) -> Cell:
         """The cell of a run, which is built for it. Raises InputError."""
         flock = Flock(spec.but(seed=self.seed))
         run, until = flock.options, self.making.until
-        known = run.model_dump(exclude={*OPEN, "world", "size", "dim", "parameters"})
+        values = run.model_dump(exclude={*OPEN, "world", "size", "dim", "parameters"})
         identity = {
-            "spec": known
+            "spec": values
             | {
                 "world": flock.world.name,
                 "size": list(flock.world.size),
@@ -90,8 +90,8 @@ class Basis:
             "ticks": self.making.ticks,
             "stop": until and [*until.says, until.hold, until.every],
             "observe": [
-                [one.column, one.name or one.function, one.every, one.over]
-                for one in self.making.measures
+                [measure.column, measure.name or measure.function, measure.every, measure.over]
+                for measure in self.making.measures
             ],
         }
         digest = hashlib.sha256(flock.position.tobytes())
@@ -102,7 +102,7 @@ class Basis:
             f"the rule of {run.model}": flock.loop.cache_folder.name,
             f"the world {flock.world.name}": self.world(spec, flock.world),
             "how a flock starts": digest.hexdigest()[:12],
-            **{f"the measure {name}": one for name, one in self.measures.items()},
+            **{f"the measure {name}": measure for name, measure in self.measures.items()},
         }
         return Cell(spec, axes, design, identity, basis)
 
@@ -110,13 +110,13 @@ class Basis:
         """A hash of the world of a run; where it has a name, name and size say which it is."""
         key = (spec.world, spec.layout is None, world.size, world.name)
         if not isinstance(spec.world, str | None) or spec.layout is not None:
-            return hashed(world)
+            return hash_world(world)
         if key not in self.worlds:
-            self.worlds[key] = hashed(world)
+            self.worlds[key] = hash_world(world)
         return self.worlds[key]
 
 
-def hashed(world: World) -> str:
+def hash_world(world: World) -> str:
     """A hash of a world."""
     return hashlib.sha256(world.to_toml().encode()).hexdigest()[:12]
 
@@ -127,16 +127,16 @@ def changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     >>> changes({"versions": {"numpy": "1"}, "rule": 1}, {"versions": {"numpy": "2"}, "rule": 2})
     ['numpy 1, now 2', 'rule has changed']
     """
-    said: list[str] = []
+    lines: list[str] = []
     before, now = old.get("versions", {}), new.get("versions", {})
-    said += [
+    lines += [
         f"{name} {before[name]}, now {now[name]}"
         for name in now
         if name in before and before[name] != now[name]
     ]
-    said += [
+    lines += [
         f"{name} has changed"
         for name in new
         if name != "versions" and name in old and old[name] != new[name]
     ]
-    return said
+    return lines

@@ -53,9 +53,9 @@ class Condition:
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
             if isinstance(error, InputError):
                 raise
-            raise not_understood(text) from None
+            raise condition_error(text) from None
         if not isinstance(self.tree, ast.Compare | ast.BoolOp | ast.UnaryOp):
-            raise not_understood(text)
+            raise condition_error(text)
 
     def holds(self, values: Mapping[str, Any]) -> bool:
         """Whether it holds for the axes of a cell. Raises InputError where they cannot be
@@ -63,11 +63,11 @@ class Condition:
         try:
             return bool(value(self.tree, values))
         except (TypeError, ArithmeticError):
-            said = ", ".join(f"{name} = {one!r}" for name, one in values.items())
-            raise InputError(f"{self.text!r} cannot be said of {said}") from None
+            point_text = ", ".join(f"{name} = {value!r}" for name, value in values.items())
+            raise InputError(f"{self.text!r} cannot be said of {point_text}") from None
 
 
-def not_understood(text: str) -> InputError:
+def condition_error(text: str) -> InputError:
     """The refusal of what is no condition."""
     return InputError(f"{text!r} is not a condition: {WORDS}")
 
@@ -82,7 +82,7 @@ def check(node: ast.AST, text: str, axes: Collection[str]) -> None:
         case ast.BinOp(left=left, op=op, right=right) if type(op) in RECKONED:
             parts = [left, right]
         case ast.Compare(left=left, ops=ops, comparators=others) if all(
-            type(one) in COMPARED for one in ops
+            type(operator) in COMPARED for operator in ops
         ):
             parts = [left, *others]
         case ast.Constant(value=bool() | int() | float() | str()):
@@ -92,7 +92,7 @@ def check(node: ast.AST, text: str, axes: Collection[str]) -> None:
                 raise unknown("axis", name, axes, repr(text))
             return
         case _:
-            raise not_understood(text)
+            raise condition_error(text)
     for one in parts:
         check(one, text, axes)
 
@@ -101,9 +101,9 @@ def value(node: ast.AST, values: Mapping[str, Any]) -> Any:
     """What a part of a condition comes to."""
     match node:
         case ast.BoolOp(op=ast.And(), values=parts):
-            return all(value(one, values) for one in parts)
+            return all(value(part, values) for part in parts)
         case ast.BoolOp(values=parts):
-            return any(value(one, values) for one in parts)
+            return any(value(part, values) for part in parts)
         case ast.UnaryOp(op=ast.Not(), operand=one):
             return not value(one, values)
         case ast.UnaryOp(operand=one):
@@ -111,9 +111,9 @@ def value(node: ast.AST, values: Mapping[str, Any]) -> Any:
         case ast.BinOp(left=left, op=op, right=right):
             return RECKONED[type(op)](value(left, values), value(right, values))
         case ast.Compare(left=left, ops=ops, comparators=others):
-            found = [value(one, values) for one in (left, *others)]
-            pairs = zip(found, ops, found[1:], strict=False)
-            return all(COMPARED[type(op)](one, other) for one, op, other in pairs)
+            operands = [value(operand, values) for operand in (left, *others)]
+            pairs = zip(operands, ops, operands[1:], strict=False)
+            return all(COMPARED[type(op)](pair, other) for pair, op, other in pairs)
         case ast.Constant(value=one):
             return one
         case ast.Name(id=name):
@@ -150,10 +150,10 @@ def comparison(text: str) -> ObservableBound:
     >>> comparison("mean-neighbours >= 3")
     ObservableBound(name='mean-neighbours', sign='>=', bound=3.0)
     """
-    found = COMPARISON.fullmatch(text[:LONGEST])
+    match = COMPARISON.fullmatch(text[:LONGEST])
     try:
-        if found and len(text) <= LONGEST:
-            return ObservableBound(found[1], found[2], float(found[3]))
+        if match and len(text) <= LONGEST:
+            return ObservableBound(match[1], match[2], float(match[3]))
     except ValueError:
         pass
     raise InputError(
@@ -246,7 +246,7 @@ class ListDesign(Design):
     """A CSV whose first line names the axes."""
 
     @model_validator(mode="after")
-    def _has_one(self) -> ListDesign:
+    def _has_one_source(self) -> ListDesign:
         if bool(self.rows) == bool(self.file):
             raise ValueError("either rows or file is needed")
         return self
@@ -366,7 +366,7 @@ class Observe(StrictTable):
     """Its name in tables; by default its own."""
 
     @model_validator(mode="after")
-    def _is_one(self) -> Observe:
+    def _names_one_thing(self) -> Observe:
         if bool(self.name) == bool(self.measure):
             raise ValueError("either name or measure is needed")
         if self.when not in ("final", "each") and not EVERY.fullmatch(self.when):
@@ -378,8 +378,8 @@ class Observe(StrictTable):
     @property
     def every(self) -> int | None:
         """Ticks between two looks along the run; None where there is one at the end only."""
-        found = EVERY.fullmatch(self.when)
-        return int(found[1]) if found else {"final": None, "each": 1}[self.when]
+        match = EVERY.fullmatch(self.when)
+        return int(match[1]) if match else {"final": None, "each": 1}[self.when]
 
 
 class Record(StrictTable):

@@ -70,7 +70,7 @@ class SweepMeasure:
             raise InputError(f"measure {self.function!r}: there is no such function in {self.path}")
         return lambda flock: float(function(flock.snapshot(copy=False).measurable()))
 
-    def summed(self, values: list[float], agents: list[int]) -> float:
+    def summarise(self, values: list[float], agents: list[int]) -> float:
         """What the looks at the end of a run come to: their mean, or what is taken of a series."""
         if not values:
             return math.nan
@@ -86,8 +86,8 @@ class SweepMeasure:
         if self.path:
             digest.update(Path(self.path).read_bytes())
             return digest.hexdigest()[:12]
-        one = OBSERVABLES[self.name]
-        for function in (one.measure, one.over):
+        observable = OBSERVABLES[self.name]
+        for function in (observable.measure, observable.over):
             if inspect.isfunction(function):
                 feed(function, digest, set())
         return digest.hexdigest()[:12]
@@ -100,28 +100,28 @@ def module_of(path: Path) -> ModuleType:
     return run_file(path, text, f"measures_{hashlib.sha256(text.encode()).hexdigest()[:16]}")
 
 
-def measure_of(asked: Observe, folder: Path) -> SweepMeasure:
+def measure_of(entry: Observe, folder: Path) -> SweepMeasure:
     """What a table [[observe]] asks for. Raises InputError."""
-    if asked.measure:
-        file, colon, function = asked.measure.rpartition(":")
+    if entry.measure:
+        file, colon, function = entry.measure.rpartition(":")
         if not colon or not file.endswith(".py") or not function.isidentifier():
             raise InputError(
-                f"measure = {asked.measure!r} is not allowed: FILE.py:FUNCTION is needed"
+                f"measure = {entry.measure!r} is not allowed: FILE.py:FUNCTION is needed"
             )
         path, name = str(find_file(file, folder).absolute()), ""
     else:
-        path, function, name = "", "", asked.name
+        path, function, name = "", "", entry.name
         demand_number(name)
-        if OBSERVABLES[name].over and asked.over is None:
+        if OBSERVABLES[name].over and entry.over is None:
             raise InputError(f"{name} is measured over a run: give over, the ticks at its end")
-    column = asked.column or (name or function)
-    if not asked.column and asked.over is not None and not (name and OBSERVABLES[name].over):
-        column += f"-over-{asked.over}"
+    column = entry.column or (name or function)
+    if not entry.column and entry.over is not None and not (name and OBSERVABLES[name].over):
+        column += f"-over-{entry.over}"
     if column.lower() in RESERVED or not column.isprintable():
         raise InputError(f"column = {column!r} is not allowed: name another")
-    made = SweepMeasure(column, name, path, function, asked.every, asked.over)
-    made.getter()
-    return made
+    measure = SweepMeasure(column, name, path, function, entry.every, entry.over)
+    measure.getter()
+    return measure
 
 
 def demand_number(name: str) -> None:
@@ -139,43 +139,47 @@ class RunObserver:
         self.measures = measures
         self.getters = getters
         self.windows: list[deque[float] | None] = [
-            deque(maxlen=one.over) if one.over else None for one in measures
+            deque(maxlen=measure.over) if measure.over else None for measure in measures
         ]
-        self.agents: deque[int] = deque(maxlen=max((one.over or 1 for one in measures), default=1))
+        self.agents: deque[int] = deque(
+            maxlen=max((measure.over or 1 for measure in measures), default=1)
+        )
         self.series: list[tuple[list[int], list[float]]] = [([], []) for _ in measures]
 
     def look(self, flock: Flock, windows: bool) -> None:
         """Look at the flock after a tick; at what is measured over the last ticks if `windows`."""
-        seen: dict[int, float] = {}
+        values: dict[int, float] = {}
         if windows:
             self.agents.append(int(flock.active.sum()))
-        for k, (one, get) in enumerate(zip(self.measures, self.getters, strict=True)):
+        for k, (measure, get) in enumerate(zip(self.measures, self.getters, strict=True)):
             window = self.windows[k]
             if window is not None and windows:
                 window.append(get(flock))
-            elif one.every is not None and flock.tick % one.every == 0:
-                seen[k] = get(flock)
-        for k, value in seen.items():
+            elif measure.every is not None and flock.tick % measure.every == 0:
+                values[k] = get(flock)
+        for k, value in values.items():
             self.series[k][0].append(flock.tick)
             self.series[k][1].append(value)
 
     def values(self, flock: Flock) -> dict[str, Any]:
         """What the run comes to, by column."""
-        found: dict[str, Any] = {}
+        values: dict[str, Any] = {}
         agents = list(self.agents)
-        for one, get, window in zip(self.measures, self.getters, self.windows, strict=True):
+        for measure, get, window in zip(self.measures, self.getters, self.windows, strict=True):
             if window is not None:
-                found[one.column] = one.summed(list(window), agents[-len(window) or None :])
-            elif not one.is_series:
-                found[one.column] = get(flock)
-        return found
+                values[measure.column] = measure.summarise(
+                    list(window), agents[-len(window) or None :]
+                )
+            elif not measure.is_series:
+                values[measure.column] = get(flock)
+        return values
 
-    def along(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    def series_by_column(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """The series, by column."""
         return {
-            one.column: (np.array(ticks, np.int64), np.array(values, float))
-            for one, (ticks, values) in zip(self.measures, self.series, strict=True)
-            if one.is_series
+            measure.column: (np.array(ticks, np.int64), np.array(values, float))
+            for measure, (ticks, values) in zip(self.measures, self.series, strict=True)
+            if measure.is_series
         }
 
 
@@ -213,46 +217,46 @@ class SweepJob:
 
     def prepare(self) -> None:
         """Find what measures. Raises InputError."""
-        self.getters = [one.getter() for one in self.measures]
+        self.getters = [measure.getter() for measure in self.measures]
 
     @property
     def columns(self) -> list[str]:
         """What a run has one value of."""
         stops = [K] if self.until else []
-        return stops + [one.column for one in self.measures if not one.is_series]
+        return stops + [measure.column for measure in self.measures if not measure.is_series]
 
     @property
     def names(self) -> list[str]:
         """Of all that is measured, series too."""
-        return self.columns + [one.column for one in self.measures if one.is_series]
+        return self.columns + [measure.column for measure in self.measures if measure.is_series]
 
     @property
     def window(self) -> int:
         """Ticks at the end at each of which something is measured."""
-        return max((one.over or 0 for one in self.measures), default=0)
+        return max((measure.over or 0 for measure in self.measures), default=0)
 
-    def run(self, wanted: RunRequest, seed: int) -> Outcome:
+    def run(self, request: RunRequest, seed: int) -> Outcome:
         """Make a run."""
-        flock = Flock(wanted.spec.but(seed=seed))
+        flock = Flock(request.spec.but(seed=seed))
         looks = RunObserver(self.measures, self.getters)
         k: int | None = None
         astray: list[str] = []
 
         def glance() -> None:
-            found = None if astray else flock.stray()
-            if found is not None:
-                astray.append(str(found))
+            stray_agents = None if astray else flock.stray()
+            if stray_agents is not None:
+                astray.append(str(stray_agents))
 
         with ExitStack() as stack:
             frame: Callable[[], None] | None = None
-            if wanted.recording:
-                frame = stack.enter_context(recorder(wanted.recording, flock)).write
+            if request.recording:
+                frame = stack.enter_context(recorder(request.recording, flock)).write
             until = self.until
             if until is not None and self.is_compiled(flock) and frame is None:
                 bound, hold = until.says.bound, until.hold
                 k = flock.run_until_consistent(self.ticks, bound, hold, between=glance)
             else:
-                k = self.look_on(flock, looks, glance, frame, wanted.every)
+                k = self.run_observed(flock, looks, glance, frame, request.every)
             glance()
             values = looks.values(flock)
         if self.until:
@@ -263,7 +267,7 @@ class SweepJob:
             values,
             ticks=flock.tick,
             astray="".join(astray),
-            series=looks.along(),
+            series=looks.series_by_column(),
         )
 
     def try_out(self, flock: Flock) -> None:
@@ -281,10 +285,10 @@ class SweepJob:
         if self.until is None or self.until.every > 1 or flock.can_crash:
             return False
         says, inside = self.until.says, 0.0 < self.until.says.bound < 1.0
-        looked = any(one.is_series or one.over for one in self.measures)
+        looked = any(measure.is_series or measure.over for measure in self.measures)
         return (says.name, says.sign) == ("consistency", ">=") and inside and not looked
 
-    def look_on(
+    def run_observed(
         self,
         flock: Flock,
         looks: RunObserver,
@@ -293,7 +297,7 @@ class SweepJob:
         frames: int,
     ) -> int | None:
         """Run to the end, stopping wherever somebody has to look; the tick from which it held."""
-        steps = [one.every for one in self.measures if one.every]
+        steps = [measure.every for measure in self.measures if measure.every]
         windows_from = 0 if self.until else self.ticks - self.window
         since: int | None = None
         if frame:
@@ -310,13 +314,13 @@ class SweepJob:
             if now >= self.ticks:
                 since = None
                 break
-            nexts = [self.ticks, *(following(now, step) for step in steps)]
+            nexts = [self.ticks, *(next_multiple(now, step) for step in steps)]
             if self.window:
                 nexts.append(max(now, windows_from) + 1)
             if self.until:
-                nexts.append(following(now, self.until.every))
+                nexts.append(next_multiple(now, self.until.every))
             if frame:
-                nexts.append(following(now, frames))
+                nexts.append(next_multiple(now, frames))
             flock.run(min(nexts) - now)
             if flock.world.is_solid:
                 glance()
@@ -328,7 +332,7 @@ class SweepJob:
         return since if self.until else None
 
 
-def following(now: int, step: int) -> int:
+def next_multiple(now: int, step: int) -> int:
     """The next multiple of a step."""
     return (now // step + 1) * step
 

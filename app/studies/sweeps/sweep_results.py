@@ -9,7 +9,7 @@ from typing import Any
 
 from agents.spec import Spec
 from app.studies.runs.store_reader import StoreReader
-from app.studies.sweeps.sweep_table import as_arrow, long, spec_at, wide
+from app.studies.sweeps.sweep_table import as_arrow, long_table, spec_at, wide_table
 from worlds.input_error import InputError
 
 
@@ -24,13 +24,13 @@ class Results:
     folder: Path
 
     @cached_property
-    def _kept(self) -> StoreReader:
+    def _reader(self) -> StoreReader:
         return StoreReader(self.folder)
 
     @cached_property
     def columns(self) -> dict[str, list[Any]]:
         """The table as lists by column."""
-        return wide(self._kept)
+        return wide_table(self._reader)
 
     @cached_property
     def table(self) -> Any:
@@ -40,12 +40,12 @@ class Results:
     @property
     def series(self) -> Any:
         """Every value at every tick, as `pyarrow.Table` in long form."""
-        return as_arrow(long(self._kept))
+        return as_arrow(long_table(self._reader))
 
     @property
     def counts(self) -> dict[str, int]:
         """Runs by how they ended."""
-        return self._kept.counts
+        return self._reader.counts
 
     def to_pandas(self) -> Any:
         """The table as `pandas.DataFrame`."""
@@ -66,13 +66,13 @@ class Results:
 
     def spec(self, place: int, seed: int) -> Spec:
         """A run as a value: `Flock(results.spec(3, 7))` begins it again. Raises InputError."""
-        return spec_at(self._kept, place, seed)
+        return spec_at(self._reader, place, seed)
 
-    def plot(self, path: str | Path, observable: str | None = None, **asked: Any) -> None:
+    def plot(self, path: str | Path, observable: str | None = None, **options: Any) -> None:
         """Draw the picture of an observable: PNG, SVG or PDF, as `flockscope sweep plot` does."""
         from app.studies.sweeps.sweep_picture import draw
 
-        draw(self._kept, Path(path), observable, **asked)
+        draw(self._reader, Path(path), observable, **options)
 
     def _repr_html_(self) -> str:
         return str(self.to_pandas()._repr_html_())

@@ -1,22 +1,93 @@
-"""Carrying out a sweep: what the store lacks is run, replicate by replicate, and kept."""
+"""Carrying out a sweep: how many replicates a cell needs; what the store lacks is run, and kept."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from agents.flock import Flock
 from app.studies.cluster.cluster_options import Cluster
+from app.studies.judge import statistics
+from app.studies.judge.judge import INTERVAL_CONFIDENCE, ranges_of
+from app.studies.judge.statistics import interval_of_mean
 from app.studies.runs.store import canonical
 from app.studies.study_runner import At, StudyReport, StudyRunner, Tell
 from app.studies.sweeps.checked_sweep import Sweep
-from app.studies.sweeps.replicates import Rounds
 from app.studies.sweeps.sweep_cells import Cell, changes
+from app.studies.sweeps.sweep_file import Precision, Replicates
 from app.studies.workers.kernels import compile_loop
 from app.studies.workers.run_executors import Task
 from worlds.number_text import counted
+
+Values = Callable[[int, int], list[float]]
+"""The values of a cell's first replicates, without those that have none."""
+
+
+FIRST_LOOK = 10
+"""Replicates before the interval of a mean is looked at: fewer show too little of their spread."""
+
+
+def half_width(values: Sequence[float], confidence: float = INTERVAL_CONFIDENCE) -> float:
+    """Half of the interval of a mean, the wider side; nan of equal values, which show no spread.
+
+    >>> round(half_width([1.0, 2.0, 3.0]), 3)
+    9.901
+    """
+    interval = interval_of_mean(ranges_of(values), confidence)
+    return statistics.half_width(float(np.mean(values)) if len(values) else math.nan, interval)
+
+
+def is_precise(values: Sequence[float], precision: Precision) -> bool:
+    """Whether the interval of the mean is as narrow as is asked for.
+
+    Values that are all equal count as precise from the first look on: a measure without noise would
+    otherwise be run for ever.
+    """
+    if len(values) >= FIRST_LOOK and ranges_of(values).are_equal:
+        return True
+    width = half_width(values, precision.confidence)
+    scale = abs(float(np.mean(values))) if precision.relative and len(values) else 1.0
+    return width <= precision.within * scale
+
+
+class Rounds:
+    """Replicates of each cell, round by round; a round follows from the whole round before it.
+
+    So it does not matter in which order runs end, or how often a sweep was stopped.
+    """
+
+    def __init__(self, replicates: Replicates, cells: Sequence[int]):
+        self.asked = replicates
+        self.cells = list(cells)
+        self.wanted = dict.fromkeys(self.cells, replicates.count)
+
+    @property
+    def total(self) -> int:
+        """Runs that are asked for so far."""
+        return sum(self.wanted.values())
+
+    def ask_for_more(self, values: Values) -> bool:
+        """Ask for the replicates of the next round; False if there is none."""
+        precision = self.asked.precision
+        if precision is None:
+            return False
+        added = False
+        for cell in self.cells:
+            now = self.wanted[cell]
+            step = max(precision.step, FIRST_LOOK - now)
+            room = min(precision.most - now, step)
+            if precision.budget is not None:
+                room = min(room, precision.budget - self.total)
+            looked = now >= FIRST_LOOK and is_precise(values(cell, now), precision)
+            if room > 0 and not looked:
+                self.wanted[cell] = now + room
+                added = True
+        return added
 
 
 @dataclass
@@ -35,10 +106,10 @@ class SweepRounds:
         self.places = {number: place for place, number in enumerate(self.cells, 1)}
         self.rounds = Rounds(self.sweep.file.replicates, list(self.cells))
         self.runner.wanted = self.rounds.total
-        while self.is_whole and self.more():
+        while self.is_complete and self.ask_for_more():
             pass
 
-    def lacking(self) -> Iterator[Task]:
+    def missing_tasks(self) -> Iterator[Task]:
         """The runs that this round lacks, replicate by replicate."""
         for replicate in range(max(self.rounds.wanted.values())):
             for number, cell in self.cells.items():
@@ -46,15 +117,15 @@ class SweepRounds:
                     seed = self.sweep.seed(cell, replicate)
                     if (number, seed) not in self.runner.outcomes:
                         place, folder = self.places[number], self.runner.folder
-                        wanted = self.sweep.wanted(cell, place, replicate, folder)
-                        yield Task(number, seed, wanted)
+                        request = self.sweep.run_request(cell, place, replicate, folder)
+                        yield Task(number, seed, request)
 
     @property
-    def is_whole(self) -> bool:
+    def is_complete(self) -> bool:
         """Whether this round has all its runs."""
-        return next(self.lacking(), None) is None
+        return next(self.missing_tasks(), None) is None
 
-    def taken(self) -> int:
+    def stored_count(self) -> int:
         """Runs of this round that the store has."""
         return sum(
             (number, seed) in self.runner.outcomes
@@ -62,9 +133,9 @@ class SweepRounds:
             for seed in self.sweep.seeds(cell, self.rounds.wanted[number])
         )
 
-    def more(self) -> bool:
+    def ask_for_more(self) -> bool:
         """Ask for the runs of the next round; False if there is none."""
-        added = self.rounds.more(self.first_values)
+        added = self.rounds.ask_for_more(self.first_values)
         self.runner.wanted = self.rounds.total
         return added
 
@@ -72,19 +143,23 @@ class SweepRounds:
         """What the precision is asked of, of the first replicates of a cell."""
         (column,) = self.runner.remembered or ("",)
         seeds = self.sweep.seeds(self.cells[number], replicates)
-        found = [self.runner.outcomes.get((number, seed)) for seed in seeds]
-        values = [one.values[column] for one in found if one is not None and one.status == "ok"]
+        outcomes = [self.runner.outcomes.get((number, seed)) for seed in seeds]
+        values = [
+            outcome.values[column]
+            for outcome in outcomes
+            if outcome is not None and outcome.status == "ok"
+        ]
         return [value for value in values if value is not None]
 
     def run(self) -> bool:
         """Make all rounds; False if it was stopped or reached its limit."""
-        while self.runner.run(self.lacking()):
-            if not self.more():
+        while self.runner.run(self.missing_tasks()):
+            if not self.ask_for_more():
                 return True
         return False
 
 
-def conduct(
+def run_sweep(
     sweep: Sweep,
     folder: Path,
     *,
@@ -130,20 +205,23 @@ def conduct(
         at=at,
     )
     with runner:
-        numbers = runner.plan([(cell.hash, cell.kept) for cell in sweep.cells])
+        numbers = runner.plan([(cell.hash, cell.stored_text) for cell in sweep.cells])
         runner.store.tell(runs=file.replicates.count * len(set(numbers)))
-        runner.store.keep()
+        runner.store.commit()
         if tell is not None:
             tell_changes(sweep, runner, numbers, tell)
         rounds = SweepRounds(sweep, runner, numbers)
-        taken, whole = rounds.taken(), rounds.is_whole
-        if not whole:
+        runs_taken, is_complete = rounds.stored_count(), rounds.is_complete
+        if not is_complete:
             if tell is not None:
-                tell(f"{counted(rounds.rounds.total - taken, 'run')} to make, {taken} are there")
-            whole = rounds.run()
+                tell(
+                    f"{counted(rounds.rounds.total - runs_taken, 'run')} to make, "
+                    f"{runs_taken} are there"
+                )
+            is_complete = rounds.run()
         runner.store.tell(runs=rounds.rounds.total)
         gave_up = runner.statuses["gave-up"]
-        return StudyReport(runner.made, taken, runner.broken, gave_up, whole)
+        return StudyReport(runner.made, runs_taken, runner.failed_count, gave_up, is_complete)
 
 
 def tell_changes(sweep: Sweep, runner: StudyRunner, numbers: list[int], tell: Tell) -> None:
@@ -152,12 +230,12 @@ def tell_changes(sweep: Sweep, runner: StudyRunner, numbers: list[int], tell: Te
     if not before:
         return
     now = {canonical(cell.identity): cell for cell in sweep.cells}
-    said: dict[str, int] = {}
+    counts: dict[str, int] = {}
     for identity, basis, runs in before:
         cell = now.get(canonical(identity))
         for words in changes(basis, cell.basis) if cell else ():
-            said[words] = said.get(words, 0) + runs
-    for words, runs in said.items():
+            counts[words] = counts.get(words, 0) + runs
+    for words, runs in counts.items():
         tell(
             f"flockscope: {words} since {counted(runs, 'run')} of the same cells: they are kept, "
             "and made anew beside them"
@@ -172,11 +250,11 @@ def prepare(sweep: Sweep, tell: Tell | None) -> None:
         rule = cell.basis[f"the rule of {spec['model']}"]
         late = any(spec[name] for name in ("delay", "jitter", "lost", "place_error"))
         chosen.setdefault(f"{rule} {spec['activation']} {late}", cell)
-    told: set[str] = set()
+    reported: set[str] = set()
     for cell in chosen.values():
         flock = Flock(cell.spec.but(seed=sweep.file.replicates.first))
-        if flock.warning and tell is not None and flock.warning not in told:
-            told.add(flock.warning)
+        if flock.warning and tell is not None and flock.warning not in reported:
+            reported.add(flock.warning)
             tell(f"flockscope: {flock.warning}")
         compile_loop(flock, tell)
         with contextlib.suppress(Exception):  # of a run's own making: the run itself will tell

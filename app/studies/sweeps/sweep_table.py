@@ -1,29 +1,30 @@
-"""The runs of a sweep as a table, in the order of its plan: as CSV, as Parquet, as Arrow."""
+"""The runs of a sweep as a table, in the order of its plan, or by cell, as charts take them."""
 
 from __future__ import annotations
 
+from collections import Counter, defaultdict
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from agents.spec import Spec
-from app.studies.runs.database import FIXED
-from app.studies.runs.store import is_taken
+from app.studies.charts.run_group import CellRuns
+from app.studies.runs.database import BROKEN, FIXED
+from app.studies.runs.store import is_locked
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.sweep_cells import spec_of
+from app.studies.sweeps.sweep_file import Condition
 from app.studies.sweeps.sweep_job import HEADS
 from worlds.file_writer import csv_text, writing
-from worlds.input_error import InputError, shorten
+from worlds.input_error import InputError, shorten, unknown
 from worlds.plug_ins import demand
-
-# How far a sweep is, as its store says, also while another process runs it.
 
 
 def status_of(folder: Path) -> dict[str, Any]:
     """How far the sweep of a folder is. Raises InputError."""
-    kept = StoreReader(folder)
-    state, counts = kept.state, kept.counts
-    running = is_taken(folder)
+    reader = StoreReader(folder)
+    state, counts = reader.state, reader.counts
+    running = is_locked(folder)
     progress = state.get("progress") if running else None
     return {
         "folder": str(folder),
@@ -32,7 +33,7 @@ def status_of(folder: Path) -> dict[str, Any]:
         "runs": counts,
         "done": sum(counts.values()),
         "of": state.get("runs"),
-        "others": kept.others,
+        "others": reader.others,
         "rate": progress and progress.get("rate"),
         "seconds_left": progress and progress.get("seconds_left"),
         "workers": progress and progress.get("workers"),
@@ -51,80 +52,80 @@ CELL = "place"
 """The column of a cell's place in the plan, from 1."""
 
 
-def wide(kept: StoreReader, times: bool = False) -> Columns:
+def wide_table(reader: StoreReader, times: bool = False) -> Columns:
     """A row for each run: its cell and axes, seed and status, and what was measured.
 
     `times`: with the seconds that it took, which are others every time.
     """
-    columns, axes = measured(kept), axes_of(kept)
-    cells, places = kept.cells, places_of(kept)
-    made: Columns = {name: [] for name in (CELL, *axes, *FIXED[1:], *columns)}
-    for cell, *row in kept.runs(columns):
-        made[CELL].append(places[cell])
+    columns, axes = measured_columns(reader), axes_of(reader)
+    cells, places = reader.cells, places_of(reader)
+    table: Columns = {name: [] for name in (CELL, *axes, *FIXED[1:], *columns)}
+    for cell, *row in reader.runs(columns):
+        table[CELL].append(places[cell])
         for axis in axes:
-            made[axis].append(cells[cell]["axes"].get(axis))
+            table[axis].append(cells[cell]["axes"].get(axis))
         for name, value in zip((*FIXED[1:], *columns), row, strict=True):
-            made[name].append(value)
+            table[name].append(value)
     if not times:
-        del made["seconds"]
-    return made
+        del table["seconds"]
+    return table
 
 
-def long(kept: StoreReader) -> Columns:
+def long_table(reader: StoreReader) -> Columns:
     """A row for each value: of a run at its end, and of a series at each of its ticks."""
-    columns, axes = measured(kept), axes_of(kept)
-    cells, places = kept.cells, places_of(kept)
-    made: Columns = {
+    columns, axes = measured_columns(reader), axes_of(reader)
+    cells, places = reader.cells, places_of(reader)
+    table: Columns = {
         name: [] for name in (CELL, *axes, "seed", "status", "observable", "tick", "value")
     }
     at = {name: number for number, name in enumerate((*FIXED, *columns))}
     statuses: dict[tuple[int, int], str] = {}
 
     def add(cell: int, seed: int, name: str, tick: int, value: Any) -> None:
-        made[CELL].append(places[cell])
+        table[CELL].append(places[cell])
         for axis in axes:
-            made[axis].append(cells[cell]["axes"].get(axis))
-        told = (seed, statuses[cell, seed], name, tick, value)
-        for column, one in zip(
-            ("seed", "status", "observable", "tick", "value"), told, strict=True
+            table[axis].append(cells[cell]["axes"].get(axis))
+        row = (seed, statuses[cell, seed], name, tick, value)
+        for column, entry in zip(
+            ("seed", "status", "observable", "tick", "value"), row, strict=True
         ):
-            made[column].append(one)
+            table[column].append(entry)
 
-    for row in kept.runs(columns):
+    for row in reader.runs(columns):
         cell, seed = row[0], row[1]
         statuses[cell, seed] = row[at["status"]]
         for name in columns:
             add(cell, seed, name, row[at["ticks"]], row[at[name]])
-    for cell, seed, name, ticks, values in kept.series():
+    for cell, seed, name, ticks, values in reader.series():
         if (cell, seed) not in statuses:  # of a run that came after the runs were read
             continue
         for tick, value in zip(ticks.tolist(), values.tolist(), strict=True):
             add(cell, seed, name, tick, None if value != value else value)
-    return made
+    return table
 
 
-def measured(kept: StoreReader) -> list[str]:
+def measured_columns(reader: StoreReader) -> list[str]:
     """What the runs of the plan have one value of, in its order."""
-    there = kept.columns
-    return [name for name in kept.state.get("columns", there) if name in there]
+    columns = reader.columns
+    return [name for name in reader.state.get("columns", columns) if name in columns]
 
 
-def axes_of(kept: StoreReader) -> list[str]:
+def axes_of(reader: StoreReader) -> list[str]:
     """The axes of the plan, in its order. Raises InputError for one that is named as a column
     is."""
-    axes = list(kept.state.get("axes", []))
-    for one in axes:
-        if one in HEADS or one in kept.columns:
+    axes = list(reader.state.get("axes", []))
+    for axis in axes:
+        if axis in HEADS or axis in reader.columns:
             raise InputError(
-                f"{str(kept.path)!r} makes no table: its axis {shorten(one)} has the name of "
+                f"{str(reader.path)!r} makes no table: its axis {shorten(axis)} has the name of "
                 "another column"
             )
     return axes
 
 
-def places_of(kept: StoreReader) -> dict[int, int]:
+def places_of(reader: StoreReader) -> dict[int, int]:
     """The place of each cell in the plan, from 1."""
-    return {number: place for place, number in enumerate(kept.cells, 1)}
+    return {number: place for place, number in enumerate(reader.cells, 1)}
 
 
 def as_csv(columns: Mapping[str, list[Any]]) -> str:
@@ -144,11 +145,11 @@ def array_of(values: list[Any]) -> Any:
     """A column as an array: whole numbers become numbers where there are both, else text."""
     import pyarrow as pa
 
-    kinds = {type(one) for one in values if one is not None}
+    kinds = {type(value) for value in values if value is not None}
     if kinds == {int, float}:
-        return pa.array([None if one is None else float(one) for one in values], pa.float64())
+        return pa.array([None if value is None else float(value) for value in values], pa.float64())
     if len(kinds) > 1:
-        return pa.array([None if one is None else str(one) for one in values], pa.string())
+        return pa.array([None if value is None else str(value) for value in values], pa.string())
     return pa.array(values)
 
 
@@ -170,15 +171,61 @@ def write_table(columns: Mapping[str, list[Any]], path: Path, overwrite: bool) -
         pq.write_table(table, file)
 
 
-def spec_at(kept: StoreReader, place: int, seed: int) -> Spec:
+def spec_at(reader: StoreReader, place: int, seed: int) -> Spec:
     """The run of a cell by its place in the plan. Raises InputError."""
-    cells = list(kept.cells.values())
+    cells = list(reader.cells.values())
     if not 1 <= place <= len(cells):
         raise InputError(f"cell {place} is not allowed: a number from 1 to {len(cells)} is needed")
-    state = kept.state
+    state = reader.state
     if "base" not in state:
         raise InputError(
-            f"{str(kept.folder)!r} is no sweep but a paper's table: its runs have no spec"
+            f"{str(reader.folder)!r} is no sweep but a paper's table: its runs have no spec"
         )
-    base = Spec.from_toml(state["base"], f"base of {kept.folder}")
+    base = Spec.from_toml(state["base"], f"base of {reader.folder}")
     return spec_of(base, cells[place - 1]["axes"]).but(seed=seed)
+
+
+# The runs of a sweep cell by cell, for charts and tables of means.
+
+
+def groups_of(
+    reader: StoreReader, observable: str | None, where: str = ""
+) -> tuple[str, list[CellRuns]]:
+    """The observable that is shown, the first by default, and the cells with runs. Or
+    InputError."""
+    columns, axes = measured_columns(reader), axes_of(reader)
+    if not columns:
+        raise InputError("there is nothing with one value for each run: export the series instead")
+    name = columns[0] if observable is None else observable
+    if name not in columns:
+        raise unknown("observable", name, columns, str(reader.folder))
+    condition = Condition(where, axes) if where else None
+    values, seeds = defaultdict(list), defaultdict(list)
+    gave_up, broken = Counter[int](), Counter[int]()
+    for cell, seed, status, *_, value in reader.runs([name]):
+        if status in BROKEN:
+            broken[cell] += 1
+        elif status == "gave-up":
+            gave_up[cell] += 1
+        elif value is not None:
+            values[cell].append(float(value))
+            seeds[cell].append(seed)
+    groups = [
+        CellRuns(
+            {axis: cell["axes"][axis] for axis in axes if axis in cell["axes"]},
+            number,
+            values[number],
+            seeds[number],
+            gave_up[number],
+            broken[number],
+        )
+        for number, cell in reader.cells.items()
+    ]
+    drawn_groups = [
+        group
+        for group in groups
+        if group.has_runs and (condition is None or condition.holds(group.axes))
+    ]
+    if not drawn_groups:
+        raise InputError(f"there is no run to draw yet ({reader.folder})")
+    return name, drawn_groups

@@ -20,10 +20,10 @@ def compile_loop(flock: Flock, tell: Callable[[str], Any] | None) -> None:
     flock.compile_tick()
 
 
-def alone(flock: Flock) -> Spec:
+def single_agent_spec(flock: Flock) -> Spec:
     """The run of one agent that takes the same kernels."""
-    one = {"agents": 1, "informed": None, "spacing": None, "seed": 0, "start": "random"}
-    return flock.options.but(world=flock.world, **one)
+    options = {"agents": 1, "informed": None, "spacing": None, "seed": 0, "start": "random"}
+    return flock.options.but(world=flock.world, **options)
 
 
 def compile_measures(flock: Flock) -> None:
@@ -31,6 +31,6 @@ def compile_measures(flock: Flock) -> None:
     from agents.observables.catalogue import OBSERVABLES
 
     with warnings.catch_warnings(action="ignore"):
-        for one in OBSERVABLES.values():
-            if one.over is None and one.applies(flock):
-                flock.observe(one.name)
+        for observable in OBSERVABLES.values():
+            if observable.over is None and observable.applies(flock):
+                flock.observe(observable.name)

@@ -86,7 +86,7 @@ class AwakeClock:
         self.last = now()
         self.seconds = 0.0
 
-    def look(self) -> float:
+    def read(self) -> float:
         """Seconds since it was made in which it was looked at."""
         now = self.now()
         self.seconds += min(max(now - self.last, 0.0), LOOK)

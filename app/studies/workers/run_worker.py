@@ -49,7 +49,7 @@ class RunWorker:
     def __init__(self, setup: WorkerSetup, place: str):
         with open(place, "r+b") as file:
             self.progress = mmap.mmap(file.fileno(), mmap.PAGESIZE)
-        threading.Thread(target=self.show_life, daemon=True).start()
+        threading.Thread(target=self.count_beats, daemon=True).start()
         with suppress(OSError):  # where a file in use cannot be removed it stays
             Path(place).unlink()
         from agents.catalogue import from_file
@@ -74,7 +74,7 @@ class RunWorker:
         if done:
             yield done
 
-    def show_life(self) -> None:
+    def count_beats(self) -> None:
         """On a thread of its own: count in the second eight bytes while the process is not halted.
 
         However long a run takes: kernels and the interpreter let this thread have its turn.

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from app.viewer.editing.forms import demand_fitting
 from worlds.checks import place_problems, shape_problems, start_problems
 from worlds.input_error import InputError
 from worlds.mission import Goal
+from worlds.obstacles import Disc, Polygon, obstacle
 from worlds.world import World
 
 MOST_OBSTACLES = 500
@@ -46,7 +46,7 @@ class WorldVersion:
     def place(self, key: int) -> int:
         """Where in the world's tuple an obstacle is. Raises Gone."""
         if key not in self.keys:
-            raise MissingObstacleError("that obstacle is not there any more")
+            raise MissingObstacleError("that obstacle does not exist any more")
         return self.keys.index(key)
 
     def obstacle(self, key: int) -> Any:
@@ -79,16 +79,16 @@ class Editor:
         return self.now.world
 
     @property
-    def newest(self) -> int:
+    def newest_key(self) -> int:
         """Key of the last obstacle; 0 if there is none."""
         return self.now.keys[-1] if self.now.keys else 0
 
     def add(self, obstacle: Any) -> Editor:
         """One more obstacle."""
         if len(self.world.obstacles) >= MOST_OBSTACLES:
-            raise InputError(f"there are {MOST_OBSTACLES} obstacles, and there may be no more")
+            raise InputError(f"there are {MOST_OBSTACLES} obstacles already: no more are allowed")
         demand_fitting(obstacle, self.world)
-        world = with_obstacles(self.world, (*self.world.obstacles, obstacle))
+        world = replace_obstacles(self.world, (*self.world.obstacles, obstacle))
         demand_allowed(world, len(world.obstacles) - 1)
         return self.changed(WorldVersion(world, (*self.now.keys, next(keys))))
 
@@ -99,7 +99,7 @@ class Editor:
         shift = [*by, 0.0, 0.0, 0.0][:3]
         if not all(math.isfinite(number) for number in (*shift, degrees)):
             raise InputError(f"an obstacle cannot be moved by {list(by)} and turned by {degrees}")
-        obstacle = self.before(gesture).obstacle(key).turned(degrees)
+        obstacle = self.version_before(gesture).obstacle(key).turned(degrees)
         if self.world.dim == 2 or not has_heights(obstacle):
             shift[2] = 0.0
         return self.exchange(key, obstacle.moved(*shift), gesture)
@@ -109,36 +109,36 @@ class Editor:
         for name, value in measures.items():
             if not math.isfinite(value):
                 raise InputError(f"{name} = {value} is not a number")
-        obstacle = self.before(gesture).obstacle(key).resized(**measures)
+        obstacle = self.version_before(gesture).obstacle(key).resized(**measures)
         demand_fitting(obstacle, self.world)
         return self.exchange(key, obstacle, gesture)
 
     def exchange(self, key: int, obstacle: Any, gesture: str = "") -> Editor:
         """Another obstacle in the place of one."""
-        before = self.before(gesture)
+        before = self.version_before(gesture)
         place = before.place(key)
         others = before.world.obstacles
-        world = with_obstacles(before.world, (*others[:place], obstacle, *others[place + 1 :]))
+        world = replace_obstacles(before.world, (*others[:place], obstacle, *others[place + 1 :]))
         demand_allowed(world, place)
         return self.changed(WorldVersion(world, before.keys), gesture)
 
     def delete(self, key: int) -> Editor:
         """One obstacle less."""
         place, old = self.now.place(key), self.world.obstacles
-        world = with_obstacles(self.world, old[:place] + old[place + 1 :])
+        world = replace_obstacles(self.world, old[:place] + old[place + 1 :])
         return self.changed(WorldVersion(world, self.now.keys[:place] + self.now.keys[place + 1 :]))
 
     def clear(self) -> Editor:
         """No obstacles at all."""
         return (
-            self.changed(WorldVersion(with_obstacles(self.world, ()), ()))
+            self.changed(WorldVersion(replace_obstacles(self.world, ()), ()))
             if self.now.keys
             else self
         )
 
     def move_goal(self, by: Sequence[float], gesture: str = "") -> Editor:
         """The goal's route shifted by (dim,) length. Raises InputError if there is no goal."""
-        before = self.before(gesture)
+        before = self.version_before(gesture)
         mission, dim = before.world.mission, before.world.dim
         if mission is None or mission.goal is None:
             raise InputError("this world has no goal")
@@ -152,7 +152,7 @@ class Editor:
             demand_near(before.world, "the goal", (*point[:2], *point[:2]))
         moved = Goal(route=tuple(route), speed=goal.speed, closed=goal.closed)
         mission = mission.model_copy(update={"goal": moved})
-        world = replace(before.world, mission=mission, **edited(before.world))
+        world = replace(before.world, mission=mission, **edited_texts(before.world))
         demand_possible(world)
         return self.changed(WorldVersion(world, before.keys), gesture)
 
@@ -168,7 +168,7 @@ class Editor:
             return self
         return Editor(self.future[0], (*self.past, self.now), self.future[1:])
 
-    def before(self, gesture: str) -> WorldVersion:
+    def version_before(self, gesture: str) -> WorldVersion:
         """The world before a gesture that has begun; now for any other."""
         return self.past[-1] if gesture and gesture == self.gesture else self.now
 
@@ -179,12 +179,12 @@ class Editor:
         return Editor(now, (*self.past, self.now)[-STEPS:], (), gesture)
 
 
-def with_obstacles(world: World, obstacles: tuple[Any, ...]) -> World:
+def replace_obstacles(world: World, obstacles: tuple[Any, ...]) -> World:
     """The world with other obstacles, under a name that says so."""
-    return replace(world, obstacles=obstacles, **edited(world))
+    return replace(world, obstacles=obstacles, **edited_texts(world))
 
 
-def edited(world: World) -> dict[str, Any]:
+def edited_texts(world: World) -> dict[str, Any]:
     """Name and title of a world that is no longer what its layout says."""
     if world.name.endswith(EDITED):
         return {"name": world.name, "title": world.title}
@@ -232,3 +232,46 @@ def demand_possible(world: World) -> None:
     ):
         if problem.severity == "error":
             raise InputError(problem.text)
+
+
+# Obstacles as a person draws them, and how large they may be.
+
+
+LEAST, MOST = 1e-3, 4.0
+"""Least and most extent of what a person draws, as multiples of the world's longest side."""
+CORNERS = 200
+"""Corners of a drawn polygon at most."""
+MEASURES = ("radius", "width", "depth", "size")
+"""Lengths by which obstacles are drawn."""
+
+
+def disc(at: Sequence[float], radius: float) -> Disc:
+    """A disc, or in three dimensions a column."""
+    return obstacle({"shape": "disc", "centre": (float(at[0]), float(at[1])), "radius": radius})
+
+
+def polygon(points: Sequence[Sequence[float]]) -> Polygon:
+    """A polygon of the corners that were clicked; a corner clicked twice counts once.
+
+    Raises InputError for fewer than three corners or more than CORNERS.
+    """
+    corners = [(float(point[0]), float(point[1])) for point in points]
+    previous = corners[-1:] + corners[:-1]
+    kept_corners = [corner for corner, before in zip(corners, previous, strict=True)
+            if corner != before]  # fmt: skip
+    if len(kept_corners) < 3:
+        raise InputError(f"a polygon needs 3 corners or more, {len(kept_corners)} were given")
+    if len(kept_corners) > CORNERS:
+        raise InputError(f"a polygon has {CORNERS} corners at most, {len(kept_corners)} were given")
+    return obstacle({"shape": "polygon", "points": kept_corners})
+
+
+def demand_fitting(shape: Any, world: World) -> None:
+    """Raise InputError if a drawn obstacle is too small or too large for its world."""
+    side = max(world.size)
+    for name, value in shape.measures().items():
+        if name in MEASURES and not LEAST * side <= value <= MOST * side:
+            raise InputError(
+                f"{name} = {value:g} is not allowed: from {LEAST * side:g} to {MOST * side:g} in "
+                "this world"
+            )

@@ -23,7 +23,7 @@ BATCH = 256
 HALVINGS = 12
 
 
-def set_free(world: World, position: np.ndarray) -> np.ndarray:
+def move_out(world: World, position: np.ndarray) -> np.ndarray:
     """Positions (N, dim), those inside an obstacle or beyond a solid edge put outside of it.
 
     In the plane this is the nearest free place, GAP from what is solid; in space the nearest along
@@ -36,7 +36,7 @@ def set_free(world: World, position: np.ndarray) -> np.ndarray:
     if not inside.any():
         return position
     freed = position.copy()
-    find = on_the_plan if world.dim == 2 else in_space
+    find = nearest_on_plan if world.dim == 2 else nearest_in_space
     freed[inside] = find(world, position[inside])
     wraps, size = world.wraps, np.array(world.size)
     return np.where(wraps & inside[:, None], np.mod(freed, size), freed)
@@ -61,18 +61,20 @@ def is_inside(world: World, position: np.ndarray) -> np.ndarray:
     return inside
 
 
-def on_the_plan(world: World, position: np.ndarray) -> np.ndarray:
+def nearest_on_plan(world: World, position: np.ndarray) -> np.ndarray:
     """The nearest free places to (M, 2). Raises InputError."""
     gap = GAP * max(world.size)
     free, places = free_area(world, gap), shapely.points(position)
-    found = nearest(free, places, world)
+    place = nearest_in_area(free, places, world)
     for attempt in range(1, len(position) + 1):
-        again = repeated(found)
+        again = is_repeated(place)
         if not again.any():
-            return found
+            return place
         # Several in one corner: all but the first go a little farther out.
-        found[again] = nearest(free_area(world, gap * (1.0 + attempt)), places[again], world)
-    return found
+        place[again] = nearest_in_area(
+            free_area(world, gap * (1.0 + attempt)), places[again], world
+        )
+    return place
 
 
 def free_area(world: World, gap: float) -> shapely.Geometry:
@@ -95,7 +97,7 @@ def free_area(world: World, gap: float) -> shapely.Geometry:
     return shapely.box(*low, *high).difference(shapely.buffer(solids, gap))
 
 
-def nearest(free: shapely.Geometry, places: np.ndarray, world: World) -> np.ndarray:
+def nearest_in_area(free: shapely.Geometry, places: np.ndarray, world: World) -> np.ndarray:
     """The points of an area nearest to places, (M, 2). Raises InputError if there is no area."""
     if free.is_empty:
         raise InputError(f"no free place would be left for the agents in {world.name}")
@@ -103,7 +105,7 @@ def nearest(free: shapely.Geometry, places: np.ndarray, world: World) -> np.ndar
     return shapely.get_coordinates(lines)[1::2]
 
 
-def repeated(position: np.ndarray) -> np.ndarray:
+def is_repeated(position: np.ndarray) -> np.ndarray:
     """Rows (M, dim) that say what an earlier row says, (M,) bool."""
     _, first = np.unique(position, axis=0, return_index=True)
     again = np.ones(len(position), bool)
@@ -111,16 +113,16 @@ def repeated(position: np.ndarray) -> np.ndarray:
     return again
 
 
-def in_space(world: World, position: np.ndarray) -> np.ndarray:
+def nearest_in_space(world: World, position: np.ndarray) -> np.ndarray:
     """Free places near (M, 3), each the nearest along a ray. Raises InputError."""
     parts = [
-        along_rays(world, position[first : first + BATCH], first)
+        nearest_along_rays(world, position[first : first + BATCH], first)
         for first in range(0, len(position), BATCH)
     ]
     return np.concatenate(parts)
 
 
-def along_rays(world: World, position: np.ndarray, number: int) -> np.ndarray:
+def nearest_along_rays(world: World, position: np.ndarray, number: int) -> np.ndarray:
     """The nearest free places along RAYS directions, (M, 3), for rows from `number` on.
 
     No two rows have the same rays, so that no two come out on the same spot.
@@ -193,15 +195,15 @@ def obstacle_hit(
     if size == 0.0:
         return None
     way = direction / size
-    found = [
-        (first_meeting(world, one, origin, way, height), number)
-        for number, one in enumerate(world.obstacles)
+    hits = [
+        (distance_to_obstacle(world, obstacle, origin, way, height), number)
+        for number, obstacle in enumerate(world.obstacles)
     ]
-    distance, number = min(found, default=(np.inf, 0))
+    distance, number = min(hits, default=(np.inf, 0))
     return number if np.isfinite(distance) else None
 
 
-def first_meeting(
+def distance_to_obstacle(
     world: World, obstacle, origin: np.ndarray, way: np.ndarray, height: float
 ) -> float:
     """Distance along a ray (unit `way`) to an obstacle; inf if it passes by."""
@@ -211,7 +213,7 @@ def first_meeting(
         if world.dim == 3:
             low = 0.0 if bottom is None else bottom
             high = world.height if top is None else top
-        nearest = min(nearest, meets_prism(outline, low, high, origin, way))
+        nearest = min(nearest, distance_to_prism(outline, low, high, origin, way))
     for centre, radius in obstacle.spheres():
         away = np.array(centre) - origin
         along = float(away @ way)
@@ -221,7 +223,7 @@ def first_meeting(
     return nearest
 
 
-def meets_prism(
+def distance_to_prism(
     outline: shapely.Polygon, low: float, high: float, origin: np.ndarray, way: np.ndarray
 ) -> float:
     """Distance along a ray to an upright solid, to about one level in LEVELS; inf if it passes."""

@@ -48,16 +48,18 @@ def layout_from_browser(
     file takes too much time or memory.
     """
     if len(content) > LARGEST:
-        raise too_large(name, content)
+        raise size_error(name, content)
     reader = f"{__name__}:layout_as_json"
-    given = json.dumps({key: (options or {})[key] for key in OPTIONS if key in (options or {})})
-    both = given.encode() + b"\n" + content
-    found = json.loads(read_in_sandbox(reader, plain_name(name), both))
-    if "question" in found:
+    options_text = json.dumps(
+        {key: (options or {})[key] for key in OPTIONS if key in (options or {})}
+    )
+    both = options_text.encode() + b"\n" + content
+    parsed = json.loads(read_in_sandbox(reader, plain_name(name), both))
+    if "question" in parsed:
         raise PlanQuestion(
-            found["question"], tuple(PlanChoice(**choice) for choice in found["choices"])
+            parsed["question"], tuple(PlanChoice(**choice) for choice in parsed["choices"])
         )
-    return world_from_layout(found["layout"], found["name"])
+    return world_from_layout(parsed["layout"], parsed["name"])
 
 
 def layout_as_json(name: str, content: bytes) -> bytes:
@@ -88,12 +90,12 @@ def layout_of(name: str, content: bytes, options: Mapping[str, Any] | None = Non
     if ending not in ENDINGS:
         raise unknown("kind of layout file", ending or name, ENDINGS)
     if len(content) > LARGEST:
-        raise too_large(name, content)
+        raise size_error(name, content)
     try:
         if ending == ".toml":
-            world = from_toml(name, content)
+            world = read_layout_toml(name, content)
         else:
-            world = from_drawing(name, content, options or {})
+            world = read_drawing(name, content, options or {})
         demand_small(world, name)
         demand_sound(world)
     except InputError:
@@ -103,7 +105,7 @@ def layout_of(name: str, content: bytes, options: Mapping[str, Any] | None = Non
     return world
 
 
-def too_large(name: str, content: bytes) -> InputError:
+def size_error(name: str, content: bytes) -> InputError:
     """What a file of too many bytes is told."""
     return InputError(f"{name} has {len(content)} bytes: a layout file has {LARGEST} at most")
 
@@ -118,7 +120,7 @@ def plain_name(name: str) -> str:
     return re.sub(r"[^\w .()+-]", "_", last).strip(". ") or "layout"
 
 
-def from_toml(name: str, content: bytes) -> World:
+def read_layout_toml(name: str, content: bytes) -> World:
     """The world of a layout in TOML. Raises InputError."""
     try:
         text = content.decode("utf-8-sig")
@@ -136,10 +138,10 @@ def demand_few(layout: dict[str, Any], name: str) -> None:
     """Raise InputError for a layout with too many obstacles, before any of them is made."""
     obstacles = layout.get("obstacle", [])
     if isinstance(obstacles, list) and len(obstacles) > MOST_OBSTACLES:
-        raise too_many(name, len(obstacles))
+        raise count_error(name, len(obstacles))
 
 
-def from_drawing(name: str, content: bytes, options: Mapping[str, Any]) -> World:
+def read_drawing(name: str, content: bytes, options: Mapping[str, Any]) -> World:
     """The world around a drawing, with solid edges. Raises InputError."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / name
@@ -147,7 +149,7 @@ def from_drawing(name: str, content: bytes, options: Mapping[str, Any]) -> World
         try:
             geometry = read_geometry(path, **options)
             if len(geometry.obstacles) > MOST_OBSTACLES:
-                raise too_many(name, len(geometry.obstacles))
+                raise count_error(name, len(geometry.obstacles))
             return world_around(geometry)
         except PlanQuestion as question:
             words = str(question).replace(str(path), name)
@@ -159,7 +161,7 @@ def from_drawing(name: str, content: bytes, options: Mapping[str, Any]) -> World
             raise InputError(words[:MOST_WORDS] + hint) from None
 
 
-def too_many(name: str, count: int) -> InputError:
+def count_error(name: str, count: int) -> InputError:
     """What a file with too many obstacles is told."""
     return InputError(
         f"{name} has {count} obstacles: the laboratory takes {MOST_OBSTACLES} at most"
@@ -171,7 +173,7 @@ def demand_small(world: World, name: str) -> None:
     corners, length = 0, 0.0
     far, side = FAR * max(world.size), max(world.size)
     if len(world.obstacles) > MOST_OBSTACLES:
-        raise too_many(name, len(world.obstacles))
+        raise count_error(name, len(world.obstacles))
     for obstacle in world.obstacles:
         for outline, _, _ in obstacle.spans():
             corners += len(outline.exterior.coords) + sum(len(r.coords) for r in outline.interiors)

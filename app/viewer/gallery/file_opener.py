@@ -10,7 +10,7 @@ from pathlib import Path
 from app.sandboxed_reader import read_in_sandbox, read_toml
 from app.viewer.editing.layout_file import plain_name
 from app.viewer.gallery.saved_scene import SavedScene, demand_scene_size, read_scene, scene_of
-from app.viewer.run.stored_flock import PARQUET, REWRITE, StoredFlock, stored
+from app.viewer.run.stored_flock import PARQUET, REWRITE, StoredFlock, read_stored
 from worlds.input_error import InputError
 from worlds.text_file import read_text
 
@@ -26,7 +26,7 @@ def open_file(name: str, content: bytes) -> SavedScene | StoredFlock:
     """What a file from a browser is, whatever it is called. Raises InputError."""
     demand_kind(name, content[:HEAD])
     if content.startswith(PARQUET):
-        return stored(name, read_in_sandbox(REWRITE, plain_name(name), content))
+        return read_stored(name, read_in_sandbox(REWRITE, plain_name(name), content))
     demand_scene_size(name, content)
     return scene_of(read_toml(name, content), name)
 
@@ -36,7 +36,7 @@ def opened_file(name: str) -> SavedScene | StoredFlock:
     head = head_of(name)
     demand_kind(name, head)
     if head.startswith(PARQUET):
-        return stored(name, path=Path(name))
+        return read_stored(name, path=Path(name))
     return read_scene(name, read_text(repr(name), name).encode())
 
 

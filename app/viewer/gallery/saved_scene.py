@@ -19,7 +19,7 @@ from agents.catalogue import model as find_model
 from agents.models.declare import checked
 from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec
 from app.viewer.editing.layout_file import demand_few, demand_small
-from app.viewer.run.run_preset import MOST_AGENTS, at_home
+from app.viewer.run.run_preset import MOST_AGENTS, preset_spec
 from app.viewer.scene.shown.control import Control, controls_of
 from app.viewer.scene.shown.drawing_style import CAMERAS, DrawingStyle
 from worlds.checks import demand_sound
@@ -66,39 +66,39 @@ class SavedScene:
 
     def to_toml(self) -> str:
         """The scene as a file, with all that makes its run the same to the bit."""
-        return self.written(tomllib.loads(self.spec.to_toml()))
+        return self.format_toml(tomllib.loads(self.spec.to_toml()))
 
-    def in_short(self) -> str:
+    def command(self) -> str:
         """The same without what every program of this version adds by itself."""
         values = tomllib.loads(self.spec.to_toml())
         model = find_model(self.spec.model)
         usual = model.parameters().model_dump()
         changed = {k: v for k, v in values.get("parameters", {}).items() if usual.get(k) != v}
-        plain = at_home(self.spec.model, seed=self.spec.seed).model_dump()
-        kept = {
+        plain = preset_spec(self.spec.model, seed=self.spec.seed).model_dump()
+        short_values = {
             key: value
             for key, value in values.items()
             if key in ("model", "seed", "layout")
             or (key not in ("parameters", "versions", "start") and plain.get(key) != value)
         }
-        return self.written(kept | ({"parameters": changed} if changed else {}))
+        return self.format_toml(short_values | ({"parameters": changed} if changed else {}))
 
-    def written(self, run: Mapping[str, Any]) -> str:
+    def format_toml(self, run: Mapping[str, Any]) -> str:
         """The TOML of the scene with these values of its run."""
         words = {"title": self.title, "watch": self.watch, "try": self.tries}
-        said: dict[str, Any] = {key: text for key, text in words.items() if text}
+        fields: dict[str, Any] = {key: text for key, text in words.items() if text}
         if self.speed is not None:
-            said["speed"] = self.speed
+            fields["speed"] = self.speed
         if self.camera:
-            said["camera"] = self.camera
+            fields["camera"] = self.camera
         if self.plots:
-            said["plots"] = list(self.plots)
-        said["run"] = dict(run)
+            fields["plots"] = list(self.plots)
+        fields["run"] = dict(run)
         if self.beside is not None:
-            said["beside"] = {"model": self.beside.model, "parameters": self.beside.parameters}
+            fields["beside"] = {"model": self.beside.model, "parameters": self.beside.parameters}
         if self.look:
-            said["look"] = dict(self.look)
-        return tomlkit.dumps(said)
+            fields["look"] = dict(self.look)
+        return tomlkit.dumps(fields)
 
     @classmethod
     def from_toml(cls, text: str, origin: str) -> SavedScene:
@@ -117,22 +117,22 @@ class SavedScene:
         if "run" not in values:
             raise InputError(f"run is missing: which model, in which world ({origin})")
         try:
-            words = {key: text_of(values, key) for key in TEXTS}
-            spec = run_of(table(values, "run"), origin)
+            words = {key: read_scene_text(values, key) for key in TEXTS}
+            spec = read_run(table(values, "run"), origin)
             scene = cls(
                 title=words["title"] or find_model(spec.model).title,
                 spec=spec,
-                beside=beside_of(table(values, "beside"), origin),
+                beside=read_compared(table(values, "beside"), origin),
                 watch=words["watch"],
                 tries=words["try"],
-                speed=speed_of(values.get("speed")),
-                camera=camera_of(values.get("camera", "")),
-                plots=plots_of(values.get("plots", [])),
-                look=look_of(table(values, "look"), spec),
+                speed=read_speed(values.get("speed")),
+                camera=read_camera(values.get("camera", "")),
+                plots=read_plots(values.get("plots", [])),
+                look=read_look(table(values, "look"), spec),
             )
         except InputError as refusal:
-            told = str(refusal)
-            raise InputError(told if origin in told else f"{told} ({origin})") from None
+            message = str(refusal)
+            raise InputError(message if origin in message else f"{message} ({origin})") from None
         return scene
 
 
@@ -157,7 +157,7 @@ def scene_of(values: Mapping[str, Any], origin: str) -> SavedScene:
     return SavedScene.from_values(values if "run" in values else {"run": values}, origin)
 
 
-def text_of(values: Mapping[str, Any], key: str) -> str:
+def read_scene_text(values: Mapping[str, Any], key: str) -> str:
     """One of the words of a scene, on one line. Raises InputError."""
     text = values.get(key, "")
     if not isinstance(text, str) or len(text) > TEXTS[key]:
@@ -167,13 +167,13 @@ def text_of(values: Mapping[str, Any], key: str) -> str:
 
 def table(values: Mapping[str, Any], key: str) -> dict[str, Any]:
     """One of the tables of a scene, empty if it is not there. Raises InputError."""
-    found = values.get(key, {})
-    if not isinstance(found, dict):
-        raise InputError(f"{key} = {shorten(found)} is not a table")
-    return found
+    value = values.get(key, {})
+    if not isinstance(value, dict):
+        raise InputError(f"{key} = {shorten(value)} is not a table")
+    return value
 
 
-def run_of(values: dict[str, Any], origin: str) -> CompleteSpec:
+def read_run(values: dict[str, Any], origin: str) -> CompleteSpec:
     """The run of a scene, which the laboratory can carry. Raises InputError."""
     own = dict(values)
     layout, parameters = own.pop("layout", None), own.pop("parameters", {})
@@ -192,9 +192,9 @@ def run_of(values: dict[str, Any], origin: str) -> CompleteSpec:
     if not isinstance(parameters, dict):
         raise InputError(f"parameters = {shorten(parameters)} is not a table")
     checked(model.parameters, parameters, origin)
-    found = at_home(**{**dict(spec), "parameters": parameters})
-    demand_bounded(found)
-    return found
+    complete = preset_spec(**{**dict(spec), "parameters": parameters})
+    demand_bounded(complete)
+    return complete
 
 
 def demand_bounded(spec: CompleteSpec) -> None:
@@ -220,7 +220,7 @@ def world_of(layout: Any, name: str) -> World:
     return world
 
 
-def beside_of(values: dict[str, Any], origin: str) -> Spec | None:
+def read_compared(values: dict[str, Any], origin: str) -> Spec | None:
     """The model beside, or None. Raises InputError."""
     if not values:
         return None
@@ -232,7 +232,7 @@ def beside_of(values: dict[str, Any], origin: str) -> Spec | None:
     return spec
 
 
-def speed_of(value: Any) -> float | None:
+def read_speed(value: Any) -> float | None:
     """Ticks per second, or None. Raises InputError."""
     if value is None:
         return None
@@ -243,22 +243,22 @@ def speed_of(value: Any) -> float | None:
     return float(value)
 
 
-def camera_of(value: Any) -> str:
+def read_camera(value: Any) -> str:
     """A preset point of view, or none. Raises InputError."""
     if value and value not in CAMERAS:
         raise unknown("camera", value, CAMERAS)
     return value or ""
 
 
-def plots_of(value: Any) -> tuple[str, ...]:
+def read_plots(value: Any) -> tuple[str, ...]:
     """What is plotted, as the charts call it. Raises InputError."""
-    right = isinstance(value, list) and all(isinstance(one, str) for one in value)
-    if not right or len(value) > MOST_PLOTS or any(len(one) > LONGEST_NAME for one in value):
+    right = isinstance(value, list) and all(isinstance(item, str) for item in value)
+    if not right or len(value) > MOST_PLOTS or any(len(item) > LONGEST_NAME for item in value):
         raise InputError(f"plots = {shorten(value)} is no list of at most {MOST_PLOTS} names")
     return tuple(value)
 
 
-def look_of(values: dict[str, Any], spec: Spec) -> dict[str, Any]:
+def read_look(values: dict[str, Any], spec: Spec) -> dict[str, Any]:
     """What of the look is not as usual. Raises InputError."""
     for name, value in values.items():
         if name not in LOOKS:
@@ -294,25 +294,25 @@ LARGEST_UNPACKED = 100_000
 """Bytes that it may unpack to."""
 
 
-def packed(scene: SavedScene) -> str:
+def pack_scene(scene: SavedScene) -> str:
     """A scene as a parameter of an address. Raises InputError for one that is too large.
 
     >>> from agents.spec import Spec
-    >>> from app.viewer.run.run_preset import at_home
-    >>> unpacked(packed(SavedScene("mine", at_home("vem", agents=30)))).title
+    >>> from app.viewer.run.run_preset import preset_spec
+    >>> unpack_scene(pack_scene(SavedScene("mine", preset_spec("vem", agents=30)))).title
     'mine'
     """
-    text = zlib.compress(scene.in_short().encode(), 9)
-    made = PACKED + base64.urlsafe_b64encode(text).decode().rstrip("=")
-    if len(made) > LONGEST_ADDRESS:
+    text = zlib.compress(scene.command().encode(), 9)
+    packed_text = PACKED + base64.urlsafe_b64encode(text).decode().rstrip("=")
+    if len(packed_text) > LONGEST_ADDRESS:
         raise InputError(
-            f"the address would have {len(made)} letters, at most {LONGEST_ADDRESS}: "
+            f"the address would have {len(packed_text)} letters, at most {LONGEST_ADDRESS}: "
             "save the scene as a file instead"
         )
-    return made
+    return packed_text
 
 
-def unpacked(text: str) -> SavedScene:
+def unpack_scene(text: str) -> SavedScene:
     """The scene of such a parameter, from whomever it comes. Raises InputError."""
     if not text.startswith(PACKED) or len(text) > LONGEST_ADDRESS:
         raise InputError("this address has no scene in it")
@@ -341,7 +341,7 @@ DRAWN = "its world was changed: save the scene as a file and run"
 def command_line(scene: SavedScene) -> str:
     """What opens the run from a shell, as far as words can say it.
 
-    >>> command_line(SavedScene("mine", at_home("vem", agents=30, parameters={"eta": 0.5})))
+    >>> command_line(SavedScene("mine", preset_spec("vem", agents=30, parameters={"eta": 0.5})))
     'flockscope lab vem --agents 30 --seed 1 --set eta=0.5'
     """
     spec = scene.spec
@@ -350,8 +350,8 @@ def command_line(scene: SavedScene) -> str:
     words = [spec.model] + ([] if scene.beside is None else ["--beside", scene.beside.model])
     for name, value in options(spec).items():
         words += [f"--{name.replace('_', '-')}", shell_value(value)]
-    for one in (spec, scene.beside):
-        for name, value in {} if one is None else changed(one):
+    for side in (spec, scene.beside):
+        for name, value in {} if side is None else changed(side):
             words += ["--set", f"{name}={shell_value(value)}"]
     if scene.speed is not None and scene.speed != float("inf"):
         words += ["--speed", shell_value(scene.speed)]
@@ -361,7 +361,7 @@ def command_line(scene: SavedScene) -> str:
 def python(scene: SavedScene) -> str:
     """A script that makes the run.
 
-    >>> print(python(SavedScene("mine", at_home("vem", agents=30))))
+    >>> print(python(SavedScene("mine", preset_spec("vem", agents=30))))
     from flockscope import Flock
     <BLANKLINE>
     flock = Flock("vem", agents=30, seed=1)
@@ -369,18 +369,18 @@ def python(scene: SavedScene) -> str:
     """
     spec = scene.spec
     if isinstance(spec.world, World):
-        made = 'flock = Flock(Spec.read("spec.toml"))\nflock.run(100)'
+        code = 'flock = Flock(Spec.read("spec.toml"))\nflock.run(100)'
         why = "# its world was changed: download its spec first"
-        return f"{why}\nfrom flockscope import Flock, Spec\n\n{made}"
+        return f"{why}\nfrom flockscope import Flock, Spec\n\n{code}"
     values = {**options(spec), **dict(changed(spec))}
-    given = "".join(f", {name}={value!r}" for name, value in values.items())
-    made = f'flock = Flock("{spec.model}"{given})\nflock.run(100)'
-    return f"from flockscope import Flock\n\n{made}"
+    arguments = "".join(f", {name}={value!r}" for name, value in values.items())
+    code = f'flock = Flock("{spec.model}"{arguments})\nflock.run(100)'
+    return f"from flockscope import Flock\n\n{code}"
 
 
 def options(spec: Spec) -> dict[str, Any]:
     """The options of a run that are not as its model has them; the seed always."""
-    usual = at_home(spec.model)
+    usual = preset_spec(spec.model)
     return {
         name: getattr(spec, name)
         for name in OPTIONS

@@ -11,8 +11,8 @@ from agents.catalogue import model as find_model
 from agents.models.model import Model
 from agents.spec import DEFAULT
 from app.package_files import STATIC
-from app.viewer.gallery.saved_scene import PACKED, SavedScene, unpacked
-from app.viewer.run.run_preset import at_home, home, world_title
+from app.viewer.gallery.saved_scene import PACKED, SavedScene, unpack_scene
+from app.viewer.run.run_preset import preset_spec, world_defaults, world_title
 from worlds.input_error import InputError, unknown
 from worlds.layout import layout_names, shared_layout
 
@@ -54,33 +54,33 @@ def find_scene(name: str) -> SavedScene:
     Names come from browsers too: none is that of a file. Raises InputError.
     """
     if name.startswith(PACKED):
-        return unpacked(name)
+        return unpack_scene(name)
     if name.startswith(MODEL):
         model = find_model(name.removeprefix(MODEL))
-        tries = "".join(f"{one.words} {one.see}" for one in model.to_try[:1])
-        return SavedScene(model.title, at_home(model.name), watch=model.summary, tries=tries)
+        tries = "".join(f"{step.words} {step.see}" for step in model.to_try[:1])
+        return SavedScene(model.title, preset_spec(model.name), watch=model.summary, tries=tries)
     if name.startswith(WORLD):
-        return in_world(name.removeprefix(WORLD))
+        return scene_of_world(name.removeprefix(WORLD))
     if name not in scene_names():
         raise unknown("scene", name, scene_names())
-    return built_in(name)
+    return built_in_scene(name)
 
 
 @cache
-def built_in(name: str) -> SavedScene:
+def built_in_scene(name: str) -> SavedScene:
     """One of the built-in scenes."""
     return SavedScene.from_toml((FOLDER / f"{name}.toml").read_text("utf-8"), f"scene {name}")
 
 
-def in_world(world: str) -> SavedScene:
+def scene_of_world(world: str) -> SavedScene:
     """A world with a model that is at home in it, or can be. Raises InputError."""
     if world not in layout_names():
         raise unknown("world", world, layout_names())
     own = next((model for model in MODELS.values() if model.world == world), None)
     if own is None:
         in_space = next(model for model in MODELS.values() if model.dim == 3)
-        own = in_space if home(world).dim == 3 else find_model(DEFAULT)
-    return SavedScene(world_title(world), at_home(own.name, world=world))
+        own = in_space if world_defaults(world).dim == 3 else find_model(DEFAULT)
+    return SavedScene(world_title(world), preset_spec(own.name, world=world))
 
 
 def cards() -> tuple[GalleryCard, ...]:
@@ -89,20 +89,36 @@ def cards() -> tuple[GalleryCard, ...]:
 
 
 @lru_cache(maxsize=1)
-def cards_with(known: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
+def cards_with(model_set: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
     """The same with these models, all that there are."""
     scenes = [
-        GalleryCard(name, GROUPS[0], built_in(name).title, built_in(name).watch, pictured(name))
+        GalleryCard(
+            name,
+            GROUPS[0],
+            built_in_scene(name).title,
+            built_in_scene(name).watch,
+            picture_name(name),
+        )
         for name in scene_names()
     ]
     models = [
         GalleryCard(
-            MODEL + one.name, group(one), one.title, one.summary, pictured(f"model-{one.name}")
+            MODEL + model.name,
+            group(model),
+            model.title,
+            model.summary,
+            picture_name(f"model-{model.name}"),
         )
-        for one in known
+        for model in model_set
     ]
     worlds = [
-        GalleryCard(WORLD + name, WORLDS, world_title(name), about(name), pictured(f"world-{name}"))
+        GalleryCard(
+            WORLD + name,
+            WORLDS,
+            world_title(name),
+            describe_world(name),
+            picture_name(f"world-{name}"),
+        )
         for name in layout_names()
     ]
     order = {title: place for place, title in enumerate((*GROUPS, WORLDS))}
@@ -125,20 +141,20 @@ FAMILIES = {"vicsek": "Alignment", "mission": "Navigators", "aircraft": "Drones 
 """Parts of the gallery, by the family of the body."""
 
 
-def about(world: str) -> str:
+def describe_world(world: str) -> str:
     """What a world is, from its own words."""
     try:
         layout = shared_layout(world)
     except InputError:
         return ""
-    own = home(world)
+    own = world_defaults(world)
     dim = "2-D or 3-D" if own.dim is None else f"{own.dim}-D"
     count = len(layout.get("obstacle", []))
     solid = "" if count == 0 else f", {count} obstacle{'s' if count > 1 else ''}"
     return f"{dim}{solid}"
 
 
-def pictured(name: str) -> str:
+def picture_name(name: str) -> str:
     """The name of the picture of something, empty if it has none."""
     return f"{name}.webp" if f"{name}.webp" in pictures() else ""
 

@@ -30,10 +30,9 @@ from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.lab.panels.laboratory_plots import LaboratoryPlots
 from app.viewer.lab.panels.model_guide import Guide, TryRunner
 from app.viewer.lab.panels.numbers_table import MoreNumbers, NumbersTable
-from app.viewer.lab.panels.run_panel import RunPanel
+from app.viewer.lab.panels.run_panel import RunPanel, TimeLinePanel
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.lab.panels.sweep_panel import SweepPanel
-from app.viewer.lab.panels.time_line_panel import TimeLinePanel
 from app.viewer.lab.panels.world_panel import WorldPanel
 from app.viewer.lab.picture_exporter import PictureExporter
 from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
@@ -42,14 +41,14 @@ from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.sending import ExportPermit
-from app.viewer.panels.shell import add_hotkeys, dock, dress
+from app.viewer.panels.shell import add_hotkeys, dock, set_look
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.edits import leader, usable_pose
 from app.viewer.run.frame_builder import FrameRequest, WatchPageRequest
-from app.viewer.run.run_preset import at_home, lively_speed, usual_of
+from app.viewer.run.run_preset import drawing_defaults, lively_speed, preset_spec
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState
-from app.viewer.run.stored_flock import LARGEST, Beginning
+from app.viewer.run.stored_flock import LARGEST, InitialState
 from app.viewer.scene.drawing import Drawing, Rates
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.colouring import COLOURINGS
@@ -95,7 +94,7 @@ class Laboratory:
         beside: Spec | None = None,
         threads: int = 1,
         server: viser.ViserServer | None = None,
-        opened: SavedScene | Beginning | None = None,
+        opened: SavedScene | InitialState | None = None,
         waits: bool = False,
         results: Path = RESULTS,
         allowance: Allowance | None = None,
@@ -109,7 +108,7 @@ class Laboratory:
         if opened is not None:
             spec, speed = opened.spec, speed or opened.speed
             beside = None if scene is None else scene.beside
-        spec = spec or at_home()
+        spec = spec or preset_spec()
         self.simulation = Simulation(
             spec,
             beside,
@@ -187,7 +186,7 @@ class Laboratory:
     def furnish(self) -> None:
         """Build the panels."""
         gui = self.server.gui
-        dress(gui, "flockscope")
+        set_look(gui, "flockscope")
         state = self.simulation.state
         run_place = gui.add_folder(None)
         tabs = gui.add_tab_group()
@@ -199,7 +198,7 @@ class Laboratory:
         with tabs.add_tab("World"):
             self.world = WorldPanel(self.server, self.simulation, self.scene.handles.show)
         with tabs.add_tab("View"):
-            self.view = FlockView(gui, usual_of(state.spec), self.point)
+            self.view = FlockView(gui, drawing_defaults(state.spec), self.point)
         tell = self.simulation.notices.put
         if self.sweeps is not None:
             with tabs.add_tab("Sweep"):
@@ -235,7 +234,7 @@ class Laboratory:
         """Connect clicks, drags and keys, and the first browser."""
         self.server.on_client_connect(self.welcome)
         self.scene.on_clicked(self.clicked)
-        self.scene.handles.on_dragged(self.world.dragged)
+        self.scene.handles.on_dragged(self.world.handle_drag)
         self.scene.on_leader_dragged(self.steer)
         self.view.steer.on_update(self.steering_switched)
         add_hotkeys(
@@ -267,7 +266,7 @@ class Laboratory:
     async def welcome(self, _client: viser.ClientHandle) -> None:
         """Somebody watches, here or on the page of those who only watch: see `begin`."""
         self.begin()
-        self.drawing.welcome()
+        self.drawing.show_to_newcomer()
 
     def begin(self) -> None:
         """Let a flock begin that waited for somebody to watch."""
@@ -275,7 +274,7 @@ class Laboratory:
             self.waits = False
             self.simulation.go()
 
-    def open(self, opened: SavedScene | Beginning) -> None:
+    def open(self, opened: SavedScene | InitialState) -> None:
         """Set up a scene, a state or a recording in all browsers, and let it run.
 
         Raises InputError for what an allowance does not allow.
@@ -301,7 +300,7 @@ class Laboratory:
 
     def look_at(self, scene: SavedScene) -> None:
         """Have the view and the plots as a scene has them."""
-        self.view.suit(usual_of(scene.spec))
+        self.view.set_defaults(drawing_defaults(scene.spec))
         self.view.take(scene.look)
         self.plots.asked = MODELS[scene.spec.model], scene.plots
         self.scene.open_on(scene.camera)
@@ -312,14 +311,14 @@ class Laboratory:
         state, before = self.simulation.state, self.told_scene()
         if before is not None and self.pointing is not None and state.run <= self.pointing[0]:
             return replace(before, title=title or before.title)  # it is about to be set up
-        spec, beside = state.again()
+        spec, beside = state.current_specs()
         scene = SavedScene(
             title or MODELS[spec.model].title + (FROM_THE_START if state.stored else ""),
             spec,
             beside,
             speed=state.speed,
             plots=self.plots.chosen,
-            look=self.view.not_usual(),
+            look=self.view.changed_values(),
         )
         if before is None:
             return scene
@@ -363,7 +362,7 @@ class Laboratory:
 
         `beside` says that it is in the second flock's room; the ray is in that one's world.
         """
-        if self.world.clicked(origin, direction):
+        if self.world.handle_click(origin, direction):
             return
         self.select(row, beside)
         if row is None:
@@ -410,7 +409,7 @@ class Laboratory:
         frame = self.between.frame(
             self.simulation.frame, state.running, state.speed, time.monotonic()
         )
-        return frame, self.view.look()
+        return frame, self.view.drawing_style()
 
     def changes(self) -> object:
         """What the panels show at once when it is another."""
@@ -419,10 +418,10 @@ class Laboratory:
 
     def want(self) -> None:
         """Tell browsers what the simulation has to say, and the simulation what is wanted."""
-        self.simulation.be_seen(self.browsers() + self.elsewhere.browsers > 0)
+        self.simulation.set_watched(self.browsers() + self.elsewhere.browsers > 0)
         self.notices.tell()
         self.world.refresh()
-        look = self.view.look()
+        look = self.view.drawing_style()
         wanted = FrameRequest(
             layers=COLOURINGS[look.colour].labels == "layer",
             groups=COLOURINGS[look.colour].labels == "group",
@@ -436,7 +435,7 @@ class Laboratory:
         )
         if wanted != self.wanted:
             self.wanted = wanted
-            self.simulation.want(wanted)
+            self.simulation.set_request(wanted)
 
     def refresh(self) -> None:
         """Bring the panels up to date."""
@@ -454,13 +453,13 @@ class Laboratory:
         self.point_all(frame)
         self.measure(state, frame, readings)
         if self.pointing is None:  # else another flock, whose look is there already, is coming
-            self.view.suit(usual_of(state.spec))
+            self.view.set_defaults(drawing_defaults(state.spec))
             self.view.fit(frame, measurable(MODELS[state.spec.model].columns))
         self.monitors.colours(look, frame)
         if self.selected_beside and frame.beside is None:
             self.select(None)
         looked_at = frame.beside if self.selected_beside and frame.beside else frame
-        drawn_at = self.scene.where(self.selected, int(self.selected_beside))
+        drawn_at = self.scene.display_place(self.selected, int(self.selected_beside))
         self.inspector.refresh(looked_at, self.selected, drawn_at)
         if self.selected is not None and looked_at.inspected is None:
             self.simulation.look_again()

@@ -316,7 +316,7 @@ class PictureExporter:
     ) -> None:
         """Make a picture and send it."""
         try:
-            with self.allowed.turn():
+            with self.allowed.take_turn():
                 if kind in VECTORS:
                     made = Sheet(shot, size).as_bytes(kind)
                 else:

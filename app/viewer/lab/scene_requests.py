@@ -14,7 +14,7 @@ from aiohttp import web
 
 from app.front.http_server import Request, text_response
 from app.front.page_front import Answering, Front
-from app.viewer.gallery.saved_scene import SavedScene, command_line, packed, python
+from app.viewer.gallery.saved_scene import SavedScene, command_line, pack_scene, python
 from app.viewer.gallery.scene_collection import GalleryCard, cards, find_scene, pictures
 from worlds.input_error import InputError
 
@@ -91,7 +91,7 @@ class SceneRequests:
         """The run as it is now, in all the ways in which it can be taken along."""
         scene = self.laboratory.now()
         try:
-            address = f"?scene={quote(packed(scene))}"
+            address = f"?scene={quote(pack_scene(scene))}"
         except InputError as refusal:
             address = str(refusal)
         said = {

@@ -56,6 +56,7 @@ class ParameterChanges:
     def __init__(self, notify: Callable[[str], None], clock: Callable[[], float] = time.monotonic):
         self.notify = notify
         self.clock = clock
+        # Browsers begin changes on viser's threads; the room's thread hears what came of them.
         self.lock = threading.Lock()
         self.waiting: list[ParameterChange] = []
         self.heard: list[tuple[ParameterChange, InputError | None]] = []
@@ -71,18 +72,18 @@ class ParameterChanges:
             self.waiting.append(change)
         return change
 
-    def hear(self, event: Event) -> dict[str, Any]:
+    def read_values(self, event: Event) -> dict[str, Any]:
         """The values that the loop took, as an event says; empty if it says nothing of them."""
         if event.asked != "tune":
             return {}
         refused = event.kind != "tune"
         if refused:
             self.notify(event.words)
-        change = self.found(event)
+        change = self.find_change(event)
         if change is not None:
             self.heard.append((change, InputError(event.words) if refused else None))
-        taken: dict[str, Any] = {} if refused else json.loads(event.note)
-        return taken
+        accepted: dict[str, Any] = {} if refused else json.loads(event.note)
+        return accepted
 
     def settle(self) -> None:
         """Answer the changes that have been heard of; by now their values are to be seen."""
@@ -90,7 +91,7 @@ class ParameterChanges:
         for change, refusal in heard:
             change.settle(refusal)
 
-    def found(self, event: Event) -> ParameterChange | None:
+    def find_change(self, event: Event) -> ParameterChange | None:
         """The change that an event answers, which waits no more; None for somebody else's."""
         with self.lock:
             for change in self.waiting:
@@ -99,7 +100,7 @@ class ParameterChanges:
                     return change
         return None
 
-    def give_up(self) -> None:
+    def refuse_late(self) -> None:
         """Refuse what has waited for too long."""
         now = self.clock()
         self.end("has no answer from the control loop", lambda change: change.due <= now)
@@ -200,29 +201,29 @@ class LoopConnection:
         """Whether this arming was asked to end because no browser is left."""
 
     @property
-    def armed(self) -> bool:
+    def is_armed(self) -> bool:
         """Whether the cars are armed, as far as is known."""
         return self.armed_by != "" or (self.status is not None and self.status.arm == "armed")
 
     def poll(self) -> list[Event]:
         """Ask for the newest status; the events that are new."""
         self.newest = self.operator.status()
-        known = len(self.operator.events)
-        events = self.operator.events[self.known : known]
-        self.known = known
+        event_count = len(self.operator.events)
+        events = self.operator.events[self.known : event_count]
+        self.known = event_count
         for event in events:
-            self.hear(event)
-        self.tuning.give_up()
+            self.note_event(event)
+        self.tuning.refuse_late()
         return events
 
-    def hear(self, event: Event) -> None:
+    def note_event(self, event: Event) -> None:
         """Note what an event changes, and put up its notice if it has one."""
         words = notice_of(event, self.armed_by)
         if words:
             self.notify(words)
-        taken = self.tuning.hear(event)
-        if taken:
-            self.values = self.values | taken
+        accepted = self.tuning.read_values(event)
+        if accepted:
+            self.values = self.values | accepted
         if event.kind == "arm" and not self.armed_by:
             self.armed_by, self.asked_to_hold = event.cause, False
         elif event.kind in ("disarm", "hold", "emergency", "reset"):
@@ -239,25 +240,25 @@ class LoopConnection:
         self.readings.note(status)
         self.past.append(status)
 
-    def deserted(self) -> None:
+    def hold_without_browsers(self) -> None:
         """No browser is left: hold the cars if it was a browser that armed them."""
         if self.armed_by.startswith(BROWSER) and not self.asked_to_hold:
             self.asked_to_hold = True
             self.operator.ask(OperatorRequest("hold", GONE))
 
     @property
-    def ended(self) -> str:
+    def end_reason(self) -> str:
         """Why the loop has ended, if it has."""
         if self.operator.trouble:
             return self.operator.trouble
         return "" if self.operator.alive else "the control loop has ended: the cars stop themselves"
 
     @property
-    def silence(self) -> str:
+    def describe_silence(self) -> str:
         """The trouble in words if no new status has come for too long; else empty."""
         if time.monotonic() - self.heard < SILENCE:
             return ""
-        return "the control loop does not answer: what is shown is old"
+        return "the control loop does not answer: the page shows old values"
 
 
 def notice_of(event: Event, armed_by: str = "") -> str:

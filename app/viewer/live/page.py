@@ -18,14 +18,14 @@ from app.viewer.live.panels.live_plots import LivePlots
 from app.viewer.live.panels.log_panel import LogPanel
 from app.viewer.live.panels.recording_panel import RecordingPanel, ReplayPanel
 from app.viewer.live.panels.room_monitors import BLOCKS, contents
-from app.viewer.live.panels.room_panel import CONTROLS, RoomPanel, usual
+from app.viewer.live.panels.room_panel import CONTROLS, RoomPanel, room_defaults
 from app.viewer.live.panels.rule_panel import RulePanel
 from app.viewer.live.panels.state_panel import StatePanel
 from app.viewer.live.room_frame import roster
 from app.viewer.live.session import Session
 from app.viewer.live.session_requests import DragHandle
 from app.viewer.panels.monitors import Monitors
-from app.viewer.panels.shell import add_hotkeys, dock, dress
+from app.viewer.panels.shell import add_hotkeys, dock, set_look
 from app.viewer.panels.view import ViewPanel
 from app.viewer.scene.drawing import PANELS, Drawing
 from app.viewer.scene.scene import Scene
@@ -110,7 +110,7 @@ class LivePage:
     def furnish(self, choices: Choices) -> None:
         """Build the panels."""
         gui, lab = self.server.gui, self.lab
-        dress(gui, f"flockscope · {lab.title}" if lab.title else "flockscope live")
+        set_look(gui, f"flockscope · {lab.title}" if lab.title else "flockscope live")
         self.state = StatePanel(self.server, self.session)
         self.time_line = ReplayPanel(gui, self.session)
         recorded = gui.add_html("", visible=False)
@@ -120,7 +120,7 @@ class LivePage:
         with tabs.add_tab("Room"):
             self.place = RoomPanel(gui, self.session, choices)
         with tabs.add_tab("View"):
-            self.view = ViewPanel(gui, usual(lab.rate), CONTROLS, self.point, "car")
+            self.view = ViewPanel(gui, room_defaults(lab.rate), CONTROLS, self.point, "car")
         with tabs.add_tab("Record"):
             self.recording = RecordingPanel(gui, self.session, recorded)
         with tabs.add_tab("Log"):
@@ -171,7 +171,7 @@ class LivePage:
 
     def latest(self) -> tuple[Frame | None, DrawingStyle]:
         """The newest frame, and how to draw it."""
-        return self.session.frame, self.view.look()
+        return self.session.frame, self.view.drawing_style()
 
     def refresh(self) -> None:
         """Refresh banner and panels, whether there is anything to draw or not."""

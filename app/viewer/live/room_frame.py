@@ -110,26 +110,33 @@ def frame_of(
 
 def roster(status: Status) -> tuple[str, ...]:
     """The names of all cars of a room, the real ones first."""
-    return (*(car.name for car in status.cars), *(one.name for one in status.companions))
+    return (
+        *(car.name for car in status.cars),
+        *(companion.name for companion in status.companions),
+    )
 
 
 def placed_cars(status: Status, past: Sequence[Status]) -> list[DrawnCar]:
     """The cars of a status that have a place: the real ones, then the simulated ones."""
-    statuses = [one for one in past if status.time - OVER - TOO_SHORT <= one.time < status.time]
+    statuses = [
+        earlier for earlier in past if status.time - OVER - TOO_SHORT <= earlier.time < status.time
+    ]
     real = [
         DrawnCar(
             row, car.name, car.state, car.age, car.pose.x, car.pose.y, car.pose.yaw,
-            pace([place(one, car.name) for one in (*statuses, status)]), car.sent[0],
+            pace([place(earlier, car.name) for earlier in (*statuses, status)]), car.sent[0],
         )
         for row, car in enumerate(status.cars)
         if car.pose is not None
     ]  # fmt: skip
     simulated = [
         DrawnCar(
-            FIRST_SIMULATED + k, one.name, SIMULATED, 0.0, one.pose.x, one.pose.y, one.pose.yaw,
-            pace([simulated_place(other, one.name) for other in (*statuses, status)]), one.steer,
+            FIRST_SIMULATED + k, companion.name, SIMULATED, 0.0,
+            companion.pose.x, companion.pose.y, companion.pose.yaw,
+            pace([simulated_place(other, companion.name) for other in (*statuses, status)]),
+            companion.steer,
         )
-        for k, one in enumerate(status.companions)
+        for k, companion in enumerate(status.companions)
     ]  # fmt: skip
     return real + simulated
 
@@ -148,9 +155,9 @@ def place(status: Status, name: str) -> Place | None:
 
 def simulated_place(status: Status, name: str) -> Place | None:
     """When and where a simulated car is, by a status; None if there is none of this name."""
-    for one in status.companions:
-        if one.name == name:
-            return status.time, one.pose.x, one.pose.y
+    for companion in status.companions:
+        if companion.name == name:
+            return status.time, companion.pose.x, companion.pose.y
     return None
 
 
@@ -160,14 +167,14 @@ def pace(places: Sequence[Place | None]) -> float:
     >>> pace([None, (10.0, 1.0, 1.0), (10.5, 1.0, 1.25)])
     0.5
     """
-    known = [one for one in places if one is not None]
-    if not known:
+    valid = [place for place in places if place is not None]
+    if not valid:
         return 0.0
-    (then, x, y), (now, at_x, at_y) = known[0], known[-1]
+    (then, x, y), (now, at_x, at_y) = valid[0], valid[-1]
     return math.hypot(at_x - x, at_y - y) / (now - then) if now - then >= TOO_SHORT else 0.0
 
 
-def deserted(frame: Frame) -> Frame:
+def frame_without_loop(frame: Frame) -> Frame:
     """The last frame of a loop that is gone: nobody knows where its cars are."""
     live = frame.live
     if live is not None:
@@ -222,7 +229,7 @@ class RoomReadings:
             car.name: car.pose
             for car in status.cars
             if car.pose is not None and car.tracking != "lost"
-        } | {one.name: one.pose for one in status.companions}
+        } | {companion.name: companion.pose for companion in status.companions}
         now = status.time - self.began
         self.loop.add(now, MS * status.period.median)
         self.worst.add(now, MS * status.period.worst)
@@ -250,7 +257,9 @@ def phase_lags(plan: Injection, injected: Pose, poses: dict[str, Pose]) -> dict[
         return {}
     sense = -1.0 if plan.speed < 0.0 else 1.0
     ahead = angle(plan, injected)
-    return {name: behind(sense * (ahead - angle(plan, pose))) for name, pose in poses.items()}
+    return {
+        name: wrapped_degrees(sense * (ahead - angle(plan, pose))) for name, pose in poses.items()
+    }
 
 
 def angle(plan: Injection, pose: Pose) -> float:
@@ -258,10 +267,10 @@ def angle(plan: Injection, pose: Pose) -> float:
     return math.atan2(pose.y - plan.centre[1], pose.x - plan.centre[0])
 
 
-def behind(turned: float) -> float:
+def wrapped_degrees(turned: float) -> float:
     """An angle (rad) in (-180, 180] deg.
 
-    >>> behind(-math.pi), behind(0.5 * math.pi)
+    >>> wrapped_degrees(-math.pi), wrapped_degrees(0.5 * math.pi)
     (180.0, 90.0)
     """
     degrees = math.degrees(math.remainder(turned, 2.0 * math.pi))

@@ -35,15 +35,15 @@ MOST = 200
 """Recordings that are listed, the newest by name."""
 
 
-def listed(shelf: Path | None) -> tuple[str, ...]:
+def recording_names(shelf: Path | None) -> tuple[str, ...]:
     """The names of finished recordings in a folder, the newest first."""
     if shelf is None:
         return ()
     try:
-        found = sorted((one.name for one in shelf.iterdir() if one.is_dir()), reverse=True)
+        names = sorted((path.name for path in shelf.iterdir() if path.is_dir()), reverse=True)
     except OSError:
         return ()
-    return tuple(name for name in found[: 5 * MOST] if is_finished(shelf / name))[:MOST]
+    return tuple(name for name in names[: 5 * MOST] if is_finished(shelf / name))[:MOST]
 
 
 def is_finished(folder: Path) -> bool:
@@ -55,9 +55,9 @@ def is_finished(folder: Path) -> bool:
         return False
 
 
-def on_shelf(shelf: Path | None, name: str) -> Path:
+def find_recording(shelf: Path | None, name: str) -> Path:
     """The recording of a name that is listed, and of no other. Raises InputError."""
-    names = listed(shelf)
+    names = recording_names(shelf)
     if shelf is None or name not in names:
         raise (
             unknown("recording", name[:80], names) if names else InputError("there is no recording")
@@ -173,16 +173,19 @@ class RecordingTables:
         self.tick, self.now, self.mode = ticks["tick"], ticks["now"], ticks["mode"]
         self.arm, self.latency = ticks["arm"], ticks["latency"]
         self.injected = np.column_stack([ticks[f"injected_{axis}"] for axis in ("x", "y", "yaw")])
-        self.poses = places(columns(part, "poses"), {one.body: n for n, one in lab.cars.items()})
-        told = columns(part, "commands")
+        self.poses = pose_rows(columns(part, "poses"), {car.body: n for n, car in lab.cars.items()})
+        commands = columns(part, "commands")
         self.sent = {
-            name: of(told, told["name"] == name, ("tick", "steer", "throttle")) for name in lab.cars
+            name: select_rows(commands, commands["name"] == name, ("tick", "steer", "throttle"))
+            for name in lab.cars
         }
         simulated: dict[str, Any] = {}
         if part.table("companions").exists():
             simulated = columns(part, "companions")
         self.companions = {
-            name: of(simulated, simulated["name"] == name, ("tick", "x", "y", "yaw", "steer"))
+            name: select_rows(
+                simulated, simulated["name"] == name, ("tick", "x", "y", "yaw", "steer")
+            )
             for name in dict.fromkeys(simulated.get("name", ()))
         }
 
@@ -191,7 +194,7 @@ class RecordingTables:
         row = max(0, int(np.searchsorted(self.tick, tick, side="right")) - 1)
         tick, now, mode = int(self.tick[row]), float(self.now[row]), int(self.mode[row])
         since = max(0, row - DURATIONS_KEPT)
-        arm: State = next((one for one in ARMS if one == self.arm[row]), "safe")
+        arm: State = next((state for state in ARMS if state == self.arm[row]), "safe")
         spent = (now - self.now[0]) * self.lab.rate
         return Status(
             tick,
@@ -212,43 +215,55 @@ class RecordingTables:
 
     def car(self, name: str, tick: int, now: float, mode: int) -> CarStatus:
         """One car at a tick: where it was last seen, and what it was told."""
-        seen, told = last(self.poses.get(name), tick), last(self.sent[name], tick)
-        here = None if seen is None else pose(seen[2:5])
-        age = math.inf if seen is None or here is None else max(0.0, now - float(seen[1]))
-        sent = STILL if told is None else (float(told[1]), float(told[2]))
-        return CarStatus(name, here, age, tracking(age, self.lab.limits.stale), mode == RUN, sent)
+        pose_row, command_row = (
+            last_row(self.poses.get(name), tick),
+            last_row(self.sent[name], tick),
+        )
+        car_pose = None if pose_row is None else pose(pose_row[2:5])
+        age = (
+            math.inf if pose_row is None or car_pose is None else max(0.0, now - float(pose_row[1]))
+        )
+        sent = STILL if command_row is None else (float(command_row[1]), float(command_row[2]))
+        return CarStatus(
+            name, car_pose, age, tracking(age, self.lab.limits.stale), mode == RUN, sent
+        )
 
     def simulated(self, tick: int) -> list[Companion]:
         """The simulated cars of a tick."""
-        found = ((name, last(rows, tick)) for name, rows in self.companions.items())
-        here = ((name, row, pose(row[1:4])) for name, row in found if row is not None)
+        rows = ((name, last_row(rows, tick)) for name, rows in self.companions.items())
+        placed = ((name, row, pose(row[1:4])) for name, row in rows if row is not None)
         return [
             Companion(name, at, float(row[4]))
-            for name, row, at in here
+            for name, row, at in placed
             if at is not None and int(row[0]) == tick
         ]
 
 
 def columns(part: RecordingPart, table: str) -> dict[str, np.ndarray]:
     """The columns of a table; what is missing is NaN, and words are objects."""
-    found = open_table(part.table(table)).read()
-    return {name: found[name].to_numpy() for name in found.column_names}
+    arrays = open_table(part.table(table)).read()
+    return {name: arrays[name].to_numpy() for name in arrays.column_names}
 
 
-def of(table: dict[str, np.ndarray], chosen: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+def select_rows(
+    table: dict[str, np.ndarray], chosen: np.ndarray, names: tuple[str, ...]
+) -> np.ndarray:
     """Chosen rows of some columns, (M, K), by tick; only those that are finite numbers."""
     rows = np.column_stack([table[name][chosen].astype(float) for name in names])
     return rows[np.isfinite(rows).all(axis=1)]
 
 
-def places(table: dict[str, np.ndarray], bodies: dict[str, str]) -> dict[str, np.ndarray]:
+def pose_rows(table: dict[str, np.ndarray], bodies: dict[str, str]) -> dict[str, np.ndarray]:
     """Where each car was seen: by its name rows of tick, received (s), x, y (m), yaw (rad)."""
     valid = table["valid"].astype(bool)
     names = ("tick", "received", "x", "y", "yaw")
-    return {car: of(table, valid & (table["name"] == body), names) for body, car in bodies.items()}
+    return {
+        car: select_rows(table, valid & (table["name"] == body), names)
+        for body, car in bodies.items()
+    }
 
 
-def last(rows: np.ndarray | None, tick: int) -> np.ndarray | None:
+def last_row(rows: np.ndarray | None, tick: int) -> np.ndarray | None:
     """The last row up to a tick; None if there is none."""
     if rows is None:
         return None

@@ -24,7 +24,7 @@ from app.live.operating.lab_choices import Choices, open_driven
 from app.live.operating.loop_process import Opener
 from app.live.operating.operator import Operator
 from app.viewer.live.loop_connection import LoopConnection, OperatorProtocol
-from app.viewer.live.room_frame import RoomReadings, Setting, deserted
+from app.viewer.live.room_frame import RoomReadings, Setting, frame_without_loop
 from app.viewer.live.room_replay import RoomReplay
 from app.viewer.live.session_requests import CLOSED, SessionRequests, new_folder
 from app.viewer.run.flock_run import describe_error
@@ -46,7 +46,7 @@ class ArmingCode:
     """A code made by chance at the start; it is shown in the terminal and nowhere else.
 
     >>> code = ArmingCode()
-    >>> code.tried(code.digits), code.tried("12"), code.left
+    >>> code.check(code.digits), code.check("12"), code.left
     ('right', 'no code', 5)
     """
 
@@ -54,22 +54,23 @@ class ArmingCode:
         self.digits = f"{secrets.randbelow(10**DIGITS):0{DIGITS}d}"
         self.left = TRIES
         """Wrong codes until it is off."""
+        # Without it browsers that guess at once would all be let in by the same last try.
         self.trying = threading.Lock()
 
     @property
-    def off(self) -> bool:
+    def is_off(self) -> bool:
         """Whether no code is taken any more, until the next start."""
         return self.left == 0
 
-    def tried(self, entered: str) -> Verdict:
+    def check(self, entered: str) -> Verdict:
         """What is to be said of an entered code; a wrong one is counted for good."""
-        given = entered.strip()
-        if not WRITTEN.fullmatch(given):
-            return "off" if self.off else "no code"
+        code = entered.strip()
+        if not WRITTEN.fullmatch(code):
+            return "off" if self.is_off else "no code"
         with self.trying:
-            if self.off:
+            if self.is_off:
                 return "off"
-            if hmac.compare_digest(given, self.digits):
+            if hmac.compare_digest(code, self.digits):
                 return "right"
             self.left -= 1
             return "wrong"
@@ -120,7 +121,8 @@ class Session(SessionRequests):
         self.code = ArmingCode()
         """What a browser needs to arm, for as long as this page is served."""
         self.parting = threading.Lock()
-        """Held while a loop is closed, never while one is opened."""
+        """Held while a loop is closed, never while one is opened, which takes seconds: `close` has
+        to stop the cars meanwhile."""
         self.traced = ""
         """The error whose traceback was printed last."""
         self.thread = threading.Thread(target=self.run, name="room", daemon=True)
@@ -144,14 +146,14 @@ class Session(SessionRequests):
 
     def arm_by_code(self, entered: str, cause: str) -> Verdict:
         """Arm for a browser, if it gives the code; every code that is tried becomes an event."""
-        verdict = self.code.tried(entered)
+        verdict = self.code.check(entered)
         if verdict == "right":
-            self.say("code", "the right code", cause)
+            self.add_event("code", "the right code", cause)
             self.ask("arm", cause)
         elif verdict == "wrong":
             left = f"{self.code.left} more and no browser arms" if self.code.left else OFF
-            self.say("code", f"a wrong code: {left}", cause)
-            if self.code.off:
+            self.add_event("code", f"a wrong code: {left}", cause)
+            if self.code.is_off:
                 self.notices.put(f"a wrong code to arm ({cause}): {left}")
                 self.change(browsers_arm=False)
         return verdict
@@ -175,10 +177,10 @@ class Session(SessionRequests):
     def open_next(self) -> None:
         """Close what is open, and open what was chosen last, if anything was."""
         with self.changing:
-            wanted, self.next = self.next, None
-        if wanted is None:
+            choice, self.next = self.next, None
+        if choice is None:
             return
-        choices, cause = wanted
+        choices, cause = choice
         with suppress(Exception):  # what is wrong with the loop that is left has become a notice
             self.poll()
         self.close_loop()
@@ -199,7 +201,7 @@ class Session(SessionRequests):
             compiling="",
             run=self.state.run + 1,
         )
-        self.say("room", f"opening {choices.source}, {choices.rule}", cause)
+        self.add_event("room", f"opening {choices.source}, {choices.rule}", cause)
         try:
             self.open(choices.lab, cause)
         except Exception as error:
@@ -210,24 +212,24 @@ class Session(SessionRequests):
         """Show a recording, with no loop open."""
         empty: dict[str, Any] = {"model": None, "values": {}, "recording": "", "compiling": ""}
         self.change(phase="opening", trouble="", run=self.state.run + 1, **empty)
-        self.say("room", f"closed, to show the recording {folder.name}", cause)
+        self.add_event("room", f"closed, to show the recording {folder.name}", cause)
         try:
-            shown = RoomReplay(folder, self.state.run)
+            replay = RoomReplay(folder, self.state.run)
         except Exception as error:
             self.trace(error)
             self.fail(describe_error(error))
             return
         while not self.moves.empty():  # what was meant for another one
             self.moves.get_nowait()
-        self.replaying = shown
+        self.replaying = replay
         self.change(phase="replay")
 
-    def replay(self, shown: RoomReplay) -> None:
+    def replay(self, replay: RoomReplay) -> None:
         """Play on the recording that is shown."""
         while not self.moves.empty():
-            self.moves.get_nowait()(shown)
-        self.status, self.frame = shown.play(time.monotonic())
-        self.readings = shown.readings
+            self.moves.get_nowait()(replay)
+        self.status, self.frame = replay.play(time.monotonic())
+        self.readings = replay.readings
 
     def open(self, lab: Lab, cause: str) -> None:
         """Open a laboratory, unless another is chosen or the session closed. Raises InputError."""
@@ -236,34 +238,34 @@ class Session(SessionRequests):
         setting = Setting.of(self.state.run, lab, driver.model)
         values = driver.parameters.model_dump()
         self.change(model=driver.model, values=values)
-        if self.overtaken:
+        if self.is_overtaken:
             return
         folder = None if self.folder is None else new_folder(self.folder, datetime.now())
         operator = self.make_operator(lab, self.opener, folder)
-        if self.overtaken:
+        if self.is_overtaken:
             operator.close()
             return
         self.take_over(LoopConnection(setting, operator, values, self.notices.put))
         self.change(phase="open", recording="" if folder is None else str(folder))
-        self.say("room", "open", cause)
+        self.add_event("room", "open", cause)
 
     def compiles(self, words: str) -> None:
         """Report that a rule is being compiled."""
         self.change(compiling=words)
-        self.say("compile", words)
+        self.add_event("compile", words)
 
     @property
-    def overtaken(self) -> bool:
+    def is_overtaken(self) -> bool:
         """Whether another choice has been made meanwhile, or the session is to close."""
         return self.closing.is_set() or self.next is not None
 
     def take_over(self, opening: LoopConnection) -> None:
         """Let everybody ask the loop, once it has been sent an emergency stop that is latched."""
-        given = self.latch
-        if given:
-            opening.operator.ask(OperatorRequest("emergency", given))
+        reason = self.latch
+        if reason:
+            opening.operator.ask(OperatorRequest("emergency", reason))
         self.opening = opening
-        if self.latch != given:  # another one, while nobody was there to hear it
+        if self.latch != reason:  # another one, while nobody was there to hear it
             opening.operator.ask(OperatorRequest("emergency", self.latch))
         if self.closing.is_set():
             self.close_loop()
@@ -288,13 +290,13 @@ class Session(SessionRequests):
                     opening.frame,
                     opening.readings,
                 )
-            silence = opening.silence
+            silence = opening.describe_silence
             if silence != self.state.trouble:
                 self.change(trouble=silence)
                 if silence:
                     self.notices.put(silence)
         finally:
-            if opening.ended:
+            if opening.end_reason:
                 self.lose(opening)
 
     def note(self, event: Event) -> None:
@@ -316,22 +318,22 @@ class Session(SessionRequests):
         if not closed:
             self.close_loop()
             self.forget()
-            self.fail(opening.ended)
+            self.fail(opening.end_reason)
 
     def forget(self) -> None:
         """Nothing is known any more of the loop that was open."""
         self.status = None
         self.readings = RoomReadings(self.lab.injected)
         if self.frame is not None:
-            self.frame = deserted(self.frame)
+            self.frame = frame_without_loop(self.frame)
 
     def fail(self, why: str) -> None:
         """Report why no loop is open."""
         self.change(phase="failed", trouble=why)
-        self.say("failed", why)
+        self.add_event("failed", why)
         self.notices.put(why)
 
-    def say(self, kind: str, words: str, cause: str = "") -> None:
+    def add_event(self, kind: str, words: str, cause: str = "") -> None:
         """Add an event of the session itself."""
         self.events.add(Event(0, time.monotonic(), kind, words, cause=cause))
 

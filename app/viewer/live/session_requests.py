@@ -25,7 +25,7 @@ from app.live.control.pose import TrackingArea
 from app.live.operating.flock_driver import NOT_SIMULATED
 from app.live.operating.lab_choices import Choices
 from app.viewer.live.loop_connection import LoopConnection
-from app.viewer.live.room_replay import RoomReplay, on_shelf
+from app.viewer.live.room_replay import RoomReplay, find_recording
 from app.viewer.run.flock_run import describe_error
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown.frame import Frame
@@ -91,25 +91,25 @@ def number(name: str, value: object) -> float:
             f"{name} = {shorten_value(value)} is not allowed: it must be a number ({PAGE})"
         )
     try:
-        found = float(value)
+        parsed = float(value)
     except OverflowError:
-        found = math.inf
-    if not math.isfinite(found):
-        raise InputError(f"{name} = {found} is not allowed: it must be finite ({PAGE})")
-    return found
+        parsed = math.inf
+    if not math.isfinite(parsed):
+        raise InputError(f"{name} = {parsed} is not allowed: it must be finite ({PAGE})")
+    return parsed
 
 
 def whole_number(name: str, value: object, most: int) -> int:
     """A whole number from 0 to `most`. Raises InputError."""
-    found = number(name, value)
-    if not found.is_integer() or not 0 <= found <= most:
-        raise InputError(f"{name} = {found:g} is outside 0 to {most}, whole numbers ({PAGE})")
-    return int(found)
+    parsed = number(name, value)
+    if not parsed.is_integer() or not 0 <= parsed <= most:
+        raise InputError(f"{name} = {parsed:g} is outside 0 to {most}, whole numbers ({PAGE})")
+    return int(parsed)
 
 
-def word(kind: str, value: object, known: Iterable[str]) -> str:
+def check_word(kind: str, value: object, allowed: Iterable[str]) -> str:
     """One of the words that are offered. Raises InputError."""
-    offered = list(known)
+    offered = list(allowed)
     if not isinstance(value, str) or value not in offered:
         raise unknown(kind, value[:LONGEST] if isinstance(value, str) else value, offered, PAGE)
     return value
@@ -117,16 +117,16 @@ def word(kind: str, value: object, known: Iterable[str]) -> str:
 
 def parameter_value(model: Model, values: Mapping[str, Any], name: object, value: object) -> Any:
     """The value that a parameter takes beside those that are set. Raises InputError."""
-    offered = [one for one in model.parameters.model_fields if one not in NOT_SIMULATED]
-    known = word("parameter", name, offered)
-    kind = describe(known, model.parameters.model_fields[known]).kind
+    offered = [field for field in model.parameters.model_fields if field not in NOT_SIMULATED]
+    known_name = check_word("parameter", name, offered)
+    kind = describe(known_name, model.parameters.model_fields[known_name]).kind
     if kind == "number":
-        value = number(known, value)
+        value = number(known_name, value)
     elif not isinstance(value, bool if kind == "switch" else str):
-        raise InputError(f"{known} = {shorten_value(value)} is not allowed ({PAGE})")
+        raise InputError(f"{known_name} = {shorten_value(value)} is not allowed ({PAGE})")
     elif isinstance(value, str):
         value = value[:LONGEST]
-    return getattr(checked(model.parameters, dict(values) | {known: value}, PAGE), known)
+    return getattr(checked(model.parameters, dict(values) | {known_name: value}, PAGE), known_name)
 
 
 # The handle by which the injected car is dragged, where it is in a person's hand.
@@ -158,7 +158,7 @@ class DragHandle:
             opacity=0.9,
             visible=False,
         )
-        self.handle.on_update(self.moved)
+        self.handle.on_update(self.handle_drag)
 
     def draw(self, frame: Frame) -> None:
         """Bring the handle to the injected car, unless somebody drags it."""
@@ -167,10 +167,10 @@ class DragHandle:
         if goal is None:
             self.handle.visible = False
         elif self.holder is None and time.monotonic() - self.released > SETTLE:
-            self.handle.position = self.stage.shown(goal)
+            self.handle.position = self.stage.to_display(goal)
             self.handle.visible = True
 
-    async def moved(self, event: TransformControlsEvent) -> None:
+    async def handle_drag(self, event: TransformControlsEvent) -> None:
         """On the event loop, so that start, updates and end arrive in order."""
         if event.phase == "start":
             self.holder = event.client_id
@@ -181,9 +181,9 @@ class DragHandle:
             x, y = self.stage.world(place)
             self.placed(*self.area.clamp(float(x), float(y)))
         if event.phase == "end":
-            self.let_go()
+            self.release()
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """The handle is free again."""
         self.holder, self.released = None, time.monotonic()
 
@@ -222,15 +222,15 @@ class SessionRequests:
 
     def ask(self, action: str, cause: str) -> None:
         """Arm, disarm or reset."""
-        with self.telling():
-            wanted = ASKED[word("request", action, ASKED)]
-            if wanted == "arm" and self.next is not None:
+        with self.notifying_errors():
+            request = ASKED[check_word("request", action, ASKED)]
+            if request == "arm" and self.next is not None:
                 raise InputError("cannot be armed: another room is about to be opened")
-            self.open_one().operator.ask(OperatorRequest(wanted, cause))
+            self.open_connection().operator.ask(OperatorRequest(request, cause))
 
     def emergency(self, cause: str) -> None:
         """Stop the cars now, and latched. While no loop is open the next begins so."""
-        with self.telling():
+        with self.notifying_errors():
             self.latch = cause or "the page"
             opening = self.opening
             if opening is not None:
@@ -239,13 +239,13 @@ class SessionRequests:
                 self.notices.put(f"EMERGENCY STOP ({cause}): the next room begins with it")
             self.change(latched=True)
 
-    def tune(self, name: str, value: Any, cause: str) -> Future:
+    def set_parameter(self, name: str, value: Any, cause: str) -> Future:
         """Give a parameter of the rule a new value; the answer is the one that the loop took."""
         answer: Future = Future()
         try:
-            opening = self.open_one()
-            taken = parameter_value(opening.setting.model, opening.values, name, value)
-            change = opening.tuning.begin(name, taken, cause)
+            opening = self.open_connection()
+            accepted = parameter_value(opening.setting.model, opening.values, name, value)
+            change = opening.tuning.begin(name, accepted, cause)
             opening.operator.ask(change.request)
             if self.opening is not opening:  # closed meanwhile: nobody would answer
                 opening.tuning.end(CLOSED)
@@ -255,15 +255,15 @@ class SessionRequests:
             return answer
         return change.answer
 
-    def accompany(self, count: int, cause: str) -> None:
+    def set_companions(self, count: int, cause: str) -> None:
         """Have so many simulated cars beside the real ones."""
-        with self.telling():
-            found = whole_number("simulated cars", count, self.lab.simulated.most)
-            self.open_one().operator.ask(OperatorRequest("accompany", cause, str(found)))
+        with self.notifying_errors():
+            car_count = whole_number("simulated cars", count, self.lab.simulated.most)
+            self.open_connection().operator.ask(OperatorRequest("accompany", cause, str(car_count)))
 
     def place(self, x: float, y: float) -> None:
         """Move the injected car of the hand, m; the loop keeps it within the fence."""
-        with self.telling():
+        with self.notifying_errors():
             at = number("x", x), number("y", y)
             opening = self.opening
             if opening is not None:
@@ -281,20 +281,20 @@ class SessionRequests:
         The names are those of `app.live.operating.lab_choices`. Not while the cars are
         armed. Of several choices at once only the last is opened.
         """
-        asked = {"source": source, "link": link, "rule": rule}
-        with self.telling():
+        names = {"source": source, "link": link, "rule": rule}
+        with self.notifying_errors():
             self.demand_unarmed("no other room is opened")
             with self.changing:
                 last = self.chosen
-            made = last.choosing(
+            choices = last.choosing(
                 **{
-                    kind: word(kind, name, last.offered[kind])
-                    for kind, name in asked.items()
+                    kind: check_word(kind, name, last.offered[kind])
+                    for kind, name in names.items()
                     if name is not None
                 }
             )
             with self.changing:
-                self.chosen, self.next = made, (made, cause)
+                self.chosen, self.next = choices, (choices, cause)
             self.woken.set()
 
     def reopen(self, cause: str) -> None:
@@ -303,8 +303,8 @@ class SessionRequests:
 
     def record(self, on: bool, cause: str) -> None:
         """Record what happens in the open room in a new folder of the shelf, or no more."""
-        with self.telling():
-            opening = self.open_one()
+        with self.notifying_errors():
+            opening = self.open_connection()
             if not on:
                 opening.operator.record(None, cause)
             elif self.shelf is None:
@@ -314,18 +314,18 @@ class SessionRequests:
 
     def play(self, name: str, cause: str) -> None:
         """Close the room and show a recording of the shelf. Not while the cars are armed."""
-        with self.telling():
+        with self.notifying_errors():
             self.demand_unarmed("no recording is shown")
-            folder = on_shelf(self.shelf, name)
+            folder = find_recording(self.shelf, name)
             with self.changing:
                 self.next = folder, cause
             self.woken.set()
 
     def seek(self, time: float) -> None:
         """Show a time of the recording, s."""
-        with self.telling():
+        with self.notifying_errors():
             at = number("time", time)
-            self.move(lambda shown: shown.seek(at))
+            self.move(lambda replay: replay.seek(at))
 
     def toggle_replay(self) -> None:
         """Pause the recording, or play it on."""
@@ -333,9 +333,9 @@ class SessionRequests:
 
     def replay_at(self, speed: float) -> None:
         """Play the recording so many times as fast as it was."""
-        with self.telling():
+        with self.notifying_errors():
             times = number("speed", speed)
-            self.move(lambda shown: setattr(shown, "speed", times))
+            self.move(lambda replay: setattr(replay, "speed", times))
 
     def move(self, what: Callable[[RoomReplay], None]) -> None:
         """Have something done with the recording that is shown, if one is."""
@@ -346,12 +346,12 @@ class SessionRequests:
         """Say how many browsers are open: armed by a browser, the cars stop when none is left."""
         opening = self.opening
         if count == 0 and opening is not None:
-            opening.deserted()
+            opening.hold_without_browsers()
 
     # Used by the requests above.
 
     @contextmanager
-    def telling(self) -> Iterator[None]:
+    def notifying_errors(self) -> Iterator[None]:
         """What is raised within becomes a notice."""
         try:
             yield
@@ -363,10 +363,10 @@ class SessionRequests:
         opening = self.opening
         if self.closing.is_set():
             raise InputError("the room is closed")
-        if opening is not None and opening.armed:
+        if opening is not None and opening.is_armed:
             raise InputError(f"{what} while the cars are armed: disarm them first")
 
-    def open_one(self) -> LoopConnection:
+    def open_connection(self) -> LoopConnection:
         """The open loop. Raises InputError if none is open."""
         opening = self.opening
         if opening is None:
@@ -385,4 +385,4 @@ def new_folder(folder: Path, now: datetime) -> Path:
     """A folder in `folder` that does not exist, named for the time: `2026-11-22-093015`."""
     name = now.strftime("%Y-%m-%d-%H%M%S")
     names = (name if number == 1 else f"{name}-{number}" for number in count(1))
-    return next(folder / one for one in names if not (folder / one).exists())
+    return next(folder / name for name in names if not (folder / name).exists())

@@ -29,24 +29,24 @@ def numbers(readings: FlockReadings, more: Mapping[str, Number]) -> dict[str, Nu
     """What is known of a flock now, by name; nan for what is not known. `more` is added to it."""
     flock, tick = readings.flock, readings.tick
     model, unit = flock.model, flock.model.body.unit
-    found = {"tick": Number(tick, "ticks")}
+    result = {"tick": Number(tick, "ticks")}
     if unit != "ticks":
-        found["time"] = Number(tick * flock.dt, unit)
-    found["agents"] = Number(len(flock.ids), "agents")
+        result["time"] = Number(tick * flock.dt, unit)
+    result["agents"] = Number(len(flock.ids), "agents")
     for name in OBSERVABLES:
         if name in readings.values:
-            found[observable_words(name)] = observed(name, readings.values[name], model)
-    found |= mission(readings, model.in_units("length")) | dict(more)
+            result[observable_words(name)] = number_of(name, readings.values[name], model)
+    result |= mission(readings, model.in_units("length")) | dict(more)
     for layer, count in enumerate(readings.layers.tolist(), start=1):
-        found[f"layer {layer}"] = Number(count, "agents")
+        result[f"layer {layer}"] = Number(count, "agents")
     if readings.unknown:
-        found["in no layer"] = Number(readings.unknown, "agents")
+        result["in no layer"] = Number(readings.unknown, "agents")
     for place, size in enumerate(readings.sizes[:GROUPS].tolist(), start=1):
-        found[f"group {place}"] = Number(size, "agents")
-    return found
+        result[f"group {place}"] = Number(size, "agents")
+    return result
 
 
-def observed(name: str, value: float, model: Model) -> Number:
+def number_of(name: str, value: float, model: Model) -> Number:
     """The value of an observable, with its unit as a model has it."""
     return Number(value, model.in_units(OBSERVABLES[name].unit))
 
@@ -59,25 +59,27 @@ def mission(readings: FlockReadings, length: str) -> dict[str, Number]:
         "least-clearance": ("closest to an obstacle so far", length),
         "inside": ("collisions", "agents"),
     }
-    known = readings.values
-    return {words: Number(known[key], unit) for key, (words, unit) in kinds.items() if key in known}
+    values = readings.values
+    return {
+        words: Number(values[key], unit) for key, (words, unit) in kinds.items() if key in values
+    }
 
 
 def rows(flocks: list[dict[str, Number]]) -> list[list[object]]:
     """A table of one flock or two: name, the value of each, unit; nan for what one lacks."""
     names = dict.fromkeys(name for flock in flocks for name in flock)
-    made: list[list[object]] = []
+    result: list[list[object]] = []
     for name in names:
-        known = [flock[name] for flock in flocks if name in flock]
-        units = dict.fromkeys(number.unit for number in known)
+        present = [flock[name] for flock in flocks if name in flock]
+        units = dict.fromkeys(number.unit for number in present)
         values = [flock[name].value if name in flock else math.nan for flock in flocks]
-        made.append([name, *values, " and ".join(units)])
-    return made
+        result.append([name, *values, " and ".join(units)])
+    return result
 
 
 # What formation saves in joules: a share of what an aircraft needs that flies alone.
 
-SAVES = tuple(name for name, one in OBSERVABLES.items() if one.saves_power)
+SAVES = tuple(name for name, observable in OBSERVABLES.items() if observable.saves_power)
 """The observables that say what share of their power, in percent, agents save."""
 STEP = 0.25
 """Speeds are rounded to it, m/s: a trim takes seconds."""
@@ -92,7 +94,7 @@ class EnergySavings:
         self.aside = BackgroundWorker()
         self.sought = 0.0
 
-    def alone(self, speed: float) -> float | None:
+    def energy_alone(self, speed: float) -> float | None:
         """J/m of an aircraft alone at about a speed (m/s); None until, or unless, it is known."""
         speed = round(speed / STEP) * STEP
         done = self.aside.finished()
@@ -100,25 +102,25 @@ class EnergySavings:
             self.known[self.sought] = done.result()
         if speed not in self.known and self.aside.idle:
             self.sought = speed
-            self.aside.begin(lambda: trimmed(speed))
+            self.aside.begin(lambda: energy_in_trim(speed))
         return self.known.get(speed)
 
-    def of(self, readings: FlockReadings) -> tuple[float, float] | None:
+    def savings(self, readings: FlockReadings) -> tuple[float, float] | None:
         """What a flock saves at the speed its body cruises at, and what one needs alone, J/m."""
         share = next((readings.values[name] for name in SAVES if name in readings.values), None)
         speed = getattr(readings.flock.parameters, "v0", None)
         if speed is None or share is None:
             return None
-        alone = self.alone(speed)
+        alone = self.energy_alone(speed)
         return None if alone is None else (0.01 * share * alone, alone)
 
-    def saved(self, readings: FlockReadings) -> str:
+    def describe(self, readings: FlockReadings) -> str:
         """The same in words."""
-        found = self.of(readings)
-        return "–" if found is None else f"{found[0]:.3f} of {found[1]:.2f}"
+        saving = self.savings(readings)
+        return "–" if saving is None else f"{saving[0]:.3f} of {saving[1]:.2f}"
 
 
-def trimmed(speed: float) -> float | None:
+def energy_in_trim(speed: float) -> float | None:
     """J/m in trim at a speed (m/s); None where the aircraft cannot fly level."""
     from agents.flight.trim import trim
 
@@ -158,14 +160,16 @@ class EarlierRuns:
         """Keep a run, if there is anything to be seen of it."""
         if not any(len(at) > 1 for at, _ in run.curves.values()):
             return
-        run, model = run.ended(), run.conditions.model
-        same = [one for one in self.of(model) if one.history != run.history][: KEPT - 1]
-        others = [one for one in self.kept if one.conditions.model is not model]
+        run, model = run.at_end(), run.conditions.model
+        same = [history for history in self.runs_of(model) if history.history != run.history][
+            : KEPT - 1
+        ]
+        others = [history for history in self.kept if history.conditions.model is not model]
         self.kept = [run, *same, *others][: KEPT * MODELS]
 
-    def of(self, model: Model) -> list[ObservableHistory]:
+    def runs_of(self, model: Model) -> list[ObservableHistory]:
         """The kept runs of a model, the latest first."""
-        return [one for one in self.kept if one.conditions.model is model]
+        return [history for history in self.kept if history.conditions.model is model]
 
     def clear(self) -> None:
         """Keep none of them any more."""

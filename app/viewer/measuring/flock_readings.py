@@ -24,7 +24,7 @@ from agents.observables.observable import SERIES
 from agents.snapshot import Snapshot
 from agents.state.agent_rows import Crashes
 from app.viewer.measuring.background_worker import BackgroundWorker, WorkThrottle
-from app.viewer.measuring.observable_format import COUNTED, QUICK, STEADY, offered
+from app.viewer.measuring.observable_format import COUNTED, QUICK, STEADY, offered_observables
 from app.viewer.measuring.run_conditions import ConditionHistory, RunConditions
 from app.viewer.measuring.time_series import TimeSeries, refuse_too_many_links
 from worlds.input_error import InputError
@@ -48,7 +48,7 @@ class MinimumDistances:
     """Least signed distance of each row to a surface so far, (N,), length; inf far from all."""
 
     @property
-    def wanted(self) -> bool:
+    def is_wanted(self) -> bool:
         """Whether the flock is watched: few agents, on a mission or among what is solid.
 
         Where agents crash there is no need: the crashes tell how close they came.
@@ -60,11 +60,11 @@ class MinimumDistances:
     @property
     def kernels(self) -> tuple[Any, ...]:
         """What is compiled to watch it."""
-        return (fill_nearest_pairs, fill_clearances) if self.wanted else ()
+        return (fill_nearest_pairs, fill_clearances) if self.is_wanted else ()
 
     def run(self, ticks: int) -> None:
         """Run the flock, and watch it if it is to be watched."""
-        if not self.wanted:
+        if not self.is_wanted:
             self.flock.advance(ticks)
             return
         self.watch(self.flock.position[None])
@@ -85,27 +85,27 @@ class MinimumDistances:
         """The least squared distance of two agents so far, and the least one to a surface."""
         return float(self.pairs.min(initial=np.inf)), float(self.clearance.min(initial=np.inf))
 
-    def take(self, least: tuple[float, float]) -> None:
+    def resume(self, least: tuple[float, float]) -> None:
         """Go on from what was the `least` at an earlier tick, whichever agents it was."""
         self.pairs[:], self.clearance[:] = np.inf, np.inf
         self.pairs[:1, 1:2], self.clearance[:1] = least
 
     def values(self) -> dict[str, float]:
         """What has been seen: least distances over the run, and who is inside something now."""
-        if not self.wanted:
+        if not self.is_wanted:
             return {}
         position = self.flock.position[None]
         self.watch(position)
-        found = {}
+        distances = {}
         if not self.flock.world.images.any():
-            found["least-gap"] = float(np.sqrt(self.pairs.min(initial=np.inf)))
+            distances["least-gap"] = float(np.sqrt(self.pairs.min(initial=np.inf)))
         if self.flock.world.is_solid:
             now = np.full(position.shape[1], np.inf)
             by_axis = np.ascontiguousarray(position.transpose(0, 2, 1))
             least_clearances(by_axis, self.flock.engine.surroundings, now)
-            found["least-clearance"] = float(self.clearance.min(initial=np.inf))
-            found["inside"] = float(np.count_nonzero(now < 0.0))
-        return found
+            distances["least-clearance"] = float(self.clearance.min(initial=np.inf))
+            distances["inside"] = float(np.count_nonzero(now < 0.0))
+        return distances
 
 
 NOBODY = np.zeros(0, int)
@@ -131,11 +131,11 @@ def measure(flock: Snapshot, names: Iterable[str]) -> BackgroundReading:
     """Measure observables, and what else follows from the graph of a flock."""
     values, refusal = {}, None
     for name in names:
-        one = OBSERVABLES[name]
+        observable = OBSERVABLES[name]
         try:
-            if one.needs_links:
+            if observable.needs_links:
                 refuse_too_many_links(flock)
-            values[name] = float(one.measure(flock))
+            values[name] = float(observable.measure(flock))
         except InputError as error:
             refusal = error
     try:
@@ -184,8 +184,8 @@ class FlockReadings:
 
     def __post_init__(self) -> None:
         self.extremes = MinimumDistances(self.flock)
-        self.offered = offered(self.flock)
-        self.conditions = ConditionHistory.begun(self.flock)
+        self.offered = offered_observables(self.flock)
+        self.conditions = ConditionHistory.begin(self.flock)
 
     def note_conditions(self, by_hand: bool = False) -> None:
         """Note the conditions of the flock as they are from its tick on.
@@ -194,7 +194,7 @@ class FlockReadings:
         """
         by_hand = by_hand or self.conditions.last.by_hand
         now = RunConditions.of(self.flock, by_hand)
-        self.conditions = self.conditions.noted(self.flock.tick, now)
+        self.conditions = self.conditions.with_change(self.flock.tick, now)
 
     def watch(self, names: frozenset[str]) -> None:
         """Change what is measured beside what always is."""
@@ -207,41 +207,41 @@ class FlockReadings:
         Raises InputError if the flock has too many neighbours to find its graph.
         """
         now = time.perf_counter()
-        if at_once or self.quick.due(now):
-            with self.quick.measured():
-                self.look()
+        if at_once or self.quick.is_due(now):
+            with self.quick.measure_duration():
+                self.read_cheap()
         if at_once:
             self.aside.forget()
-            self.take(self.study())
+            self.take_reading(self.costly_measurement())
         elif done := self.aside.finished():
-            self.take(done.result)
-        elif self.aside.idle and self.slow.due(now):
-            self.aside.begin(self.study())
+            self.take_reading(done.result)
+        elif self.aside.idle and self.slow.is_due(now):
+            self.aside.begin(self.costly_measurement())
 
-    def look(self) -> None:
+    def read_cheap(self) -> None:
         """Read what is cheap."""
         flock = self.flock
-        self.offered = offered(flock)
-        seen = {name: float(flock.observe(name)) for name in QUICK if name in self.offered}
-        self.note(flock.tick, seen)
+        self.offered = offered_observables(flock)
+        values = {name: float(flock.observe(name)) for name in QUICK if name in self.offered}
+        self.add_values(flock.tick, values)
         mission = flock.world.mission
         if mission is not None and mission.goal is not None:
-            seen["through"] = arrived(flock)
+            values["through"] = arrived_share(flock)
         if flock.can_crash:
             self.crashes = flock.crashes
         for name in COUNTED:
             count = OBSERVABLES[name].events
             if count is not None and name in self.offered:
                 self.events[name] = count(flock)
-                seen[name] = float(len(self.events[name]))
-        self.values = self.values | seen | self.extremes.values()
+                values[name] = float(len(self.events[name]))
+        self.values = self.values | values | self.extremes.values()
         self.tick = flock.tick
 
     def series(self, name: str) -> TimeSeries:
         """How an observable went; without points if it has not been measured."""
         return self.all_series.setdefault(name, TimeSeries())
 
-    def note(self, tick: int, values: dict[str, float]) -> None:
+    def add_values(self, tick: int, values: dict[str, float]) -> None:
         """Take values into their time series."""
         if not self.notes:
             return
@@ -258,22 +258,22 @@ class FlockReadings:
         self.conditions = self.conditions.cut(tick)
         self.note_conditions()
 
-    def study(self) -> Callable[[], BackgroundReading]:
+    def costly_measurement(self) -> Callable[[], BackgroundReading]:
         """A function that makes the costly measurements of the flock now, within a rate limit.
 
         It is done on a snapshot, so that the flock can go on meanwhile.
         """
         now = self.flock.snapshot().measurable()
-        wanted = (*STEADY, *sorted(self.watched.difference(STEADY, QUICK, COUNTED)))
-        names = [name for name in wanted if name in self.offered]
+        wanted_names = (*STEADY, *sorted(self.watched.difference(STEADY, QUICK, COUNTED)))
+        names = [name for name in wanted_names if name in self.offered]
 
         def work() -> BackgroundReading:
-            with self.slow.measured():
+            with self.slow.measure_duration():
                 return measure(now, names)
 
         return work
 
-    def take(self, found: Callable[[], BackgroundReading]) -> None:
+    def take_reading(self, get_reading: Callable[[], BackgroundReading]) -> None:
         """Take what was found; without it nothing old is shown."""
         lasting = (*QUICK, *COUNTED)
         self.values = {
@@ -282,12 +282,12 @@ class FlockReadings:
             if name in lasting or name not in self.offered
         }
         self.sizes, self.layers, self.unknown = NOBODY, NOBODY, 0
-        seen = found()
-        self.values = self.values | seen.values
-        self.sizes, self.layers, self.unknown = seen.sizes, seen.layers, seen.unknown
-        self.note(seen.tick, seen.values)
-        if seen.refusal is not None:
-            raise seen.refusal
+        reading = get_reading()
+        self.values = self.values | reading.values
+        self.sizes, self.layers, self.unknown = reading.sizes, reading.layers, reading.unknown
+        self.add_values(reading.tick, reading.values)
+        if reading.refusal is not None:
+            raise reading.refusal
 
     def over(self, name: str, last: float = math.inf) -> float:
         """An observable that is measured over a run, over its `last` ticks or all of it."""
@@ -299,7 +299,7 @@ class FlockReadings:
         return take(series, float(len(self.flock.ids) - crashed)) if len(series) > 1 else math.nan
 
 
-def arrived(flock: Flock) -> float:
+def arrived_share(flock: Flock) -> float:
     """Share of the agents that are no further from the goal than a flock around it needs."""
     goal = flock.goal_at([flock.tick])[0]
     spacing = float(getattr(flock.parameters, "d", flock.reach))

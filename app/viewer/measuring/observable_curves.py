@@ -31,9 +31,11 @@ def chart_title(names: tuple[str, ...]) -> str:
 
 def choices(offered: Collection[str]) -> dict[str, tuple[str, ...]]:
     """What can be plotted of a flock that has these observables: words -> names."""
-    pairs = [(one.beside, name) for name, one in OBSERVABLES.items() if one.beside]
+    pairs = [
+        (observable.beside, name) for name, observable in OBSERVABLES.items() if observable.beside
+    ]
     both = [names for names in pairs if all(name in offered for name in names)]
-    return {chart_title(names): names for names in (*both, *((one,) for one in offered), ())}
+    return {chart_title(names): names for names in (*both, *((name,) for name in offered), ())}
 
 
 def points(readings: FlockReadings, name: str, last: float = math.inf) -> Points:
@@ -59,7 +61,7 @@ def steps(ticks: np.ndarray, now: int, last: float = math.inf) -> Points:
     return corners, np.append(0, after)[np.searchsorted(at, corners, side="right")].astype(float)
 
 
-def together(curves: list[Points], each: list[float]) -> tuple[np.ndarray, ...]:
+def align_curves(curves: list[Points], each: list[float]) -> tuple[np.ndarray, ...]:
     """Curves at the ticks of all of them, straight in between: the ticks, then the values of each.
 
     `each` is how many ticks of the first flock last as long as one of a curve's own. A curve
@@ -73,16 +75,16 @@ def together(curves: list[Points], each: list[float]) -> tuple[np.ndarray, ...]:
     return at, *(np.interp(at, x, y) if len(x) else np.full(len(at), np.nan) for x, y in scaled)
 
 
-def over_earlier(
-    at: np.ndarray, now: Sequence[np.ndarray], earlier: Sequence[Points], whole: bool
+def overlay_curves(
+    at: np.ndarray, now: Sequence[np.ndarray], earlier: Sequence[Points], is_whole: bool
 ) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
     """Curves of now, at ticks `at` (K,), over earlier ones: the ticks of all, and both.
 
-    If `whole`, earlier ones go on to their ends, where those of now are nan; if not, all that is
+    If `is_whole`, earlier ones go on to their ends, where those of now are nan; if not, all that is
     earlier ends with them.
     """
-    seen = [x if whole else x[x <= at[-1]] for x, _ in earlier]
-    ticks = np.unique(np.concatenate([at, *seen]))
+    ticks_shown = [x if is_whole else x[x <= at[-1]] for x, _ in earlier]
+    ticks = np.unique(np.concatenate([at, *ticks_shown]))
 
     def on_all(x: np.ndarray, y: np.ndarray) -> np.ndarray:
         if not len(x):
@@ -92,13 +94,13 @@ def over_earlier(
     return ticks, [on_all(at, y) for y in now], [on_all(x, y) for x, y in earlier]
 
 
-def thinned(at: np.ndarray, most: int) -> np.ndarray:
+def thin_ticks(at: np.ndarray, most: int) -> np.ndarray:
     """Which of the ticks `at` (K,) are drawn if there may be so many, about: their places.
 
     They are the first in intervals that stay where they are while the curves grow or move on, so
     that nothing trembles; and the last, which is now.
 
-    >>> thinned(np.arange(10.0), 5)
+    >>> thin_ticks(np.arange(10.0), 5)
     array([0, 2, 4, 6, 8, 9])
     """
     if len(at) <= most:
@@ -125,26 +127,28 @@ class ObservableHistory:
     @classmethod
     def of(cls, readings: FlockReadings, names: Iterable[str] | None = None) -> ObservableHistory:
         """That of a run so far: of some observables, or of all that were measured."""
-        wanted = readings.offered if names is None else names
-        found = {name: recorded(readings, name) for name in wanted if name in OBSERVABLES}
-        known = {name: (at, values) for name, (at, values) in found.items() if len(at)}
-        return cls(readings.conditions, readings.tick, known)
+        wanted_names = readings.offered if names is None else names
+        series = {
+            name: recorded_points(readings, name) for name in wanted_names if name in OBSERVABLES
+        }
+        finite = {name: (at, values) for name, (at, values) in series.items() if len(at)}
+        return cls(readings.conditions, readings.tick, finite)
 
     @property
     def conditions(self) -> RunConditions:
         """Those with which it began."""
         return self.history.first
 
-    def ended(self) -> ObservableHistory:
+    def at_end(self) -> ObservableHistory:
         """The same of a run that does not go on."""
-        return replace(self, history=self.history.ended(self.tick))
+        return replace(self, history=self.history.at_end(self.tick))
 
     def points(self, name: str) -> Points:
         """How an observable went; no points if it was not measured."""
         return self.curves.get(name, (np.empty(0), np.empty(0)))
 
 
-def recorded(readings: FlockReadings, name: str) -> Points:
+def recorded_points(readings: FlockReadings, name: str) -> Points:
     """Every point that is kept of an observable; what is counted is exact to the tick."""
     if OBSERVABLES[name].events is None:
         return readings.series(name).recorded()

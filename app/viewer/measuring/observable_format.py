@@ -14,11 +14,15 @@ from worlds.world import World
 UNKNOWN = "–"
 NOTHING, LITTLE, MUCH = 1e-9, 1e-4, 1e7
 """Below the first a number is rounding, beyond the others it is written with its power of ten."""
-QUICK = tuple(name for name, one in OBSERVABLES.items() if one.quick)
+QUICK = tuple(name for name, observable in OBSERVABLES.items() if observable.quick)
 """Measured many times a second, whether shown or not."""
-COUNTED = tuple(name for name, one in OBSERVABLES.items() if one.events is not None)
+COUNTED = tuple(name for name, observable in OBSERVABLES.items() if observable.events is not None)
 """Known to the tick: not measured now and then, but counted."""
-STEADY = tuple(name for name, one in OBSERVABLES.items() if one.card is not None and not one.quick)
+STEADY = tuple(
+    name
+    for name, observable in OBSERVABLES.items()
+    if observable.card is not None and not observable.quick
+)
 """Measured a few times a second, whether shown or not."""
 
 
@@ -37,8 +41,8 @@ def unit(name: str) -> str:
     >>> unit("drag-saved"), unit("groups")
     ('%', '')
     """
-    found = OBSERVABLES[name].unit
-    return found if found in ("%", "length") else ""
+    text = OBSERVABLES[name].unit
+    return text if text in ("%", "length") else ""
 
 
 def scale(name: str) -> Range:
@@ -47,9 +51,9 @@ def scale(name: str) -> Range:
     >>> print(scale("polarisation"), scale("groups"))
     [0, 1] [0, N]
     """
-    found = OBSERVABLES[name].range
-    assert isinstance(found, Range)
-    return found
+    limits = OBSERVABLES[name].range
+    assert isinstance(limits, Range)
+    return limits
 
 
 def format_observable(name: str, value: float | None) -> str:
@@ -60,16 +64,16 @@ def format_observable(name: str, value: float | None) -> str:
     ('0.988', '12', '-3.5 %')
     """
     if value is None or not math.isfinite(value):
-        return few(math.nan if value is None else value)
+        return format_short(math.nan if value is None else value)
     if scale(name).is_share:
         return f"{value:.3f}"
-    return f"{value:.1f} %" if unit(name) == "%" else few(value)
+    return f"{value:.1f} %" if unit(name) == "%" else format_short(value)
 
 
-def few(value: float) -> str:
+def format_short(value: float) -> str:
     """A number in three figures or so; what only rounding has left of nothing is nothing.
 
-    >>> few(6.52e-14), few(0.01234), few(1234.5), few(216035.0), few(3.2e9), few(math.inf)
+    >>> tuple(map(format_short, (6.52e-14, 0.01234, 1234.5, 216035.0, 3.2e9, math.inf)))
     ('0', '0.0123', '1\u202f234', '216\u202f035', '3.2e+09', 'far')
     """
     if math.isnan(value):
@@ -80,10 +84,10 @@ def few(value: float) -> str:
         return "0"
     if not LITTLE <= abs(value) < MUCH:
         return f"{value:.2g}"
-    return spaced(round(value)) if abs(value) >= 100.0 else f"{value:.3g}"
+    return format_thousands(round(value)) if abs(value) >= 100.0 else f"{value:.3g}"
 
 
-def spaced(number: int) -> str:
+def format_thousands(number: int) -> str:
     """A number with its thousands apart."""
     return f"{number:,}".replace(",", "\N{NARROW NO-BREAK SPACE}")
 
@@ -95,32 +99,34 @@ def cards(
 
     Of what every flock has, those that are not known yet too.
     """
-    shown = {}
-    for name, one in OBSERVABLES.items():
-        card, value = one.card, values.get(name)
+    texts = {}
+    for name, observable in OBSERVABLES.items():
+        card, value = observable.card, values.get(name)
         if card is None or card.part != part:
             continue
         if model is not None and card.of is not None and not card.of(model):
             continue
-        if value is None and one.applies is not everywhere:
+        if value is None and observable.applies is not everywhere:
             continue
         label = card.label if isinstance(card.label, str) else card.label(world)
-        known = value is not None and math.isfinite(value) and card.form
-        shown[label] = (
-            f"{value:{card.form}}".replace("%", " %") if known else format_observable(name, value)
+        is_known = value is not None and math.isfinite(value) and card.form
+        texts[label] = (
+            f"{value:{card.form}}".replace("%", " %")
+            if is_known
+            else format_observable(name, value)
         )
-    return shown
+    return texts
 
 
-def offered(flock: Any) -> tuple[str, ...]:
+def offered_observables(flock: Any) -> tuple[str, ...]:
     """The observables that are one number at one tick and say something about a flock, in order."""
     return tuple(
         name
-        for name, one in OBSERVABLES.items()
-        if one.over is None and not one.is_table and one.applies(flock)
+        for name, observable in OBSERVABLES.items()
+        if observable.over is None and not observable.is_table and observable.applies(flock)
     )
 
 
-def over_a_run() -> tuple[str, ...]:
+def run_observables() -> tuple[str, ...]:
     """The observables that are measured over a run."""
-    return tuple(name for name, one in OBSERVABLES.items() if one.over is not None)
+    return tuple(name for name, observable in OBSERVABLES.items() if observable.over is not None)

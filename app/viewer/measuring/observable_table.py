@@ -20,9 +20,9 @@ TICKS = "ticks"
 
 def unit(name: str, models: Iterable[Model]) -> str:
     """The unit of an observable where these models have one and the same, else in general; "1"."""
-    found = OBSERVABLES[name].unit
-    own = {model.in_units(found) for model in models}
-    return own.pop() if len(own) == 1 else found
+    text = OBSERVABLES[name].unit
+    own = {model.in_units(text) for model in models}
+    return own.pop() if len(own) == 1 else text
 
 
 def observable_title(name: str, models: Iterable[Model]) -> str:
@@ -32,11 +32,11 @@ def observable_title(name: str, models: Iterable[Model]) -> str:
     >>> tuple(observable_title(name, ()) for name in names)
     ('polarisation', 'mean neighbours (agents)', 'groups')
     """
-    found = unit(name, models)
+    unit_text = unit(name, models)
     return (
         observable_words(name)
-        if found in ("1", observable_words(name))
-        else f"{observable_words(name)} ({found})"
+        if unit_text in ("1", observable_words(name))
+        else f"{observable_words(name)} ({unit_text})"
     )
 
 
@@ -54,16 +54,16 @@ def table(
     clocks = [unit for unit in units if unit != TICKS]
     header = ["run", "model", "seed", "tick", *(f"time ({unit})" for unit in clocks)]
     header += [observable_title(name, models) for name in names]
-    found = conditions_of([run for _, run in runs])
-    taken = set(header)
-    header += [f"parameter {name}" if name in taken else name for name in found]
+    conditions = conditions_of([run for _, run in runs])
+    used_names = set(header)
+    header += [f"parameter {name}" if name in used_names else name for name in conditions]
     rows: list[list[object]] = []
     for label, run in runs:
         of, ticks = run.conditions, ticks_of(run, names)
         none = np.full(len(ticks), np.nan)
         times = [ticks * of.dt if unit == of.unit else none for unit in clocks]
         columns = np.transpose([ticks, *times, *(values_at(run, name, ticks) for name in names)])
-        made_so = conditions_at(run, ticks, found)
+        made_so = conditions_at(run, ticks, conditions)
         rows += [
             [label, of.model.name, of.seed, *row, *more]
             for row, more in zip(columns.tolist(), made_so, strict=True)
@@ -73,9 +73,9 @@ def table(
 
 def conditions_of(runs: Iterable[ObservableHistory]) -> list[str]:
     """The names of all conditions of some runs, but for the seed; nobody moved by hand is none."""
-    steps = [(name, one) for run in runs for name, one in run.history.steps.items()]
+    steps = [(name, step) for run in runs for name, step in run.history.steps.items()]
     names = dict.fromkeys(name for name, _ in steps if name not in ("seed", BY_HAND))
-    by_hand = any(value for name, one in steps if name == BY_HAND for _, value in one)
+    by_hand = any(value for name, step in steps if name == BY_HAND for _, value in step)
     return [*names, BY_HAND] if by_hand else list(names)
 
 
@@ -87,15 +87,15 @@ def conditions_at(
     Worlds of one name that differ are numbered. What a run does not have is None.
     """
     worlds: list[World] = []
-    made = []
+    settings = []
     for stretch in run.history.stretches:
         values = stretch.conditions.values
         if stretch.conditions.world not in worlds:
             worlds.append(stretch.conditions.world)
         number = 1 + worlds.index(stretch.conditions.world)
         world = stretch.conditions.world.name + (f" #{number}" if number > 1 else "")
-        made.append([*(world if name == "world" else value_of(values, name) for name in names)])
-    return [made[place] for place in run.history.places(ticks)]
+        settings.append([*(world if name == "world" else value_of(values, name) for name in names)])
+    return [settings[place] for place in run.history.stretch_indices(ticks)]
 
 
 def value_of(values: Mapping[str, object], name: str) -> object:
@@ -107,8 +107,8 @@ def value_of(values: Mapping[str, object], name: str) -> object:
 
 def ticks_of(run: ObservableHistory, names: Iterable[str]) -> np.ndarray:
     """The ticks (K,) at which anything of it was measured or counted."""
-    found = [np.empty(0), *(run.points(name)[0] for name in names)]
-    ticks = np.unique(np.concatenate(found))
+    tick_arrays = [np.empty(0), *(run.points(name)[0] for name in names)]
+    ticks = np.unique(np.concatenate(tick_arrays))
     return ticks[ticks == np.round(ticks)]  # Without those just before a step.
 
 

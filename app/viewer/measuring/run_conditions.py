@@ -13,7 +13,7 @@ from agents.flock import Flock
 from agents.flock_world import complete_spec
 from agents.models.model import Model
 from agents.spec import Spec
-from app.viewer.measuring.observable_format import few
+from app.viewer.measuring.observable_format import format_short
 from worlds.world import World
 
 TOLD = 3
@@ -65,10 +65,10 @@ class RunConditions:
     @property
     def values(self) -> dict[str, Any]:
         """Everything by its name; options and parameters share no names."""
-        whole = {"seed": self.seed, "world": self.world, "agents": self.agents}
-        return {**whole, **self.options, **self.parameters, BY_HAND: self.by_hand}
+        values = {"seed": self.seed, "world": self.world, "agents": self.agents}
+        return {**values, **self.options, **self.parameters, BY_HAND: self.by_hand}
 
-    def joined(self, later: RunConditions) -> RunConditions:
+    def join(self, later: RunConditions) -> RunConditions:
         """Those of a stretch that had these first and then others: what differs is SEVERAL."""
         parameters = {
             name: value if self.parameters.get(name) == value else SEVERAL
@@ -96,7 +96,7 @@ class ConditionHistory:
     stretches: tuple[Stretch, ...]
 
     @classmethod
-    def begun(cls, flock: Flock) -> ConditionHistory:
+    def begin(cls, flock: Flock) -> ConditionHistory:
         """That of a flock which begins now."""
         return cls((Stretch(flock.tick, RunConditions.of(flock)),))
 
@@ -113,11 +113,11 @@ class ConditionHistory:
     @property
     def marks(self) -> np.ndarray:
         """The ticks (K,) at which something was changed."""
-        return np.array([one.begin for one in self.stretches[1:]], float)
+        return np.array([stretch.begin for stretch in self.stretches[1:]], float)
 
-    def noted(self, tick: int, conditions: RunConditions) -> ConditionHistory:
+    def with_change(self, tick: int, conditions: RunConditions) -> ConditionHistory:
         """The same run, whose conditions are these from a tick on, the latest so far."""
-        before = [one for one in self.stretches if one.begin < tick]
+        before = [stretch for stretch in self.stretches if stretch.begin < tick]
         if before and before[-1].conditions == conditions:
             return ConditionHistory(tuple(before))
         begin = tick if before else self.stretches[0].begin
@@ -126,68 +126,68 @@ class ConditionHistory:
     def cut(self, tick: int) -> ConditionHistory:
         """The run until a tick: without what was changed after it."""
         first, *others = self.stretches
-        return ConditionHistory((first, *(one for one in others if one.begin <= tick)))
+        return ConditionHistory((first, *(stretch for stretch in others if stretch.begin <= tick)))
 
-    def ended(self, tick: int) -> ConditionHistory:
+    def at_end(self, tick: int) -> ConditionHistory:
         """That of a run whose last tick it is: nothing was made of what was changed then."""
         return self.cut(tick - 1)
 
-    def places(self, ticks: np.ndarray) -> np.ndarray:
+    def stretch_indices(self, ticks: np.ndarray) -> np.ndarray:
         """In which stretch each of some ticks (K,) was made: their places."""
-        begins = [one.begin for one in self.stretches]
+        begins = [stretch.begin for stretch in self.stretches]
         return np.maximum(np.searchsorted(begins, ticks, side="left") - 1, 0)
 
     @cached_property
     def steps(self) -> dict[str, Steps]:
         """The values that everything had, by its name; None for an option at its default."""
-        found = [(one.begin, one.conditions.values) for one in self.stretches]
-        names = dict.fromkeys(name for _, values in found for name in values)
-        made: dict[str, Steps] = {}
+        starts = [(stretch.begin, stretch.conditions.values) for stretch in self.stretches]
+        names = dict.fromkeys(name for _, values in starts for name in values)
+        values_by_name: dict[str, Steps] = {}
         for name in names:
-            steps = [(found[0][0], found[0][1].get(name))]
-            for begin, values in found[1:]:
+            steps = [(starts[0][0], starts[0][1].get(name))]
+            for begin, values in starts[1:]:
                 if values.get(name) != steps[-1][1]:
                     steps.append((begin, values.get(name)))
-            made[name] = tuple(steps)
-        return made
+            values_by_name[name] = tuple(steps)
+        return values_by_name
 
     def differences(self, other: ConditionHistory) -> str:
         """What is or was other here than in another run, in few words; nothing if nothing was."""
-        mine, theirs = self.steps, other.steps
+        mine, other_steps = self.steps, other.steps
         begin = self.stretches[0].begin
-        told = [f"from {self.moment(begin)} on"] if begin != other.stretches[0].begin else []
-        for name in dict.fromkeys([*mine, *theirs]):
+        lines = [f"from {self.format_tick(begin)} on"] if begin != other.stretches[0].begin else []
+        for name in dict.fromkeys([*mine, *other_steps]):
             steps = mine.get(name, ((begin, None),))
-            beside = theirs.get(name, ((begin, None),))
-            if relative(steps, self) != relative(beside, other):
-                told.append(self.described(name, steps, beside))
-        return ", ".join([*told[:TOLD], *["…"] * (len(told) > TOLD)])
+            other_values = other_steps.get(name, ((begin, None),))
+            if relative_steps(steps, self) != relative_steps(other_values, other):
+                lines.append(self.describe(name, steps, other_values))
+        return ", ".join([*lines[:TOLD], *["…"] * (len(lines) > TOLD)])
 
     def changes(self) -> list[str]:
         """What was changed in this run, and when, in few words each."""
-        return [self.described(name, one) for name, one in self.steps.items() if len(one) > 1]
+        return [self.describe(name, step) for name, step in self.steps.items() if len(step) > 1]
 
     def departures(self) -> list[str]:
         """All that is not as the model has it by default, and all that was changed."""
         model = self.first.model
         usual = model.parameters().model_dump() | complete_spec(Spec(model.name), model).chosen
-        known = self.first.options.keys() | usual.keys()
+        names = self.first.options.keys() | usual.keys()
         return [
-            self.described(name, steps)
+            self.describe(name, steps)
             for name, steps in self.steps.items()
             if len(steps) > 1
-            or (name in known and steps[0][1] != usual.get(name))
+            or (name in names and steps[0][1] != usual.get(name))
             or (name == BY_HAND and steps[0][1])
         ]
 
-    def described(self, name: str, steps: Steps, beside: Steps = ()) -> str:
-        """The values of one thing in few words; those of another run `beside` are told apart."""
+    def describe(self, name: str, steps: Steps, other_steps: Steps = ()) -> str:
+        """The values of one thing in few words, and where another run has other ones."""
         ((_, first), *others), last = steps, steps[-1][1]
-        when = "" if not others else f" at {self.moment(others[0][0])}"
+        when = "" if not others else f" at {self.format_tick(others[0][0])}"
         if len(others) > 1:
-            when = f" from {self.moment(others[0][0])} to {self.moment(others[-1][0])}"
+            when = f" from {self.format_tick(others[0][0])} to {self.format_tick(others[-1][0])}"
         if name == "world":
-            return world_described(first, last, when, beside)
+            return describe_world(first, last, when, other_steps)
         if name == BY_HAND:
             return f"agents {BY_HAND}{when}" if last else f"no agents {BY_HAND}"
         if name == "agents" and not others:
@@ -196,13 +196,13 @@ class ConditionHistory:
         later = f"{between} → {format_setting(last)}" if others else ""
         return f"{name} {format_setting(first)}{later}{when}"
 
-    def moment(self, tick: int) -> str:
+    def format_tick(self, tick: int) -> str:
         """A tick in the words of the run's clock."""
         of = self.first
-        return f"tick {tick}" if of.unit == "ticks" else f"{few(tick * of.dt)} {of.unit}"
+        return f"tick {tick}" if of.unit == "ticks" else f"{format_short(tick * of.dt)} {of.unit}"
 
 
-def relative(steps: Steps, of: ConditionHistory) -> Steps:
+def relative_steps(steps: Steps, of: ConditionHistory) -> Steps:
     """The same with ticks counted from the beginning of the run."""
     return tuple((tick - of.stretches[0].begin, value) for tick, value in steps)
 
@@ -210,19 +210,19 @@ def relative(steps: Steps, of: ConditionHistory) -> Steps:
 def few_stretches(stretches: list[Stretch]) -> list[Stretch]:
     """The same, at most so many: of too many, the two that are the shortest together are one."""
     if len(stretches) > MOST:
-        begins = np.array([one.begin for one in stretches])
+        begins = np.array([stretch.begin for stretch in stretches])
         place = int(np.argmin(begins[2:] - begins[:-2]))
         first, second = stretches[place : place + 2]
-        one = Stretch(first.begin, first.conditions.joined(second.conditions))
-        stretches[place : place + 2] = [one]
+        joined = Stretch(first.begin, first.conditions.join(second.conditions))
+        stretches[place : place + 2] = [joined]
     return stretches
 
 
-def world_described(first: World, last: World, when: str, beside: Steps) -> str:
+def describe_world(first: World, last: World, when: str, other_steps: Steps) -> str:
     """The world of a run in few words."""
     if when:
         return f"{first.name} changed{when}" if first.name == last.name else f"world changed{when}"
-    same = bool(beside) and any(world.name == first.name for _, world in beside)
+    same = bool(other_steps) and any(world.name == first.name for _, world in other_steps)
     return f"{first.name} as it was" if same else f"world {first.name}"
 
 
@@ -236,4 +236,4 @@ def format_setting(value: Any) -> str:
         return "as usual"
     if isinstance(value, bool):
         return "on" if value else "off"
-    return few(float(value)) if isinstance(value, int | float) else str(value)
+    return format_short(float(value)) if isinstance(value, int | float) else str(value)

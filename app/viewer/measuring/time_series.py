@@ -50,25 +50,27 @@ class TimeSeries:
             if again:
                 self.latest.pop()
             self.latest.append((float(time), float(value)))
-            self.thin(self.latest[-1])
+            self.add_if_due(self.latest[-1])
 
-    def thin(self, point: tuple[float, float]) -> None:
+    def add_if_due(self, point: tuple[float, float]) -> None:
         """Take a point into the whole run, if it is due."""
-        whole = self.whole
-        if whole and point[0] - whole[-1][0] < self.apart:
-            if point[0] != whole[-1][0]:
+        points = self.whole
+        if points and point[0] - points[-1][0] < self.apart:
+            if point[0] != points[-1][0]:
                 return
-            whole.pop()
-        whole.append(point)
-        if len(whole) > POINTS:
-            self.whole = whole[::2]
+            points.pop()
+        points.append(point)
+        if len(points) > POINTS:
+            self.whole = points[::2]
             self.apart = max(2 * self.apart, int(self.whole[-1][0]) // POINTS)
 
     def cut(self, time: float) -> None:
         """Forget what was after a time."""
         with self.lock:
             self.whole = [point for point in self.whole if point[0] <= time]
-            self.latest = deque((one for one in self.latest if one[0] <= time), maxlen=POINTS)
+            self.latest = deque(
+                (sample for sample in self.latest if sample[0] <= time), maxlen=POINTS
+            )
 
     @property
     def newest(self) -> float:
@@ -83,11 +85,11 @@ class TimeSeries:
     def arrays(self, last: float = math.inf) -> tuple[np.ndarray, np.ndarray]:
         """Times and values of the whole run, or of the `last` of its time."""
         with self.lock:
-            whole, latest = list(self.whole), list(self.latest)
+            older, latest = list(self.whole), list(self.latest)
         if math.isinf(last) or not latest:
-            return columns(whole)
+            return columns(older)
         since = latest[-1][0] - last
-        before = (point for point in whole if since <= point[0] < latest[0][0])
+        before = (point for point in older if since <= point[0] < latest[0][0])
         return columns([*before, *(point for point in latest if point[0] >= since)])
 
 
@@ -144,12 +146,12 @@ def refuse_too_many_links(flock: FlockPositions) -> None:
     position, world = flock.position, flock.world
     if 0.5 * len(position) ** 2 <= MOST_TO_LIST:
         return
-    seen = 0
+    links = 0
     chosen = np.linspace(0, len(position) - 1, SAMPLE).astype(int)
     size, images = np.array(world.size), np.array(world.images, bool)
     for row in chosen:
         apart = position - position[row]
         apart -= np.where(images, size * np.round(apart / size), 0.0)
-        seen += int(np.count_nonzero((apart**2).sum(axis=1) <= flock.reach**2)) - 1
-    if 0.5 * len(position) * seen / len(chosen) > MOST_TO_LIST:
+        links += int(np.count_nonzero((apart**2).sum(axis=1) <= flock.reach**2)) - 1
+    if 0.5 * len(position) * links / len(chosen) > MOST_TO_LIST:
         raise InputError("too many neighbours to show links, groups, layers and their number")

@@ -13,7 +13,7 @@ import viser
 from viser import uplot
 
 from app.figure import UNDATED
-from app.viewer.measuring.observable_curves import thinned
+from app.viewer.measuring.observable_curves import thin_ticks
 from app.viewer.panels.sending import Sender
 from app.viewer.panels.shell import Sheets, block
 from worlds.file_writer import csv_text
@@ -88,13 +88,13 @@ def file_stem(name: str) -> str:
 
 def plot_csv(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     """A table as CSV; numbers in full, nothing for nan."""
-    return csv_text(header, ([plain(cell) for cell in row] for row in rows))
+    return csv_text(header, ([plain_cell(cell) for cell in row] for row in rows))
 
 
-def plain(cell: Any) -> Any:
+def plain_cell(cell: Any) -> Any:
     """A cell of a table: whole numbers without a point, nothing for nan.
 
-    >>> plain(np.float64(3.0)), plain(0.1), plain(np.nan), plain("x")
+    >>> plain_cell(np.float64(3.0)), plain_cell(0.1), plain_cell(np.nan), plain_cell("x")
     (3, 0.1, '', 'x')
     """
     if not isinstance(cell, float):
@@ -219,51 +219,53 @@ class Chart:
             visible=False,
         )
 
-    def show(self, shown: ChartContents) -> None:
+    def show(self, contents: ChartContents) -> None:
         """Draw curves below the HTML of a head; each only if there is any."""
-        if shown.head:
-            self.head.content = block(shown.head)
-        if shown.curves:
-            self.draw(shown)
-        self.head.visible, self.plot.visible = bool(shown.head), bool(shown.curves)
+        if contents.head:
+            self.head.content = block(contents.head)
+        if contents.curves:
+            self.draw(contents)
+        self.head.visible, self.plot.visible = bool(contents.head), bool(contents.curves)
 
-    def draw(self, shown: ChartContents) -> None:
+    def draw(self, contents: ChartContents) -> None:
         """Tell browsers what has changed of the curves; there are some.
 
         Whatever is not only new data has a browser make the chart anew. viser's client then takes
         the share of the times that it shows from the old chart and the new data, and is wrong if
         those have other ends: so the new ones only come with the next call.
         """
-        columns = self.columns(shown)
-        scales = {"x": X, "y": shown.y}
-        pens = (shown.titles[0], *(curve.pen for curve in shown.curves))
-        anew = (scales, shown.titles, pens) != (self.scales, self.titles, self.pens)
+        columns = self.columns(contents)
+        scales = {"x": X, "y": contents.y}
+        pens = (contents.titles[0], *(curve.pen for curve in contents.curves))
+        anew = (scales, contents.titles, pens) != (self.scales, self.titles, self.pens)
         if anew and self.plot.visible:
-            columns = self.between(columns, others=pens != self.pens)
-        if not same(columns, self.plot.data):
+            columns = self.initial_columns(columns, others=pens != self.pens)
+        if not are_equal(columns, self.plot.data):
             self.plot.data = columns
         if scales != self.scales:
             self.scales = self.plot.scales = scales
-        if shown.titles != self.titles:
-            self.titles = shown.titles
-            self.plot.axes = axes(*shown.titles)
+        if contents.titles != self.titles:
+            self.titles = contents.titles
+            self.plot.axes = axes(*contents.titles)
         if pens != self.pens:
             self.pens = pens
-            made = (series(*curve.pen) for curve in shown.curves)
-            self.plot.series = (uplot.Series(label=shown.titles[0]), *made)
+            styles = (series(*curve.pen) for curve in contents.curves)
+            self.plot.series = (uplot.Series(label=contents.titles[0]), *styles)
 
-    def columns(self, shown: ChartContents) -> tuple[np.ndarray, ...]:
+    def columns(self, contents: ChartContents) -> tuple[np.ndarray, ...]:
         """The times and the curves as they are drawn: over some time, be it ever so short."""
-        drawn = self.drawn(shown)
-        columns = (shown.at[drawn], *(curve.values[drawn] for curve in shown.curves))
+        indices = self.drawn_indices(contents)
+        columns = (contents.at[indices], *(curve.values[indices] for curve in contents.curves))
         if columns[0][0] < columns[0][-1]:
             return columns
         return (
             columns[0][:1] + np.array([0.0, 1.0]),
-            *(np.append(one[:1], np.nan) for one in columns[1:]),
+            *(np.append(column[:1], np.nan) for column in columns[1:]),
         )
 
-    def between(self, columns: tuple[np.ndarray, ...], others: bool) -> tuple[np.ndarray, ...]:
+    def initial_columns(
+        self, columns: tuple[np.ndarray, ...], others: bool
+    ) -> tuple[np.ndarray, ...]:
         """What a chart that is made anew begins with: its curves, if their ends are the same.
 
         If not, the curves as they were, or none if they are `others`.
@@ -276,16 +278,16 @@ class Chart:
             return before
         return (ends, *(np.full(2, np.nan) for _ in columns[1:]))
 
-    def drawn(self, shown: ChartContents) -> np.ndarray:
+    def drawn_indices(self, contents: ChartContents) -> np.ndarray:
         """Which of the points are drawn: few enough, always every dot and the last of a curve."""
-        known = (
+        finite = (
             np.flatnonzero(np.isfinite(curve.values))[0 if curve.dots else -1 :]
-            for curve in shown.curves
+            for curve in contents.curves
         )
-        return np.unique(np.concatenate([thinned(shown.at, self.points), *known]))
+        return np.unique(np.concatenate([thin_ticks(contents.at, self.points), *finite]))
 
 
-def same(columns: Sequence[np.ndarray], others: Sequence[np.ndarray]) -> bool:
+def are_equal(columns: Sequence[np.ndarray], others: Sequence[np.ndarray]) -> bool:
     """Whether all of some columns are those of others."""
     return len(columns) == len(others) and all(
         np.array_equal(a, b, equal_nan=True) for a, b in zip(columns, others, strict=True)
@@ -345,28 +347,30 @@ class Plot:
             hint="Large: over the page, also by a click on the plot. CSV: every value that is "
             "kept, with its unit. PNG, SVG: a figure to print",
         )
-        self.buttons.on_click(self.pressed)
+        self.buttons.on_click(self.send_download)
         self.sheets = Sheets(server, self.large)
 
-    def show(self, shown: ChartContents, head: str = "") -> None:
+    def show(self, contents: ChartContents, head: str = "") -> None:
         """Draw curves; where they are shown large, below another head."""
-        self.shown, self.shown_large = shown, shown._replace(head=head or shown.head)
-        self.chart.show(shown)
-        self.buttons.visible = bool(shown.curves)
-        self.sheets.each(lambda chart: chart.show(self.shown_large))
+        self.shown, self.shown_large = contents, contents._replace(head=head or contents.head)
+        self.chart.show(contents)
+        self.buttons.visible = bool(contents.curves)
+        self.sheets.update_each(lambda chart: chart.show(self.shown_large))
 
     def large(self, gui: viser.GuiApi) -> Chart:
         """What is in a window that shows it large."""
         chart = Chart(gui, LARGE_HEIGHT, LARGE_POINTS)
         chart.show(self.shown_large)
-        gui.add_button_group(self.label, KINDS).on_click(self.pressed)
+        gui.add_button_group(self.label, KINDS).on_click(self.send_download)
         return chart
 
-    async def pressed(self, event: viser.GuiEvent) -> None:
-        client, wanted = event.client, event.target.value
+    async def send_download(self, event: viser.GuiEvent) -> None:
+        client, file_kind = event.client, event.target.value
         if client is None:
             return
-        if wanted == LARGE:
+        if file_kind == LARGE:
             self.sheets.show(client, self.title)
-        elif wanted in KINDS and (plotted := self.take()) is not None:
-            await self.sender.send(client, plotted.file(wanted), lambda: plotted.content(wanted))
+        elif file_kind in KINDS and (plotted := self.take()) is not None:
+            await self.sender.send(
+                client, plotted.file(file_kind), lambda: plotted.content(file_kind)
+            )

@@ -39,23 +39,23 @@ RAISED = str.maketrans("0123456789*", "⁰¹²³⁴⁵⁶⁷⁸⁹*")
 SMALL = {"_": LOWERED, "^": RAISED}
 
 
-def plain(symbol: str) -> str:
+def plain_symbol(symbol: str) -> str:
     r"""A LaTeX symbol as text; what Unicode has no small figures for keeps its `_` or `^`.
 
-    >>> plain(r"v_{max}"), plain(r"\\eta"), plain(r"k_{IU}"), plain(r"w^{nei}"), plain(r"v^0")
+    >>> tuple(map(plain_symbol, (r"v_{max}", r"\\eta", r"k_{IU}", r"w^{nei}", r"v^0")))
     ('vₘₐₓ', 'η', 'k_IU', 'w^nei', 'v⁰')
     """
     text = re.sub(r"\\(?:mathrm|text|operatorname|mathcal)\b", "", symbol)
-    text = re.sub(r"\\+([A-Za-z]+)", lambda found: GREEK.get(found[1], found[1]), text)
-    text = re.sub(r"([_^])(\{[^{}]*\}|.)", small, text)
+    text = re.sub(r"\\+([A-Za-z]+)", lambda match: GREEK.get(match[1], match[1]), text)
+    text = re.sub(r"([_^])(\{[^{}]*\}|.)", small_figures, text)
     return " ".join(re.sub(r"[{}\\]+", "", text).split())
 
 
-def small(found: re.Match[str]) -> str:
+def small_figures(match: re.Match[str]) -> str:
     """A subscript or superscript in small figures, where Unicode has them all."""
-    sign, written = found[1], found[2].strip("{}")
+    sign, written = match[1], match[2].strip("{}")
     figures = SMALL[sign]
-    has_all = all(ord(one) in figures for one in written)
+    has_all = all(ord(part) in figures for part in written)
     return written.translate(figures) if has_all else f"{sign}{written}"
 
 
@@ -80,9 +80,9 @@ def in_mathtext(latex: str) -> str:
     return re.sub(r"\\begin\{cases\}(.*?)\\end\{cases\}", cases_in_a_row, latex, flags=re.S)
 
 
-def cases_in_a_row(found: re.Match[str]) -> str:
+def cases_in_a_row(match: re.Match[str]) -> str:
     """Cases beside each other instead of below each other."""
-    rows = [row.split("&") for row in found[1].split(r"\\")]
+    rows = [row.split("&") for row in match[1].split(r"\\")]
     return r";\quad ".join(r"\;\;(".join(part.strip() for part in row) + ")" for row in rows)
 
 
@@ -95,13 +95,13 @@ def line_svg(latex: str, size: float) -> str | None:
     figure = Figure(figsize=(0.01, 0.01))
     FigureCanvasSVG(figure)
     figure.text(0, 0, f"${latex}$", fontsize=size, math_fontfamily="cm")
-    drawn = io.StringIO()
+    buffer = io.StringIO()
     try:
         with DRAWING, rc_context({"svg.fonttype": "path"}):
-            figure.savefig(drawn, format="svg", bbox_inches="tight", transparent=True)
+            figure.savefig(buffer, format="svg", bbox_inches="tight", transparent=True)
     except ValueError:
         return None
-    text = drawn.getvalue()
+    text = buffer.getvalue()
     return text[text.index("<svg") :]
 
 
@@ -125,15 +125,15 @@ class Dial:
         if value == self.one.default:
             self.shown = self.one.proposed
         else:
-            self.shown = widened(self.shown, value, self.one.bounds)
+            self.shown = widen_range(self.shown, value, self.one.bounds)
 
-    def told(self) -> dict[str, Any]:
+    def page_state(self) -> dict[str, Any]:
         """What the page is told of it."""
         low, high = self.shown
         return {
             "log": is_wide(low, high),
             "default": self.one.default,
-            "stops": stops(low, high, step_of(self.one), self.one.default),
+            "stops": slider_stops(low, high, step_of(self.one), self.one.default),
         }
 
 
@@ -152,11 +152,11 @@ class Dials:
         """The controls are gone."""
         self.dials, self.controls = [], []
 
-    def add(self, one: DeclaredParameter, control: Any) -> None:
+    def add(self, parameter: DeclaredParameter, control: Any) -> None:
         """Another control."""
-        self.controls.append((one, control))
-        if isinstance(one, NumberParameter):
-            self.dials.append(Dial(one, control, one.proposed))
+        self.controls.append((parameter, control))
+        if isinstance(parameter, NumberParameter):
+            self.dials.append(Dial(parameter, control, parameter.proposed))
 
     def refresh(self) -> None:
         """Tell the page what sliders span and what is not at its default, if it is new."""
@@ -165,16 +165,18 @@ class Dials:
         now = [(identifier(dial.control), dial.shown) for dial in self.dials]
         if now != self.told:
             self.told = now
-            told = {identifier(dial.control): dial.told() for dial in self.dials}
-            text = html.escape(json.dumps(told, separators=(",", ":")))
+            states = {identifier(dial.control): dial.page_state() for dial in self.dials}
+            text = html.escape(json.dumps(states, separators=(",", ":")))
             self.place.content = f'<div data-dials="{text}" hidden></div>'
-        marked = [identifier(made) for one, made in self.controls if made.value != one.default]
-        content = marks(marked)
+        marked = [
+            identifier(value) for control, value in self.controls if value.value != control.default
+        ]
+        content = label_style(marked)
         if content != self.marks.content:
             self.marks.content = content
 
 
-def marks(uuids: list[str]) -> str:
+def label_style(uuids: list[str]) -> str:
     """A style that marks the labels of controls."""
     if not uuids:
         return ""
@@ -185,20 +187,20 @@ def marks(uuids: list[str]) -> str:
     )
 
 
-def step_of(one: NumberParameter) -> float:
+def step_of(parameter: NumberParameter) -> float:
     """From one value to the next in a box."""
-    return one.step or (one.high - one.low) / MOST
+    return parameter.step or (parameter.high - parameter.low) / MOST
 
 
-def widened(shown: Range, value: float, allowed: Range) -> Range:
+def widen_range(limits: Range, value: float, allowed: Range) -> Range:
     """A range that holds a value too, up to the next round number.
 
     A scale of logarithms has no place for 0; a value there stands at its left end.
 
-    >>> widened((0.5, 20.0), 3.0, (0.1, 100.0)), widened((0.5, 20.0), 30.0, (0.1, 100.0))
+    >>> widen_range((0.5, 20.0), 3.0, (0.1, 100.0)), widen_range((0.5, 20.0), 30.0, (0.1, 100.0))
     ((0.5, 20.0), (0.5, 50.0))
     """
-    low, high = shown
+    low, high = limits
     if value > high:
         high = min(allowed[1], round_up(value)) if value > 0.0 else allowed[1]
     elif value < low and (value > 0.0 or not is_wide(low, high)):
@@ -208,30 +210,30 @@ def widened(shown: Range, value: float, allowed: Range) -> Range:
     return low, high
 
 
-def stops(low: float, high: float, step: float, default: float) -> list[float]:
+def slider_stops(low: float, high: float, step: float, default: float) -> list[float]:
     """The values that a slider can be put on: both ends, the default, and round ones between.
 
     On a scale of logarithms they have two figures; else they are multiples of the step, or of a
     rounder one where they would be too many, or too few.
 
-    >>> stops(0.0, 1.0, 0.25, 0.3)[:8]
+    >>> slider_stops(0.0, 1.0, 0.25, 0.3)[:8]
     [0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35]
-    >>> stops(1.0, 500.0, 1.0, 30.0)[:12]
+    >>> slider_stops(1.0, 500.0, 1.0, 30.0)[:12]
     [1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 2.0, 2.1]
     """
     if is_wide(low, high):
         powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)))
-        found = [float(f"{two}e{power - 1}") for power in powers for two in range(10, 100)]
+        candidates = [float(f"{two}e{power - 1}") for power in powers for two in range(10, 100)]
     else:
-        step = grain(low, high, step)
+        step = slider_step(low, high, step)
         places = 2 - math.floor(math.log10(step))
-        found = [
+        candidates = [
             round(k * step, places) for k in range(math.ceil(low / step), math.ceil(high / step))
         ]
-    return sorted({low, high, default, *(one for one in found if low < one < high)})
+    return sorted({low, high, default, *(value for value in candidates if low < value < high)})
 
 
-def grain(low: float, high: float, step: float) -> float:
+def slider_step(low: float, high: float, step: float) -> float:
     """The step of a linear slider; whole steps, which count something, are not divided."""
     steps = (high - low) / step
     if steps > MOST:
@@ -239,10 +241,10 @@ def grain(low: float, high: float, step: float) -> float:
     return step if steps >= FEWEST or step >= 1.0 else round_down((high - low) / FEWEST)
 
 
-def decimals(one: NumberParameter) -> int:
+def decimals(parameter: NumberParameter) -> int:
     """So many decimals has the box of a number: all of the declared ones, and three figures of the
     least of them."""
-    numbers = [one.default, *one.bounds, step_of(one)]
+    numbers = [parameter.default, *parameter.bounds, step_of(parameter)]
     finest = min(abs(x) for x in numbers if x)
     written = (-int(Decimal(f"{x:.{DECIMALS}g}").normalize().as_tuple().exponent) for x in numbers)
     return min(DECIMALS, max(2, 2 - math.floor(math.log10(finest)), *written))
@@ -260,7 +262,7 @@ class Form[T]:
     def __init__(self, gui: viser.GuiApi, value: T, controls: Mapping[str, Control]):
         self.value = value
         self.controls = controls
-        groups = dict.fromkeys(one.group for one in controls.values())
+        groups = dict.fromkeys(control.group for control in controls.values())
         self.folders = {group: gui.add_folder(group) for group in groups}
         self.handles: dict[str, Any] = {}
         for name, control in controls.items():
@@ -274,23 +276,23 @@ class Form[T]:
 
     def read(self, **instead: Any) -> T:
         """The dataclass as the controls have it, with other values `instead` of some."""
-        values = {name: one.value for name, one in self.handles.items()} | instead
+        values = {name: handle.value for name, handle in self.handles.items()} | instead
         return replace(self.value, **values)  # type: ignore[type-var]
 
     def fit(self, value: T, scene: Iterable[Any]) -> None:
         """Show those controls that apply to anything in the scene, as things are chosen now."""
         applies = {name: control.is_for(scene, value) for name, control in self.controls.items()}
-        there = {self.controls[name].group for name, shown in applies.items() if shown}
+        groups = {self.controls[name].group for name, is_shown in applies.items() if is_shown}
         for group, folder in self.folders.items():
-            sight(folder, group in there)
-        for name, shown in applies.items():
-            sight(self.handles[name], shown)
+            set_visible(folder, group in groups)
+        for name, is_shown in applies.items():
+            set_visible(self.handles[name], is_shown)
 
 
-def sight(control: Any, wanted: bool) -> None:
+def set_visible(control: Any, visible: bool) -> None:
     """Show a control, or hide it; browsers are told only what changes."""
-    if control.visible != wanted:
-        control.visible = wanted
+    if control.visible != visible:
+        control.visible = visible
 
 
 def handle(gui: viser.GuiApi, control: Control, value: Any) -> Any:

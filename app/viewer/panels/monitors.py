@@ -27,23 +27,22 @@ UPWARDS = 16
 def wheel(dim: int) -> str:
     """HTML of the wheel; in space with a bar that says how climbing and diving look."""
     words = "".join(f"<span>{words}</span>" for words in DIRECTIONS)
-    round_ = f'<div class="fs-wheel">{words}<i style="background:{all_round()}"></i></div>'
-    beside = '<div class="fs-quiet">as seen from above</div>'
+    round_ = f'<div class="fs-wheel">{words}<i style="background:{level_gradient()}"></i></div>'
+    caption = '<div class="fs-quiet">as seen from above</div>'
     if dim == 3:
         names = "".join(f"<span>{name}</span>" for name in STEEP)
-        beside += (
-            f'<div class="fs-climb"><i style="background:{upwards()}"></i><div>{names}</div></div>'
-        )
-    return f'<div class="fs-headings fs-drawn">{round_}<div>{beside}</div></div>'
+        sample = f'<i style="background:{climb_gradient()}"></i>'
+        caption += f'<div class="fs-climb">{sample}<div>{names}</div></div>'
+    return f'<div class="fs-headings fs-drawn">{round_}<div>{caption}</div></div>'
 
 
-def all_round() -> str:
+def level_gradient() -> str:
     """A CSS gradient of the level headings: +x to the right, and then against the clock."""
     azimuth = -np.linspace(0.0, 2.0 * np.pi, ROUND + 1)
     return gradient("conic-gradient(from 90deg", np.stack([np.cos(azimuth), np.sin(azimuth)]))
 
 
-def upwards() -> str:
+def climb_gradient() -> str:
     """A CSS gradient of the headings from straight down to straight up, over +x."""
     rise = np.linspace(-0.5 * np.pi, 0.5 * np.pi, UPWARDS + 1)
     return gradient("linear-gradient(0deg", np.stack([np.cos(rise), 0.0 * rise, np.sin(rise)]))
@@ -51,7 +50,7 @@ def upwards() -> str:
 
 def gradient(kind: str, headings: np.ndarray) -> str:
     """A CSS gradient of the colours of headings (dim, K)."""
-    return f"{kind},{','.join(map(palette.css, palette.by_heading(headings.T)))})"
+    return f"{kind},{','.join(map(palette.css, palette.heading_colours(headings.T)))})"
 
 
 CARDS, KEY = "cards", "key"

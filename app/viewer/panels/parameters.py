@@ -17,9 +17,9 @@ import viser
 from agents.catalogue import MODELS
 from agents.models.declare import DeclaredParameter, NumberParameter, declared
 from agents.models.model import Model
-from app.viewer.panels.dials import Dials, decimals, plain, step_of
+from app.viewer.panels.dials import Dials, decimals, plain_symbol, step_of
 from app.viewer.panels.shell import block, table
-from app.viewer.run.paired_run import shared_by
+from app.viewer.run.paired_run import shared_model_parameters
 from app.viewer.run.simulation import Models, Simulation
 from app.viewer.run.simulation_state import SimulationState
 from worlds.input_error import InputError
@@ -49,7 +49,7 @@ class ParametersPanel:
         self.simulation = simulation
         self.changed = gui.add_html("")
         self.back = gui.add_button_group("Changes", (UNDO, DEFAULTS), visible=False)
-        self.back.on_click(self.go_back)
+        self.back.on_click(self.restore_values)
         self.past: list[Step] = []
         self.touched: dict[tuple[str, bool], float] = {}
         """When a parameter was changed last, by its name and whether of the model beside."""
@@ -72,21 +72,23 @@ class ParametersPanel:
             if state.models != self.models:
                 self.models, self.past = state.models, []
                 self.rebuild(state)
-        self.agree(state)
+        self.follow_flock(state)
         fixed = state.line is not None and (bool(state.line.recording) or state.line.looks_back)
         for control in (*self.controls.values(), *self.beside_controls.values()):
             if control.disabled != fixed:
                 control.disabled = fixed
         own = declared(MODELS[state.spec.model].parameters)
-        changed = [one for one in own if state.values.get(one.name) != one.default]
-        text = differing(changed, state.values)
-        self.changes = {one.name: one.default for one in changed}
+        changed = [
+            parameter for parameter in own if state.values.get(parameter.name) != parameter.default
+        ]
+        text = describe_changes(changed, state.values)
+        self.changes = {parameter.name: parameter.default for parameter in changed}
         self.back.visible = bool(self.changes or self.past) and not fixed
         if text != self.changed.content:
             self.changed.content = text
         self.dials.refresh()
 
-    async def go_back(self, _event: viser.GuiEvent) -> None:
+    async def restore_values(self, _event: viser.GuiEvent) -> None:
         """Undo the last change, or give every parameter its default."""
         if self.back.value == UNDO:
             self.undo()
@@ -94,10 +96,10 @@ class ParametersPanel:
         if self.past:
             self.past[-1].when = -math.inf
         for name, value in self.changes.items():
-            self.note(name, False)
-            self.give(name, value, False)
+            self.remember_value(name, False)
+            self.set_parameter(name, value, False)
 
-    def note(self, name: str, beside: bool) -> None:
+    def remember_value(self, name: str, beside: bool) -> None:
         """Keep what a parameter is before it is changed; of a drag only what was before it."""
         now = self.touched[name, beside] = time.monotonic()
         state = self.simulation.state
@@ -113,15 +115,15 @@ class ParametersPanel:
         """Give the parameter that was changed last the value that it had."""
         if self.past:
             last = self.past.pop()
-            self.give(last.name, last.value, last.beside)
+            self.set_parameter(last.name, last.value, last.beside)
 
-    def give(self, name: str, value: Any, beside: bool) -> None:
+    def set_parameter(self, name: str, value: Any, beside: bool) -> None:
         """Give a parameter a value, and show it."""
         self.touched[name, beside] = time.monotonic()
         self.simulation.set(name, value, beside, self.models)
         (self.beside_controls if beside else self.controls)[name].value = value
 
-    def agree(self, state: SimulationState) -> None:
+    def follow_flock(self, state: SimulationState) -> None:
         """Have controls show what the flock has, but for what somebody has just changed: that may
         not have come to the flock yet."""
         if state.busy or state.models != self.models:
@@ -141,7 +143,7 @@ class ParametersPanel:
         name, beside = state.models
         model = MODELS[name]
         own = declared(model.parameters)
-        both = frozenset(state.values) if beside is None else shared_by(name, beside)
+        both = frozenset(state.values) if beside is None else shared_model_parameters(name, beside)
         others = () if beside is None else declared(MODELS[beside].parameters)
         values, beside_values = state.values, state.beside_values or {}
         self.controls, self.beside_controls = {}, {}
@@ -150,13 +152,13 @@ class ParametersPanel:
                 self.gui.add_html(block('<div class="fs-quiet">These act on both models.</div>'))
             titles = "Rule", f"Body: {model.body.title}"
             for title, part in zip(titles, sides(model, own), strict=True):
-                if shared := [one for one in part if one.name in both]:
+                if shared := [parameter for parameter in part if parameter.name in both]:
                     self.gui.add_html(block(f'<div class="fs-head">{html.escape(title)}</div>'))
                     self.controls |= self.controls_of(shared, values)
-            if alone := [one for one in own if one.name not in both]:
+            if alone := [parameter for parameter in own if parameter.name not in both]:
                 with self.gui.add_folder(f"Only {model.title}"):
                     self.controls |= self.controls_of(alone, values)
-            if alone := [one for one in others if one.name in beside_values]:
+            if alone := [parameter for parameter in others if parameter.name in beside_values]:
                 with self.gui.add_folder(f"Only {MODELS[beside or name].title}"):
                     self.beside_controls = self.controls_of(alone, beside_values, beside=True)
 
@@ -164,45 +166,50 @@ class ParametersPanel:
         self, some: list[DeclaredParameter], values: dict[str, Any], beside: bool = False
     ) -> dict[str, Any]:
         """The controls of some parameters by name, of the model beside alone if so."""
-        return {one.name: self.control(one, values[one.name], beside) for one in some}
+        return {
+            parameter.name: self.control(parameter, values[parameter.name], beside)
+            for parameter in some
+        }
 
-    def control(self, one: DeclaredParameter, value: Any, beside: bool = False) -> Any:
+    def control(self, parameter: DeclaredParameter, value: Any, beside: bool = False) -> Any:
         """The control of one parameter, of the model beside alone if so."""
-        made = add_control(self.gui, one, value)
-        self.dials.add(one, made)
+        handle = add_control(self.gui, parameter, value)
+        self.dials.add(parameter, handle)
         models = self.models
 
         async def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:
-                value = made.value
-                self.note(one.name, beside)
-                answer = self.simulation.set(one.name, value, beside, models)
+                value = handle.value
+                self.remember_value(parameter.name, beside)
+                answer = self.simulation.set(parameter.name, value, beside, models)
                 answer.add_done_callback(partial(restore, value))
 
         def restore(value: Any, answer: Future) -> None:
-            newer = made.value != value
+            newer = handle.value != value
             if not newer and (answer.exception() is not None or answer.result() != value):
                 state = self.simulation.state
                 values = state.beside_values if beside else state.values
-                made.value = values.get(one.name, value)
+                handle.value = values.get(parameter.name, value)
 
-        made.on_update(changed)
-        return made
+        handle.on_update(changed)
+        return handle
 
 
-def add_control(gui: viser.GuiApi, one: DeclaredParameter, value: Any) -> Any:
+def add_control(gui: viser.GuiApi, parameter: DeclaredParameter, value: Any) -> Any:
     """A switch, a choice, or a slider with a box, which takes all that is allowed."""
-    label, hint = parameter_label(one)
-    if one.kind == "switch":
+    label, hint = parameter_label(parameter)
+    if parameter.kind == "switch":
         return gui.add_checkbox(label, bool(value), hint=hint)
-    if one.kind == "choice":
-        return gui.add_dropdown(label, one.choices, initial_value=value, hint=hint)
-    if not isinstance(one, NumberParameter):
-        raise InputError(f"{one.name} has no range for a slider: declare its low and high")
-    low, high = one.bounds
-    made = gui.add_slider(label, float(low), float(high), step_of(one), float(value), hint=hint)
-    made.precision = decimals(one)
-    return made
+    if parameter.kind == "choice":
+        return gui.add_dropdown(label, parameter.choices, initial_value=value, hint=hint)
+    if not isinstance(parameter, NumberParameter):
+        raise InputError(f"{parameter.name} has no range for a slider: declare its low and high")
+    low, high = parameter.bounds
+    slider = gui.add_slider(
+        label, float(low), float(high), step_of(parameter), float(value), hint=hint
+    )
+    slider.precision = decimals(parameter)
+    return slider
 
 
 def sides(
@@ -210,17 +217,20 @@ def sides(
 ) -> tuple[list[DeclaredParameter], list[DeclaredParameter]]:
     """The parameters of a model's rule, and those of its body."""
     wants = model.rule.parameters.model_fields
-    return [one for one in own if one.name in wants], [one for one in own if one.name not in wants]
+    return [parameter for parameter in own if parameter.name in wants], [
+        parameter for parameter in own if parameter.name not in wants
+    ]
 
 
-def parameter_label(one: DeclaredParameter) -> tuple[str, str]:
+def parameter_label(parameter: DeclaredParameter) -> tuple[str, str]:
     """Label and hint of a parameter: of a number words, symbol and unit, of all else words."""
-    hint = f"{one.description}. {one.allowed[:1].upper()}{one.allowed[1:]}. {one.source}."
-    if one.kind != "number":
-        return one.words, hint
-    hint += f" Double click: back to {in_short(one.default)}."
-    unit = "" if one.unit == "1" else f", {raised_powers(one.unit)}"
-    return f"{one.words} {plain(one.symbol)}{unit}", hint
+    allowed = f"{parameter.allowed[:1].upper()}{parameter.allowed[1:]}"
+    hint = f"{parameter.description}. {allowed}. {parameter.source}."
+    if parameter.kind != "number":
+        return parameter.words, hint
+    hint += f" Double click: back to {format_value(parameter.default)}."
+    unit = "" if parameter.unit == "1" else f", {raised_powers(parameter.unit)}"
+    return f"{parameter.words} {plain_symbol(parameter.symbol)}{unit}", hint
 
 
 def raised_powers(unit: str) -> str:
@@ -229,26 +239,26 @@ def raised_powers(unit: str) -> str:
     >>> raised_powers("m/s^2")
     'm/s²'
     """
-    return re.sub(r"\^(\d)", raised, unit)
+    return re.sub(r"\^(\d)", raised_figure, unit)
 
 
-def raised(found: re.Match[str]) -> str:
+def raised_figure(match: re.Match[str]) -> str:
     """An exponent in a small figure."""
-    return found[1].translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return match[1].translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def differing(changed: list[DeclaredParameter], values: dict[str, Any]) -> str:
+def describe_changes(changed: list[DeclaredParameter], values: dict[str, Any]) -> str:
     """What is not at its default, what that is, and what it is now: a line each."""
     rows = {
-        html.escape(f"{one.words} {plain(one.symbol)}"): html.escape(
-            f"{in_short(one.default)} \u2192 {in_short(values[one.name])}"
+        html.escape(f"{parameter.words} {plain_symbol(parameter.symbol)}"): html.escape(
+            f"{format_value(parameter.default)} \u2192 {format_value(values[parameter.name])}"
         )
-        for one in changed
+        for parameter in changed
     }
     title = f'<div class="fs-head">Changed: {len(rows)}</div>'
     return block(f'{title}<div class="fs-changed">{table(rows)}</div>') if rows else ""
 
 
-def in_short(value: Any) -> str:
+def format_value(value: Any) -> str:
     """A parameter's value for people."""
     return f"{value:g}" if isinstance(value, float) else str(value)

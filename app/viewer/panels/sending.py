@@ -43,7 +43,7 @@ class ExportPermit:
             raise InputError("a class makes no films: `flockscope lab` on your own machine does")
 
     @contextmanager
-    def turn(self) -> Iterator[None]:
+    def take_turn(self) -> Iterator[None]:
         """Within it a file is made: with an allowance one after the other, of all pages."""
         with nullcontext() if self.allowance is None else in_turn:
             yield
@@ -73,7 +73,7 @@ class Sender:
         self.asked.add(client.client_id)
 
         def made() -> bytes:
-            with self.allowed.turn():
+            with self.allowed.take_turn():
                 return make()
 
         try:

@@ -35,13 +35,13 @@ def cards(values: dict[str, str]) -> str:
 
 def grid(values: dict[str, str], across: int = 3) -> str:
     """A grid of cards, name -> value, so many in a row."""
-    made = "".join(
+    cards = "".join(
         f'<div class="fs-card{" fs-long" if len(value) > ROOM else ""}">'
         f"<span>{name}</span><b>{value}</b></div>"
         for name, value in values.items()
     )
     columns = f' style="grid-template-columns:repeat({across},1fr)"' if across != 3 else ""
-    return f'<div class="fs-cards"{columns}>{made}</div>'
+    return f'<div class="fs-cards"{columns}>{cards}</div>'
 
 
 def key(entries: list[tuple[str, str]], drawn: bool = False, hollow: bool = False) -> str:
@@ -49,24 +49,24 @@ def key(entries: list[tuple[str, str]], drawn: bool = False, hollow: bool = Fals
 
     `hollow`: of outlines.
     """
-    shown = "border:2px solid" if hollow else "background:"
-    made = "".join(
-        f'<span><i style="{shown} {colour}"></i>{label}</span>' for label, colour in entries
+    style = "border:2px solid" if hollow else "background:"
+    marks = "".join(
+        f'<span><i style="{style} {colour}"></i>{label}</span>' for label, colour in entries
     )
-    return f'<div class="fs-key{" fs-drawn" if drawn else ""}">{made}</div>'
+    return f'<div class="fs-key{" fs-drawn" if drawn else ""}">{marks}</div>'
 
 
 def table(rows: dict[str, str]) -> str:
     """A table of two columns."""
-    made = "".join(f"<tr><td>{name}</td><td>{value}</td></tr>" for name, value in rows.items())
-    return f'<table class="fs-table">{made}</table>'
+    html_rows = "".join(f"<tr><td>{name}</td><td>{value}</td></tr>" for name, value in rows.items())
+    return f'<table class="fs-table">{html_rows}</table>'
 
 
 LEFT, RIGHT = 310, 330
 """Widths of the panels, pixels."""
 
 
-def dress(gui: viser.GuiApi, label: str) -> None:
+def set_look(gui: viser.GuiApi, label: str) -> None:
     """Give a page the house's look."""
     gui.configure_theme(
         control_width="large",
@@ -105,7 +105,7 @@ class Sheets:
         """By browser, what is in its window."""
         self.lock = threading.Lock()
         """Held while what is in windows is changed: nothing is to be closed meanwhile."""
-        server.on_client_disconnect(self.gone)
+        server.on_client_disconnect(self.remove_client)
 
     def show(self, client: viser.ClientHandle, title: str) -> None:
         """Open one in a browser, unless one is open there."""
@@ -120,20 +120,20 @@ class Sheets:
 
         async def close(_event: viser.GuiEvent) -> None:
             with self.lock:
-                known = self.open.pop(client.client_id, None) is not None
-            if known:
+                was_open = self.open.pop(client.client_id, None) is not None
+            if was_open:
                 await asyncio.sleep(SETTLED)
                 modal.close()
 
         done.on_click(close)
         self.open[client.client_id] = filled
 
-    async def gone(self, client: viser.ClientHandle) -> None:
+    async def remove_client(self, client: viser.ClientHandle) -> None:
         """A browser is there no more."""
         with self.lock:
             self.open.pop(client.client_id, None)
 
-    def each(self, change: Callable[[Any], None]) -> None:
+    def update_each(self, change: Callable[[Any], None]) -> None:
         """Change what is in every window."""
         with self.lock:
             for filled in self.open.values():
@@ -184,10 +184,10 @@ def add_hotkeys(
     """
     for key, action in actions.items():
         command: Any = gui.add_command(keys[key], hotkey=key)  # type: ignore[arg-type]
-        command.on_trigger(triggered(action))
+        command.on_trigger(viser_action(action))
 
 
-def triggered(action: Callable[[viser.ClientHandle], Any]) -> Callable:
+def viser_action(action: Callable[[viser.ClientHandle], Any]) -> Callable:
     """The action as viser calls it: in order, on its event loop."""
 
     async def run(event: Any) -> None:

@@ -46,20 +46,20 @@ class ViewPanel:
         self.offering = False
         self.offered = self.form["colour"].value
         """The colouring that was shown last."""
-        self.form["colour"].on_update(self.coloured)
+        self.form["colour"].on_update(self.remember_colouring)
         self.form["trails"].on_update(self.trailed)
         self.camera = gui.add_folder(CAMERA)
         with self.camera:
             presets = gui.add_button_group(
                 "From", CAMERAS, hint=f"In this browser; follow goes after the clicked {followed}"
             )
-        presets.on_click(self.pointed)
+        presets.on_click(self.show_hint)
 
-    async def pointed(self, event: viser.GuiEvent) -> None:
+    async def show_hint(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
             self.point(event.client, event.target.value)
 
-    def coloured(self, event: viser.GuiEvent) -> None:
+    def remember_colouring(self, event: viser.GuiEvent) -> None:
         """Remember a colouring that somebody, or a scene, has chosen."""
         if event.client is not None or not self.offering:
             self.colour = event.target.value
@@ -74,8 +74,8 @@ class ViewPanel:
 
     def fit(self, frame: Frame, numbers: tuple[str, ...] = ()) -> None:
         """Show what applies to a frame; agents can be coloured by these numbers too."""
-        scene = [one for one in (frame, frame.beside) if one is not None]
-        look = self.look()
+        scene = [frame for frame in (frame, frame.beside) if frame is not None]
+        look = self.drawing_style()
         self.form.fit(look, scene)
         offered = self.form.controls["colour"].offered(scene, look)
         self.offer((*offered, *(name for name in numbers if name not in offered)))
@@ -83,7 +83,9 @@ class ViewPanel:
     def offer(self, choices: tuple[str, ...]) -> None:
         """Let agents be coloured by these: as was chosen, or else by the first of them."""
         colour = self.form["colour"]
-        if colour.value != self.offered:  # somebody has chosen it, though `coloured` is yet to run
+        if (
+            colour.value != self.offered
+        ):  # somebody has chosen it, though `remember_colouring` is yet to run
             self.colour = colour.value
         self.offering = True
         if tuple(colour.options) != choices:
@@ -100,31 +102,31 @@ class ViewPanel:
 
     def take(self, look: Mapping[str, Any]) -> None:
         """Show these, by the names of their controls, and all else as usual."""
-        wanted = self.usually(look.get("trails", self.usual.look.trails)) | dict(look)
-        self.colour = wanted["colour"]
+        values = self.default_values(look.get("trails", self.usual.look.trails)) | dict(look)
+        self.colour = values["colour"]
         self.offer(tuple(dict.fromkeys([*self.form["colour"].options, self.colour])))
         for name, control in self.form.handles.items():
-            set_value(control, wanted[name])
+            set_value(control, values[name])
 
-    def not_usual(self) -> dict[str, Any]:
+    def changed_values(self) -> dict[str, Any]:
         """What is not as usual, by the names of the controls."""
         now = {name: control.value for name, control in self.form.handles.items()}
         now["colour"] = self.colour
-        usually = self.usually(now["trails"])
-        return {name: one for name, one in now.items() if one != usually[name]}
+        usually = self.default_values(now["trails"])
+        return {name: value for name, value in now.items() if value != usually[name]}
 
-    def usually(self, trails: str) -> dict[str, Any]:
+    def default_values(self, trails: str) -> dict[str, Any]:
         """What is usual with these trails, by the names of the controls."""
-        known = {name: getattr(self.usual.look, name) for name in self.form.handles}
-        return known | ({"trail_length": self.usual.rising} if trails == RISING else {})
+        values = {name: getattr(self.usual.look, name) for name in self.form.handles}
+        return values | ({"trail_length": self.usual.rising} if trails == RISING else {})
 
-    def suit(self, usual: DrawingDefaults) -> None:
+    def set_defaults(self, usual: DrawingDefaults) -> None:
         """Take this for usual from now on; what was as usual is so again."""
         if usual != self.usual:
-            kept, self.usual = self.not_usual(), usual
-            self.take(kept)
+            changed, self.usual = self.changed_values(), usual
+            self.take(changed)
 
-    def look(self) -> DrawingStyle:
+    def drawing_style(self) -> DrawingStyle:
         """The drawing as the controls have it."""
         chosen = self.form["colour"].value
         if chosen in COLOURINGS and chosen != MEASURED:

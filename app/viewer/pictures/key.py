@@ -137,7 +137,7 @@ def draw_wheel(axes: Any, dim: int) -> None:
     rim = np.column_stack([np.cos(angle), np.sin(angle)])
     sectors = np.stack([0.52 * rim[:-1], rim[:-1], rim[1:], 0.52 * rim[1:]], axis=1)
     middle = 0.5 * (angle[:-1] + angle[1:])
-    colour = palette.by_heading(np.column_stack([np.cos(middle), np.sin(middle)]))
+    colour = palette.heading_colours(np.column_stack([np.cos(middle), np.sin(middle)]))
     axes.add_collection(
         PolyCollection(list(sectors), facecolors=colour, edgecolors=colour, linewidths=0.3)
     )

@@ -17,7 +17,7 @@ from agents.state.start import start_box
 from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED
-from app.viewer.scene.shown.drawing_style import DrawingStyle, legend, usual
+from app.viewer.scene.shown.drawing_style import DrawingStyle, default_style, legend
 from app.viewer.scene.shown.frame import Frame, MissionProgress, cars
 from worlds.input_error import InputError, unknown
 from worlds.world import World
@@ -103,7 +103,7 @@ def look_of(now: Snapshot, colour: str | None) -> DrawingStyle:
     if colour is None:
         if now.informed.any():
             return DrawingStyle(colour="layer")
-        return usual(now.model, len(now.ids), now.dt).look
+        return default_style(now.model, len(now.ids), now.dt).look
     if colour in COLOURINGS and colour != MEASURED:
         return DrawingStyle(colour=colour)
     if colour not in colourings(now):

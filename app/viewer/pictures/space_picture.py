@@ -132,7 +132,7 @@ class SpacePicture:
         mission = self.world.mission or Mission()
         if mission.path:
             points = np.array(mission.path.waypoints, float)
-            shown = self.stage.shown(points[:, :3]) if points.shape[1] == 3 else None
+            shown = self.stage.to_display(points[:, :3]) if points.shape[1] == 3 else None
             if shown is not None:
                 self.way.set_segments(eye.lines(np.stack([shown[:-1], shown[1:]], axis=1)))
 
@@ -178,7 +178,9 @@ class SpacePicture:
         if follow is not None:
             self.ring.set_data(*self.eye.seen(at[[shot.row_of(follow)]])[0].T)
         goal = made.frame.progress.goal
-        seen: Any = ([], []) if goal is None else self.eye.seen(self.stage.shown(goal)[None])[0].T
+        seen: Any = (
+            ([], []) if goal is None else self.eye.seen(self.stage.to_display(goal)[None])[0].T
+        )
         self.goal.set_data(*seen)
 
     def lit(self, triangles: np.ndarray, colour: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -248,7 +250,7 @@ def solids(world: World, stage: Stage) -> Mesh:
     vertices, faces = join_meshes(meshes)
     if not len(faces):
         return vertices, faces
-    shown = split(stage.shown(vertices)[faces], PIECE * stage.side)
+    shown = split(stage.to_display(vertices)[faces], PIECE * stage.side)
     return shown.reshape(-1, 3), np.arange(3 * len(shown)).reshape(-1, 3)
 
 

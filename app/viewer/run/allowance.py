@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from agents.spec import CompleteSpec, Spec
-from app.viewer.measuring.observable_format import spaced
-from app.viewer.run.stored_flock import Beginning, StoredFlock
+from app.viewer.measuring.observable_format import format_thousands
+from app.viewer.run.stored_flock import InitialState, StoredFlock
 from worlds.input_error import InputError
 from worlds.world import World
 
@@ -49,7 +49,7 @@ class Allowance:
     upload: int = 1_000_000
     """Bytes of a file at most."""
 
-    def demand(self, spec: CompleteSpec, beside: Spec | None, stored: Beginning | None) -> None:
+    def demand(self, spec: CompleteSpec, beside: Spec | None, stored: InitialState | None) -> None:
         """Raise InputError for a run that is too much, before it is built."""
         flocks = 1 if beside is None else 2
         self.demand_agents(flocks * spec.agents)
@@ -72,7 +72,8 @@ class Allowance:
         """Raise InputError for too many agents."""
         if count > self.agents:
             raise InputError(
-                f"a class allows {spaced(self.agents)} agents a student: {spaced(count)} asked for"
+                f"a class allows {format_thousands(self.agents)} agents a student: "
+                f"{format_thousands(count)} asked for"
             )
 
     def demand_world(self, world: World) -> None:
@@ -80,5 +81,6 @@ class Allowance:
         count = len(world.obstacles)
         if count > self.obstacles:
             raise InputError(
-                f"a class allows {self.obstacles} obstacles a student: {spaced(count)} asked for"
+                f"a class allows {self.obstacles} obstacles a student: "
+                f"{format_thousands(count)} asked for"
             )

@@ -47,7 +47,7 @@ class CommandQueue:
     def put(self, work: Callable[[], Any], key: str = "", runs: bool | None = None) -> Future:
         """Have something done. Raises InputError if too much waits already, and it has no key."""
         with self.changed:
-            same = self.same(key)
+            same = self.waiting_command(key)
             if same is not None:
                 same.work, same.runs = work, runs
                 return same.answer
@@ -56,7 +56,7 @@ class CommandQueue:
     def step(self, work: Callable[[int], Any], ticks: int) -> Future:
         """Have ticks run: with those that wait already at most `MOST_TICKS`."""
         with self.changed:
-            same = self.same(STEP)
+            same = self.waiting_command(STEP)
             if same is not None:
                 same.ticks = max(same.ticks, min(same.ticks + ticks, MOST_TICKS), ticks)
                 return same.answer
@@ -66,10 +66,12 @@ class CommandQueue:
         """Have the flock stand still before anything else is done; what waits and would move it
         is left out."""
         with self.changed:
-            moving = [one for one in self.waiting if one.key in (GO, STEP)]
-            self.waiting = deque(one for one in self.waiting if one.key not in (GO, STEP))
-            for one in moving:
-                one.answer.set_result(None)
+            moving = [command for command in self.waiting if command.key in (GO, STEP)]
+            self.waiting = deque(
+                command for command in self.waiting if command.key not in (GO, STEP)
+            )
+            for command in moving:
+                command.answer.set_result(None)
             first = self.waiting[0] if self.waiting else None
             if first is not None and first.key == "pause":
                 return first.answer
@@ -78,21 +80,21 @@ class CommandQueue:
             self.changed.notify()
             return pausing.answer
 
-    def same(self, key: str) -> QueuedCommand | None:
+    def waiting_command(self, key: str) -> QueuedCommand | None:
         """What waits and is one with a new command of this key: the last of all, or where too much
         waits the last of its key."""
         if not key or not self.waiting:
             return None
         near = self.waiting if len(self.waiting) >= MOST else [self.waiting[-1]]
-        return next((one for one in reversed(near) if one.key == key), None)
+        return next((command for command in reversed(near) if command.key == key), None)
 
-    def add(self, one: QueuedCommand) -> Future:
+    def add(self, command: QueuedCommand) -> Future:
         """Let a command wait, one of each key in any case. Raises InputError if too many do."""
-        if len(self.waiting) >= MOST and not one.key:
+        if len(self.waiting) >= MOST and not command.key:
             raise InputError(f"too much at once: {MOST} commands wait already")
-        self.waiting.append(one)
+        self.waiting.append(command)
         self.changed.notify()
-        return one.answer
+        return command.answer
 
     def wake(self) -> None:
         """Let whoever waits for a command go on without one."""
@@ -109,5 +111,5 @@ class CommandQueue:
     def will_run(self, runs: bool) -> bool:
         """Whether the flock runs once all is done that waits, if now it does or not."""
         with self.changed:
-            told = [one.runs for one in self.waiting if one.runs is not None]
-        return told[-1] if told else runs
+            wishes = [command.runs for command in self.waiting if command.runs is not None]
+        return wishes[-1] if wishes else runs

@@ -15,7 +15,7 @@ import numpy as np
 from agents.flock import Flock
 from agents.spec import CompleteSpec, Spec
 from app.viewer.editing.editor import Editor, MissingObstacleError
-from app.viewer.editing.free_places import set_free
+from app.viewer.editing.free_places import move_out
 from app.viewer.editing.layout_file import layout_from_browser
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.paired_run import companion
@@ -40,7 +40,7 @@ class EditsHost(Protocol):
 
     def tell(self, command: Callable[[], Any], key: str = "") -> Future: ...
 
-    def sound_run(self) -> FlockRun: ...
+    def require_run(self) -> FlockRun: ...
 
     def change(self, change: Callable[[FlockRun], None]) -> None: ...
 
@@ -116,20 +116,20 @@ class Edits:
         if kind not in self.prepared:
             self.prepared.add(kind)
             threading.Thread(
-                target=try_out, args=(state.spec, state.beside, dim), daemon=True
+                target=try_world, args=(state.spec, state.beside, dim), daemon=True
             ).start()
 
     # The simulation's own thread.
 
     def edit_now(self, change: Change) -> None:
-        run, before = self.host.sound_run(), self.editor
+        run, before = self.host.require_run(), self.editor
         if before is None:
             raise InputError("there is no world to change yet")
         self.host.keeping.demand_turn()
         after = change(before)
         self.host.keeping.demand_world(after.world, before.world)
         if after.world is not run.flock.world:
-            self.host.change(lambda run: inhabit(run, after))
+            self.host.change(lambda run: move_to_world(run, after))
         self.editor = after
         spec, plain = self.host.state.spec, self.plain
         if after.world is self.untouched and plain is not None:
@@ -147,7 +147,7 @@ class Edits:
                 self.edit_now(change)
 
     def layout_now(self) -> bytes:
-        return self.host.sound_run().flock.world.to_toml().encode()
+        return self.host.require_run().flock.world.to_toml().encode()
 
     def open_now(
         self,
@@ -163,33 +163,33 @@ class Edits:
                 raise
             ask(question)
             return
-        spec, beside = self.host.state.again()
+        spec, beside = self.host.state.current_specs()
         self.host.schedule(spec.with_values(world=world, size=None, dim=world.dim), beside)
 
     def take_over(self, run: FlockRun, spec: CompleteSpec) -> None:
         """Edit the world of a new run; the history goes on where it is the same world."""
         world = run.flock.world
-        known = self.editor is not None and self.editor.world == world
-        if not known:
+        is_same = self.editor is not None and self.editor.world == world
+        if not is_same:
             self.editor = Editor.of(world)
             self.untouched = world
-        if not known or not isinstance(spec.world, World):
+        if not is_same or not isinstance(spec.world, World):
             self.plain = spec
 
 
-def inhabit(run: FlockRun, editor: Editor) -> None:
+def move_to_world(run: FlockRun, editor: Editor) -> None:
     """Let a flock go on in another world. Raises InputError, and then changes nothing."""
     world = editor.world
-    freed = [set_free(world, one.flock.position) for one in run.both]
-    for one, position in zip(run.both, freed, strict=True):
-        flock, before = one.flock, one.flock.loop
+    freed = [move_out(world, run.flock.position) for run in run.both]
+    for flock_run, position in zip(run.both, freed, strict=True):
+        flock, before = flock_run.flock, flock_run.flock.loop
         flock.change_world(world)
         if position is not flock.position:
             flock.position[:] = position
-        one.compiled = one.compiled and flock.loop is before
+        flock_run.compiled = flock_run.compiled and flock.loop is before
 
 
-def try_out(spec: Spec, beside: Spec | None, dim: int) -> None:
+def try_world(spec: Spec, beside: Spec | None, dim: int) -> None:
     """Run a flock of two, and the one beside it, for a tick in a small world with an obstacle."""
     pillar = Disc(centre=(9.0, 9.0), radius=0.5)
     world = World("aside", (10.0,) * dim, ("open",) * dim, obstacles=(pillar,))
@@ -200,9 +200,9 @@ def try_out(spec: Spec, beside: Spec | None, dim: int) -> None:
             companion(flock, beside).advance(1)
 
 
-def freed(run: FlockRun, position: np.ndarray) -> np.ndarray:
+def free_place(run: FlockRun, position: np.ndarray) -> np.ndarray:
     """A place (dim,) for an agent, the nearest one that is not solid. Raises InputError."""
-    return set_free(run.flock.world, np.asarray(position, float)[None])[0]
+    return move_out(run.flock.world, np.asarray(position, float)[None])[0]
 
 
 def ignoring_gone(change: Change) -> Change:

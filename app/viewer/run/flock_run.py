@@ -50,12 +50,12 @@ def radii(flock: Flock, parameters: Parameters) -> list[float]:
     return [zone.radius(parameters) for zone in flock.model.rule.zones]
 
 
-def in_order(radii: list[float]) -> bool:
+def are_zones_nested(radii: list[float]) -> bool:
     """Whether no zone ends inside of the one before it."""
     return all(inner <= outer for inner, outer in pairwise(radii))
 
 
-def allowed(flock: Flock, name: str, value: Any) -> Any:
+def nearest_allowed(flock: Flock, name: str, value: Any) -> Any:
     """The value nearest to the wanted one that keeps the zones in order.
 
     A zone that would pass another one ends where that one does. Zones that are out of order
@@ -65,16 +65,16 @@ def allowed(flock: Flock, name: str, value: Any) -> Any:
     before = radii(flock, now)
     if isinstance(value, bool) or not isinstance(value, int | float):
         return value
-    wanted = now.model_copy(update={name: value})
-    if not before or not in_order(before) or in_order(radii(flock, wanted)):
+    parameters = now.model_copy(update={name: value})
+    if not before or not are_zones_nested(before) or are_zones_nested(radii(flock, parameters)):
         return value
     for other in sorted(before, key=lambda radius: abs(radius - value)):
-        if in_order(radii(flock, now.model_copy(update={name: other}))):
+        if are_zones_nested(radii(flock, now.model_copy(update={name: other}))):
             return other
     raise InputError(f"{name} = {value:g} would put the zones out of order: nothing is changed")
 
 
-def stopped(flock: Flock, name: str, value: float) -> str:
+def zone_notice(flock: Flock, name: str, value: float) -> str:
     """What is told when a zone stops at another one."""
     others = (
         f"{zone.name} ends at {value:g}"
@@ -96,13 +96,13 @@ class FlockRun:
         self,
         flock: Flock,
         number: int,
-        wanted: FrameRequest,
+        request: FrameRequest,
         watched: frozenset[str] = frozenset(),
     ):
         self.flock = flock
         self.number = number
         self.readings = FlockReadings(flock, watched)
-        self.camera = FrameBuilder(flock, number, wanted)
+        self.camera = FrameBuilder(flock, number, request)
         self.compiled = False
         """Whether the flock has run, so that its next tick need not be compiled."""
         self.warned = ""
@@ -130,28 +130,28 @@ class FlockRun:
     @property
     def is_compiled(self) -> bool:
         """Whether the next tick need not be compiled, neither here nor beside."""
-        return all(one.compiled for one in self.both)
+        return all(run.compiled for run in self.both)
 
     @property
-    def is_at_hand(self) -> bool:
+    def is_ready(self) -> bool:
         """Whether all that it calls has been compiled, or is on disk."""
         return all(
-            one.flock.is_compiled and all(map(is_at_hand, one.readings.extremes.kernels))
-            for one in self.both
+            run.flock.is_compiled and all(map(is_at_hand, run.readings.extremes.kernels))
+            for run in self.both
         )
 
-    def want(self, wanted: FrameRequest) -> None:
+    def set_request(self, request: FrameRequest) -> None:
         """Change what frames hold beside positions and headings."""
-        self.camera.want(wanted)
+        self.camera.set_request(request)
 
     def watch(self, names: frozenset[str]) -> None:
         """Change which observables are measured beside those that always are."""
-        for one in self.both:
-            one.readings.watch(names)
+        for run in self.both:
+            run.readings.watch(names)
 
     def allowed(self, name: str, value: Any, beside: bool = False) -> Any:  # noqa: ARG002 - Pair's
         """The value nearest to the wanted one that keeps zones in order. Raises InputError."""
-        return allowed(self.flock, name, value)
+        return nearest_allowed(self.flock, name, value)
 
     def set(self, name: str, value: Any, beside: bool = False) -> None:  # noqa: ARG002 - Pair's
         """Give a parameter a value. Raises InputError, and then changes nothing."""
@@ -168,8 +168,8 @@ class FlockRun:
         try:
             change(self)
         finally:
-            for one in self.both:
-                one.readings.note_conditions()
+            for run in self.both:
+                run.readings.note_conditions()
 
     def advance(self, ticks: int) -> None:
         """Run ticks. Raises whatever the rule raises."""
@@ -193,17 +193,17 @@ class FlockRun:
                 f"{flock.tick}: every position must be a finite number"
             )
         if not (measured and self.measures):
-            return self.camera.take()
+            return self.camera.build()
         if self.astray is None:
             self.astray = flock.stray()
             self.troubles += [] if self.astray is None else [StrayAgentError(str(self.astray))]
-        self.attempt(lambda: self.readings.read(at_once=closely))
-        self.attempt(lambda: self.camera.examine(at_once=closely))
-        self.attempt(self.camera.inspect)
-        self.attempt(lambda: self.camera.inspect_others(at_once=closely))
-        return self.camera.take()
+        self.try_to_look(lambda: self.readings.read(at_once=closely))
+        self.try_to_look(lambda: self.camera.examine(at_once=closely))
+        self.try_to_look(self.camera.inspect)
+        self.try_to_look(lambda: self.camera.inspect_others(at_once=closely))
+        return self.camera.build()
 
-    def attempt(self, look: Callable[[], None]) -> None:
+    def try_to_look(self, look: Callable[[], None]) -> None:
         """Look; note what goes wrong."""
         try:
             look()
@@ -220,11 +220,11 @@ class FlockRun:
     def spec(self) -> bytes:
         """The run as TOML, with its parameters as they are now and a line on what was changed."""
         changed = self.readings.conditions.changes()
-        told = " ".join(f"# Changed while it ran: {', '.join(changed)}".split())
-        told += ". Here are the last values.\n"
-        return f"{told if changed else ''}{self.flock.spec.to_toml()}".encode()
+        text = " ".join(f"# Changed while it ran: {', '.join(changed)}".split())
+        text += ". Here are the last values.\n"
+        return f"{text if changed else ''}{self.flock.spec.to_toml()}".encode()
 
-    def saved(self) -> bytes:
+    def save(self) -> bytes:
         """The flock's state as a file."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "flock.parquet"

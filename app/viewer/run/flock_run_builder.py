@@ -10,12 +10,12 @@ import numpy as np
 from agents.flock import Flock
 from agents.snapshot import Snapshot
 from agents.spec import Spec
-from app.viewer.editing.free_places import set_free
+from app.viewer.editing.free_places import move_out
 from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.paired_run import PairedRun
-from app.viewer.run.stored_flock import Beginning, StoredFlock
+from app.viewer.run.stored_flock import InitialState, StoredFlock
 from worlds.input_error import InputError
 from worlds.world import World
 
@@ -30,11 +30,11 @@ class Playback(FlockRun):
         self,
         flock: Flock,
         number: int,
-        wanted: FrameRequest,
+        request: FrameRequest,
         watched: frozenset[str],
         stored: StoredFlock,
     ):
-        super().__init__(flock, number, wanted, watched)
+        super().__init__(flock, number, request, watched)
         self.stored = stored
         self.frames = stored.recording.frames
         self.clock = self.first
@@ -58,7 +58,7 @@ class Playback(FlockRun):
         return self.clock >= self.last
 
     @property
-    def is_at_hand(self) -> bool:
+    def is_ready(self) -> bool:
         """Nothing is run, and so nothing is waited for."""
         return True
 
@@ -68,8 +68,8 @@ class Playback(FlockRun):
 
     def step(self, frames: int) -> None:
         """Go on by so many of the recorded ticks, at most to the end. Raises InputError."""
-        here = int(np.searchsorted(self.frames.ticks, self.flock.tick))
-        self.show(int(self.frames.ticks[min(here + frames, len(self.frames.ticks) - 1)]))
+        index = int(np.searchsorted(self.frames.ticks, self.flock.tick))
+        self.show(int(self.frames.ticks[min(index + frames, len(self.frames.ticks) - 1)]))
 
     def seek(self, tick: int) -> None:
         """Go to a tick; curves go on from there. Raises InputError."""
@@ -80,13 +80,13 @@ class Playback(FlockRun):
         """Put the flock where it was at a tick, or last before it. Raises InputError."""
         then = self.frames.last_tick_until(tick)
         if then != self.flock.tick:
-            put(self.flock, self.frames.at(then))
+            restore_snapshot(self.flock, self.frames.at(then))
         self.clock = tick
 
 
-def put(flock: Flock, then: Snapshot) -> None:
+def restore_snapshot(flock: Flock, then: Snapshot) -> None:
     """Have a flock be as in a snapshot of its run; its engine is kept where it can be."""
-    if [one.shape for one in flock.arrays] != [one.shape for one in then.arrays]:
+    if [array.shape for array in flock.arrays] != [array.shape for array in then.arrays]:
         flock.return_to(then)
         return
     for mine, other in zip(flock.arrays, then.arrays, strict=True):
@@ -94,7 +94,7 @@ def put(flock: Flock, then: Snapshot) -> None:
     flock.tick = then.tick
 
 
-def fixed(stored: StoredFlock) -> InputError:
+def recording_error(stored: StoredFlock) -> InputError:
     """What is told to those who would change a recording."""
     return InputError(
         f"{stored.name} is a recording, in which nothing can be changed: "
@@ -109,7 +109,7 @@ class FlockRunBuilder:
         self.build = build
         self.build_beside = build_beside
 
-    def flock(self, spec: Spec, stored: Beginning | None, **more: Any) -> Flock:
+    def flock(self, spec: Spec, stored: InitialState | None, **more: Any) -> Flock:
         """The flock of a run, where it begins: with the spec's parameters and world, also if it is
         gone on from a state. Raises InputError.
         """
@@ -120,7 +120,7 @@ class FlockRunBuilder:
             return flock
         if isinstance(spec.world, World) and spec.world != flock.world:
             flock.change_world(spec.world)
-            flock.position[:] = set_free(spec.world, flock.position)
+            flock.position[:] = move_out(spec.world, flock.position)
         if flock.parameters.model_dump() != spec.parameters:
             flock.set(**spec.parameters)
         return flock
@@ -129,9 +129,9 @@ class FlockRunBuilder:
         self,
         flock: Flock,
         beside: Spec | None,
-        stored: Beginning | None,
+        stored: InitialState | None,
         number: int,
-        wanted: FrameRequest,
+        request: FrameRequest,
         watched: frozenset[str],
     ) -> FlockRun:
         """The run of a flock, and of the one beside it; of a recording that it is played.
@@ -139,9 +139,9 @@ class FlockRunBuilder:
         Raises InputError.
         """
         if isinstance(stored, StoredFlock) and stored.is_played:
-            return Playback(flock, number, wanted, watched, stored)
+            return Playback(flock, number, request, watched, stored)
         if beside is None:
-            return FlockRun(flock, number, wanted, watched)
+            return FlockRun(flock, number, request, watched)
         second = self.build_beside(flock, beside)
         refuse_too_dense(second)
-        return PairedRun(flock, second, number, wanted, watched)
+        return PairedRun(flock, second, number, request, watched)

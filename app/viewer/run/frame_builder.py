@@ -86,13 +86,13 @@ class FrameBuilder:
         default_factory=lambda: WorkThrottle(period=1 / 4, share=0.1)
     )
 
-    def want(self, wanted: FrameRequest) -> None:
+    def set_request(self, request: FrameRequest) -> None:
         """Change what is wanted; it is in the next frame."""
-        if wanted.first != self.wanted.first:
+        if request.first != self.wanted.first:
             self.rate_limit.renew()
-        self.wanted = wanted
+        self.wanted = request
 
-    def take(self) -> Frame:
+    def build(self) -> Frame:
         """A frame of the flock now; layers, groups and links are as last examined."""
         flock, now = self.flock, self.flock.snapshot()
         active = now.active
@@ -130,18 +130,18 @@ class FrameBuilder:
     def examine(self, at_once: bool = False) -> None:
         """Find what takes a look at the whole flock, if it is wanted and due, or `at_once`."""
         self.survey()
-        if not (at_once or self.rate_limit.due(time.perf_counter())):
+        if not (at_once or self.rate_limit.is_due(time.perf_counter())):
             return
-        wanted, flock = self.wanted, self.flock
-        with self.rate_limit.measured():
+        request, flock = self.wanted, self.flock
+        with self.rate_limit.measure_duration():
             self.layer = self.group = self.links = self.measured = None
-            if wanted.layers or wanted.groups or wanted.links or wanted.measured in OF_AGENTS:
+            if request.layers or request.groups or request.links or request.measured in OF_AGENTS:
                 refuse_too_many_links(flock)
             now = flock.snapshot(copy=False)
-            self.layer = now.layers() if wanted.layers else None
-            self.group = now.group_labels() if wanted.groups else None
-            self.links = now.links() if wanted.links else None
-            self.measured = measured(flock, wanted.measured) if wanted.measured else None
+            self.layer = now.layers() if request.layers else None
+            self.group = now.group_labels() if request.groups else None
+            self.links = now.links() if request.links else None
+            self.measured = measured(flock, request.measured) if request.measured else None
 
     def survey(self) -> None:
         """Take the boundary points of a world that is new."""
@@ -164,8 +164,8 @@ class FrameBuilder:
         rows = [row for row in self.wanted.others if 0 <= row < len(self.flock.ids)]
         if not rows:
             self.others = {}
-        elif (at_once or self.others_limit.due(time.perf_counter())) and self.is_warm():
-            with self.others_limit.measured():
+        elif (at_once or self.others_limit.is_due(time.perf_counter())) and self.is_warm():
+            with self.others_limit.measure_duration():
                 self.others = {row: self.flock.inspect(row) for row in rows}
 
     def is_warm(self) -> bool:

@@ -20,7 +20,7 @@ from agents.engine.cache import cache_base
 from agents.flock import Flock
 from agents.spec import Spec
 from app.processes import ChildError, ChildProcess, ProcessLostError
-from app.studies.workers.kernels import alone, compile_measures
+from app.studies.workers.kernels import compile_measures, single_agent_spec
 from app.viewer.run.flock_run import FlockRun
 from app.viewer.run.frame_builder import FrameRequest
 from worlds.input_error import InputError
@@ -45,14 +45,14 @@ class CompileEstimate:
         """How much of it is done, in [0, 1]."""
         return min(1.0, (now - self.began) / self.expected)
 
-    def words(self, now: float) -> str:
+    def describe(self, now: float) -> str:
         """How much longer it may take, for people.
 
         >>> later = CompileEstimate(0.0, 8.0, True)
-        >>> later.words(3.2), later.words(9.0)
+        >>> later.describe(3.2), later.describe(9.0)
         ('about 5 s more', 'any moment now')
         >>> first = CompileEstimate(0.0, 15.0, False)
-        >>> first.words(1.0), first.words(16.0)
+        >>> first.describe(1.0), first.describe(16.0)
         ('usually some 15 s', 'longer than usual')
         """
         left = self.expected - (now - self.began)
@@ -72,13 +72,13 @@ class KernelCompiler:
         self.kernels = frozenset(kernel(flock) for flock in flocks)
         self.kept = all(flock.engine.module.advance.lock is not None for flock in flocks)
         """Whether there is a cache on disk that the process could fill."""
-        self.specs = [alone(flock) for flock in flocks]
+        self.specs = [single_agent_spec(flock) for flock in flocks]
         self.kinds = [kind(flock) for flock in flocks]
-        self.estimate = estimated(self.kinds)
+        self.estimate = estimate_compilation(self.kinds)
         self.ready: Future[None] = Future()
         self.closed = False
         self.child: ChildProcess | None = None
-        threading.Thread(target=self.attend, name="compiling", daemon=True).start()
+        threading.Thread(target=self.wait_for_process, name="compiling", daemon=True).start()
 
     def covers(self, flocks: Sequence[Flock]) -> bool:
         """Whether what these flocks need is under way, or done."""
@@ -91,7 +91,7 @@ class KernelCompiler:
         if self.child is not None:
             self.child.end(0.0)
 
-    def attend(self) -> None:
+    def wait_for_process(self) -> None:
         """On a thread of its own: wait for the process, and take over what it has compiled."""
         try:
             if self.kept:
@@ -99,7 +99,7 @@ class KernelCompiler:
             if self.closed:
                 return
             for spec in self.specs:
-                try_out(Flock(spec))
+                call_all(Flock(spec))
             remember(self.kinds, time.monotonic() - self.estimate.began)
             self.ready.set_result(None)
         except Exception as error:
@@ -126,10 +126,10 @@ class CompileWorker:
             from_file(path)
         self.flocks = [Flock(spec) for spec in specs]
 
-    def try_out(self) -> None:
+    def compile_run(self) -> None:
         """Compile what a run calls. Raises InputError."""
         for flock in self.flocks:
-            try_out(flock)
+            call_all(flock)
 
     def compile_rest(self) -> None:
         """Compile what may be measured, too."""
@@ -138,7 +138,7 @@ class CompileWorker:
             compile_measures(flock)
 
 
-def try_out(flock: Flock) -> None:
+def call_all(flock: Flock) -> None:
     """Call all that a run in the laboratory calls: it is compiled, or taken from the cache."""
     run = FlockRun(flock, 0, FrameRequest())
     run.advance(1)
@@ -157,14 +157,14 @@ def kind(flock: Flock) -> str:
     return f"{flock.model.name}-{flock.world.dim}d{solid}-{acts}"
 
 
-def estimated(kinds: Sequence[str]) -> CompileEstimate:
+def estimate_compilation(kinds: Sequence[str]) -> CompileEstimate:
     """How long it may take to compile all of these, from now on."""
-    taken = [last_time(one) for one in kinds]
-    expected = sum(USUAL if one is None else one for one in taken)
-    return CompileEstimate(time.monotonic(), expected, None not in taken)
+    times = [last_duration(kind) for kind in kinds]
+    expected = sum(USUAL if seconds is None else seconds for seconds in times)
+    return CompileEstimate(time.monotonic(), expected, None not in times)
 
 
-def last_time(kind: str) -> float | None:
+def last_duration(kind: str) -> float | None:
     """What it took last to compile this on this machine, s; None if that is not known."""
     try:
         return float(read_owned(cache_base(), "seconds", kind))
@@ -176,8 +176,8 @@ def remember(kinds: Sequence[str], seconds: float) -> None:
     """Keep what it took to compile these, shared out evenly, beside the cache, if that can be."""
     each = f"{max(seconds, 0.1) / len(kinds):.1f}"
     with suppress(OSError):
-        for one in kinds:
-            write_owned(each.encode(), cache_base(), "seconds", one)
+        for kind in kinds:
+            write_owned(each.encode(), cache_base(), "seconds", kind)
 
 
 # What moves on the page until a run is compiled: the same run as plain Python.
@@ -193,7 +193,7 @@ LOOKS = 100
 
 def is_quick(run: FlockRun) -> bool:
     """Whether a run may be quick enough in plain Python to be watched."""
-    return sum(len(one.flock.ids) for one in run.both) <= MOST_AGENTS
+    return sum(len(run.flock.ids) for run in run.both) <= MOST_AGENTS
 
 
 class Preview:
@@ -208,30 +208,30 @@ class Preview:
         """Ticks that have taken too long, one after the other."""
 
     @property
-    def stands(self) -> bool:
+    def is_too_slow(self) -> bool:
         """Whether it is too slow to go on."""
         return self.slow >= OFTEN
 
-    def took(self, seconds: float) -> None:
+    def note_tick(self, seconds: float) -> None:
         """Note what a tick has taken, s of CPU."""
         self.slow = self.slow + 1 if seconds > SLOWEST else 0
 
-    def taken_over(self, shown: FlockRun) -> FlockRun:
+    def advance_compiled(self, run: FlockRun) -> FlockRun:
         """The compiled run, brought to where the preview is."""
-        last = shown.flock.tick
+        last = run.flock.tick
         for tick, change in self.changes:
-            self.go_on(tick, last)
+            self.run_to(tick, last)
             with suppress(InputError):  # as far as rounding makes it another run
                 self.coming.change(change)
-        self.go_on(last, last)
-        for one, before in zip(self.coming.both, shown.both, strict=True):
-            one.camera.fastest = before.camera.fastest
+        self.run_to(last, last)
+        for flock_run, before in zip(self.coming.both, run.both, strict=True):
+            flock_run.camera.fastest = before.camera.fastest
         return self.coming
 
-    def go_on(self, until: int, last: int) -> None:
+    def run_to(self, until: int, last: int) -> None:
         """Run on to a tick, and look at the curves a few times on the way to the `last`."""
         flock = self.coming.flock
         while flock.tick < until:
             self.coming.advance(min(until - flock.tick, 1 + last // LOOKS))
-            for one in self.coming.both:
-                one.attempt(one.readings.look)
+            for run in self.coming.both:
+                run.try_to_look(run.readings.read_cheap)

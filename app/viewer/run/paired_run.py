@@ -35,14 +35,16 @@ def naming_errors(flock: Flock) -> Iterator[None]:
         yield
     except (InputError, ArithmeticError, StrayAgentError) as error:
         kind = next(
-            one for one in (InputError, ArithmeticError, StrayAgentError) if isinstance(error, one)
+            failure
+            for failure in (InputError, ArithmeticError, StrayAgentError)
+            if isinstance(error, failure)
         )
         raise kind(f"{title}: {error}") from error
     except Exception as error:
         raise ComparedFlockError(f"{title}: {describe_error(error)}") from error
 
 
-def shared(
+def shared_parameters(
     first: Mapping[str, DeclaredParameter], second: Mapping[str, DeclaredParameter]
 ) -> frozenset[str]:
     """Names of the parameters that two models declare alike: symbol, unit, kind and default.
@@ -51,30 +53,34 @@ def shared(
     each of the models was published with at a value of its own, each model has its own.
     """
     return frozenset(
-        name for name, one in first.items() if name in second and alike(one, second[name])
+        name
+        for name, parameter in first.items()
+        if name in second and is_same_parameter(parameter, second[name])
     )
 
 
-def alike(one: DeclaredParameter, other: DeclaredParameter) -> bool:
+def is_same_parameter(parameter: DeclaredParameter, other: DeclaredParameter) -> bool:
     """Whether two parameters are one and the same."""
     return all(
-        getattr(one, part) == getattr(other, part)
+        getattr(parameter, part) == getattr(other, part)
         for part in ("name", "symbol", "unit", "kind", "choices", "default")
     )
 
 
-def by_name(flock_or_model: Any) -> dict[str, DeclaredParameter]:
+def parameters_by_name(flock_or_model: Any) -> dict[str, DeclaredParameter]:
     """The declared parameters of a parameter model, by name."""
-    return {one.name: one for one in declared(flock_or_model)}
+    return {parameter.name: parameter for parameter in declared(flock_or_model)}
 
 
-def shared_by(first: str, second: str) -> frozenset[str]:
+def shared_model_parameters(first: str, second: str) -> frozenset[str]:
     """The same for models by name.
 
-    >>> sorted(shared_by("vem", "ivem-a"))
+    >>> sorted(shared_model_parameters("vem", "ivem-a"))
     ['eta', 'k', 'neighbours', 'r', 'v0']
     """
-    return shared(by_name(MODELS[first].parameters), by_name(MODELS[second].parameters))
+    return shared_parameters(
+        parameters_by_name(MODELS[first].parameters), parameters_by_name(MODELS[second].parameters)
+    )
 
 
 def companion(first: Flock, beside: Spec) -> Flock:
@@ -90,9 +96,11 @@ def companion(first: Flock, beside: Spec) -> Flock:
     if model is first.model:
         raise InputError(f"beside = {model.name!r} is the model itself: another one is needed")
     values = first.parameters.model_dump()
-    given = {name: values[name] for name in shared_by(first.model.name, model.name)}
+    shared_values = {
+        name: values[name] for name in shared_model_parameters(first.model.name, model.name)
+    }
     spec = first.options.but(
-        model=model.name, world=first.world, parameters=given | beside.parameters
+        model=model.name, world=first.world, parameters=shared_values | beside.parameters
     )
     arrays = None
     if spec.informed and not model.rule.led:
@@ -120,15 +128,17 @@ class PairedRun(FlockRun):
         flock: Flock,
         second: Flock,
         number: int,
-        wanted: FrameRequest,
+        request: FrameRequest,
         watched: frozenset[str] = frozenset(),
     ):
         self.second = FlockRun(second, number, FrameRequest(), watched)
-        super().__init__(flock, number, wanted, watched)
-        self.shared = shared(by_name(type(flock.parameters)), by_name(type(second.parameters)))
+        super().__init__(flock, number, request, watched)
+        self.shared = shared_parameters(
+            parameters_by_name(type(flock.parameters)), parameters_by_name(type(second.parameters))
+        )
         self.owed = 0.0
         """Part of a tick of the second flock by which it is behind the first."""
-        self.want(wanted)
+        self.set_request(request)
 
     @property
     def beside_values(self) -> dict[str, Any]:
@@ -136,39 +146,43 @@ class PairedRun(FlockRun):
         values = self.second.values
         return {name: value for name, value in values.items() if name not in self.shared}
 
-    def want(self, wanted: FrameRequest) -> None:
+    def set_request(self, request: FrameRequest) -> None:
         """Change what frames hold; only the flock that is meant is looked at from close."""
-        nobody = replace(wanted, row=None)
-        self.camera.want(nobody if wanted.beside else wanted)
-        second = wanted if wanted.beside else nobody
-        self.second.camera.want(replace(second, others=wanted.others_beside))
+        nobody = replace(request, row=None)
+        self.camera.set_request(nobody if request.beside else request)
+        second = request if request.beside else nobody
+        self.second.camera.set_request(replace(second, others=request.others_beside))
 
     def advance(self, ticks: int) -> None:
         """Run ticks of the first flock, and as many of the second as take the same time."""
         with naming_errors(self.flock):
             super().advance(ticks)
         due = self.owed + ticks * ticks_per_tick(self.flock, self.second.flock)
-        whole = math.floor(due + ROUNDING)
-        self.owed = max(0.0, due - whole)
+        whole_ticks = math.floor(due + ROUNDING)
+        self.owed = max(0.0, due - whole_ticks)
         with naming_errors(self.second.flock):
-            self.second.advance(whole)
+            self.second.advance(whole_ticks)
 
     def look(self, closely: bool, measured: bool = True) -> Frame:
         """A frame of the first flock that holds one of the second; raises as `FlockRun.look`."""
         with naming_errors(self.flock):
             frame = super().look(closely, measured)
-        known = len(self.second.troubles)
+        trouble_count = len(self.second.troubles)
         with naming_errors(self.second.flock):
-            beside = self.second.look(closely, measured)
-        for trouble in self.second.troubles[known:]:
-            self.attempt(partial(self.tell, trouble))
-        scale, other = frame.speed_scale, beside.speed_scale
-        if frame.unit == beside.unit:
+            compared_frame = self.second.look(closely, measured)
+        for trouble in self.second.troubles[trouble_count:]:
+            self.try_to_look(partial(self.raise_named, trouble))
+        scale, other = frame.speed_scale, compared_frame.speed_scale
+        if frame.unit == compared_frame.unit:
             scale = other = max(scale, other)
-        beside = replace(beside, speed_scale=other, title=self.second.flock.model.title)
-        return replace(frame, speed_scale=scale, title=self.flock.model.title, beside=beside)
+        compared_frame = replace(
+            compared_frame, speed_scale=other, title=self.second.flock.model.title
+        )
+        return replace(
+            frame, speed_scale=scale, title=self.flock.model.title, beside=compared_frame
+        )
 
-    def tell(self, trouble: Exception) -> None:
+    def raise_named(self, trouble: Exception) -> None:
         """Raise what the second flock had trouble with, named."""
         with naming_errors(self.second.flock):
             raise trouble
@@ -205,20 +219,20 @@ class PairedRun(FlockRun):
 
     def spec(self) -> bytes:
         """The specs of both flocks, a ZIP."""
-        return self.packed("toml", super().spec(), self.second.spec())
+        return self.zip_files("toml", super().spec(), self.second.spec())
 
-    def saved(self) -> bytes:
+    def save(self) -> bytes:
         """The states of both flocks, a ZIP."""
-        return self.packed("parquet", super().saved(), self.second.saved())
+        return self.zip_files("parquet", super().save(), self.second.save())
 
-    def packed(self, suffix: str, *contents: bytes) -> bytes:
+    def zip_files(self, suffix: str, *contents: bytes) -> bytes:
         """A file of each flock in a ZIP, numbered and named by their models."""
-        names = (one.flock.model.name for one in self.both)
-        made = io.BytesIO()
-        with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as pack:
+        names = (run.flock.model.name for run in self.both)
+        buffer = io.BytesIO()
+        with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as pack:
             for number, (name, content) in enumerate(zip(names, contents, strict=True), 1):
                 pack.writestr(zipfile.ZipInfo(f"{number}-{name}.{suffix}"), content)
-        return made.getvalue()
+        return buffer.getvalue()
 
 
 def ticks_per_tick(first: Flock, second: Flock) -> float:
@@ -243,8 +257,8 @@ def pace_note(first: Frame, second: Frame) -> str:
     'Ticks of 0.1 s and of 0.02 s: 5 ticks of the second to one of the first.'
     """
     if first.unit != second.unit:
-        clocks = (one.unit if one.unit == "ticks" else f"{one.dt:g} {one.unit}"
-                  for one in (first, second))  # fmt: skip
+        clocks = (frame.unit if frame.unit == "ticks" else f"{frame.dt:g} {frame.unit}"
+                  for frame in (first, second))  # fmt: skip
         return f"Time is not counted alike ({', '.join(clocks)}): both go tick by tick."
     if first.dt == second.dt:
         return ""

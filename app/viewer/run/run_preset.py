@@ -8,7 +8,7 @@ from typing import Any
 from agents.catalogue import model as find_model
 from agents.flock_world import complete_spec
 from agents.spec import DEFAULT, CompleteSpec, Spec
-from app.viewer.scene.shown.drawing_style import DrawingDefaults, usual
+from app.viewer.scene.shown.drawing_style import DrawingDefaults, default_style
 from worlds.layout import layout_names, own_dim, shared_layout
 from worlds.world import World
 
@@ -36,7 +36,7 @@ class WorldDefaults:
     """Whether it has a size of its own."""
 
 
-def home(world: str | World) -> WorldDefaults:
+def world_defaults(world: str | World) -> WorldDefaults:
     """What a world decides by itself. Raises InputError for a file that cannot be read."""
     if isinstance(world, World):
         return WorldDefaults(world.dim, True)
@@ -44,22 +44,22 @@ def home(world: str | World) -> WorldDefaults:
     return WorldDefaults(own_dim(layout, world), "size" in layout)
 
 
-def at_home(model: str = DEFAULT, **given: Any) -> CompleteSpec:
+def preset_spec(model: str = DEFAULT, **options: Any) -> CompleteSpec:
     """A run of a model in the world that it is at home in, where nothing else is `given`.
 
     What is None counts as not given; the seed is 1 then. Raises InputError.
 
-    >>> at_home("hwvem").world, at_home("hwvem", world="open").world
+    >>> preset_spec("hwvem").world, preset_spec("hwvem", world="open").world
     ('wrap', 'open')
     """
-    said = {name: value for name, value in given.items() if value is not None}
-    return complete_spec(Spec(model, **{"seed": 1, **said}), find_model(model))
+    given_options = {name: value for name, value in options.items() if value is not None}
+    return complete_spec(Spec(model, **{"seed": 1, **given_options}), find_model(model))
 
 
 def lively_speed(spec: Spec) -> float:
     """Ticks per second at which a run can be watched: five times as fast as a body's seconds pass.
 
-    >>> lively_speed(at_home("hwvem"))
+    >>> lively_speed(preset_spec("hwvem"))
     15.0
     """
     if find_model(spec.model).body.unit == "ticks":
@@ -70,18 +70,18 @@ def lively_speed(spec: Spec) -> float:
 def tick_of(spec: Spec) -> float:
     """How long a tick of a run lasts, in its unit of time."""
     model = find_model(spec.model)
-    known = {k: v for k, v in spec.parameters.items() if k in model.parameters.model_fields}
-    return model.body.lasts(model.parameters(**known))
+    parameters = {k: v for k, v in spec.parameters.items() if k in model.parameters.model_fields}
+    return model.body.lasts(model.parameters(**parameters))
 
 
-def usual_of(spec: Spec) -> DrawingDefaults:
+def drawing_defaults(spec: Spec) -> DrawingDefaults:
     """How a run is drawn as long as nobody chooses otherwise.
 
-    >>> usual_of(at_home("squashing-cars")).look.colour, usual_of(at_home("vem")).look.colour
-    ('each its own', 'heading')
+    >>> [drawing_defaults(preset_spec(name)).look.colour for name in ("squashing-cars", "vem")]
+    ['each its own', 'heading']
     """
     model = find_model(spec.model)
-    return usual(model, spec.agents, tick_of(spec))
+    return default_style(model, spec.agents, tick_of(spec))
 
 
 def world_titles() -> dict[str, str | World]:

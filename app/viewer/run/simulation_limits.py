@@ -11,7 +11,7 @@ from agents.spec import CompleteSpec, Spec
 from app.front.client_addresses import RateLimit
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.flock_run import FlockRun
-from app.viewer.run.stored_flock import Beginning
+from app.viewer.run.stored_flock import InitialState
 from worlds.input_error import InputError
 from worlds.world import World
 
@@ -42,7 +42,7 @@ class Pace:
         """Start to count afresh: the next tick is due at once."""
         self.due = 0.0
         self.marks.clear()
-        self.doubt()
+        self.reset_cost()
 
     def wait(self, now: float) -> float:
         """Time until the next tick is due, s."""
@@ -65,11 +65,11 @@ class Pace:
             self.due = now
         return ticks
 
-    def doubt(self) -> None:
+    def reset_cost(self) -> None:
         """Something has changed: run a single tick next, to see what one costs now."""
         self.cost = self.answer
 
-    def took(self, ticks: int, seconds: float) -> None:
+    def note_ticks(self, ticks: int, seconds: float) -> None:
         """Note how long ticks took: a rise is believed at once, a fall by halves."""
         self.cost = max(seconds / ticks, 0.5 * self.cost, 1e-7)
         self.done += ticks
@@ -128,7 +128,7 @@ class Share:
         """Seconds until it may go on."""
         return max(0.0, -self.limit.fill() / self.limit.rate)
 
-    def become(self, share: float) -> None:
+    def set_share(self, share: float) -> None:
         """Have it keep to another share from now on."""
         self.limit.fill()
         self.limit.rate, self.limit.most = share, LONGEST * share
@@ -147,7 +147,7 @@ class SimulationLimits:
         self.share = Share(1.0)
         self.edits: RateLimit | None = None
         if allowance is not None:
-            self.share.become(allowance.share)
+            self.share.set_share(allowance.share)
             self.edits = RateLimit(allowance.edits, EDITS_AT_ONCE)
 
     def note(self) -> None:
@@ -161,7 +161,7 @@ class SimulationLimits:
         return 0.0 if self.allowance is None else self.share.wait()
 
     @property
-    def between_frames(self) -> float:
+    def frame_interval(self) -> float:
         """Shortest time between two frames, s."""
         if self.allowance is None:
             return FRAMES
@@ -178,9 +178,9 @@ class SimulationLimits:
     def look(self) -> None:
         """Somebody looks now, or nobody any more."""
         if self.allowance is not None:
-            self.share.become(self.allowance.share if self.seen else self.allowance.unseen_share)
+            self.share.set_share(self.allowance.share if self.seen else self.allowance.unseen_share)
 
-    def demand(self, spec: CompleteSpec, beside: Spec | None, stored: Beginning | None) -> None:
+    def demand(self, spec: CompleteSpec, beside: Spec | None, stored: InitialState | None) -> None:
         """Raise InputError for a run that is too much, before it is built."""
         if self.allowance is not None:
             self.allowance.demand(spec, beside, stored)
@@ -192,8 +192,12 @@ class SimulationLimits:
         if allowance is None:
             return
         allowance.demand_world(run.flock.world)
-        for one in run.both:
-            for limit in (one.readings.quick, one.readings.slow, one.camera.rate_limit):
+        for flock_run in run.both:
+            for limit in (
+                flock_run.readings.quick,
+                flock_run.readings.slow,
+                flock_run.camera.rate_limit,
+            ):
                 limit.period = max(limit.period, allowance.panels)
                 limit.share = MEASURING * allowance.share
 

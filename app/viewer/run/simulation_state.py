@@ -8,7 +8,7 @@ from typing import Any
 
 from agents.spec import CompleteSpec, Spec
 from app.viewer.run.kernel_compiler import CompileEstimate
-from app.viewer.run.stored_flock import Beginning
+from app.viewer.run.stored_flock import InitialState
 
 # That there is something new to draw, told to each of those who draw it.
 
@@ -37,8 +37,8 @@ class ChangeNotifier(threading.Event):
 
     def set(self) -> None:
         super().set()
-        for one in self.others:
-            one.set()
+        for event in self.others:
+            event.set()
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class SimulationState:
     beside: Spec | None = None
     """A second model, whose flock flies in the same world from the same start: what it has of its
     own."""
-    stored: Beginning | None = None
+    stored: InitialState | None = None
     """The saved state, recording or flock that it began from."""
     line: TimeLineState | None = None
     """Along which ticks it can be moved."""
@@ -94,7 +94,7 @@ class SimulationState:
         """Names of the model and of the one beside it."""
         return self.spec.model, None if self.beside is None else self.beside.model
 
-    def again(self) -> tuple[CompleteSpec, Spec | None]:
+    def current_specs(self) -> tuple[CompleteSpec, Spec | None]:
         """This run, and what is beside it, with the parameters as they are now."""
         beside = self.beside
         spec = self.spec.with_values(parameters=dict(self.values)) if self.values else self.spec

@@ -64,7 +64,7 @@ class StoredFlock:
     @cached_property
     def spec(self) -> CompleteSpec:
         """The run that Setup begins from it, at tick 0; what started from arrays starts anew."""
-        return anew(self.recording.spec, self.recording.world)
+        return at_start(self.recording.spec, self.recording.world)
 
     @property
     def speed(self) -> float:
@@ -87,7 +87,7 @@ class StoredFlock:
 
     def flock(self, build: Callable[..., Flock], **more: Any) -> Flock:
         """The flock as it begins, ready to go on from there. Raises InputError."""
-        return gone_on(self.recording.spec, self.first, build, **more)
+        return resume(self.recording.spec, self.first, build, **more)
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class InMemoryFlock:
     @cached_property
     def spec(self) -> CompleteSpec:
         """The run that Setup begins from it, at tick 0; what started from arrays starts anew."""
-        return anew(self.run, self.now.world)
+        return at_start(self.run, self.now.world)
 
     @property
     def most(self) -> int:
@@ -122,25 +122,25 @@ class InMemoryFlock:
 
     def flock(self, build: Callable[..., Flock], **more: Any) -> Flock:
         """The flock as it begins, ready to go on from there. Raises InputError."""
-        return gone_on(self.run, self.now, build, **more)
+        return resume(self.run, self.now, build, **more)
 
 
-Beginning = StoredFlock | InMemoryFlock
+InitialState = StoredFlock | InMemoryFlock
 """What a run begins from, if not from its start."""
 
 
-def anew(spec: CompleteSpec, world: World) -> CompleteSpec:
+def at_start(spec: CompleteSpec, world: World) -> CompleteSpec:
     """The same run at tick 0; what started from arrays starts at random."""
-    known = spec.layout is None and spec.world in layout_names()
+    is_named = spec.layout is None and spec.world in layout_names()
     alike = len(set(world.size)) == 1
-    if known and alike and world.random is None:
+    if is_named and alike and world.random is None:
         where: dict[str, Any] = {"world": spec.world, "size": float(world.size[0])}
     else:
         where = {"world": world, "size": None}
     return spec.with_values(**where, layout=None, dim=world.dim, start="random", versions={})
 
 
-def gone_on(spec: CompleteSpec, saved: Snapshot, build: Callable[..., Flock], **more: Any) -> Flock:
+def resume(spec: CompleteSpec, saved: Snapshot, build: Callable[..., Flock], **more: Any) -> Flock:
     """The flock of a run as it was in a snapshot, from which it goes on. Raises InputError."""
     spec = spec.with_values(world=saved.world, layout=None)
     start = {"position": saved.position, "heading": saved.heading}
@@ -150,7 +150,7 @@ def gone_on(spec: CompleteSpec, saved: Snapshot, build: Callable[..., Flock], **
     return flock
 
 
-def stored(name: str, content: bytes | None = None, path: Path | None = None) -> StoredFlock:
+def read_stored(name: str, content: bytes | None = None, path: Path | None = None) -> StoredFlock:
     """The state or recording in the bytes of a file, or at a path. Raises InputError.
 
     Whoever made it: how much it unpacks to is looked at before anything is unpacked, its world is
@@ -168,13 +168,13 @@ def stored(name: str, content: bytes | None = None, path: Path | None = None) ->
         recording = Recording(path or name, content)
         demand_modest(recording, name, content is not None)
         demand_own_world(recording, name)
-        made = StoredFlock(recording, name)
-        demand_playable(made, name)
+        flock = StoredFlock(recording, name)
+        demand_playable(flock, name)
     except InputError:
         raise
     except Exception as error:  # A broken file makes the parsers of others raise whatever they do.
         raise InputError(f"{name} cannot be read: {type(error).__name__}") from None
-    return made
+    return flock
 
 
 def demand_modest(recording: Recording, name: str, whole: bool) -> None:
@@ -211,14 +211,14 @@ def demand_own_world(recording: Recording, name: str) -> None:
         raise InputError(f"{name}: {spec.model} is not defined in {world.dim} dimensions")
 
 
-def demand_playable(made: StoredFlock, name: str) -> None:
+def demand_playable(flock: StoredFlock, name: str) -> None:
     """Raise InputError for a flock that the laboratory does not take."""
-    if made.most > MOST_AGENTS:
+    if flock.most > MOST_AGENTS:
         raise InputError(
-            f"{name} has {made.most} agents: the laboratory takes {MOST_AGENTS} at most"
+            f"{name} has {flock.most} agents: the laboratory takes {MOST_AGENTS} at most"
         )
-    made.flock(Flock, interpret=True)
-    _ = made.spec
+    flock.flock(Flock, interpret=True)
+    _ = flock.spec
 
 
 def rewrite(name: str, content: bytes) -> bytes:
@@ -226,7 +226,7 @@ def rewrite(name: str, content: bytes) -> bytes:
     import pyarrow.parquet as pq
 
     # Not `pq.read_table`: that would see the footer as it came.
-    table = stored(name, content).recording.file.read()
-    made = io.BytesIO()
-    pq.write_table(table, made, compression="zstd", row_group_size=REWRITTEN_ROWS)
-    return made.getvalue()
+    table = read_stored(name, content).recording.file.read()
+    buffer = io.BytesIO()
+    pq.write_table(table, buffer, compression="zstd", row_group_size=REWRITTEN_ROWS)
+    return buffer.getvalue()

@@ -20,10 +20,10 @@ from app.viewer.editing.editor import Editor
 from app.viewer.measuring.background_worker import WorkThrottle
 from app.viewer.run.edits import Edits
 from app.viewer.run.flock_run import FlockRun
-from app.viewer.run.flock_run_builder import Playback, fixed
+from app.viewer.run.flock_run_builder import Playback, recording_error
 from app.viewer.run.paired_run import PairedRun
 from app.viewer.run.simulation_state import SimulationState, TimeLineState
-from app.viewer.run.stored_flock import Beginning
+from app.viewer.run.stored_flock import InitialState
 from worlds.input_error import InputError
 
 # What is kept of a live run, so that one can look back and go on from there.
@@ -57,14 +57,14 @@ class RunCheckpoint:
     @property
     def size(self) -> int:
         """Bytes."""
-        return sum(array.nbytes for one in self.snapshots for array in one.arrays)
+        return sum(array.nbytes for snapshot in self.snapshots for array in snapshot.arrays)
 
 
 @dataclass
 class CheckpointHistory:
     """Moments of one run, ticks rising: the first, and the denser the closer to the last.
 
-    >>> CheckpointHistory().before(5) is None
+    >>> CheckpointHistory().last_before(5) is None
     True
     """
 
@@ -79,11 +79,11 @@ class CheckpointHistory:
         self.moments.append(moment)
         self.size += moment.size
         while len(self.moments) > 2 and (self.size > self.memory or len(self.moments) > MOST):
-            self.drop(self.least_missed())
+            self.drop(self.least_needed())
 
-    def least_missed(self) -> int:
+    def least_needed(self) -> int:
         """Which moment, not the first and not the last, leaves the smallest gap for its age."""
-        ticks = np.array([one.tick for one in self.moments], float)
+        ticks = np.array([moment.tick for moment in self.moments], float)
         gap = ticks[2:] - ticks[:-2]
         return 1 + int(np.argmin(gap / (ticks[-1] - ticks[1:-1])))
 
@@ -100,9 +100,9 @@ class CheckpointHistory:
         """Forget everything."""
         self.moments, self.size = [], 0
 
-    def before(self, tick: int) -> RunCheckpoint | None:
+    def last_before(self, tick: int) -> RunCheckpoint | None:
         """The last moment that is not after a tick, else the first."""
-        earlier = [one for one in self.moments if one.tick <= tick]
+        earlier = [moment for moment in self.moments if moment.tick <= tick]
         return earlier[-1] if earlier else next(iter(self.moments), None)
 
 
@@ -124,9 +124,9 @@ class TimeLineHost(Protocol):
         self, command: Callable[[], Any], key: str = "", runs: bool | None = None
     ) -> Future: ...
 
-    def sound_run(self) -> FlockRun: ...
+    def require_run(self) -> FlockRun: ...
 
-    def begin(self, stored: Beginning) -> None: ...
+    def begin(self, stored: InitialState) -> None: ...
 
 
 class TimeLine:
@@ -158,47 +158,47 @@ class TimeLine:
     # The simulation's own thread.
 
     def seek_now(self, tick: int) -> None:
-        host, run = self.host, self.host.sound_run()
+        host, run = self.host, self.host.require_run()
         if isinstance(run, Playback):
             run.seek(tick)
         else:
-            now = self.present or self.moment(run)
-            then = now if tick >= now.tick else self.history.before(tick)
+            now = self.present or self.checkpoint(run)
+            then = now if tick >= now.tick else self.history.last_before(tick)
             if then is None:
-                raise InputError("nothing is kept yet of this run to look back at")
+                raise InputError("this run has no past to look back at yet")
             self.present = None if then is now else now
             restore(run, then)
             values, others = run.values, run.beside_values
             host.state = replace(
                 host.state, running=False, rate=0.0, values=values, beside_values=others
             )
-            for one in run.both:
-                one.readings.notes = self.present is None
-                one.readings.aside.forget()
+            for flock_run in run.both:
+                flock_run.readings.notes = self.present is None
+                flock_run.readings.aside.forget()
         self.moved = time.perf_counter()
         host.stale = True
 
     def go_on_now(self) -> None:
-        host, run = self.host, self.host.sound_run()
+        host, run = self.host, self.host.require_run()
         if isinstance(run, Playback):
             if run.stored.recording.spec.is_late:
                 raise InputError(
-                    f"{run.stored.name} cannot be gone on from: it has not what messages on their "
-                    "way tell, which only saved states have"
+                    f"{run.stored.name} cannot go on: only saved states hold the messages that are "
+                    "on their way"
                 )
             host.begin(replace(run.stored, tick=run.flock.tick))
         elif self.present is not None:
-            then = self.history.before(run.flock.tick)
+            then = self.history.last_before(run.flock.tick)
             if then is None:
-                raise InputError("nothing is kept of this run that it could go on from")
+                raise InputError("this run has no earlier tick to go on from")
             self.present = None
             self.history.cut(then.tick)
             number = host.state.run + 1
-            for one, least in zip(run.both, then.least, strict=True):
-                one.number = one.camera.run = number
-                one.readings.notes = True
-                one.readings.cut(one.flock.tick)
-                one.readings.extremes.take(least)
+            for flock_run, least in zip(run.both, then.least, strict=True):
+                flock_run.number = flock_run.camera.run = number
+                flock_run.readings.notes = True
+                flock_run.readings.cut(flock_run.flock.tick)
+                flock_run.readings.extremes.resume(least)
             host.edits.editor = then.editor
             host.state = replace(
                 host.state,
@@ -226,11 +226,11 @@ class TimeLine:
         """Raise InputError where nothing can be changed: in a recording, and while looking back."""
         run = self.host.run
         if isinstance(run, Playback):
-            raise fixed(run.stored)
+            raise recording_error(run.stored)
         if self.present is not None and run is not None:
             raise InputError(
-                f"this is tick {run.flock.tick}, looked back at: go on from here, or back to now, "
-                "before anything is changed"
+                f"you look back at tick {run.flock.tick}: go on from here, or go back to now, "
+                "before you change anything"
             )
 
     def forget(self) -> None:
@@ -247,15 +247,15 @@ class TimeLine:
         """Keep the run as it is, if that is due."""
         if isinstance(run, Playback) or self.present is not None:
             return
-        if self.rate_limit.due(time.perf_counter()):
-            with self.rate_limit.measured():
-                self.history.note(self.moment(run))
+        if self.rate_limit.is_due(time.perf_counter()):
+            with self.rate_limit.measure_duration():
+                self.history.note(self.checkpoint(run))
 
-    def moment(self, run: FlockRun) -> RunCheckpoint:
+    def checkpoint(self, run: FlockRun) -> RunCheckpoint:
         """The run as it is."""
         return RunCheckpoint(
-            tuple(one.flock.snapshot() for one in run.both),
-            tuple(one.readings.extremes.least for one in run.both),
+            tuple(run.flock.snapshot() for run in run.both),
+            tuple(run.readings.extremes.least for run in run.both),
             run.owed if isinstance(run, PairedRun) else 0.0,
             self.host.state.spec,
             self.host.edits.editor,
@@ -271,20 +271,20 @@ class TimeLine:
         last = at if self.present is None else self.present.tick
         return TimeLineState(self.history.moments[0].tick, last, at, self.present is not None)
 
-    def unsettled(self, now: float) -> float | None:
+    def time_to_settle(self, now: float) -> float | None:
         """Time until everything is to be measured where one has moved to, s; None: it has been."""
         return None if self.moved is None else max(0.0, self.moved + SETTLED - now)
 
     def settle(self) -> None:
         """Have everything measured as soon as one has moved for the last time."""
-        if self.unsettled(time.perf_counter()) == 0.0:
+        if self.time_to_settle(time.perf_counter()) == 0.0:
             self.moved = None
             self.host.stale = True
 
 
 def restore(run: FlockRun, then: RunCheckpoint) -> None:
     """Put the flocks of a run where they were."""
-    for one, snapshot in zip(run.both, then.snapshots, strict=True):
-        one.flock.return_to(snapshot)
+    for flock_run, snapshot in zip(run.both, then.snapshots, strict=True):
+        flock_run.flock.return_to(snapshot)
     if isinstance(run, PairedRun):
         run.owed = then.owed

@@ -120,7 +120,7 @@ class Drawing:
         """Begin to draw."""
         self.thread.start()
 
-    def welcome(self) -> None:
+    def show_to_newcomer(self) -> None:
         """A browser has come: it is shown what there is now."""
         self.come.set()
         if self.news is not None:
@@ -129,15 +129,15 @@ class Drawing:
     def close(self) -> None:
         """Stop drawing."""
         self.closing.set()
-        self.welcome()
+        self.show_to_newcomer()
         self.thread.join(2.0)
 
     def live(self) -> None:
         """Draw and refresh, until closed."""
         while not self.closing.is_set():
-            self.turn()
+            self.draw_once()
 
-    def turn(self) -> None:
+    def draw_once(self) -> None:
         """Draw and refresh once, then wait; what goes wrong is printed, to be tried again."""
         began, worked = self.clock(), self.worked()
         if self.news is not None:
@@ -150,7 +150,7 @@ class Drawing:
             self.before()
             if self.draw():
                 self.due = max(self.due, began - 0.5 * self.period()) + self.period()
-            self.scene.look_through()
+            self.scene.update_see_through()
             if self.drawn is not None and (began >= self.panels_due or changes != self.shown):
                 self.panels_due, self.shown = began + self.rates.panels, changes
                 self.panels()
@@ -158,9 +158,9 @@ class Drawing:
             traceback.print_exception(error)
             self.closing.wait(1.0)
         worked = self.worked() - worked
-        self.rest(max(self.due, began + worked / self.rates.share))
+        self.wait_until_due(max(self.due, began + worked / self.rates.share))
 
-    def rest(self, due: float) -> None:
+    def wait_until_due(self, due: float) -> None:
         """Wait until a frame may be drawn at `due` (s), and then for something to draw."""
         now = self.clock()
         if self.news is None:
@@ -176,7 +176,7 @@ class Drawing:
         agents = 0.0
         if self.drawn is not None:
             frame, look = self.drawn
-            agents = sum(load(one, look) for one in (frame, frame.beside) if one is not None)
+            agents = sum(load(frame, look) for frame in (frame, frame.beside) if frame is not None)
         return period(agents, self.browsers(), self.rates.bandwidth, self.rates.fastest)
 
     def draw(self) -> bool:

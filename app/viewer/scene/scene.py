@@ -1,4 +1,4 @@
-"""Everything drawn in the three-dimensional view, from a `Frame`."""
+"""Everything drawn in the three-dimensional view, from a `Frame`, and which agent a click hits."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from viser import ClientHandle, FrameHandle, LabelHandle, SceneApi, SceneClickEvent, ViserServer
 
-from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints, places
+from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints, mission_places
 from app.viewer.scene.draw.drawn_frame import Changes, Picture, picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.agents import Agents, FlockMotion
@@ -26,12 +26,9 @@ from app.viewer.scene.marks.see_through import FollowedAgent, SeeThrough
 from app.viewer.scene.marks.trails import Trails, Wake
 from app.viewer.scene.marks.world_box import Fog, Walls, WorldBox, set_light
 from app.viewer.scene.marks.zone_marks import ZoneMarks
-from app.viewer.scene.picking import picked, slack
 from app.viewer.scene.shown.debounce import Debounce
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
-
-# All that is drawn of one flock, under one name.
 
 
 class Parts:
@@ -123,15 +120,19 @@ class ComparisonNodes:
             self.parts = Parts(self.scene, ROOT)
             self.titles = tuple(self._title(name) for name in ("first", "second"))
         aside = offset(first)
-        one, other = self.titles
+        title, other = self.titles
         changes: Changes = [
             (self.frame, "position", aside),
-            (one, "text", first.frame.title),
-            (one, "position", over(first) - aside),
+            (title, "text", first.frame.title),
+            (title, "position", title_place(first) - aside),
             (other, "text", second.frame.title),
-            (other, "position", over(second)),
+            (other, "position", title_place(second)),
         ]
-        changes = [one for one in changes if not np.array_equal(getattr(one[0], one[1]), one[2])]
+        changes = [
+            change
+            for change in changes
+            if not np.array_equal(getattr(change[0], change[1]), change[2])
+        ]
         return changes + self.parts.draw_box(second)
 
     def draw_flock(self, second: Picture | None) -> Changes:
@@ -150,7 +151,7 @@ def sights(first: Picture, second: Picture | None) -> tuple[Sight, ...]:
     return (here,) if second is None else (here, Sight(second, offset(first)))
 
 
-def meant(
+def find_clicked(
     sights: tuple[Sight, ...], origin: np.ndarray, direction: np.ndarray, near: float
 ) -> tuple[int, int | None]:
     """Which flock a click is for, 0 or 1, and the row of the agent that it hits, if any.
@@ -158,16 +159,19 @@ def meant(
     Origin and direction (3,) are of the ray on the display, `near` is the half-width of the cone
     about it (rad). Where it hits nobody it is for the room whose middle it passes more closely.
     """
-    for side, (shown, aside) in enumerate(sights):
-        radius = 0.5 * shown.length * shown.size
-        row = picked(origin - aside, direction, shown.at, radius, near)
+    for side, (flock_picture, aside) in enumerate(sights):
+        radius = 0.5 * flock_picture.length * flock_picture.size
+        row = pick_agent(origin - aside, direction, flock_picture.at, radius, near)
         if row is not None:
             return side, row
-    away = [passes(origin - aside, direction, shown.stage.floor) for shown, aside in sights]
+    away = [
+        distance_from_middle(origin - aside, direction, flock_picture.stage.floor)
+        for flock_picture, aside in sights
+    ]
     return int(np.argmin(away)), None
 
 
-def passes(origin: np.ndarray, direction: np.ndarray, floor: float) -> float:
+def distance_from_middle(origin: np.ndarray, direction: np.ndarray, floor: float) -> float:
     """How far from the middle a ray meets the floor of a room; infinite if it does not."""
     if direction[2] == 0.0:
         return float("inf")
@@ -179,7 +183,7 @@ def passes(origin: np.ndarray, direction: np.ndarray, floor: float) -> float:
 def room(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
     """Corners (3,) of the world's box and its mission on the display; they do not move."""
     low, high = -picture.stage.half, picture.stage.half.copy()
-    for place in places(picture):
+    for place in mission_places(picture):
         low, high = np.minimum(low, place), np.maximum(high, place)
     return low, high
 
@@ -195,7 +199,7 @@ def offset(picture: Picture) -> np.ndarray:
     return np.array([0.0 if below else away, -away if below else 0.0, -SUNK if flat else 0.0])
 
 
-def over(picture: Picture) -> np.ndarray:
+def title_place(picture: Picture) -> np.ndarray:
     """Where a room's title stands, (3,)."""
     low, high = room(picture)
     middle, lift = 0.5 * (low + high), LIFT[picture.stage.dim] * picture.stage.side
@@ -237,28 +241,30 @@ class Scene:
         Call it from one thread, at most about 30 times a second.
         """
         frame = self._debounce.debounced(frame)
-        shown = picture(frame, look, Stage.of(frame))
+        drawn_picture = picture(frame, look, Stage.of(frame))
         second = frame.beside
         other = None if second is None else picture(second, look, Stage.of(second))
         with self._server.atomic():
-            changes: Changes = self._gizmo.draw(shown) + self.handles.draw(shown)
-            changes += self._parts.draw_box(shown) + self._beside.draw_box(shown, other)
+            changes: Changes = self._gizmo.draw(drawn_picture) + self.handles.draw(drawn_picture)
+            changes += self._parts.draw_box(drawn_picture) + self._beside.draw_box(
+                drawn_picture, other
+            )
             is_open = self._parts.is_open or self._beside.is_open
-            self._fog.draw(shown.stage, is_open, 1 if other is None else 2)
-            changes += self._parts.draw_flock(shown) + self._beside.draw_flock(other)
+            self._fog.draw(drawn_picture.stage, is_open, 1 if other is None else 2)
+            changes += self._parts.draw_flock(drawn_picture) + self._beside.draw_flock(other)
             for handle, name, value in changes:
                 setattr(handle, name, value)
-        self._sights = sights(shown, other)
+        self._sights = sights(drawn_picture, other)
         self._viewpoints.update(self._sights)
 
-    def look_through(self) -> None:
+    def update_see_through(self) -> None:
         """Let browsers see the agents that they follow through what is in the way.
 
         Call it from the thread that draws, also while nothing moves: cameras do.
         """
-        self._see_through.look(self._watched)
+        self._see_through.look(self._followed_agents)
 
-    def _watched(self) -> list[FollowedAgent]:
+    def _followed_agents(self) -> list[FollowedAgent]:
         sights = self._sights
         return [
             FollowedAgent(
@@ -271,12 +277,12 @@ class Scene:
             for client, side, row in self._viewpoints.followed()
         ]
 
-    def where(self, row: int | None, side: int = 0) -> tuple[float, ...]:
+    def display_place(self, row: int | None, side: int = 0) -> tuple[float, ...]:
         """Where on the display an agent of the flock `side` was drawn last, (3,); () if nowhere."""
         if row is None or side >= len(self._sights):
             return ()
-        shown, aside = self._sights[side]
-        return tuple((shown.at[row] + aside).tolist()) if row < len(shown.at) else ()
+        picture, aside = self._sights[side]
+        return tuple((picture.at[row] + aside).tolist()) if row < len(picture.at) else ()
 
     def on_clicked(self, callback: Clicked) -> None:
         """Call `callback(row, origin, direction, beside)` when there is a click into the picture.
@@ -332,9 +338,52 @@ class Scene:
         origin, direction = np.array(event.ray_origin), np.array(event.ray_direction)
         if not self._sights:
             return
-        side, row = meant(self._sights, origin, direction, slack(event.client.camera.fov))
-        shown, aside = self._sights[side]
+        side, row = find_clicked(
+            self._sights, origin, direction, cone_half_width(event.client.camera.fov)
+        )
+        picture, aside = self._sights[side]
         for callback in self._clicked:
-            callback(row, shown.stage.unplaced(origin - aside), direction, side == 1)
+            callback(row, picture.stage.place_in_world(origin - aside), direction, side == 1)
         for chosen in self._chosen:
             chosen(event.client, row, side == 1)
+
+
+# Which agent a click means.
+
+
+SLACK = 0.006
+"""Half-width of the cone about the ray in which an agent counts as hit, rad."""
+NEAR = 0.013
+"""The same as a share of half the height of what a camera sees: some six pixels."""
+
+
+def cone_half_width(fov: float) -> float:
+    """Half-width of the cone for a camera that sees so much from top to bottom (rad), rad."""
+    return NEAR * float(np.tan(0.5 * np.clip(fov, 0.01, 2.5)))
+
+
+def pick_agent(
+    origin: np.ndarray,
+    direction: np.ndarray,
+    at: np.ndarray,
+    radius: np.ndarray,
+    slack: float = SLACK,
+) -> int | None:
+    """Row of the agent that a ray hits, or None.
+
+    `at` (N, 3) and `radius` (N,) are in the ray's units, `slack` is the half-width of the cone
+    about the ray in which an agent counts as hit, rad. Of several, the nearest to the ray
+    relative to its size is meant, a little in favour of those in front.
+    """
+    if not len(at) or not (np.isfinite(origin).all() and np.isfinite(direction).all()):
+        return None
+    length = float(np.linalg.norm(direction))
+    if length == 0.0:
+        return None
+    away = at - origin
+    along = away @ (direction / length)
+    aside = np.sqrt(np.maximum(np.einsum("ij,ij->i", away, away) - along**2, 0.0))
+    miss = aside / (radius + slack * np.maximum(along, 0.0))
+    miss[(along <= 0.0) | (miss > 1.0)] = np.inf
+    best = int(np.argmin(miss + 0.02 * along))
+    return best if np.isfinite(miss[best]) else None

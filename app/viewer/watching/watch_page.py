@@ -23,12 +23,12 @@ from app.front.server import admit_browsers, close_server, on_browser_message, o
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.flock_monitors import BLOCKS
 from app.viewer.lab.panels.laboratory_plots import EARLIER
-from app.viewer.lab.panels.run_panel import status, story
+from app.viewer.lab.panels.run_panel import describe_scene, status
 from app.viewer.measuring.run_conditions import format_setting
-from app.viewer.panels.dials import plain
+from app.viewer.panels.dials import plain_symbol
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import raised_powers
-from app.viewer.panels.shell import KEYS, add_hotkeys, block, dock, dress
+from app.viewer.panels.shell import KEYS, add_hotkeys, block, dock, set_look
 from app.viewer.run.frame_builder import WatchPageRequest
 from app.viewer.run.simulation_state import SimulationState
 from app.viewer.scene.drawing import PANELS, Drawing, Rates
@@ -77,7 +77,7 @@ def listed(title: str, own: Iterable[DeclaredParameter], values: Mapping[str, An
 
 def row(one: DeclaredParameter, value: Any) -> str:
     """A parameter in words, with its symbol, its value and its unit."""
-    symbol = f" {plain(one.symbol)}" if one.kind == "number" else ""
+    symbol = f" {plain_symbol(one.symbol)}" if one.kind == "number" else ""
     unit = f" {raised_powers(one.unit)}" if one.kind == "number" and one.unit != "1" else ""
     told = html.escape(f"{format_setting(value)}{unit}")
     if value != one.default:
@@ -177,7 +177,7 @@ class WatchPage:
     def furnish(self) -> None:
         """Build what all browsers see alike: it holds no control but the keys of the camera."""
         gui = self.server.gui
-        dress(gui, "flockscope")
+        set_look(gui, "flockscope")
         self.status = gui.add_html("")
         self.story = gui.add_html("")
         self.right = gui.add_folder(None)
@@ -215,7 +215,7 @@ class WatchPage:
                 self.tell_laboratory(WatchPageRequest(browsers=1))
                 self.drawing.start()
             elif self.drawing is not None:
-                self.drawing.welcome()
+                self.drawing.show_to_newcomer()
 
     async def farewell(self, client: viser.ClientHandle) -> None:
         """A browser has gone; the last ends the drawing."""
@@ -232,7 +232,7 @@ class WatchPage:
         is to do at once what it would do for somebody."""
         self.laboratory.elsewhere = asked
         if not self.laboratory.browsers():
-            self.laboratory.drawing.welcome()
+            self.laboratory.drawing.show_to_newcomer()
 
     def chosen(self, client: viser.ClientHandle, row: int | None, beside: bool) -> None:
         """A click into one browser's picture, on an agent or on none."""
@@ -289,7 +289,7 @@ class WatchPage:
         state, scene = lab.simulation.state, lab.shown_scene
         self.scene.open_on("" if scene is None else scene.camera)
         self.status.content = standing(state, self.whose)
-        self.story.content = "" if scene is None else story(replace(scene, tries=""))
+        self.story.content = "" if scene is None else describe_scene(replace(scene, tries=""))
         self.values.content = values(state)
         self.monitors.show(lab.contents)
         self.monitors.colours(look, frame)

@@ -180,7 +180,7 @@ class CurveCache:
         if (last, names) not in self.made:
             if last not in self.overlays:
                 self.overlays[last] = Overlay(self.runs, self.earlier, self.most, last)
-            shown = self.overlays[last].shown(names, keyed=True)
+            shown = self.overlays[last].chart_contents(names, keyed=True)
             missing = [name for name in names if name not in self.measured]
             if missing:
                 words = html.escape(chart_title(tuple(missing)))
@@ -304,5 +304,5 @@ class Watcher:
             self.inspector.refresh(frame, None)
             return
         seen = flock.others.get(choice.row)
-        at = scene.where(choice.row, int(choice.beside))
+        at = scene.display_place(choice.row, int(choice.beside))
         self.inspector.refresh(replace(flock, inspected=seen), choice.row, at)

@@ -44,7 +44,7 @@ class Downloads:
         await self.send(event, "toml", self.simulation.spec)
 
     async def send_state(self, event: viser.GuiEvent) -> None:
-        await self.send(event, "parquet", self.simulation.saved)
+        await self.send(event, "parquet", self.simulation.save)
 
     async def send(self, event: viser.GuiEvent, suffix: str, ask: Callable[[], Future]) -> None:
         """Send what the simulation answers to the browser that asked; one file at a time."""

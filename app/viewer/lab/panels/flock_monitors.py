@@ -62,9 +62,15 @@ def size_bars(sizes: np.ndarray, model: str = "") -> str:
 
     `model` says which of two flocks they are of.
     """
-    shown = sizes[:MOST_BARS].tolist()
-    rest = f"and {len(sizes) - len(shown)} more" if len(sizes) > len(shown) else "agents in each"
-    bars = "".join(bar(str(rank), size, shown[0], BLUE) for rank, size in enumerate(shown, 1))
+    first_bars = sizes[:MOST_BARS].tolist()
+    rest = (
+        f"and {len(sizes) - len(first_bars)} more"
+        if len(sizes) > len(first_bars)
+        else "agents in each"
+    )
+    bars = "".join(
+        bar(str(rank), size, first_bars[0], BLUE) for rank, size in enumerate(first_bars, 1)
+    )
     return (
         f'<div class="fs-head">Groups<span class="fs-quiet">{html.escape(model)} {rest}</span>'
         f'</div><div class="fs-bars">{bars}</div>'
@@ -85,7 +91,7 @@ def titled_columns(first: str, second: str) -> str:
     return f'<div class="fs-pair-titles">{lines}</div>'
 
 
-def compared(
+def compare_table(
     title: str, models: tuple[str, str], first: dict[str, str], second: dict[str, str]
 ) -> str:
     """A table of what two flocks have, name -> text; what one lacks is left open."""
@@ -103,7 +109,7 @@ def compared(
     return f'<table class="fs-pair"><tr><th>{html.escape(title)}</th>{head}</tr>{rows}</table>'
 
 
-def keeping_up(frame: Frame, beside: Frame) -> str:
+def describe_pace(frame: Frame, beside: Frame) -> str:
     """How the two keep the same time, in small print; nothing if tick by tick."""
     note = pace_note(frame, beside)
     return f'<div class="fs-quiet">{html.escape(note)}</div>' if note else ""
@@ -132,8 +138,8 @@ class CrashLists:
             self.first.refresh(readings.crashes)
             self.second.refresh(None)
             return
-        for one, read in ((self.first, readings), (self.second, beside)):
-            one.refresh(read.crashes, read.flock.model.name)
+        for crash_list, read in ((self.first, readings), (self.second, beside)):
+            crash_list.refresh(read.crashes, read.flock.model.name)
 
 
 class CrashList:
@@ -151,9 +157,9 @@ class CrashList:
             hint="Point this browser's camera at an agent that has crashed",
             visible=False,
         )
-        self.buttons.on_click(self.clicked)
+        self.buttons.on_click(self.select_crash)
 
-    async def clicked(self, event: viser.GuiEvent) -> None:
+    async def select_crash(self, event: viser.GuiEvent) -> None:
         row = self.rows.get(event.target.value)
         if event.client is not None and row is not None:
             self.show(event.client, row, self.beside)
@@ -168,25 +174,25 @@ class CrashList:
             self.list.visible = self.buttons.visible = some
         if crashes is None or not some:
             return
-        self.list.content = block(listed(crashes, model))
-        rows = {str(crashes.id[at]): int(crashes.row[at]) for at in latest(crashes)}
+        self.list.content = block(crash_table(crashes, model))
+        rows = {str(crashes.id[at]): int(crashes.row[at]) for at in latest_crashes(crashes)}
         if rows != self.rows:
             self.rows = rows
             self.buttons.options = tuple(rows)
 
 
-def latest(crashes: Crashes) -> range:
+def latest_crashes(crashes: Crashes) -> range:
     """Where the latest crashes are, newest first."""
     last = len(crashes) - 1
     return range(last, max(-1, last - LATEST), -1)
 
 
-def listed(crashes: Crashes, model: str = "") -> str:
+def crash_table(crashes: Crashes, model: str = "") -> str:
     """The latest crashes as a table, newest first; `model` says which of two flocks it is."""
     rows = "".join(
         f"<tr><td>{crashes.tick[at]}</td><td>{crashes.id[at]}</td>"
         f"<td>{CAUSES[int(crashes.cause[at])]}</td><td>{place(crashes.place[at])}</td></tr>"
-        for at in latest(crashes)
+        for at in latest_crashes(crashes)
     )
     return (
         f'<div class="fs-head">Latest crashes<span class="fs-quiet">{html.escape(model)}</span>'
@@ -246,35 +252,35 @@ def contents(
     """
     second, (model, name) = frame.beside, state.models
     if second is None or beside is None or name is None:
-        return alone(state, frame, readings, browsers, more, last)
+        return single_contents(state, frame, readings, browsers, more, last)
     models = model, name
     sides = (frame, readings), (second, beside)
-    told, others = (numbers(state, one, read.values, browsers) for one, read in sides)
-    same = (name for name in CLOCK if told.get(name) == others.get(name))
+    texts, others = (numbers(state, frame, read.values, browsers) for frame, read in sides)
+    same = (name for name in CLOCK if texts.get(name) == others.get(name))
     common = (*COMMON, *same)
-    in_common = {name: text for name, text in told.items() if name in common}
+    in_common = {name: text for name, text in texts.items() if name in common}
 
     def table(title: str, first: dict[str, str], second: dict[str, str]) -> str:
-        return compared(title, models, first, second)
+        return compare_table(title, models, first, second)
 
-    tasks = (mission_numbers(one, read.values) for one, read in sides)
+    tasks = (mission_numbers(frame, read.values) for frame, read in sides)
     named = list(zip(models, sides, strict=True))
     return {
         CARDS: grid(in_common, across=2 if len(in_common) == 4 else 3),
-        "titles": titled_columns(*models) + keeping_up(frame, second),
-        "compared": table("Flock", without(told, common), without(others, common)),
+        "titles": titled_columns(*models) + describe_pace(frame, second),
+        "compared": table("Flock", leave_out(texts, common), leave_out(others, common)),
         "mission": table(mission_title(frame), *tasks),
         "more": table("More", *(more.numbers(read, last) for _, read in sides)),
         "crash-count": "".join(
-            crash_count(read, len(one.ids), model) for model, (one, read) in named
+            crash_count(read, len(frame.ids), model) for model, (frame, read) in named
         ),
         "bars": "".join(
-            all_bars(one, read, SIZES in more.chosen, model) for model, (one, read) in named
+            all_bars(frame, read, SIZES in more.chosen, model) for model, (frame, read) in named
         ),
     }
 
 
-def alone(
+def single_contents(
     state: SimulationState,
     frame: Frame,
     readings: FlockReadings,
@@ -287,21 +293,21 @@ def alone(
         "titles": "",
         "compared": "",
         CARDS: grid(numbers(state, frame, readings.values, browsers)),
-        "mission": headed(mission_title(frame), mission_numbers(frame, readings.values)),
+        "mission": titled_cards(mission_title(frame), mission_numbers(frame, readings.values)),
         "crash-count": crash_count(readings, len(frame.ids)),
-        "more": headed("More numbers", more.numbers(readings, last)),
+        "more": titled_cards("More numbers", more.numbers(readings, last)),
         "bars": all_bars(frame, readings, SIZES in more.chosen),
     }
 
 
 def all_bars(frame: Frame, readings: FlockReadings, sizes: bool, model: str = "") -> str:
     """Bars of the layers of a flock that is led, and of its groups if wanted."""
-    drawn = ""
+    bars_html = ""
     if frame.informed.any():
-        drawn = layer_bars(readings.layers.tolist(), readings.unknown, model)
+        bars_html = layer_bars(readings.layers.tolist(), readings.unknown, model)
     if sizes and len(readings.sizes):
-        drawn += size_bars(readings.sizes, model)
-    return drawn
+        bars_html += size_bars(readings.sizes, model)
+    return bars_html
 
 
 def numbers(
@@ -309,9 +315,9 @@ def numbers(
 ) -> dict[str, str]:
     """The cards, name -> text."""
     return {
-        "tick": observable_format.spaced(frame.tick),
+        "tick": observable_format.format_thousands(frame.tick),
         **({} if frame.unit == "ticks" else {"time": f"{frame.tick * frame.dt:.1f} {frame.unit}"}),
-        "agents": observable_format.spaced(len(frame.ids)),
+        "agents": observable_format.format_thousands(len(frame.ids)),
         "ticks / s": rate_text(state.rate),
         **observable_format.cards("flock", frame.world, values, MODELS[state.spec.model]),
         **({"browsers": str(browsers)} if browsers > 1 else {}),
@@ -329,12 +335,12 @@ def crash_count(readings: FlockReadings, agents: int, model: str = "") -> str:
     return f'<div class="fs-count">{whose}{crash_counts(readings.crashes.tick, agents)}</div>'
 
 
-def headed(title: str, values: dict[str, str], across: int = 3) -> str:
+def titled_cards(title: str, values: dict[str, str], across: int = 3) -> str:
     """Cards under a title; nothing if there are none."""
     return f'<div class="fs-head">{title}</div>{grid(values, across)}' if values else ""
 
 
-def without(values: dict[str, str], names: tuple[str, ...]) -> dict[str, str]:
+def leave_out(values: dict[str, str], names: tuple[str, ...]) -> dict[str, str]:
     """All values but the named ones."""
     return {name: text for name, text in values.items() if name not in names}
 
@@ -349,25 +355,25 @@ def mission_title(frame: Frame) -> str:
 def mission_numbers(frame: Frame, values: dict[str, float]) -> dict[str, str]:
     """The cards of a mission, name -> text; only what this world and this flock have."""
     mission = frame.world.mission or Mission()
-    told: dict[str, str] = {}
+    rows: dict[str, str] = {}
     if not mission_title(frame):
-        return told
-    told |= observable_format.cards("way", frame.world, values)
+        return rows
+    rows |= observable_format.cards("way", frame.world, values)
     if mission.path is not None and frame.informed.any():
         count = len(mission.path.waypoints)
-        here = frame.progress.done + 1
-        told["waypoint"] = f"{here} / {count}" if here <= count else "all done"
+        next_goal = frame.progress.done + 1
+        rows["waypoint"] = f"{next_goal} / {count}" if next_goal <= count else "all done"
     if mission.goal is not None and "through" in values:
-        told["arrived"] = f"{100 * values['through']:.0f} %"
-    told |= observable_format.cards("team", frame.world, values)
+        rows["arrived"] = f"{100 * values['through']:.0f} %"
+    rows |= observable_format.cards("team", frame.world, values)
     if "least-gap" in values:
-        told["closest pair"] = observable_format.few(values["least-gap"])
+        rows["closest pair"] = observable_format.format_short(values["least-gap"])
     if "least-clearance" in values:
-        told["to obstacle"] = observable_format.few(values["least-clearance"])
-        told["collisions"] = f"{values['inside']:.0f}"
-    return told
+        rows["to obstacle"] = observable_format.format_short(values["least-clearance"])
+        rows["collisions"] = f"{values['inside']:.0f}"
+    return rows
 
 
 def rate_text(rate: float) -> str:
     """Ticks per second in few figures."""
-    return f"{rate:.1f}" if rate < 100 else observable_format.few(rate)
+    return f"{rate:.1f}" if rate < 100 else observable_format.format_short(rate)

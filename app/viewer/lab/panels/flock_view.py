@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import viser
 
-from app.viewer.panels.dials import sight
+from app.viewer.panels.dials import set_visible
 from app.viewer.panels.shell import add_hotkeys
 from app.viewer.panels.view import Point, ViewPanel
 from app.viewer.scene.shown.control import controls_of
@@ -30,7 +30,7 @@ class FlockView(ViewPanel):
                 color="gray",
                 hint="A camera on the clicked agent, in this browser; again, or Esc, to get off",
             )
-        self.ride.on_click(self.ridden)
+        self.ride.on_click(self.ride_agent)
         with self.form.folders[AGENTS]:
             self.steer = gui.add_checkbox(
                 "Steer",
@@ -46,10 +46,10 @@ class FlockView(ViewPanel):
             },
         )
 
-    async def ridden(self, event: viser.GuiEvent) -> None:
+    async def ride_agent(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
             self.point(event.client, RIDE)
 
     def fit(self, frame: Frame, numbers: tuple[str, ...] = ()) -> None:
         super().fit(frame, numbers)
-        sight(self.steer, bool(frame.informed.any()))
+        set_visible(self.steer, bool(frame.informed.any()))

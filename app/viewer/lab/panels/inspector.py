@@ -18,7 +18,7 @@ from agents.observables.of_agents import ON_ITS_WAY
 from agents.state.agent_rows import CAUSES, Crashes
 from app.front.viser_internals import identifier
 from app.viewer.measuring import observable_format
-from app.viewer.panels.dials import sight
+from app.viewer.panels.dials import set_visible
 from app.viewer.panels.shell import block, table
 from app.viewer.run.frame_builder import SAVED
 from app.viewer.scene.marks.inspection_marks import force_colours
@@ -35,61 +35,64 @@ MOST_NEIGHBOURS = 6
 Fold = Literal["rest", "zones", "forces", "heard"]
 
 
-def head(frame: Frame, seen: Inspection) -> str:
+def head(frame: Frame, inspection: Inspection) -> str:
     """Who it is, and the most telling rows."""
-    rows = dict(list(facts(frame, seen).items())[:FIRST])
-    kind = " · information agent" if frame.informed[seen.row] else ""
+    rows = dict(list(facts(frame, inspection).items())[:FIRST])
+    kind = " · information agent" if frame.informed[inspection.row] else ""
     flock = f'<div class="fs-quiet">{html.escape(frame.title)}</div>' if frame.title else ""
-    return f'<div class="fs-head">Agent {seen.id}{kind}</div>{flock}{escaped(rows)}'
+    return f'<div class="fs-head">Agent {inspection.id}{kind}</div>{flock}{escaped_table(rows)}'
 
 
-def folds(frame: Frame, seen: Inspection) -> dict[Fold, tuple[str, str]]:
+def folds(frame: Frame, inspection: Inspection) -> dict[Fold, tuple[str, str]]:
     """The rest, each by what is written on it and the HTML in it; nothing of what there is not."""
-    rest = dict(list(facts(frame, seen).items())[FIRST:])
-    told: dict[Fold, tuple[str, str]] = {}
+    rest = dict(list(facts(frame, inspection).items())[FIRST:])
+    texts: dict[Fold, tuple[str, str]] = {}
     if rest:
-        told["rest"] = f"{counted(len(rest), 'more row')}", escaped(rest)
-    if frame.down[seen.row]:
-        return told
-    if seen.shells:
-        noticed = int(np.count_nonzero(seen.zone != UNSEEN))
-        told["zones"] = f"Zones: {noticed} noticed", zoned(seen)
-    if seen.forces:
-        told["forces"] = (
-            f"Forces: {max(seen.forces, key=lambda one: strength(seen, one))}",
-            pushed(seen),
+        texts["rest"] = f"{counted(len(rest), 'more row')}", escaped_table(rest)
+    if frame.is_down[inspection.row]:
+        return texts
+    if inspection.shells:
+        noticed = int(np.count_nonzero(inspection.zone != UNSEEN))
+        texts["zones"] = f"Zones: {noticed} noticed", describe_zones(inspection)
+    if inspection.forces:
+        texts["forces"] = (
+            f"Forces: {max(inspection.forces, key=lambda name: strength(inspection, name))}",
+            describe_forces(inspection),
         )
-    heard = int(np.count_nonzero(np.asarray(seen.weights) > 0.0))
-    if heard:
-        told["heard"] = f"Listens to {counted(heard, 'agent')}", listened(frame, seen)
-    return told
+    heard_count = int(np.count_nonzero(np.asarray(inspection.weights) > 0.0))
+    if heard_count:
+        texts["heard"] = (
+            f"Listens to {counted(heard_count, 'agent')}",
+            describe_listening(frame, inspection),
+        )
+    return texts
 
 
-def escaped(rows: dict[str, str]) -> str:
+def escaped_table(rows: dict[str, str]) -> str:
     """A table of words and values."""
     return table({html.escape(name): html.escape(value) for name, value in rows.items()})
 
 
-def facts(frame: Frame, seen: Inspection) -> dict[str, str]:
+def facts(frame: Frame, inspection: Inspection) -> dict[str, str]:
     """An agent's state, words -> value with unit, the most telling first."""
-    ux, crashes, model = frame.heading[seen.row], frame.crashes, seen.model
+    ux, crashes, model = frame.heading[inspection.row], frame.crashes, inspection.model
     listed: dict[str, str] = {}
-    if frame.down[seen.row] and crashes is not None:
-        listed["crashed"] = crash_text(crashes, seen.row)
+    if frame.is_down[inspection.row] and crashes is not None:
+        listed["crashed"] = crash_text(crashes, inspection.row)
     length = model.in_units("length") if model else "length"
-    listed[f"position ({length})"] = vector(frame.position[seen.row])
+    listed[f"position ({length})"] = vector(frame.position[inspection.row])
     listed["heading"] = f"{np.degrees(np.arctan2(ux[1], ux[0])) % 360:.0f}°"
     if frame.dim == 3:
         listed["climb"] = f"{np.degrees(np.arcsin(np.clip(ux[2], -1, 1))):+.0f}°"
     pace = model.in_units("length/time") if model else frame.pace_unit
-    listed["speed"] = f"{observable_format.few(frame.speed[seen.row])} {pace}"
-    listed["neighbours"] = counted(len(seen.neighbours), "agent")
-    own = signal_facts(seen)
+    listed["speed"] = f"{observable_format.format_short(frame.speed[inspection.row])} {pace}"
+    listed["neighbours"] = counted(len(inspection.neighbours), "agent")
+    own = signal_facts(inspection)
     if "drag saved" in own:
         listed["drag saved"] = own.pop("drag saved")
-    if frame.group is not None and seen.row < len(frame.group):
-        listed["group"] = f"number {int(frame.group[seen.row]) + 1} by size"
-    if not np.any(np.asarray(seen.weights) > 0.0) and not frame.down[seen.row]:
+    if frame.group is not None and inspection.row < len(frame.group):
+        listed["group"] = f"number {int(frame.group[inspection.row]) + 1} by size"
+    if not np.any(np.asarray(inspection.weights) > 0.0) and not frame.is_down[inspection.row]:
         listed["listens to"] = "nobody"
     return listed | own
 
@@ -105,22 +108,22 @@ def crash_text(crashes: Crashes, row: int) -> str:
     return f"tick {crashes.tick[place]}, {CAUSES[int(crashes.cause[place])]}"
 
 
-def signal_facts(seen: Inspection) -> dict[str, str]:
+def signal_facts(inspection: Inspection) -> dict[str, str]:
     """What an agent tells and keeps, words -> value with unit; places only while they count."""
     listed: dict[str, str] = {}
-    for name, value in seen.signals.items():
+    for name, value in inspection.signals.items():
         stem = vector_name(name)
-        beside = [f"{stem}_{axis}" for axis in "xyz" if f"{stem}_{axis}" in seen.signals]
-        if ON_ITS_WAY in name or (name in beside and name != beside[0]):
+        components = [f"{stem}_{axis}" for axis in "xyz" if f"{stem}_{axis}" in inspection.signals]
+        if ON_ITS_WAY in name or (name in components and name != components[0]):
             continue
-        if stem in seen.places and not seen.minds:
+        if stem in inspection.places and not inspection.minds:
             continue
-        words = seen.model.words_of(name) if seen.model else stem.replace("_", " ")
-        unit = seen.model.unit_of(name) if seen.model else "1"
+        words = inspection.model.words_of(name) if inspection.model else stem.replace("_", " ")
+        unit = inspection.model.unit_of(name) if inspection.model else "1"
         unit = "" if unit == "1" else unit
-        if len(beside) > 1:
-            across = seen.separation.shape[1]
-            parts = [seen.signals[one] for one in beside[:across]]
+        if len(components) > 1:
+            across = inspection.separation.shape[1]
+            parts = [inspection.signals[name] for name in components[:across]]
             listed[f"{words} ({unit})" if unit else words] = vector(parts)
         else:
             listed[words.removesuffix("?")] = figure(name, words, value, unit)
@@ -138,18 +141,20 @@ def figure(name: str, words: str, value: float, unit: str) -> str:
     return f"{value:.4g} {unit}".strip()
 
 
-def zoned(seen: Inspection) -> str:
+def describe_zones(inspection: Inspection) -> str:
     """How many neighbours are in each zone of its rule, and how many it does not see."""
     inner, rows = 0.0, ""
-    length = seen.model.in_units("length") if seen.model else "length"
-    for index, shell in enumerate(seen.shells):
-        count = int(np.count_nonzero(seen.zone == index))
+    length = inspection.model.in_units("length") if inspection.model else "length"
+    for index, shell in enumerate(inspection.shells):
+        count = int(np.count_nonzero(inspection.zone == index))
         extent = f"{min(inner, shell.radius):g} – {shell.radius:g} {length}"
         rows += entry(palette.ZONES[index % len(palette.ZONES)], shell.name, extent, count)
         inner = max(inner, shell.radius)
-    unseen = int(np.count_nonzero(seen.zone == UNSEEN))
+    unseen = int(np.count_nonzero(inspection.zone == UNSEEN))
     rows += entry(palette.BLIND, "not noticed", "", unseen)
-    view = f'<div class="fs-quiet">sees {seen.view:g}°</div>' if seen.view < 360.0 else ""
+    view = (
+        f'<div class="fs-quiet">sees {inspection.view:g}°</div>' if inspection.view < 360.0 else ""
+    )
     return f'<table class="fs-table">{rows}</table>{view}'
 
 
@@ -161,52 +166,52 @@ def entry(colour: np.ndarray, name: str, extent: str, count: int) -> str:
     )
 
 
-def strength(seen: Inspection, name: str) -> float:
+def strength(inspection: Inspection, name: str) -> float:
     """How strong a force is."""
-    return float(np.linalg.norm(seen.forces[name]))
+    return float(np.linalg.norm(inspection.forces[name]))
 
 
-def force_unit(seen: Inspection, name: str) -> str:
+def force_unit(inspection: Inspection, name: str) -> str:
     """The unit of a term of what the rule wishes, or of the body's velocity."""
-    if seen.model is None:
+    if inspection.model is None:
         return ""
-    pace = seen.model.in_units("length/time")
-    if name in seen.model.rule.forces and seen.model.rule.wish == "acceleration":
+    pace = inspection.model.in_units("length/time")
+    if name in inspection.model.rule.forces and inspection.model.rule.wish == "acceleration":
         return f"{pace}²"
     return pace
 
 
-def pushed(seen: Inspection) -> str:
+def describe_forces(inspection: Inspection) -> str:
     """The forces on it, by the colours of their arrows, and how strong they are."""
-    colours = [palette.css(colour) for colour in force_colours(len(seen.forces))]
-    length = {name: strength(seen, name) for name in seen.forces}
+    colours = [palette.css(colour) for colour in force_colours(len(inspection.forces))]
+    length = {name: strength(inspection, name) for name in inspection.forces}
     most = max([*length.values(), 1e-300])
     rows = "".join(
         f'<tr><td><i class="fs-dot fs-small" style="background:{colour}"></i>'
         f"{html.escape(name)}</td>"
         f'<td style="width:25%"><div class="fs-weight" '
         f'style="width:{100 * value / most:.1f}%;background:{colour}"></div></td>'
-        f'<td style="white-space:nowrap">{observable_format.few(value)} '
-        f"{force_unit(seen, name)}</td></tr>"
+        f'<td style="white-space:nowrap">{observable_format.format_short(value)} '
+        f"{force_unit(inspection, name)}</td></tr>"
         for (name, value), colour in zip(length.items(), colours, strict=True)
     )
     return f'<table class="fs-table">{rows}</table>'
 
 
-def listened(frame: Frame, seen: Inspection) -> str:
+def describe_listening(frame: Frame, inspection: Inspection) -> str:
     """Whom it listens to, and how much."""
-    weights = np.asarray(seen.weights, float)
+    weights = np.asarray(inspection.weights, float)
     total, rows = weights.sum(), ""
-    heard = int(np.count_nonzero(weights > 0.0))
-    for place in np.argsort(-weights)[: min(heard, MOST_NEIGHBOURS)]:
+    heard_count = int(np.count_nonzero(weights > 0.0))
+    for place in np.argsort(-weights)[: min(heard_count, MOST_NEIGHBOURS)]:
         share = 100 * weights[place] / total
         width = 100 * weights[place] / weights.max()
         rows += (
-            f"<tr><td>agent {frame.ids[seen.neighbours[place]]}</td>"
+            f"<tr><td>agent {frame.ids[inspection.neighbours[place]]}</td>"
             f'<td style="width:50%"><div class="fs-weight" style="width:{width:.1f}%"></div></td>'
             f"<td>{share:.0f} %</td></tr>"
         )
-    more = heard - MOST_NEIGHBOURS
+    more = heard_count - MOST_NEIGHBOURS
     rest = f'<tr><td colspan="3">and {more} more</td></tr>' if more > 0 else ""
     return f'<table class="fs-table">{rows}{rest}</table>'
 
@@ -243,22 +248,22 @@ class Inspector:
 
         `at` (3,) is where it is drawn.
         """
-        wanted = row is not None and row < len(frame.ids)
-        if wanted and not self.panel.visible:
+        exists = row is not None and row < len(frame.ids)
+        if exists and not self.panel.visible:
             self.panel.expand()  # on a phone, and where somebody has made it small
-        sight(self.panel, wanted)
-        if not wanted or row is None:
+        set_visible(self.panel, exists)
+        if not exists or row is None:
             return
-        seen, told = frame.inspected, {}
+        inspection, texts = frame.inspected, {}
         words = LOOKING
-        if seen is not None:
-            words, told = head(frame, seen), folds(frame, seen)
-        place = " ".join(f"{one:.4f}" for one in np.asarray(at, float))
+        if inspection is not None:
+            words, texts = head(frame, inspection), folds(frame, inspection)
+        place = " ".join(f"{value:.4f}" for value in np.asarray(at, float))
         mark = f'data-agent="{html.escape(frame.title)} {frame.ids[row]}" data-at="{place}"'
         self.head.content = block(
             f'<div class="fs-agent" data-panel="{identifier(self.panel)}" {mark}>{words}</div>'
         )
         for name, (folder, content) in self.folds.items():
-            sight(folder, name in told)
-            if name in told:
-                folder.label, content.content = told[name][0], block(told[name][1])
+            set_visible(folder, name in texts)
+            if name in texts:
+                folder.label, content.content = texts[name][0], block(texts[name][1])

@@ -20,12 +20,12 @@ from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.observable_curves import (
     ObservableHistory,
     Points,
+    align_curves,
     chart_title,
     choices,
-    over_earlier,
+    overlay_curves,
     points,
-    thinned,
-    together,
+    thin_ticks,
 )
 from app.viewer.measuring.observable_format import format_observable, observable_words, scale
 from app.viewer.measuring.observable_table import TICKS, observable_title, table, unit
@@ -66,7 +66,7 @@ class OverlaidRun:
     """The name of its model, of two."""
 
     @property
-    def short(self) -> str:
+    def short_label(self) -> str:
         """What its curves are called under the mouse, whatever is changed in the runs of now."""
         before = "before" if not self.age else f"{self.age + 1} before"
         return ", ".join(filter(None, (self.whose, before)))
@@ -82,11 +82,11 @@ class Overlay:
         self.runs, self.last = runs, last
         self.histories = [run.conditions for run in runs]
         self.of = [history.last for history in self.histories]
-        self.each = [self.ratio(one) for one in self.of]
+        self.each = [self.ratio(conditions) for conditions in self.of]
         self.before: list[OverlaidRun] = []
         for now, history in zip(self.of, self.histories, strict=True):
-            for age, course in enumerate(earlier.of(now.model)[:most]):
-                label = self.named(course.history.differences(history), now)
+            for age, course in enumerate(earlier.runs_of(now.model)[:most]):
+                label = self.name_run(course.history.differences(history), now)
                 each = self.ratio(course.conditions)
                 whose = now.model.name if len(runs) > 1 else ""
                 self.before.append(OverlaidRun(course, label, age, each, whose))
@@ -95,17 +95,17 @@ class Overlay:
         """Ticks of the first flock that last as long as one of another."""
         return ratio(of.dt, of.unit, self.of[0].dt, self.of[0].unit)
 
-    def named(self, differences: str, now: RunConditions) -> str:
+    def name_run(self, differences: str, now: RunConditions) -> str:
         """What an earlier run is called, as no other is."""
         whose = f"{now.model.name}, " if len(self.of) > 1 else ""
         name = f"{whose}{differences or 'the same seed'} (before)"
-        taken = sum(one.label.split(" #")[0] == name for one in self.before)
-        return f"{name} #{taken + 1}" if taken else name
+        count = sum(run.label.split(" #")[0] == name for run in self.before)
+        return f"{name} #{count + 1}" if count else name
 
     @property
     def models(self) -> list[Model]:
         """Those of now."""
-        return [one.model for one in self.of]
+        return [conditions.model for conditions in self.of]
 
     @property
     def clock(self) -> tuple[float, str]:
@@ -113,32 +113,34 @@ class Overlay:
         first = self.of[0]
         return (1.0, "tick") if first.unit == TICKS else (first.dt, f"time ({first.unit})")
 
-    def shown(self, names: tuple[str, ...], keyed: bool, changes: bool = True) -> ChartContents:
+    def chart_contents(
+        self, names: tuple[str, ...], keyed: bool, changes: bool = True
+    ) -> ChartContents:
         """What a chart of observables shows; `keyed` if its head tells them apart.
 
         `changes`: whether its head says what was changed in the runs of now.
         """
         lasts, title = self.clock
         pairs = [(place, name) for place in range(len(self.runs)) for name in names]
-        at, *now = together(
+        at, *now = align_curves(
             [points(self.runs[k], name, self.last / self.each[k]) for k, name in pairs],
             [self.each[k] for k, _ in pairs],
         )
-        under = [(one, name) for one in self.before for name in names]
-        found = [self.window(self.scaled(one, name), at[-1]) for one, name in under]
-        at, now, old = over_earlier(at, now, found, whole=np.isinf(self.last))
-        at, now, old = with_ticks(self.all_marks, at, now, old)
+        under = [(run, name) for run in self.before for name in names]
+        past_curves = [self.window(self.scale_run(run, name), at[-1]) for run, name in under]
+        at, now, old = overlay_curves(at, now, past_curves, is_whole=np.isinf(self.last))
+        at, now, old = merge_ticks(self.all_marks, at, now, old)
         curves: list[ChartCurve] = []
-        for (one, name), values in zip(under, old, strict=True):
+        for (run, name), values in zip(under, old, strict=True):
             if np.isfinite(values).any():
-                colour = f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[one.age]):02x}"
-                label = f"{observable_title(name, self.models)}, {one.short}"
-                where = marks(one.course.history, one.each)
-                curves += [dots(colour, only_at(where, at, values))] * bool(len(where))
-                curves.append(ChartCurve(colour, values, label, DOTS[one.age], THIN))
+                colour = f"{COLOURS[names.index(name)]}{round(255 * STRENGTHS[run.age]):02x}"
+                label = f"{observable_title(name, self.models)}, {run.short_label}"
+                where = marks(run.course.history, run.each)
+                curves += [dots(colour, values_at_ticks(where, at, values))] * bool(len(where))
+                curves.append(ChartCurve(colour, values, label, DOTS[run.age], THIN))
         for (k, name), values in zip(pairs, now, strict=True):
             where = marks(self.histories[k], self.each[k])
-            curves.append(dots(COLOURS[names.index(name)], only_at(where, at, values)))
+            curves.append(dots(COLOURS[names.index(name)], values_at_ticks(where, at, values)))
         for (k, name), values in zip(pairs, now, strict=True):
             dash = DASH if k else ()
             curves.append(ChartCurve(COLOURS[names.index(name)], values, self.label(name, k), dash))
@@ -151,21 +153,21 @@ class Overlay:
     def all_marks(self) -> np.ndarray:
         """The ticks (K,) of the first flock at which something was changed in any run."""
         runs = list(zip(self.histories, self.each, strict=True))
-        runs += [(one.course.history, one.each) for one in self.before]
+        runs += [(run.course.history, run.each) for run in self.before]
         return np.concatenate([marks(history, each) for history, each in runs])
 
-    def scaled(self, one: OverlaidRun, name: str) -> Points:
+    def scale_run(self, run: OverlaidRun, name: str) -> Points:
         """How an observable of an earlier run went over the time of the first flock."""
-        at, values = one.course.points(name)
-        return at * one.each, values
+        at, values = run.course.points(name)
+        return at * run.each, values
 
     def window(self, curve: Points, now: float) -> Points:
         """The part of an earlier curve that is shown: of the whole run all of it."""
         at, values = curve
         if np.isinf(self.last):
             return curve
-        seen = (at >= now - self.last) & (at <= now)
-        return at[seen], values[seen]
+        in_window = (at >= now - self.last) & (at <= now)
+        return at[in_window], values[in_window]
 
     def label(self, name: str, k: int) -> str:
         """What a curve of now is: its observable, and of two flocks its model."""
@@ -179,7 +181,7 @@ class Overlay:
         units = {unit(name, self.models) for name in names}
         shared = units.pop() if len(units) == 1 else "1"
         of = "" if shared == "1" else f" ({shared})"
-        for wording in (observable_words, briefly):
+        for wording in (observable_words, short_name):
             title = ", ".join(map(wording, names)) + of
             if len(title) <= room:
                 return title
@@ -189,40 +191,40 @@ class Overlay:
         """The key to the curves: of those of now with their values, if `keyed`, then of others."""
         if not names:
             return ""
-        made = ""
+        text = ""
         if keyed:
             entries = []
             for name, colour in zip(names, COLOURS, strict=False):
                 now = " · ".join(format_observable(name, run.values.get(name)) for run in self.runs)
                 entries.append((f"{html.escape(chart_title((name,)))} <b>{now}</b>", colour))
-            made = key(entries)
+            text = key(entries)
         changed = "".join(
-            f'<span><i class="fs-dot"></i>{html.escape(one)}</span>'
-            for one in (self.changes() if changes else ())
+            f'<span><i class="fs-dot"></i>{html.escape(change)}</span>'
+            for change in (self.changes() if changes else ())
         )
-        made += f'<div class="fs-key fs-changed">{changed}</div>' if changed else ""
-        shown = [one for one in self.before if any(len(one.course.points(n)[0]) for n in names)]
+        text += f'<div class="fs-key fs-changed">{changed}</div>' if changed else ""
+        overlaid = [run for run in self.before if any(len(run.course.points(n)[0]) for n in names)]
         lines = "".join(
-            f'<span><i class="fs-line fs-before-{one.age}"></i>{html.escape(one.label)}</span>'
-            for one in shown
+            f'<span><i class="fs-line fs-before-{run.age}"></i>{html.escape(run.label)}</span>'
+            for run in overlaid
         )
-        return f'{made}<div class="fs-key fs-before">{lines}</div>' if lines else made
+        return f'{text}<div class="fs-key fs-before">{lines}</div>' if lines else text
 
     def changes(self) -> list[str]:
         """What was changed in the runs of now, in a few entries; of two runs whose it is."""
-        found = [history.changes() for history in self.histories]
-        told = list(found[0])
-        if len(found) > 1:
-            shared = [one for one in found[0] if one in found[1]]
-            told = shared + [
-                f"{of.model.name}: {one}"
-                for of, changes in zip(self.of, found, strict=True)
-                for one in changes
-                if one not in shared
+        per_history = [history.changes() for history in self.histories]
+        lines = list(per_history[0])
+        if len(per_history) > 1:
+            shared = [line for line in per_history[0] if line in per_history[1]]
+            lines = shared + [
+                f"{of.model.name}: {change}"
+                for of, changes in zip(self.of, per_history, strict=True)
+                for change in changes
+                if change not in shared
             ]
-        return [*told[:TOLD], *["…"] * (len(told) > TOLD)]
+        return [*lines[:TOLD], *["…"] * (len(lines) > TOLD)]
 
-    def plotted(self, names: tuple[str, ...]) -> Plotted:
+    def plot_contents(self, names: tuple[str, ...]) -> Plotted:
         """What a chart of observables shows, to take home."""
         lasts, title = self.clock
         courses = [ObservableHistory.of(run, names) for run in self.runs]
@@ -237,15 +239,15 @@ class Overlay:
                 dots = mark_points(where, at, values, lasts)
                 label = self.label(name, k)
                 lines.append(Line(label, colour, at * lasts, values, dash, marks=dots))
-        for one in self.before:
+        for run in self.before:
             for name in names:
-                at, values = self.window(self.scaled(one, name), now)
-                label = f"{observable_title(name, self.models)}, {one.label}"
-                colour, pen = COLOURS[names.index(name)], (DOTS[one.age], THIN, STRENGTHS[one.age])
-                dots = mark_points(marks(one.course.history, one.each), at, values, lasts)
+                at, values = self.window(self.scale_run(run, name), now)
+                label = f"{observable_title(name, self.models)}, {run.label}"
+                colour, pen = COLOURS[names.index(name)], (DOTS[run.age], THIN, STRENGTHS[run.age])
+                dots = mark_points(marks(run.course.history, run.each), at, values, lasts)
                 lines.append(Line(label, colour, at * lasts, values, *pen, marks=dots))
         runs = [*zip(("now", "beside"), courses, strict=False)]
-        runs += [(one.label, one.course) for one in self.before]
+        runs += [(run.label, run.course) for run in self.before]
         return Plotted(
             name=f"{self.name(courses[0].tick)}-{'-'.join(names)}",
             caption=self.caption(courses[0].tick),
@@ -263,24 +265,26 @@ class Overlay:
     def caption(self, tick: int) -> str:
         """Which run it is, in a line; below, what is not at its default, and what was changed."""
         first, *others = self.of
-        beside = "".join(f"; dashed: {one.model.title}" for one in others)
-        line = f"{first.model.title}, {first.agents} agents, seed {first.seed}, tick {tick}{beside}"
+        dashed = "".join(f"; dashed: {conditions.model.title}" for conditions in others)
+        line = f"{first.model.title}, {first.agents} agents, seed {first.seed}, tick {tick}{dashed}"
         own = [history.departures() for history in self.histories]
         more = [
-            ", ".join(one if len(own) == 1 else [f"{of.model.name}: {one[0]}", *one[1:]])
-            for of, one in zip(self.of, own, strict=True)
-            if one
+            ", ".join(
+                changes if len(own) == 1 else [f"{of.model.name}: {changes[0]}", *changes[1:]]
+            )
+            for of, changes in zip(self.of, own, strict=True)
+            if changes
         ]
         return "\n".join(row for text in (line, *more) for row in textwrap.wrap(text, CAPTION))
 
 
 def marks(history: ConditionHistory, each: float) -> np.ndarray:
     """The ticks (K,) at which a run was changed, `each` as many of the first flock's; not all."""
-    found = history.marks
-    return found[thinned(found, MARKS)] * each if len(found) else found
+    marks = history.marks
+    return marks[thin_ticks(marks, MARKS)] * each if len(marks) else marks
 
 
-def with_ticks(
+def merge_ticks(
     more: np.ndarray, at: np.ndarray, now: list[np.ndarray], old: list[np.ndarray]
 ) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
     """Curves of now and of before at ticks `at` (K,), and also at those of `more` in between."""
@@ -295,7 +299,7 @@ def with_ticks(
     return ticks, on_all(now), on_all(old)
 
 
-def only_at(some: np.ndarray, at: np.ndarray, values: np.ndarray) -> np.ndarray:
+def values_at_ticks(some: np.ndarray, at: np.ndarray, values: np.ndarray) -> np.ndarray:
     """The values of a curve at some of the ticks `at` (K,), nan at the others."""
     return np.where(np.isin(at, some), values, np.nan)
 
@@ -314,10 +318,10 @@ def mark_points(some: np.ndarray, at: np.ndarray, values: np.ndarray, lasts: flo
     return some * lasts, np.interp(some, at, values) if len(some) else some
 
 
-def briefly(name: str) -> str:
+def short_name(name: str) -> str:
     """An observable in the words of its card, if it has one of its own.
 
-    >>> briefly("angular-momentum"), briefly("connectivity")
+    >>> short_name("angular-momentum"), short_name("connectivity")
     ('rotation', 'connectivity')
     """
     card = OBSERVABLES[name].card
@@ -329,9 +333,9 @@ def briefly(name: str) -> str:
 def limits(names: tuple[str, ...]) -> tuple[float | None, float | None]:
     """The ends of an axis of observables: 0 to 1 for shares, from 0 for counts and lengths."""
     scales = [scale(name) for name in names]
-    if all(one.is_share for one in scales):
+    if all(scale.is_share for scale in scales):
         return SHARE
-    return (0.0, None) if all(one.low == 0.0 for one in scales) else (None, None)
+    return (0.0, None) if all(scale.low == 0.0 for scale in scales) else (None, None)
 
 
 def axis(names: tuple[str, ...]) -> uplot.Scale:
@@ -375,12 +379,12 @@ class LaboratoryPlots:
             "Setup end a run; three are kept",
         )
         self.forget = gui.add_button_group("Runs kept", ("Forget them",), visible=False)
-        self.forget.on_click(self.forgotten)
+        self.forget.on_click(self.forget_runs)
 
     @property
     def names(self) -> frozenset[str]:
         """The observables that are plotted."""
-        return frozenset(name for one in self.charts for name in one.names)
+        return frozenset(name for chart in self.charts for name in chart.names)
 
     @property
     def last(self) -> float:
@@ -394,7 +398,7 @@ class LaboratoryPlots:
         now = tuple(chart.choice.value for chart in self.charts)
         return () if now == tuple(map(chart_title, usual)) else now
 
-    async def forgotten(self, _event: viser.GuiEvent) -> None:
+    async def forget_runs(self, _event: viser.GuiEvent) -> None:
         self.runs.clear()
 
     def refresh(
@@ -445,13 +449,13 @@ class ChosenChart:
             self.title, (chart_title(()),), hint="What to measure and to plot over the run"
         )
         self.overlay: Overlay | None = None
-        self.plot = Plot(server, self.title, self.plotted, sender)
+        self.plot = Plot(server, self.title, self.plot_contents, sender)
 
-    def plotted(self) -> Plotted | None:
+    def plot_contents(self) -> Plotted | None:
         """What it shows, to take home; None if that is nothing."""
         if self.overlay is None or not self.names:
             return None
-        return self.overlay.plotted(self.names)
+        return self.overlay.plot_contents(self.names)
 
     def refresh(self, overlay: Overlay, changes: bool) -> None:
         """Draw its observables of all runs; `changes`: say above them what was changed.
@@ -465,5 +469,5 @@ class ChosenChart:
         if self.choice.label != label:
             self.choice.label = label
         self.overlay = overlay
-        shown = overlay.shown(self.names, not lone, changes)
-        self.plot.show(shown, overlay.head(self.names, keyed=True))
+        content = overlay.chart_contents(self.names, not lone, changes)
+        self.plot.show(content, overlay.head(self.names, keyed=True))

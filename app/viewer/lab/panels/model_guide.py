@@ -16,7 +16,7 @@ from agents.models.declare import declared
 from agents.models.model import Model
 from agents.models.tries import LessonStep, format_short
 from agents.spec import OPTIONS
-from app.viewer.lab.panels.setup import SetupPanel, by_default
+from app.viewer.lab.panels.setup import SetupPanel, default_value
 from app.viewer.panels.dials import equation_svg
 from app.viewer.panels.parameters import ParametersPanel, parameter_label
 from app.viewer.panels.shell import CSS, KEYS, OWN_KEYS, block
@@ -47,23 +47,28 @@ class TryRunner:
         model = MODELS[model_name]
         state = self.simulation.state
         gui.add_html(
-            block(f'<div class="fs-page fs-short fs-quiet">{html.escape(where(model))}</div>')
+            block(
+                '<div class="fs-page fs-short fs-quiet">'
+                f"{html.escape(describe_source(model))}</div>"
+            )
         )
-        for number, one in enumerate(model.to_try, 1):
-            gui.add_html(block(lesson(number, one, self.settings(model_name, one))))
-            done = state.spec.model == model_name and is_done(state, one)
+        for number, step in enumerate(model.to_try, 1):
+            gui.add_html(block(lesson(number, step, self.settings(model_name, step))))
+            done = state.spec.model == model_name and is_done(state, step)
             button = gui.add_button(BACK if done else DO, color="gray" if done else "green")
-            button.on_click(partial(self.pressed, model_name, one))
+            button.on_click(partial(self.toggle_step, model_name, step))
         gui.add_html(block('<div class="fs-gap"></div>'))
 
     @staticmethod
-    def settings(model_name: str, one: LessonStep) -> str:
+    def settings(model_name: str, step: LessonStep) -> str:
         """What is set, as sliders and Setup call it."""
         words = {p.name: parameter_label(p)[0] for p in declared(MODELS[model_name].parameters)}
         words |= {name: option.title for name, option in OPTIONS.items()}
-        return ", ".join(f"{words[name]}: {format_short(value)}" for name, value in one.set.items())
+        return ", ".join(
+            f"{words[name]}: {format_short(value)}" for name, value in step.set.items()
+        )
 
-    async def pressed(self, model_name: str, one: LessonStep, event: viser.GuiEvent) -> None:
+    async def toggle_step(self, model_name: str, step: LessonStep, event: viser.GuiEvent) -> None:
         """Do it, or take it back; of a model that runs no longer, say so."""
         button = event.target
         state = self.simulation.state
@@ -73,32 +78,34 @@ class TryRunner:
             return
         doing = button.label == DO
         if doing:
-            self.do(model_name, one)
+            self.apply_step(model_name, step)
         else:
-            self.take_back(model_name, one)
+            self.take_back(model_name, step)
         button.label, button.color = (BACK, "gray") if doing else (DO, "green")
 
-    def do(self, model_name: str, one: LessonStep) -> None:
+    def apply_step(self, model_name: str, step: LessonStep) -> None:
         """Change what the try says, keep what it was, and let the flock run."""
         state = self.simulation.state
-        self.before[model_name, one.words] = {name: now(state, name) for name in one.set}
-        self.change(one, one.set)
+        self.before[model_name, step.words] = {
+            name: current_value(state, name) for name in step.set
+        }
+        self.change(step, step.set)
 
-    def take_back(self, model_name: str, one: LessonStep) -> None:
+    def take_back(self, model_name: str, step: LessonStep) -> None:
         """Change it to what it was, or to what it is by default."""
         model = MODELS[model_name]
         usual = {
-            name: by_default(name, model)
+            name: default_value(name, model)
             if name in OPTIONS
             else model.parameters.model_fields[name].default
-            for name in one.set
+            for name in step.set
         }
-        self.change(one, self.before.pop((model_name, one.words), usual))
+        self.change(step, self.before.pop((model_name, step.words), usual))
 
-    def change(self, one: LessonStep, values: Mapping[str, Any]) -> None:
+    def change(self, step: LessonStep, values: Mapping[str, Any]) -> None:
         """Give parameters and options their values; begin the run again if the try does."""
-        if one.anew:
-            spec, beside = self.simulation.state.again()
+        if step.anew:
+            spec, beside = self.simulation.state.current_specs()
             options = {name: value for name, value in values.items() if name in OPTIONS}
             others = {name: value for name, value in values.items() if name not in OPTIONS}
             parameters = {**spec.parameters, **others}
@@ -108,12 +115,12 @@ class TryRunner:
             self.setup.follow(spec, beside)
         else:
             for name, value in values.items():
-                self.parameters.note(name, False)
-                self.parameters.give(name, value, False)
+                self.parameters.remember_value(name, False)
+                self.parameters.set_parameter(name, value, False)
         self.simulation.go()
 
 
-def where(model: Model) -> str:
+def describe_source(model: Model) -> str:
     """Where what one sees was found."""
     agents = counted(model.agents, "agent")
     return (
@@ -122,23 +129,23 @@ def where(model: Model) -> str:
     )
 
 
-def now(state: SimulationState, name: str) -> Any:
+def current_value(state: SimulationState, name: str) -> Any:
     """An option or a parameter of the run as it is."""
     return getattr(state.spec, name) if name in OPTIONS else state.values.get(name)
 
 
-def is_done(state: SimulationState, one: LessonStep) -> bool:
+def is_done(state: SimulationState, step: LessonStep) -> bool:
     """Whether all is as the try has it."""
-    return all(now(state, name) == value for name, value in one.set.items())
+    return all(current_value(state, name) == value for name, value in step.set.items())
 
 
-def lesson(number: int, one: LessonStep, settings: str) -> str:
+def lesson(number: int, step: LessonStep, settings: str) -> str:
     """A try for people: what to do, what is set, what one sees."""
-    again = " The run begins again." if one.anew else ""
+    again = " The run begins again." if step.anew else ""
     return (
-        f'<div class="fs-try"><b>{number}. {html.escape(one.words)}</b>'
+        f'<div class="fs-try"><b>{number}. {html.escape(step.words)}</b>'
         f'<div class="fs-quiet">{html.escape(settings)}.{again}</div>'
-        f"<div>{html.escape(one.see)}</div></div>"
+        f"<div>{html.escape(step.see)}</div></div>"
     )
 
 
@@ -166,7 +173,7 @@ class Guide:
             gui.add_html(CSS)
             tabs = gui.add_tab_group()
             with tabs.add_tab("Model"):
-                gui.add_html(page(about(model_name)))
+                gui.add_html(page(describe_model(model_name)))
             if MODELS[model_name].to_try:
                 with tabs.add_tab("Try this"):
                     self.tries.show(gui, model_name)
@@ -189,17 +196,17 @@ def page(content: str) -> str:
     return block(f'<div class="fs-page">{content}</div>')
 
 
-def about(model_name: str) -> str:
+def describe_model(model_name: str) -> str:
     """What the model is: summary, equation, where the rule and the body are from."""
     model = MODELS[model_name]
     rule, body = model.rule, model.body
     lines = rule.equation.split(r"\qquad")
-    drawn = "".join(
+    rows_html = "".join(
         f'<div style="padding:6px 0">{svg or f"<code>{html.escape(line)}</code>"}</div>'
         for svg, line in zip(equation_svg(rule.equation), lines, strict=False)
     )
     return (
-        f"<p>{html.escape(model.summary)}</p>{drawn}"
+        f"<p>{html.escape(model.summary)}</p>{rows_html}"
         f'<p class="fs-quiet">Rule: {html.escape(rule.source)}.<br>'
         f"Body: {html.escape(f'{body.title} ({body.source})')}.</p>"
     )
@@ -209,9 +216,9 @@ def parameters(model_name: str) -> str:
     """A table of the model's parameters."""
     rows = "".join(
         "<tr><td><b>{}</b></td><td style='text-align:left'>{}</td></tr>".format(
-            *map(html.escape, parameter_label(one))
+            *map(html.escape, parameter_label(parameter))
         )
-        for one in declared(MODELS[model_name].parameters)
+        for parameter in declared(MODELS[model_name].parameters)
     )
     return f'<table class="fs-table">{rows}</table>'
 

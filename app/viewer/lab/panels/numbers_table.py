@@ -9,9 +9,20 @@ from collections.abc import Iterable, Sequence
 import viser
 
 from agents.observables.catalogue import OBSERVABLES
-from app.viewer.measuring.flock_numbers import SAVES, EnergySavings, Number, numbers, observed, rows
+from app.viewer.measuring.flock_numbers import (
+    SAVES,
+    EnergySavings,
+    Number,
+    number_of,
+    numbers,
+    rows,
+)
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.observable_format import format_observable, observable_words, over_a_run
+from app.viewer.measuring.observable_format import (
+    format_observable,
+    observable_words,
+    run_observables,
+)
 from app.viewer.panels.chart import file_stem, plot_csv
 from app.viewer.panels.sending import Sender
 from app.viewer.panels.shell import Sheets, block
@@ -31,11 +42,11 @@ class MoreNumbers:
         self.joules = EnergySavings()
         self.switches = {}
         with gui.add_folder("More numbers", expand_by_default=False):
-            for name, one in OBSERVABLES.items():
-                everyone = one.card is not None and one.card.of is None
-                if not (everyone or one.events or one.is_table):
+            for name, observable in OBSERVABLES.items():
+                everyone = observable.card is not None and observable.card.of is None
+                if not (everyone or observable.events or observable.is_table):
                     self.switches[name] = gui.add_checkbox(
-                        observable_words(name), False, hint=one.title
+                        observable_words(name), False, hint=observable.title
                     )
             self.switches[SIZES] = gui.add_checkbox(SIZES, False, hint="Groups of each size")
             self.switches[JOULES] = gui.add_checkbox(
@@ -47,17 +58,19 @@ class MoreNumbers:
 
     def offer(self, offered: Iterable[str]) -> None:
         """Show the switches of what these flocks have."""
-        there = {*offered, *over_a_run(), SIZES}
-        if there.intersection(SAVES):
-            there.add(JOULES)
+        names = {*offered, *run_observables(), SIZES}
+        if names.intersection(SAVES):
+            names.add(JOULES)
         for name, switch in self.switches.items():
-            if switch.visible != (name in there):
-                switch.visible = name in there
+            if switch.visible != (name in names):
+                switch.visible = name in names
 
     @property
     def chosen(self) -> tuple[str, ...]:
         """What is switched on and to be had."""
-        return tuple(name for name, one in self.switches.items() if one.value and one.visible)
+        return tuple(
+            name for name, switch in self.switches.items() if switch.value and switch.visible
+        )
 
     @property
     def names(self) -> frozenset[str]:
@@ -67,28 +80,28 @@ class MoreNumbers:
 
     def numbers(self, readings: FlockReadings, last: float) -> dict[str, str]:
         """The numbers of a flock, name -> text; those over a run are of its `last` ticks."""
-        found = {}
+        rows = {}
         for name in self.chosen:
             if name == JOULES:
-                found["saved J/m"] = self.joules.saved(readings)
+                rows["saved J/m"] = self.joules.describe(readings)
             elif OBSERVABLES[name].over is not None:
-                found[observable_words(name)] = format_observable(name, readings.over(name, last))
+                rows[observable_words(name)] = format_observable(name, readings.over(name, last))
             elif name != SIZES:
-                found[observable_words(name)] = format_observable(name, readings.values.get(name))
-        return found
+                rows[observable_words(name)] = format_observable(name, readings.values.get(name))
+        return rows
 
     def values(self, readings: FlockReadings, last: float) -> dict[str, Number]:
         """The same numbers in full, but for those of one tick, which the readings have."""
-        found = {
-            observable_words(name): observed(name, readings.over(name, last), readings.flock.model)
+        rows = {
+            observable_words(name): number_of(name, readings.over(name, last), readings.flock.model)
             for name in self.chosen
             if name in OBSERVABLES and OBSERVABLES[name].over is not None
         }
-        saved = self.joules.of(readings) if JOULES in self.chosen else None
+        saved = self.joules.savings(readings) if JOULES in self.chosen else None
         if saved is not None:
-            found["energy saved by formation"] = Number(saved[0], "J/m")
-            found["energy needed alone"] = Number(saved[1], "J/m")
-        return found
+            rows["energy saved by formation"] = Number(saved[0], "J/m")
+            rows["energy needed alone"] = Number(saved[1], "J/m")
+        return rows
 
 
 TABLE, CSV = "Table", "CSV"
@@ -106,13 +119,13 @@ class NumbersTable:
             (TABLE, CSV),
             hint="Everything in the monitors, in full, with its unit; of two flocks a column each",
         )
-        self.buttons.on_click(self.pressed)
+        self.buttons.on_click(self.send_download)
         self.sheets = Sheets(server, self.large)
 
     def refresh(self, runs: tuple[FlockReadings, ...], last: float) -> None:
         """These are the flocks now; what is measured over a run is of its `last` ticks."""
         self.runs, self.last = runs, last
-        self.sheets.each(self.fill)
+        self.sheets.update_each(self.fill)
 
     def large(self, gui: viser.GuiApi) -> viser.GuiHtmlHandle:
         """What is in a window that shows it."""
@@ -122,15 +135,15 @@ class NumbersTable:
 
     def fill(self, place: viser.GuiHtmlHandle) -> None:
         """Show the newest table."""
-        place.content = block(tabled(self.header, self.rows))
+        place.content = block(numbers_html(self.header, self.rows))
 
-    async def pressed(self, event: viser.GuiEvent) -> None:
-        client, wanted = event.client, event.target.value
+    async def send_download(self, event: viser.GuiEvent) -> None:
+        client, file_kind = event.client, event.target.value
         if client is None or not self.runs:
             return
-        if wanted == TABLE:
+        if file_kind == TABLE:
             self.sheets.show(client, "All numbers")
-        elif wanted == CSV:
+        elif file_kind == CSV:
             first = self.runs[0]
             models = "-beside-".join(self.models)
             name = file_stem(f"{models}-seed{first.flock.seed}-tick{first.tick}-numbers")
@@ -158,20 +171,20 @@ class NumbersTable:
         return plot_csv(self.header, self.rows).encode()
 
 
-def tabled(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+def numbers_html(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     """A table as HTML, numbers in full."""
     head = "".join(f"<th>{html.escape(cell)}</th>" for cell in header)
     body = "".join(
-        "<tr>" + "".join(f"<td>{html.escape(full(cell))}</td>" for cell in row) + "</tr>"
+        "<tr>" + "".join(f"<td>{html.escape(format_in_full(cell))}</td>" for cell in row) + "</tr>"
         for row in rows
     )
     return f'<table class="fs-numbers"><tr>{head}</tr>{body}</table>'
 
 
-def full(cell: object) -> str:
+def format_in_full(cell: object) -> str:
     """A cell in all its figures.
 
-    >>> full(1 / 3), full(3.0), full(float("nan")), full("m")
+    >>> tuple(map(format_in_full, (1 / 3, 3.0, float("nan"), "m")))
     ('0.3333333333333333', '3', '–', 'm')
     """
     if not isinstance(cell, int | float):

@@ -88,7 +88,7 @@ class PlanQuestions:
             async def answered(_event: viser.GuiEvent) -> None:
                 self.close(client)
                 wide = thickness.value if thickness is not None and choice.thickness else None
-                self.open_layout(client, name, content, with_answer(options, choice, wide))
+                self.open_layout(client, name, content, add_answer(options, choice, wide))
 
             return answered
 
@@ -100,12 +100,12 @@ class PlanQuestions:
         cancel.on_click(cancelled)
 
 
-def with_answer(
+def add_answer(
     options: Mapping[str, Any], choice: PlanChoice, thickness: float | None
 ) -> dict[str, Any]:
     """The options of a reading with an answer more.
 
-    >>> with_answer({"unit": "mm"}, PlanChoice("Walls", {"roles": {"wall": ["A"]}}), 0.2)
+    >>> add_answer({"unit": "mm"}, PlanChoice("Walls", {"roles": {"wall": ["A"]}}), 0.2)
     {'unit': 'mm', 'roles': {'wall': ['A']}, 'thickness': 0.2}
     """
     roles: dict[str, list[str]] = {
@@ -113,7 +113,7 @@ def with_answer(
     }
     for role, layers in choice.options.get("roles", {}).items():
         roles.setdefault(role, []).extend(layers)
-    made = {**options, **choice.options, "roles": roles}
+    merged = {**options, **choice.options, "roles": roles}
     if thickness is not None:
-        made["thickness"] = min(max(float(thickness), THINNEST), THICKEST)
-    return made
+        merged["thickness"] = min(max(float(thickness), THINNEST), THICKEST)
+    return merged

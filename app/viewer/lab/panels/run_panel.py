@@ -1,4 +1,4 @@
-"""Go, pause, step, set up, and how fast."""
+"""Go, pause, step, set up, how fast, and the time line."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from app.viewer.panels.shell import GREEN, GREY, ORANGE, VIOLET, block
 from app.viewer.run.kernel_compiler import CompileEstimate
 from app.viewer.run.run_preset import lively_speed
 from app.viewer.run.simulation import Simulation
-from app.viewer.run.simulation_state import SimulationState
+from app.viewer.run.simulation_state import SimulationState, TimeLineState
+from app.viewer.scene.shown.frame import Frame
 
 SPEEDS = (0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 200.0, 1000.0, math.inf)
 """Ticks per second to choose from."""
@@ -38,18 +39,18 @@ class RunPanel:
             "Reset begins the same run again.",
         )
         speed = simulation.state.speed
-        self.speeds = {speed_text(one): one for one in sorted({*SPEEDS, speed})}
+        self.speeds = {speed_text(value): value for value in sorted({*SPEEDS, speed})}
         self.speed = gui.add_dropdown(
             "Speed", list(self.speeds), initial_value=speed_text(speed), hint="Ticks per second"
         )
-        self.switch.on_click(self.toggled)
-        self.actions.on_click(self.acted)
-        self.speed.on_update(self.paced)
+        self.switch.on_click(self.toggle_running)
+        self.actions.on_click(self.press_button)
+        self.speed.on_update(self.set_pace)
 
-    async def toggled(self, _event: viser.GuiEvent) -> None:
+    async def toggle_running(self, _event: viser.GuiEvent) -> None:
         self.simulation.toggle()
 
-    async def acted(self, event: viser.GuiEvent) -> None:
+    async def press_button(self, event: viser.GuiEvent) -> None:
         match event.target.value:
             case "Setup":
                 self.set_up()
@@ -58,22 +59,22 @@ class RunPanel:
             case "Reset":
                 self.simulation.reset()
 
-    async def paced(self, event: viser.GuiEvent) -> None:
+    async def set_pace(self, event: viser.GuiEvent) -> None:
         self.simulation.run_at(self.speeds[event.target.value])
 
     def set_up(self) -> None:
         """Build a flock from the Setup tab."""
         self.setup.catch_up(self.simulation.state.spec)
         state, before = self.simulation.state, self.setup.running
-        spec, beside = self.setup.next(state)
+        spec, beside = self.setup.next_pairing(state)
         if MODELS[spec.model].body.unit != MODELS[before[0].model].body.unit:
             self.pace(lively_speed(spec))
         self.simulation.setup(spec, beside)
 
     def pace(self, speed: float) -> None:
         """Go to the speed of the list that is nearest to one (ticks per second)."""
-        finite = [one for one in self.speeds.values() if math.isfinite(one)]
-        nearest = min(finite, key=lambda one: abs(math.log(one / speed)))
+        finite = [choice for choice in self.speeds.values() if math.isfinite(choice)]
+        nearest = min(finite, key=lambda choice: abs(math.log(choice / speed)))
         set_value(self.speed, speed_text(nearest))
         self.simulation.run_at(nearest)
 
@@ -87,7 +88,7 @@ class RunPanel:
     def refresh(self, state: SimulationState, scene: SavedScene | None = None) -> None:
         """Show how the simulation stands, and what there is to see in a scene."""
         self.status.content = block(status(state))
-        self.story.content = "" if scene is None else story(scene)
+        self.story.content = "" if scene is None else describe_scene(scene)
         self.switch.label = "Pause" if state.running else "Go"
         self.switch.icon = viser.Icon.PLAYER_PAUSE if state.running else viser.Icon.PLAYER_PLAY
         self.switch.color = "blue" if state.running else "green"
@@ -121,11 +122,13 @@ def status(state: SimulationState, mend: str = "Press Setup.") -> str:
     return f'<div class="fs-status">{dot}<span><b>{words}</b>{title}</span></div>'
 
 
-def story(scene: SavedScene) -> str:
+def describe_scene(scene: SavedScene) -> str:
     """What to watch in a scene, and what to try."""
     lines = (("Watch", scene.watch), ("Try", scene.tries))
-    told = "".join(f"<p><b>{name}</b> {html.escape(text)}</p>" for name, text in lines if text)
-    return block(f'<div class="fs-story">{told}</div>') if told else ""
+    paragraphs = "".join(
+        f"<p><b>{name}</b> {html.escape(text)}</p>" for name, text in lines if text
+    )
+    return block(f'<div class="fs-story">{paragraphs}</div>') if paragraphs else ""
 
 
 def compile_bar(compiling: CompileEstimate, preview: bool) -> str:
@@ -133,6 +136,92 @@ def compile_bar(compiling: CompileEstimate, preview: bool) -> str:
     now = time.monotonic()
     kind = "Preview" if preview else "Waiting"
     return (
-        f'<div class="fs-compiling"><b>{kind}</b> until compiled: {compiling.words(now)}'
+        f'<div class="fs-compiling"><b>{kind}</b> until compiled: {compiling.describe(now)}'
         f'<i><i style="width:{100.0 * compiling.share(now):.0f}%"></i></i></div>'
     )
+
+
+# The time line: drag it to look back at a run, or to any tick of a recording.
+
+
+GO_ON, TO_NOW = "Go on from here", "Back to now"
+HELD = 0.5
+"""Time after somebody has moved it for which nothing else moves it, s."""
+
+
+class TimeLinePanel:
+    """A slider over the ticks that can be shown; buttons while it is not the present."""
+
+    def __init__(self, gui: viser.GuiApi, simulation: Simulation):
+        self.time_line = simulation.time_line
+        self.moved = 0.0
+        self.slider = gui.add_slider(
+            "Tick",
+            0,
+            1,
+            1,
+            0,
+            disabled=True,
+            hint="Drag to look back at this run, or to any tick of a recording",
+        )
+        self.words = gui.add_html("", visible=False)
+        self.actions = gui.add_button_group(
+            "Past",
+            (GO_ON, TO_NOW),
+            visible=False,
+            hint="Go on from the tick that you see; the page forgets what came after it",
+        )
+        self.slider.on_update(self.drag_slider)
+        self.actions.on_click(self.press_button)
+
+    async def drag_slider(self, event: viser.GuiEvent) -> None:
+        if event.client is not None:
+            self.moved = time.monotonic()
+            self.time_line.seek(int(self.slider.value))
+
+    async def press_button(self, event: viser.GuiEvent) -> None:
+        self.moved = 0.0
+        if event.target.value == GO_ON:
+            self.time_line.go_on()
+        else:
+            self.time_line.to_now()
+
+    def refresh(self, state: SimulationState, frame: Frame | None) -> None:
+        """Follow the run; what is being dragged is left where it is."""
+        line = state.line
+        usable = line is not None and line.last > line.first and frame is not None
+        if self.slider.disabled == usable:
+            self.slider.disabled = not usable
+        recorded = line is not None and bool(line.recording)
+        past = recorded or (line is not None and line.looks_back)
+        if self.words.visible != past:
+            self.words.visible = self.actions.visible = past
+        offered = (GO_ON,) if recorded else (GO_ON, TO_NOW)
+        if past and tuple(self.actions.options) != offered:
+            self.actions.options = offered
+        if line is None or frame is None:
+            return
+        if past:
+            self.words.content = block(describe_time_line(line, frame))
+        for name, value in (("min", line.first), ("max", max(line.last, line.first + 1))):
+            if getattr(self.slider, name) != value:
+                setattr(self.slider, name, value)
+        if time.monotonic() - self.moved > HELD and self.slider.value != line.at:
+            set_value(self.slider, line.at)
+
+
+def describe_time_line(line: TimeLineState, frame: Frame) -> str:
+    """What is shown, and what can be done about it, HTML."""
+    when = clock(line.at, frame)
+    if line.recording:
+        name = html.escape(line.recording)
+        return (
+            f'<div class="fs-quiet">Recording <b>{name}</b>: {when} of '
+            f"{clock(line.last, frame, '')}. Setup begins a new run from its spec.</div>"
+        )
+    return f'<div class="fs-quiet">Looking back at {when}; now is {clock(line.last, frame)}.</div>'
+
+
+def clock(tick: int, frame: Frame, word: str = "tick ") -> str:
+    """A tick, with its time where time is not counted in ticks."""
+    return f"{word}{tick}" + ("" if frame.unit == "ticks" else f" ({tick * frame.dt:.1f} s)")

@@ -15,7 +15,13 @@ from agents.spec import OPTIONS, CompleteSpec, Options, Spec
 from app.front.controls import set_value
 from app.viewer.panels.dials import handle
 from app.viewer.panels.shell import block
-from app.viewer.run.run_preset import MOST_AGENTS, at_home, home, world_title, world_titles
+from app.viewer.run.run_preset import (
+    MOST_AGENTS,
+    preset_spec,
+    world_defaults,
+    world_title,
+    world_titles,
+)
 from app.viewer.run.simulation_state import SimulationState
 from app.viewer.scene.shown.control import Control
 from worlds.world import World
@@ -51,30 +57,33 @@ class SetupPanel:
             initial_value=NOBODY if beside is None else MODELS[beside].title,
             hint="A second model in the same world, from the same start, with the same controls",
         )
-        self.agents = numbered(gui, "agents", spec.agents, 1, MOST_AGENTS)
-        self.world = handle(gui, offered("world", self.worlds), world_title(spec.world))
-        self.dim = handle(gui, offered("dim", DIMENSIONS), f"{spec.dim}-D")
-        self.size = numbered(gui, "size", spec.size, 0, MOST_SIDE, "; 0 keeps the density")
+        self.agents = add_number_control(gui, "agents", spec.agents, 1, MOST_AGENTS)
+        self.world = handle(gui, choice_control("world", self.worlds), world_title(spec.world))
+        self.dim = handle(gui, choice_control("dim", DIMENSIONS), f"{spec.dim}-D")
+        self.size = add_number_control(
+            gui, "size", spec.size, 0, MOST_SIDE, "; 0 keeps the density"
+        )
         acts = [name for name in Options.model_fields if name not in Conditions.model_fields]
-        self.plain = {name: plain(gui, name, getattr(spec, name)) for name in acts}
+        self.plain = {name: add_plain_control(gui, name, getattr(spec, name)) for name in acts}
         with gui.add_folder("Messages and wind", expand_by_default=spec.is_late or spec.is_windy):
             self.plain |= {
-                name: plain(gui, name, getattr(spec, name)) for name in Conditions.model_fields
+                name: add_plain_control(gui, name, getattr(spec, name))
+                for name in Conditions.model_fields
             }
-        self.seed = numbered(gui, "seed", spec.seed, 0, LARGEST_SEED)
+        self.seed = add_number_control(gui, "seed", spec.seed, 0, LARGEST_SEED)
         self.new_seed = gui.add_checkbox(
             "New seed", True, hint="Take the next seed at every Setup, for a new random start"
         )
         self.fit()
-        self.model.on_update(self.model_chosen)
-        self.world.on_update(self.world_chosen)
-        self.dim.on_update(self.dim_chosen)
+        self.model.on_update(self.choose_model)
+        self.world.on_update(self.choose_world)
+        self.dim.on_update(self.choose_dimensions)
 
-    async def model_chosen(self, event: viser.GuiEvent) -> None:
+    async def choose_model(self, event: viser.GuiEvent) -> None:
         """A model brings its own number of agents, its dimensions, its world and its options."""
         model = MODELS[model_titled(self.model.value)]
-        for name, one in self.plain.items():
-            set_value(one, control_value(name, by_default(name, model)))
+        for name, control in self.plain.items():
+            set_value(control, control_value(name, default_value(name, model)))
         if event.client is None:
             return
         if world_title(model.world) in self.worlds:
@@ -83,12 +92,12 @@ class SetupPanel:
         set_value(self.dim, f"{model.dim or model.dimensions[0]}-D")
         self.fit()
 
-    async def world_chosen(self, event: viser.GuiEvent) -> None:
+    async def choose_world(self, event: viser.GuiEvent) -> None:
         """A world may decide the dimension and the side."""
         if event.client is not None:
             self.fit()
 
-    async def dim_chosen(self, _event: viser.GuiEvent) -> None:
+    async def choose_dimensions(self, _event: viser.GuiEvent) -> None:
         """Not every model flies in every dimension."""
         self.fit_beside()
 
@@ -96,7 +105,7 @@ class SetupPanel:
         """Let the world and the model decide what is theirs to decide, and say what it is."""
         model = MODELS[model_titled(self.model.value)]
         self.summary.content = block(f'<div class="fs-quiet">{html.escape(model.summary)}</div>')
-        own = home(self.worlds[self.world.value])
+        own = world_defaults(self.worlds[self.world.value])
         self.plain["informed"].disabled = not model.rule.led
         self.size.disabled = own.sized
         self.dim.disabled = own.dim == 3
@@ -115,26 +124,28 @@ class SetupPanel:
     @staticmethod
     def companions(model: str, dim: int) -> tuple[str, ...]:
         """Titles of the models that can fly beside one in so many dimensions, after nobody."""
-        others = (one for name, one in MODELS.items() if name != model)
-        return (NOBODY, *(one.title for one in others if dim in one.dimensions))
+        others = (candidate for name, candidate in MODELS.items() if name != model)
+        return (NOBODY, *(other.title for other in others if dim in other.dimensions))
 
-    def chosen(self) -> Pairing:
+    def chosen_pairing(self) -> Pairing:
         """The run as the panel has it, and what is beside it; running seed, no parameters."""
         model = MODELS[model_titled(self.model.value)]
-        spec = at_home(
+        spec = preset_spec(
             model.name,
             agents=self.agents.value,
             seed=self.running[0].seed,
             size=None if self.size.disabled else self.size.value or None,
             dim=DIMENSIONS[self.dim.value],
             world=self.worlds[self.world.value],
-            **{name: meant(name, one.value, model) for name, one in self.plain.items()},
+            **{
+                name: option_value(name, handle.value, model) for name, handle in self.plain.items()
+            },
         )
         return spec, None if self.beside.value == NOBODY else Spec(model_titled(self.beside.value))
 
-    def next(self, state: SimulationState) -> Pairing:
+    def next_pairing(self, state: SimulationState) -> Pairing:
         """The run for Setup, and what is beside it; models that stay keep their parameters."""
-        spec, beside = self.chosen()
+        spec, beside = self.chosen_pairing()
         if self.new_seed.value and self.seed.value == self.running[0].seed:
             set_value(self.seed, (self.seed.value + 1) % LARGEST_SEED)
         stays = spec.model == self.running[0].model
@@ -177,7 +188,7 @@ class SetupPanel:
         if state.run != self.shown_run:
             self.shown_run = state.run
             set_value(self.seed, state.spec.seed)
-        changed = ", ".join(differs(self.chosen(), self.running))
+        changed = ", ".join(describe_differences(self.chosen_pairing(), self.running))
         self.note.content = block(
             f'<div class="fs-note">Changed: <b>{changed}</b>. Press Setup to use it.</div>'
             if changed
@@ -185,9 +196,9 @@ class SetupPanel:
         )
 
 
-def differs(one: Pairing, other: Pairing) -> list[str]:
+def describe_differences(pairing: Pairing, other: Pairing) -> list[str]:
     """What differs, as the panel calls it; seeds and parameters are left out."""
-    (spec, beside), (before, beside_before) = one, other
+    (spec, beside), (before, beside_before) = pairing, other
     models = {
         "model": spec.model != before.model,
         "beside": (beside and beside.model) != (beside_before and beside_before.model),
@@ -200,27 +211,29 @@ def differs(one: Pairing, other: Pairing) -> list[str]:
     return [title for title, differ in (models | options).items() if differ]
 
 
-def plain(gui: viser.GuiApi, name: str, value: Any) -> Any:
+def add_plain_control(gui: viser.GuiApi, name: str, value: Any) -> Any:
     """The control of an option that stands by itself."""
-    one = OPTIONS[name]
-    if one.kind in (int, float):
-        return numbered(gui, name, value, one.least, one.most)
-    return handle(gui, offered(name, one.words.values()), control_value(name, value))
+    option = OPTIONS[name]
+    if option.kind in (int, float):
+        return add_number_control(gui, name, value, option.least, option.most)
+    return handle(gui, choice_control(name, option.words.values()), control_value(name, value))
 
 
-def offered(name: str, choices: Iterable[str]) -> Control:
+def choice_control(name: str, choices: Iterable[str]) -> Control:
     """A list of words for an option, or a switch if there are none."""
     return Control(OPTIONS[name].title, OPTIONS[name].help, tuple(choices))
 
 
-def numbered(
+def add_number_control(
     gui: viser.GuiApi, name: str, value: Any, low: float, high: float, more: str = ""
 ) -> Any:
     """A box for an option that is a number, in [low, high], with `more` to say of it."""
-    one, value = OPTIONS[name], control_value(name, value)
+    option, value = OPTIONS[name], control_value(name, value)
     low, high = min(low, value), max(high, value)
-    made = Control(one.title, one.help + more, low=low, high=high, step=one.step, typed=True)
-    return handle(gui, made, value)
+    control = Control(
+        option.title, option.help + more, low=low, high=high, step=option.step, typed=True
+    )
+    return handle(gui, control, value)
 
 
 def control_value(name: str, value: Any) -> Any:
@@ -229,16 +242,16 @@ def control_value(name: str, value: Any) -> Any:
     return words[value] if words else value or OPTIONS[name].kind()
 
 
-def meant(name: str, value: Any, model: Model) -> Any:
+def option_value(name: str, value: Any, model: Model) -> Any:
     """An option from its control; what shows like the default is the default."""
     words = OPTIONS[name].words
     if words:
         return next(key for key, word in words.items() if word == value)
-    own = by_default(name, model)
+    own = default_value(name, model)
     return own if value == control_value(name, own) else value
 
 
-def by_default(name: str, model: Model) -> Any:
+def default_value(name: str, model: Model) -> Any:
     """An option of a run that does not say it: the model's own, if the model has one."""
     default = Spec.model_fields[name].default
     return getattr(model, name) if default is None else default

@@ -35,7 +35,7 @@ from app.viewer.lab.sweeps.sweep_request import (
     numbers,
 )
 from app.viewer.measuring.observable_format import observable_words
-from app.viewer.panels.dials import decimals, sight, step_of
+from app.viewer.panels.dials import decimals, set_visible, step_of
 from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import GREEN, GREY, ORANGE, block
 from app.viewer.run.simulation import Simulation
@@ -72,16 +72,23 @@ class AxisForm:
     def offer(self, model: str) -> None:
         """Let the parameters of a model be chosen, and the number of agents."""
         self.model = model
-        found = numbers(model)
-        self.names = {parameter_label(one)[0]: one.name for one in found} | {"Agents": AGENTS}
-        self.ranges = {one.name: spanned(one) for one in found} | {
+        parameters = numbers(model)
+        self.names = {parameter_label(parameter)[0]: parameter.name for parameter in parameters} | {
+            "Agents": AGENTS
+        }
+        self.ranges = {parameter.name: parameter_span(parameter) for parameter in parameters} | {
             AGENTS: (max(1.0, MODELS[model].agents / 4), float(MODELS[model].agents * 2))
         }
-        self.steps = {one.name: (step_of(one), decimals(one)) for one in found} | {AGENTS: (1, 0)}
+        self.steps = {
+            parameter.name: (step_of(parameter), decimals(parameter)) for parameter in parameters
+        } | {AGENTS: (1, 0)}
         options = ((NOTHING,) if self.none else ()) + tuple(self.names)
         chosen = self.over.value if self.over.value in options else options[0]
         if not self.none and self.over.value == NOTHING:
-            first = next((one for one in found if one.noise), found[0] if found else None)
+            first = next(
+                (parameter for parameter in parameters if parameter.noise),
+                parameters[0] if parameters else None,
+            )
             chosen = parameter_label(first)[0] if first else options[0]
         self.over.options = options
         set_value(self.over, chosen)
@@ -103,8 +110,8 @@ class AxisForm:
     def propose(self) -> None:
         """The part of an axis that a slider spans."""
         name = self.names.get(self.over.value)
-        for one in (self.low, self.high, self.count, self.log):
-            sight(one, name is not None)
+        for handle in (self.low, self.high, self.count, self.log):
+            set_visible(handle, name is not None)
         if name is None:
             return
         low, high = allowed(self.model, name)
@@ -126,10 +133,10 @@ class AxisForm:
         return Axis(name, self.low.value, self.high.value, int(self.count.value), self.log.value)
 
 
-def spanned(one: NumberParameter) -> tuple[float, float]:
+def parameter_span(parameter: NumberParameter) -> tuple[float, float]:
     """What a slider of a number spans, and what is allowed where that is nothing."""
-    low, high = one.proposed
-    return (low, high) if low < high else one.bounds
+    low, high = parameter.proposed
+    return (low, high) if low < high else parameter.bounds
 
 
 @dataclass
@@ -186,43 +193,49 @@ class SweepPanel:
             self.said = gui.add_html("")
             self.start = gui.add_button("Start the sweep", icon=viser.Icon.CHART_DOTS)
             gui.add_html(block(f'<div class="fs-quiet">{sweep_request.describe_limits()}.</div>'))
-        self.which.on_update(self.chosen)
-        self.column.on_update(self.chosen)
-        self.start.on_click(self.begin)
-        self.go.on_click(self.stop_or_go)
-        self.table.on_click(self.taken)
-        self.take.on_click(self.taken)
+        self.which.on_update(self.choose_sweep)
+        self.column.on_update(self.choose_sweep)
+        self.start.on_click(self.begin_sweep)
+        self.go.on_click(self.toggle_sweep)
+        self.table.on_click(self.send_download)
+        self.take.on_click(self.send_download)
 
     # What browsers ask for.
 
-    async def chosen(self, event: viser.GuiEvent) -> None:
+    async def choose_sweep(self, event: viser.GuiEvent) -> None:
         """Draw another sweep, or another column of it."""
         if event.client is not None:
             same = event.target is self.column
             self.sweeps.choose(self.which.value, self.column.value if same else None)
 
-    async def begin(self, event: viser.GuiEvent) -> None:
+    async def begin_sweep(self, event: viser.GuiEvent) -> None:
         """Begin what the form says."""
         if event.client is not None:
-            await self.do(lambda: self.sweeps.begin(self.asked(self.simulation.state)))
+            await self.run_aside(
+                lambda: self.sweeps.begin(self.read_request(self.simulation.state))
+            )
 
-    async def stop_or_go(self, event: viser.GuiEvent) -> None:
+    async def toggle_sweep(self, event: viser.GuiEvent) -> None:
         """Stop the sweep that is shown, or go on with it."""
-        one = self.sweeps.seen.of(self.which.value)
-        if event.client is None or one is None:
+        sweep = self.sweeps.seen.of(self.which.value)
+        if event.client is None or sweep is None:
             return
-        await self.do(lambda: (self.sweeps.stop if one.runs else self.sweeps.go_on)(one.name))
+        await self.run_aside(
+            lambda: (self.sweeps.stop if sweep.runs else self.sweeps.go_on)(sweep.name)
+        )
 
-    async def taken(self, event: viser.GuiEvent) -> None:
+    async def send_download(self, event: viser.GuiEvent) -> None:
         """Send a file of the sweep that is shown to the browser that asked."""
         client, kind, name = event.client, event.target.value, self.which.value
         if client is None:
             return
-        made = await self.do(lambda: content(self.sweeps.folder(name), kind, self.sweeps.column))
-        if made is not None:
-            client.send_file_download(*made, save_immediately=True)
+        download = await self.run_aside(
+            lambda: content(self.sweeps.folder(name), kind, self.sweeps.column)
+        )
+        if download is not None:
+            client.send_file_download(*download, save_immediately=True)
 
-    async def do[T](self, work: Callable[[], T]) -> T | None:
+    async def run_aside[T](self, work: Callable[[], T]) -> T | None:
         """Do something aside, one thing at a time; what is refused is told, and gives None."""
         if self.busy:
             return None
@@ -241,11 +254,11 @@ class SweepPanel:
         if not self.first.choose(name):
             raise InputError(f"{name[:80]!r} cannot be swept over")
 
-    def asked(self, state: SimulationState) -> SweepRequest:
+    def read_request(self, state: SimulationState) -> SweepRequest:
         """What the form says, around a run."""
-        axes = [one for one in (self.first.axis(), self.second.axis()) if one is not None]
+        axes = [axis for axis in (self.first.axis(), self.second.axis()) if axis is not None]
         return SweepRequest(
-            state.again()[0],
+            state.current_specs()[0],
             axes,
             self.observed.get(self.observable.value, ""),
             int(self.runs.value),
@@ -268,23 +281,25 @@ class SweepPanel:
             if name in self.first.names.values()
         }
         text = html.escape(json.dumps(marks, separators=(",", ":")))
-        put(self.place, f'<div data-sweeps="{text}" hidden></div>')
+        set_html(self.place, f'<div data-sweeps="{text}" hidden></div>')
         self.follow(self.sweeps.seen)
         try:
-            asked = self.asked(state)
-            grid = asked.grid()
+            request = self.read_request(state)
+            grid = request.grid()
         except InputError as refusal:
-            put(self.said, block(f'<div class="fs-error">{html.escape(str(refusal))}</div>'))
-            sight_of(self.start, True)
+            set_html(self.said, block(f'<div class="fs-error">{html.escape(str(refusal))}</div>'))
+            set_enabled(self.start, True)
             return
         sizes = " × ".join(str(len(values)) for values in grid.values())
         cells = 1
         for values in grid.values():
             cells *= len(values)
         agents = "" if AGENTS in grid else f" of {counted(state.agents, 'agent')}"
-        said = f"{sizes} × {asked.runs} = <b>{counted(cells * asked.runs, 'run')}</b>{agents}; "
-        put(self.said, block(f"{said}all else as it is now."))
-        sight_of(self.start, self.busy or any(one.runs for one in self.sweeps.seen.sweeps))
+        summary = (
+            f"{sizes} × {request.runs} = <b>{counted(cells * request.runs, 'run')}</b>{agents}; "
+        )
+        set_html(self.said, block(f"{summary}all else as it is now."))
+        set_enabled(self.start, self.busy or any(sweep.runs for sweep in self.sweeps.seen.sweeps))
 
     def offer(self, model: str, offered: tuple[str, ...]) -> None:
         """Let be chosen what a model has."""
@@ -298,79 +313,81 @@ class SweepPanel:
         }
         if observed == self.observed or not observed:
             return
-        usual = next((one[0] for one in default_charts(MODELS[model], offered) if one), "")
+        usual = next((chart[0] for chart in default_charts(MODELS[model], offered) if chart), "")
         before = self.observable.value if self.observed else observable_words(usual)
         self.observed = observed
         self.observable.options = tuple(observed)
         set_value(self.observable, before if before in observed else next(iter(observed)))
 
-    def follow(self, seen: SweepPanelState) -> None:
+    def follow(self, state: SweepPanelState) -> None:
         """Show the sweeps there are, and one of them."""
-        names = tuple(one.name for one in seen.sweeps) or (NOBODY,)
+        names = tuple(sweep.name for sweep in state.sweeps) or (NOBODY,)
         if tuple(self.which.options) != names:
             self.which.options = names
         chosen = self.sweeps.chosen if self.sweeps.chosen in names else names[0]
         if self.which.value != chosen:
             set_value(self.which, chosen)
-        one, made = seen.of(chosen), seen.shown
-        put(self.status, block(status(one, seen)))
-        put(self.picture, block(seen.picture) if seen.picture else "")
-        if made is not None:
-            if tuple(self.column.options) != made.columns:
-                self.column.options = made.columns
-            if self.column.value != made.column:
-                set_value(self.column, made.column)
-        sight(self.column, made is not None and len(made.columns) > 1)
-        sight(self.table, made is not None)
-        sight(self.take, made is not None)
-        sight(self.go, one is not None and one.state != "done")
-        if one is not None:
-            self.go.label = "Stop" if one.runs else "Go on"
-            self.go.icon = viser.Icon.PLAYER_STOP if one.runs else viser.Icon.PLAYER_SKIP_FORWARD
+        sweep, drawing = state.of(chosen), state.shown
+        set_html(self.status, block(status(sweep, state)))
+        set_html(self.picture, block(state.picture) if state.picture else "")
+        if drawing is not None:
+            if tuple(self.column.options) != drawing.columns:
+                self.column.options = drawing.columns
+            if self.column.value != drawing.column:
+                set_value(self.column, drawing.column)
+        set_visible(self.column, drawing is not None and len(drawing.columns) > 1)
+        set_visible(self.table, drawing is not None)
+        set_visible(self.take, drawing is not None)
+        set_visible(self.go, sweep is not None and sweep.state != "done")
+        if sweep is not None:
+            self.go.label = "Stop" if sweep.runs else "Go on"
+            self.go.icon = viser.Icon.PLAYER_STOP if sweep.runs else viser.Icon.PLAYER_SKIP_FORWARD
 
 
-def put(place: Any, content: str) -> None:
+def set_html(place: Any, content: str) -> None:
     """Show HTML; browsers are told only what is new."""
     if place.content != content:
         place.content = content
 
 
-def sight_of(button: Any, disabled: bool) -> None:
+def set_enabled(button: Any, disabled: bool) -> None:
     """Let a button be pressed, or not."""
     if button.disabled != disabled:
         button.disabled = disabled
 
 
-def status(one: ListedSweep | None, seen: SweepPanelState) -> str:
+def status(sweep: ListedSweep | None, panel_state: SweepPanelState) -> str:
     """How far a sweep is, with a bar; and what has gone wrong."""
-    faults = [seen.fault, *seen.unread[:MOST_FAULTS]]
-    if len(seen.unread) > MOST_FAULTS:
-        faults.append(f"and {len(seen.unread) - MOST_FAULTS} more are not shown")
-    fault = "".join(f'<div class="fs-error">{html.escape(one)}</div>' for one in faults if one)
-    if one is None:
+    faults = [panel_state.fault, *panel_state.unread[:MOST_FAULTS]]
+    if len(panel_state.unread) > MOST_FAULTS:
+        faults.append(f"and {len(panel_state.unread) - MOST_FAULTS} more are not shown")
+    fault = "".join(
+        f'<div class="fs-error">{html.escape(fault)}</div>' for fault in faults if fault
+    )
+    if sweep is None:
         empty = "Runs over values of a parameter, kept in results/. The flock here goes on."
         return fault or f'<div class="fs-quiet">{empty}</div>'
     colour, state = {
         "running": (GREEN, "running"),
         "begins": (ORANGE, "begins"),
         "stopped": (GREY, "stopped"),
-    }.get(one.state, (GREY, "done"))
-    said = f"{one.done:,} of {one.of:,} runs" if one.of else ""
-    if one.runs and seen.said and one.done == 0:
-        said = html.escape(seen.said[:200])
+    }.get(sweep.state, (GREY, "done"))
+    text = f"{sweep.done:,} of {sweep.of:,} runs" if sweep.of else ""
+    if sweep.runs and panel_state.said and sweep.done == 0:
+        text = html.escape(panel_state.said[:200])
     pace = ""
-    if one.runs:
+    if sweep.runs:
         pace = "&nbsp;"  # the line is there before anything is known: nothing moves then
-        if one.left is not None and one.rate:
-            pace = f"{one.rate:.3g} runs a second, {duration(one.left)} left"
+        if sweep.left is not None and sweep.rate:
+            pace = f"{sweep.rate:.3g} runs a second, {duration(sweep.left)} left"
         pace = f'<div class="fs-quiet">{pace}</div>'
-    broken = one.counts.get("failed", 0) + one.counts.get("killed", 0)
-    said += f", {broken} failed" if broken else ""
-    said += f", {one.counts['gave-up']} gave up" if one.counts.get("gave-up") else ""
-    share = 100.0 * one.done / one.of if one.of else 0.0
+    broken = sweep.counts.get("failed", 0) + sweep.counts.get("killed", 0)
+    text += f", {broken} failed" if broken else ""
+    text += f", {sweep.counts['gave-up']} gave up" if sweep.counts.get("gave-up") else ""
+    share = 100.0 * sweep.done / sweep.of if sweep.of else 0.0
     bar = f'<div class="fs-progress"><i style="width:{share:.1f}%"></i></div>'
     dot = f'<span class="fs-dot" style="background:{colour}"></span>'
     return (
-        f'{fault}<div class="fs-status">{dot}<span><b>{state}</b> · {said}</span></div>'
-        f"{pace}{bar if one.runs or one.state == 'stopped' else ''}"
+        f'{fault}<div class="fs-status">{dot}<span><b>{state}</b> · {text}</span></div>'
+        f"{pace}{bar if sweep.runs or sweep.state == 'stopped' else ''}"
     )

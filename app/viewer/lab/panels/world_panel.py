@@ -11,8 +11,7 @@ import numpy as np
 import viser
 
 from app.front.controls import set_value
-from app.viewer.editing import forms
-from app.viewer.editing.editor import Editor
+from app.viewer.editing.editor import CORNERS, Editor, disc, polygon
 from app.viewer.editing.free_places import floor_place, obstacle_hit
 from app.viewer.editing.layout_file import ENDINGS
 from app.viewer.lab.panels.plan_questions import PlanQuestions
@@ -104,13 +103,16 @@ class WorldControls:
         """Show the measures of the selected obstacle, or those that the next one will have."""
         now = {} if obstacle is None else obstacle.measures()
         for name, slider in self.sliders.items():
-            put(slider, "visible", name in now or name in MEASURES[self.tool.value])
+            set_property(slider, "visible", name in now or name in MEASURES[self.tool.value])
             if name in now and resting:
                 set_value(slider, float(np.clip(round(now[name], 9), slider.min, slider.max)))
 
     def list(self, editor: Editor, selected: int) -> None:
         """The obstacles by number, shape and name."""
-        options = (NONE, *(f"{n} · {one.label}" for n, one in enumerate(editor.world.obstacles, 1)))
+        options = (
+            NONE,
+            *(f"{n} · {obstacle.label}" for n, obstacle in enumerate(editor.world.obstacles, 1)),
+        )
         if tuple(self.which.options) != options:
             self.which.options = options
         keys = editor.now.keys
@@ -118,13 +120,13 @@ class WorldControls:
         set_value(self.which, chosen)
 
 
-def put(control: Any, name: str, value: Any) -> None:
+def set_property(control: Any, name: str, value: Any) -> None:
     """Give a control's property a value, if it has another."""
     if getattr(control, name) != value:
         setattr(control, name, value)
 
 
-def note(editor: Editor, tool: str, obstacle: Any, corners: int) -> str:
+def describe_tools(editor: Editor, tool: str, obstacle: Any, corners: int) -> str:
     """What can be done now, in a line."""
     count = len(editor.world.obstacles)
     undone = len(editor.past)
@@ -139,8 +141,8 @@ def note(editor: Editor, tool: str, obstacle: Any, corners: int) -> str:
     else:
         words = "Click an obstacle to select it."
     changes = f" · {undone} change{'s' * (undone != 1)}" if undone else ""
-    held = f"{count} obstacle{'s' * (count != 1)}{changes}"
-    return f'<div class="fs-quiet">{held}</div><div class="fs-quiet">{words}</div>'
+    count_text = f"{count} obstacle{'s' * (count != 1)}{changes}"
+    return f'<div class="fs-quiet">{count_text}</div><div class="fs-quiet">{words}</div>'
 
 
 CLOSE = 0.02
@@ -170,16 +172,16 @@ class WorldPanel(WorldControls):
         self.touched = 0.0
         self.slide = 0
         self.saving = False
-        self.tool.on_update(self.tool_chosen)
-        self.which.on_update(self.listed)
-        self.acts.on_click(self.acted)
-        self.close.on_click(self.closed)
-        self.goal.on_update(self.goal_switched)
-        self.clear.on_click(self.cleared)
-        self.save.on_click(self.saved)
-        self.open.on_upload(self.opened)
+        self.tool.on_update(self.choose_tool)
+        self.which.on_update(self.select_listed)
+        self.acts.on_click(self.press_button)
+        self.close.on_click(self.close_polygon)
+        self.goal.on_update(self.switch_goal)
+        self.clear.on_click(self.clear_world)
+        self.save.on_click(self.send_layout)
+        self.open.on_upload(self.open_upload)
         for name, slider in self.sliders.items():
-            slider.on_update(self.slid(name))
+            slider.on_update(self.slider_action(name))
 
     @property
     def editor(self) -> Editor | None:
@@ -196,7 +198,7 @@ class WorldPanel(WorldControls):
 
     # What browsers ask for; all of it on viser's event loop.
 
-    def clicked(self, origin: np.ndarray, direction: np.ndarray) -> bool:
+    def handle_click(self, origin: np.ndarray, direction: np.ndarray) -> bool:
         """A click into the picture, a ray (3,) and (3,) in the world; whether it was for a tool."""
         editor = self.editor
         if editor is None or self.tool.value == SELECT:
@@ -209,7 +211,7 @@ class WorldPanel(WorldControls):
             self.add_corner(place, editor.world)
         elif self.tool.value == DISC:
             radius = float(self.sliders["radius"].value)
-            self.add(lambda: forms.disc(place, radius))
+            self.add(lambda: disc(place, radius))
         else:
             width, depth, turn = (
                 float(self.sliders[name].value) for name in ("width", "depth", "turn")
@@ -232,7 +234,7 @@ class WorldPanel(WorldControls):
         self.touched = 0.0
         self.refresh()
 
-    def dragged(self, drag: Drag) -> None:
+    def handle_drag(self, drag: Drag) -> None:
         """Move what a gizmo is on; the drag's last change says what was refused."""
 
         def change(editor: Editor) -> Editor:
@@ -245,14 +247,14 @@ class WorldPanel(WorldControls):
         else:
             self.simulation.edits.drag(drag.gesture, change)
 
-    async def tool_chosen(self, _event: viser.GuiEvent) -> None:
+    async def choose_tool(self, _event: viser.GuiEvent) -> None:
         self.corners.clear()
         if self.tool.value != SELECT:
             self.selected = 0
             self.simulation.edits.prepare()
         self.refresh()
 
-    async def listed(self, event: viser.GuiEvent) -> None:
+    async def select_listed(self, event: viser.GuiEvent) -> None:
         editor = self.editor
         if event.client is None or editor is None:
             return
@@ -263,7 +265,7 @@ class WorldPanel(WorldControls):
         else:
             self.select(0)
 
-    async def acted(self, event: viser.GuiEvent) -> None:
+    async def press_button(self, event: viser.GuiEvent) -> None:
         match event.target.value:
             case "Undo":
                 self.undo()
@@ -294,19 +296,19 @@ class WorldPanel(WorldControls):
         set_value(self.tool, SELECT)
         self.corners.clear()
 
-    async def cleared(self, _event: viser.GuiEvent) -> None:
+    async def clear_world(self, _event: viser.GuiEvent) -> None:
         self.simulation.edits.change(Editor.clear)
 
-    async def closed(self, event: viser.GuiEvent) -> None:
+    async def close_polygon(self, event: viser.GuiEvent) -> None:
         if event.target.value == "Close":
             self.add_polygon()
         self.corners.clear()
         self.refresh()
 
-    async def goal_switched(self, _event: viser.GuiEvent) -> None:
+    async def switch_goal(self, _event: viser.GuiEvent) -> None:
         self.refresh()
 
-    def slid(self, name: str) -> Callable:
+    def slider_action(self, name: str) -> Callable:
         """What a slider does: to the selected obstacle, or to the next one."""
 
         async def on_update(event: viser.GuiEvent) -> None:
@@ -323,7 +325,7 @@ class WorldPanel(WorldControls):
 
         return on_update
 
-    async def saved(self, event: viser.GuiEvent) -> None:
+    async def send_layout(self, event: viser.GuiEvent) -> None:
         """Send the layout to the browser that asked; one at a time."""
         if event.client is None or self.saving:
             return
@@ -338,7 +340,7 @@ class WorldPanel(WorldControls):
         name = self.editor.world.name if self.editor is not None else "world"
         event.client.send_file_download(f"{name}.toml", content, save_immediately=True)
 
-    async def opened(self, event: viser.GuiEvent) -> None:
+    async def open_upload(self, event: viser.GuiEvent) -> None:
         file = event.target.value
         self.questions.open_layout(event.client, file.name, file.content)
 
@@ -355,8 +357,8 @@ class WorldPanel(WorldControls):
         if any(np.hypot(corner[0] - x, corner[1] - y) < near for x, y in ends):
             self.add_polygon()
             self.corners.clear()
-        elif len(self.corners) >= forms.CORNERS:
-            self.simulation.notices.put(f"a polygon has {forms.CORNERS} corners at most")
+        elif len(self.corners) >= CORNERS:
+            self.simulation.notices.put(f"a polygon has {CORNERS} corners at most")
         else:
             self.corners.append(corner)
         self.refresh()
@@ -364,7 +366,7 @@ class WorldPanel(WorldControls):
     def add_polygon(self) -> None:
         """Make an obstacle of the corners."""
         corners = tuple(self.corners)
-        self.add(lambda: forms.polygon(corners))
+        self.add(lambda: polygon(corners))
 
     # What the panel shows.
 
@@ -389,8 +391,8 @@ class WorldPanel(WorldControls):
         self.fit(editor.world)
         self.measure(obstacle, resting)
         self.list(editor, self.selected)
-        put(self.goal, "visible", goal)
-        put(self.close, "visible", self.tool.value == POLYGON)
-        put(self.clear, "disabled", not editor.now.keys)
-        self.note.content = block(note(editor, self.tool.value, obstacle, len(corners)))
+        set_property(self.goal, "visible", goal)
+        set_property(self.close, "visible", self.tool.value == POLYGON)
+        set_property(self.clear, "disabled", not editor.now.keys)
+        self.note.content = block(describe_tools(editor, self.tool.value, obstacle, len(corners)))
         self.show_marks(Marks(self.selected, obstacle, goal and self.goal.value, corners))

@@ -25,10 +25,10 @@ from agents.observables.catalogue import OBSERVABLES
 from app.front.http_server import Request, text_response
 from app.studies.key_lines import KeyLocations
 from app.studies.runs.database import FILE
-from app.studies.runs.store import is_taken
+from app.studies.runs.store import is_locked
 from app.studies.runs.store_reader import StoreReader
 from app.studies.study_runner import SPEC, STOP
-from app.studies.sweeps.checked_sweep import checked_file
+from app.studies.sweeps.checked_sweep import check_file
 from app.studies.sweeps.sweep_file import SweepFile
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.scene_requests import MARK, WORD, SceneRequests
@@ -237,7 +237,7 @@ class Sweeps:
 
     def demand_idle(self) -> None:
         """Refuse a second sweep while one runs. Raises InputError."""
-        running = [name for name in named_in(self.results) if is_taken(self.results / name)]
+        running = [name for name in named_in(self.results) if is_locked(self.results / name)]
         if self.making is not None and self.making.runs:
             running = [self.making.folder.name]
         if running:
@@ -309,7 +309,7 @@ class Sweeps:
             for path in (folder / FILE, folder / f"{FILE}-wal")
         )
         before = self.kept.get(name)
-        if before is not None and before[0] == stamps and not is_taken(folder):
+        if before is not None and before[0] == stamps and not is_locked(folder):
             return before[1]
         self.unread.pop(name, None)
         try:
@@ -364,7 +364,7 @@ def demand_from_page(folder: Path) -> None:
     """Refuse to go on with what the page could not have begun. Raises InputError."""
     path = folder / SPEC
     text = read_text(f"sweep {str(path)!r}", path)
-    file = checked_file(SweepFile, toml(text, str(path)), KeyLocations(str(path), text))
+    file = check_file(SweepFile, toml(text, str(path)), KeyLocations(str(path), text))
     told = f"go on with `flockscope sweep run {folder.name}`"
     known = file.run.model in MODELS and file.run.model not in FILES
     if not known or not all(one.name in OBSERVABLES for one in file.observe):

@@ -17,22 +17,22 @@ from app.studies.charts.run_group import CellRuns, is_number
 from app.studies.runs.database import FILE
 from app.studies.runs.store_reader import StoreReader
 from app.studies.study_runner import SPEC
-from app.studies.sweeps.sweep_groups import groups_of
 from app.studies.sweeps.sweep_picture import draw
 from app.studies.sweeps.sweep_table import (
     as_csv,
     axes_of,
-    measured,
+    groups_of,
+    measured_columns,
     places_of,
     spec_at,
     status_of,
-    wide,
+    wide_table,
     write_table,
 )
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
 from app.viewer.measuring.observable_curves import chart_title
-from app.viewer.measuring.observable_format import few
-from app.viewer.run.run_preset import at_home
+from app.viewer.measuring.observable_format import format_short
+from app.viewer.run.run_preset import preset_spec
 from worlds.input_error import InputError
 from worlds.text_file import read_text
 
@@ -112,7 +112,7 @@ def read_drawn_sweep(folder: Path, column: str | None = None) -> DrawnSweep:
         raise InputError(
             f"{state['runs']:,} runs are not drawn in the page: flockscope sweep plot {folder.name}"
         )
-    columns, places, cells = measured(kept), places_of(kept), kept.cells
+    columns, places, cells = measured_columns(kept), places_of(kept), kept.cells
     if not columns:
         raise InputError("nothing with one value for each run is measured: take the table")
     name = column if column in columns else columns[0]
@@ -166,7 +166,7 @@ def scene_of(folder: Path, place: int, seed: int | None, column: str | None) -> 
     if spec.model in FILES:
         raise InputError(f"{spec.model} is a model of a file: the page does not open it")
     if isinstance(spec.world, str) and spec.world.endswith(".toml"):
-        whole = at_home(**dict(spec))
+        whole = preset_spec(**dict(spec))
         spec = spec.but(world=find_world(whole, find_model(spec.model)), size=None)
     where = ", ".join(f"{axis} = {few_of(value)}" for axis, value in group.axes.items())
     values = {
@@ -185,7 +185,7 @@ def describe_run(made: DrawnSweep, group: CellRuns, seed: int) -> str:
     value = dict(zip(group.seeds, group.values, strict=True)).get(seed)
     if value is None:
         return f"{said} It has no value there."
-    return f"{said} There {made.column} came to {few(value)} within {made.ticks} ticks."
+    return f"{said} There {made.column} came to {format_short(value)} within {made.ticks} ticks."
 
 
 def plots_of(column: str) -> list[str]:
@@ -211,13 +211,13 @@ def content(folder: Path, kind: str, column: str | None = None) -> tuple[str, by
         return f"{folder.name}.toml", read_text(f"sweep {str(path)!r}", path).encode()
     kept = StoreReader(folder)
     if kind == "CSV":
-        return f"{folder.name}.csv", as_csv(wide(kept)).encode()
+        return f"{folder.name}.csv", as_csv(wide_table(kept)).encode()
     if kind not in (*TABLES, *PICTURES):
         raise InputError(f"{kind!r} is not one of {', '.join((*TABLES, *PICTURES, SPEC_FILE))}")
     with tempfile.TemporaryDirectory() as place:
         path = Path(place) / f"{folder.name}.{kind.lower()}"
         if kind == "Parquet":
-            write_table(wide(kept), path, False)
+            write_table(wide_table(kept), path, False)
         else:
             draw(kept, path, column)
         return path.name, path.read_bytes()

@@ -23,7 +23,7 @@ from app.studies.charts.run_group import CellRuns, is_number
 from app.studies.charts.value_map import MapCell, draw_map, name_ticks, place_cells
 from app.viewer.lab.sweeps.stored_sweeps import DrawnSweep, few_of
 from app.viewer.lab.sweeps.sweep_request import AGENTS, numbers
-from app.viewer.measuring.observable_format import few, observable_words
+from app.viewer.measuring.observable_format import format_short, observable_words
 from app.viewer.measuring.observable_table import observable_title
 from app.viewer.panels.parameters import parameter_label
 from worlds.number_text import counted
@@ -152,8 +152,8 @@ def describe_cell(shown: DrawnSweep, group: CellRuns) -> str:
     )
     said = f"{where}: "
     if group.values:
-        half = f" ± {few(group.half)}" if group.half == group.half else ""
-        said += f"{few(group.mean)}{half}, {counted(group.runs, 'run')}"
+        half = f" ± {format_short(group.half)}" if group.half == group.half else ""
+        said += f"{format_short(group.mean)}{half}, {counted(group.runs, 'run')}"
     said += f"; {group.gave_up} gave up" if group.gave_up else ""
     said += f"; {group.broken} failed" if group.broken else ""
     what = "the run nearest to the mean" if group.runs > 1 else "the run"

@@ -13,7 +13,7 @@ from agents.catalogue import FILES, MODELS
 from agents.models.declare import NumberParameter, declared
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import CompleteSpec
-from app.studies.workers.processes import cores
+from app.studies.workers.process_executor import cores
 from worlds.input_error import InputError, unknown
 from worlds.world import World
 

@@ -81,10 +81,10 @@ class LiveCurve(NamedTuple):
         """Dash and width: what stays the same is dashed, and thin."""
         return ((), 2.0) if isinstance(self.course, TimeSeries) else (DASH, 1.2)
 
-    def at(self, times: np.ndarray) -> np.ndarray:
+    def values_at(self, times: np.ndarray) -> np.ndarray:
         """Its values at some times (K,), s; NaN where there is none."""
         if isinstance(self.course, TimeSeries):
-            return at_times(times, *self.course.recorded())
+            return values_at_times(times, *self.course.recorded())
         return np.full(len(times), self.course)
 
 
@@ -97,7 +97,7 @@ class LivePlot:
         """Whose times those of the plot are."""
         self.known: dict[str, LiveCurve] = {}
         self.ends: tuple[float, float] = (0.0, 1.0)
-        self.plot = Plot(server, title, self.plotted, sender, "Plot as")
+        self.plot = Plot(server, title, self.plot_contents, sender, "Plot as")
 
     @property
     def titles(self) -> tuple[str, str]:
@@ -116,23 +116,25 @@ class LivePlot:
         The vertical axis begins at 0 if `floor`, and does not go beyond `most`.
         """
         at, _ = clock.arrays(WINDOW)
-        values = {name: one.at(at) for name, one in curves.items()}
-        found = {name: value for name, value in values.items() if np.isfinite(value).any()}
-        self.clock, self.known = clock, {name: curves[name] for name in found}
-        if not found:
+        values = {name: curve.values_at(at) for name, curve in curves.items()}
+        finite = {name: value for name, value in values.items() if np.isfinite(value).any()}
+        self.clock, self.known = clock, {name: curves[name] for name in finite}
+        if not finite:
             self.plot.show(NOTHING)
             return
-        self.ends = around([np.minimum(value, most) for value in found.values()], floor)
-        entries = [(html.escape(name), curves[name].colour) for name in found]
-        drawn = tuple(
+        self.ends = round_limits([np.minimum(value, most) for value in finite.values()], floor)
+        entries = [(html.escape(name), curves[name].colour) for name in finite]
+        chart_curves = tuple(
             ChartCurve(curves[name].colour, value, f"{name} ({self.unit})", *curves[name].pen)
-            for name, value in found.items()
+            for name, value in finite.items()
         )
         title = f'<div class="fs-head">{html.escape(self.title)}, {self.unit}</div>'
         y = uplot.Scale(range=self.ends)
-        self.plot.show(ChartContents(title + key(entries), at, drawn, self.titles, y), key(entries))
+        self.plot.show(
+            ChartContents(title + key(entries), at, chart_curves, self.titles, y), key(entries)
+        )
 
-    def plotted(self) -> Plotted | None:
+    def plot_contents(self) -> Plotted | None:
         """What it shows, to take home: the picture of the last minute, the table of all."""
         at, _ = self.clock.arrays(WINDOW)
         if not self.known or not len(at):
@@ -143,7 +145,8 @@ class LivePlot:
             titles=self.titles,
             range=self.ends,
             lines=[
-                Line(name, one.colour, at, one.at(at), *one.pen) for name, one in self.known.items()
+                Line(name, curve.colour, at, curve.values_at(at), *curve.pen)
+                for name, curve in self.known.items()
             ],
             table=self.table,
         )
@@ -151,32 +154,32 @@ class LivePlot:
     def table(self) -> str:
         """All that is kept of its curves, as CSV."""
         at, _ = self.clock.recorded()
-        columns = np.transpose([at, *(one.at(at) for one in self.known.values())])
+        columns = np.transpose([at, *(curve.values_at(at) for curve in self.known.values())])
         header = [self.titles[0], *(f"{name} ({self.unit})" for name in self.known)]
         return plot_csv(header, columns.tolist())
 
 
-def at_times(at: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:
+def values_at_times(at: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values at some of the times `at` as values at all of them, NaN where there is none.
 
-    >>> at_times(np.array([1.0, 2.0, 3.0]), np.array([2.0, 9.0]), np.array([7.0, 8.0]))
+    >>> values_at_times(np.array([1.0, 2.0, 3.0]), np.array([2.0, 9.0]), np.array([7.0, 8.0]))
     array([nan,  7., nan])
     """
-    found, there = np.full(len(at), np.nan), np.isin(times, at)
-    found[np.searchsorted(at, times[there])] = values[there]
-    return found
+    result, is_there = np.full(len(at), np.nan), np.isin(times, at)
+    result[np.searchsorted(at, times[is_there])] = values[is_there]
+    return result
 
 
-def around(curves: Sequence[np.ndarray], floor: bool) -> tuple[float, float]:
+def round_limits(curves: Sequence[np.ndarray], floor: bool) -> tuple[float, float]:
     """Round numbers below and above all known values, from 0 if `floor`; they seldom change.
 
-    >>> around([np.array([10.1, np.nan]), np.array([14.3])], floor=True)
+    >>> round_limits([np.array([10.1, np.nan]), np.array([14.3])], floor=True)
     (0.0, 15.0)
-    >>> around([np.array([-52.0, 34.0])], floor=False)
+    >>> round_limits([np.array([-52.0, 34.0])], floor=False)
     (-75.0, 50.0)
     """
-    known = np.concatenate([values[np.isfinite(values)] for values in curves])
-    low, high = min(0.0, known.min()) if floor else known.min(), known.max()
+    finite = np.concatenate([values[np.isfinite(values)] for values in curves])
+    low, high = min(0.0, finite.min()) if floor else finite.min(), finite.max()
     span = max(high - low, 1e-3)
     decade = 10.0 ** np.floor(np.log10(span))
     step = decade * (0.5 if span < 2.5 * decade else 1.0 if span < 5.0 * decade else 2.5)
@@ -189,4 +192,4 @@ def colours(names: Sequence[str]) -> dict[str, str]:
     >>> colours(["red", "blue"])["red"]
     '#e30010'
     """
-    return {name: palette.css(colour) for name, colour in palette.by_name(names).items()}
+    return {name: palette.css(colour) for name, colour in palette.car_colours(names).items()}

@@ -43,7 +43,7 @@ class LogPanel:
         self.session = session
         self.shown = -1
         save = gui.add_button("Download all (CSV)", icon=viser.Icon.DOWNLOAD, color="gray")
-        self.list = gui.add_html(block(listed([])))
+        self.list = gui.add_html(block(event_list([])))
         save.on_click(self.send)
 
     async def send(self, event: viser.GuiEvent) -> None:
@@ -57,17 +57,19 @@ class LogPanel:
         events = self.session.events
         if len(events) != self.shown:
             self.shown = len(events)
-            self.list.content = block(listed(events[-LATEST:]) + left_out(events.dropped))
+            self.list.content = block(
+                event_list(events[-LATEST:]) + describe_dropped(events.dropped)
+            )
 
 
-def listed(events: Sequence[Event]) -> str:
+def event_list(events: Sequence[Event]) -> str:
     """Events as HTML, the newest on top."""
     if not events:
         return '<div class="fs-quiet">Nothing has happened yet.</div>'
     return f'<div class="fs-log">{"".join(map(entry, reversed(events)))}</div>'
 
 
-def left_out(dropped: int) -> str:
+def describe_dropped(dropped: int) -> str:
     """Says that the oldest events are no longer kept, as HTML; empty if all are."""
     if not dropped:
         return ""

@@ -9,8 +9,8 @@ from pathlib import Path
 import viser
 
 from app.front.controls import set_value
-from app.viewer.live.panels.state_panel import whose
-from app.viewer.live.room_replay import listed, size
+from app.viewer.live.panels.state_panel import describe_client
+from app.viewer.live.room_replay import recording_names, size
 from app.viewer.live.session import Session
 from app.viewer.live.session_requests import SessionState
 from app.viewer.panels.shell import block
@@ -41,20 +41,20 @@ class ReplayPanel:
         self.switch = gui.add_button(
             "Pause", icon=viser.Icon.PLAYER_PAUSE, color="gray", visible=False
         )
-        self.slider.on_update(self.dragged)
-        self.speed.on_update(self.paced)
-        self.switch.on_click(self.toggled)
+        self.slider.on_update(self.drag_slider)
+        self.speed.on_update(self.set_pace)
+        self.switch.on_click(self.toggle_playing)
 
-    async def dragged(self, event: viser.GuiEvent) -> None:
+    async def drag_slider(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
             self.moved = time.monotonic()
             self.session.seek(float(self.slider.value))
 
-    async def paced(self, event: viser.GuiEvent) -> None:
+    async def set_pace(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
             self.session.replay_at(SPEEDS[self.speed.value])
 
-    async def toggled(self, _event: viser.GuiEvent) -> None:
+    async def toggle_playing(self, _event: viser.GuiEvent) -> None:
         self.session.toggle_replay()
 
     def refresh(self) -> None:
@@ -101,15 +101,15 @@ class RecordingPanel:
             color="gray",
             hint="Closes the room and shows the recording; nothing is sent to any car meanwhile",
         )
-        self.button.on_click(self.pressed)
-        self.play.on_click(self.played)
+        self.button.on_click(self.toggle_recording)
+        self.play.on_click(self.open_recording)
 
-    async def pressed(self, event: viser.GuiEvent) -> None:
-        self.session.record(not self.session.state.recording, whose(event))
+    async def toggle_recording(self, event: viser.GuiEvent) -> None:
+        self.session.record(not self.session.state.recording, describe_client(event))
 
-    async def played(self, event: viser.GuiEvent) -> None:
+    async def open_recording(self, event: viser.GuiEvent) -> None:
         if self.earlier.value != NONE:
-            self.session.play(self.earlier.value, whose(event))
+            self.session.play(self.earlier.value, describe_client(event))
 
     def refresh(self, state: SessionState, armed: bool) -> None:
         """Show what is recorded, and once a second what is there."""
@@ -123,17 +123,17 @@ class RecordingPanel:
         if now < self.due:
             return
         self.due = now + LOOK
-        names = listed(self.session.shelf) or (NONE,)
+        names = recording_names(self.session.shelf) or (NONE,)
         if tuple(self.earlier.options) != names:
             self.earlier.options = names
             set_value(self.earlier, names[0])
-        self.told.content = block(where(state, self.session.shelf))
+        self.told.content = block(describe_folder(state, self.session.shelf))
         if state.recording:
-            self.line.content = block(how_much(state.recording, now - self.begun[1]))
+            self.line.content = block(describe_size(state.recording, now - self.begun[1]))
         self.line.visible = bool(state.recording)
 
 
-def how_much(folder: str, seconds: float) -> str:
+def describe_size(folder: str, seconds: float) -> str:
     """How long something has been recorded, and how large it is, HTML."""
     minutes, rest = divmod(int(seconds), 60)
     return (
@@ -143,7 +143,7 @@ def how_much(folder: str, seconds: float) -> str:
     )
 
 
-def where(state: SessionState, shelf: Path | None) -> str:
+def describe_folder(state: SessionState, shelf: Path | None) -> str:
     """Where something is recorded, or would be, HTML."""
     if state.recording:
         words = f"Recorded in {state.recording}."

@@ -32,13 +32,13 @@ def contents(
     return {
         CARDS: grid(numbers(status, readings, browsers)),
         "cars": cars(status, frame, readings, chosen),
-        "outlines": outlined(frame),
+        "outlines": describe_outlines(frame),
     }
 
 
 def numbers(status: Status, readings: RoomReadings, browsers: int) -> dict[str, str]:
     """The cards, name -> text."""
-    told = {
+    texts = {
         "loop": milliseconds(status.period.median),
         "worst": milliseconds(status.period.worst),
         "latency": milliseconds(status.latency.median),
@@ -46,12 +46,12 @@ def numbers(status: Status, readings: RoomReadings, browsers: int) -> dict[str, 
     }
     if readings.plan.path == "circle":
         lags = [lag.newest for lag in readings.lags.values()]
-        lags = [one for one in lags if math.isfinite(one)]
-        told["mean lag"] = degrees(sum(lags) / len(lags)) if lags else DASH
-    told["ticks missed"] = str(status.missed)
+        lags = [lag for lag in lags if math.isfinite(lag)]
+        texts["mean lag"] = degrees(sum(lags) / len(lags)) if lags else DASH
+    texts["ticks missed"] = str(status.missed)
     if status.dropped:
-        told["frames not sent"] = str(status.dropped)
-    return told | ({"browsers": str(browsers)} if browsers > 1 else {})
+        texts["frames not sent"] = str(status.dropped)
+    return texts | ({"browsers": str(browsers)} if browsers > 1 else {})
 
 
 def cars(status: Status, frame: Frame, readings: RoomReadings, chosen: int | None) -> str:
@@ -67,26 +67,29 @@ def cars(status: Status, frame: Frame, readings: RoomReadings, chosen: int | Non
         dot = f'<i class="fs-dot fs-small fs-car" style="background:{ink[name]};color:{outline}">'
         speed = DASH if row is None else f"{frame.speed[row]:.2f}"
         age, *sent = cells
-        told = [age, speed, *sent]
+        texts = [age, speed, *sent]
         if readings.lags:
             lag = readings.lags[name].newest if name in readings.lags else math.nan
-            told.append(f'<u style="border-color:{ink[name]}">{degrees(lag)}</u>')
-        tail = "".join(f"<td>{cell}</td>" for cell in told)
+            texts.append(f'<u style="border-color:{ink[name]}">{degrees(lag)}</u>')
+        tail = "".join(f"<td>{cell}</td>" for cell in texts)
         return f'<tr{marked}><td title="{state}">{dot}</i>{html.escape(name)}</td>{tail}</tr>'
 
-    made = [
-        line(car.name, car.state, aged(car.age), share(car.sent[0]), share(car.sent[1]))
+    html_rows = [
+        line(car.name, car.state, format_age(car.age), share(car.sent[0]), share(car.sent[1]))
         for car in status.cars
     ]
-    made += [line(one.name, "simulated", DASH, share(one.steer), DASH) for one in status.companions]
+    html_rows += [
+        line(companion.name, "simulated", DASH, share(companion.steer), DASH)
+        for companion in status.companions
+    ]
     return (
         '<div class="fs-head">Cars</div><table class="fs-cars"><tr><th>car</th><th>age</th>'
         f"<th>m/s</th><th>steer</th><th>thr.</th>{'<th>lag</th>' if readings.lags else ''}</tr>"
-        f"{''.join(made)}</table>"
+        f"{''.join(html_rows)}</table>"
     )
 
 
-def outlined(frame: Frame) -> str:
+def describe_outlines(frame: Frame) -> str:
     """What the outlines around the cars mean."""
     entries = outlines(frame)
     return '<div class="fs-head">Outline: state</div>' + key(entries, drawn=True, hollow=True)
@@ -101,10 +104,10 @@ def milliseconds(seconds: float) -> str:
     return f"{1000.0 * seconds:.1f} ms" if math.isfinite(seconds) else DASH
 
 
-def aged(seconds: float) -> str:
+def format_age(seconds: float) -> str:
     """How old a pose is, in steps that do not flicker.
 
-    >>> aged(0.004), aged(0.057), aged(1.27), aged(math.inf)
+    >>> format_age(0.004), format_age(0.057), format_age(1.27), format_age(math.inf)
     ('0 ms', '60 ms', '1.3 s', 'never')
     """
     if math.isinf(seconds):

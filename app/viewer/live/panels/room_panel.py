@@ -16,7 +16,7 @@ from app.live.control.safety_limits import CarLimits
 from app.live.device_kinds import SIMULATED
 from app.live.laboratory.lab_file import Lab
 from app.live.operating.lab_choices import Choices
-from app.viewer.live.panels.state_panel import whose
+from app.viewer.live.panels.state_panel import describe_client
 from app.viewer.live.session import Session
 from app.viewer.live.session_requests import SessionState
 from app.viewer.panels.shell import block, table
@@ -27,7 +27,7 @@ from app.viewer.scene.shown.drawing_style import (
     RIBBON,
     DrawingDefaults,
     DrawingStyle,
-    turns,
+    trail_turns,
 )
 
 # What the picture of a live room shows.
@@ -40,7 +40,7 @@ FOR_CARS: dict[str, dict[str, Any]] = {
         "hint": "What a car's colour means; its state is the outline around it",
         "choices": (
             OWN,
-            *(name for name, one in COLOURINGS.items() if one.of_cars and name != OWN),
+            *(name for name, colouring in COLOURINGS.items() if colouring.of_cars and name != OWN),
         ),
         "only": {},
     },
@@ -56,15 +56,17 @@ FOR_CARS: dict[str, dict[str, Any]] = {
 }
 """Those controls that mean something for real cars, and what is otherwise about each."""
 CONTROLS = {
-    name: replace(one, **FOR_CARS[name], group=CARS if one.group == AGENTS else one.group)
-    for name, one in ((name, controls_of(DrawingStyle)[name]) for name in FOR_CARS)
+    name: replace(
+        control, **FOR_CARS[name], group=CARS if control.group == AGENTS else control.group
+    )
+    for name, control in ((name, controls_of(DrawingStyle)[name]) for name in FOR_CARS)
 }
 
 
-def usual(rate: float) -> DrawingDefaults:
+def room_defaults(rate: float) -> DrawingDefaults:
     """How a room is drawn at first whose loop runs so often (Hz)."""
     return DrawingDefaults(
-        DrawingStyle(colour=OWN, trails=RIBBON, trail_length=400), turns(1.0 / rate)
+        DrawingStyle(colour=OWN, trails=RIBBON, trail_length=400), trail_turns(1.0 / rate)
     )
 
 
@@ -115,17 +117,19 @@ class RoomPanel:
             visible=most > 0,
         )
         self.facts = gui.add_html("")
-        self.limits = gui.add_html(block(limited(choices.lab)))
-        self.open.on_click(self.opened)
-        self.companions.on_update(self.accompanied)
+        self.limits = gui.add_html(block(describe_limits(choices.lab)))
+        self.open.on_click(self.open_choice)
+        self.companions.on_update(self.set_companions)
 
-    async def opened(self, event: viser.GuiEvent) -> None:
-        self.session.choose(source=self.source.value, link=self.link.value, cause=whose(event))
+    async def open_choice(self, event: viser.GuiEvent) -> None:
+        self.session.choose(
+            source=self.source.value, link=self.link.value, cause=describe_client(event)
+        )
 
-    async def accompanied(self, event: viser.GuiEvent) -> None:
+    async def set_companions(self, event: viser.GuiEvent) -> None:
         if event.client is not None:
             self.asked = time.monotonic()
-            self.session.accompany(self.companions.value, whose(event))
+            self.session.set_companions(self.companions.value, describe_client(event))
 
     def refresh(self, state: SessionState, status: Status | None, armed: bool) -> None:
         """Show what is open."""
@@ -146,7 +150,7 @@ class RoomPanel:
 
 def facts(state: SessionState, status: Status | None, plan: Injection) -> str:
     """What the injected car does, and what is recorded where."""
-    rows = {"injected car": injected(plan)}
+    rows = {"injected car": describe_injected(plan)}
     if status is not None and status.injected is not None:
         rows["it is at"] = f"({status.injected.x:.2f}, {status.injected.y:.2f}) m"
     rows["recorded in"] = state.recording or "nothing is recorded"
@@ -154,10 +158,10 @@ def facts(state: SessionState, status: Status | None, plan: Injection) -> str:
     return f'<div class="fs-head">In the room</div>{table(escaped)}'
 
 
-def injected(plan: Injection) -> str:
+def describe_injected(plan: Injection) -> str:
     """What the injected car does, in words.
 
-    >>> injected(Injection())
+    >>> describe_injected(Injection())
     'circle of 2 m, 1.1 m/s'
     """
     match plan.path:
@@ -174,7 +178,7 @@ def injected(plan: Injection) -> str:
     return "none"
 
 
-def limited(lab: Lab) -> str:
+def describe_limits(lab: Lab) -> str:
     """The laboratory's limits, which nothing in a browser can change."""
     low, high = lab.area.low, lab.area.high
     rows = {

@@ -13,7 +13,7 @@ from agents.models.declare import DeclaredParameter, declared
 from agents.models.model import Model
 from app.front.controls import set_value
 from app.live.operating.flock_driver import NOT_SIMULATED
-from app.viewer.live.panels.state_panel import whose
+from app.viewer.live.panels.state_panel import describe_client
 from app.viewer.live.session import Session
 from app.viewer.live.session_requests import SessionState
 from app.viewer.panels.dials import Dials
@@ -38,7 +38,7 @@ class RulePanel:
             initial_value=session.state.rule,
             hint=CHOOSING,
         )
-        self.rule.on_update(self.chosen)
+        self.rule.on_update(self.choose_rule)
         self.about = gui.add_html("", visible=False)
         self.dials = Dials(gui)
         self.folder = gui.add_folder(None)
@@ -48,9 +48,9 @@ class RulePanel:
         self.shown_values: dict[str, Any] = {}
         """The values as they were shown last."""
 
-    async def chosen(self, event: viser.GuiEvent) -> None:
+    async def choose_rule(self, event: viser.GuiEvent) -> None:
         if event.client is not None and self.rule.value != self.session.state.rule:
-            self.session.choose(rule=self.rule.value, cause=whose(event))
+            self.session.choose(rule=self.rule.value, cause=describe_client(event))
 
     def refresh(self, state: SessionState, armed: bool) -> None:
         """Follow the session: other controls for another rule, values as the loop has them."""
@@ -74,9 +74,9 @@ class RulePanel:
             child.remove()
         self.dials.clear()
         own = [
-            one
-            for one in declared(model.parameters)
-            if one.name not in NOT_SIMULATED and one.name in state.values
+            parameter
+            for parameter in declared(model.parameters)
+            if parameter.name not in NOT_SIMULATED and parameter.name in state.values
         ]
         summary = model.rule.summary
         self.rule.hint = f"{summary} {CHOOSING}"
@@ -89,25 +89,27 @@ class RulePanel:
             for title, part in zip(titles, sides(model, own), strict=True):
                 if part:
                     self.gui.add_html(block(f'<div class="fs-head">{html.escape(title)}</div>'))
-                for one in part:
-                    self.controls[one.name] = self.control(one, state.values[one.name])
+                for parameter in part:
+                    self.controls[parameter.name] = self.control(
+                        parameter, state.values[parameter.name]
+                    )
         self.shown_values = dict(state.values)
 
-    def control(self, one: DeclaredParameter, value: Any) -> Any:
+    def control(self, parameter: DeclaredParameter, value: Any) -> Any:
         """The control of one parameter; it goes back to what the loop has if that refuses."""
-        made = add_control(self.gui, one, value)
-        self.dials.add(one, made)
+        handle = add_control(self.gui, parameter, value)
+        self.dials.add(parameter, handle)
 
         async def changed(event: viser.GuiEvent) -> None:
             if event.client is not None:
-                value = made.value
-                answer = self.session.tune(one.name, value, whose(event))
+                value = handle.value
+                answer = self.session.set_parameter(parameter.name, value, describe_client(event))
                 answer.add_done_callback(partial(restore, value))
 
         def restore(value: Any, answer: Future) -> None:
             refused = answer.cancelled() or answer.exception() is not None
-            if made.value == value and (refused or answer.result() != value):
-                made.value = self.session.state.values.get(one.name, value)
+            if handle.value == value and (refused or answer.result() != value):
+                handle.value = self.session.state.values.get(parameter.name, value)
 
-        made.on_update(changed)
-        return made
+        handle.on_update(changed)
+        return handle

@@ -43,7 +43,7 @@ class Banner:
     """What a person must act on at once, in large letters above all else; empty: nothing."""
 
     @property
-    def armable(self) -> bool:
+    def can_be_armed(self) -> bool:
         """Whether the cars can be armed."""
         return self.kind == "safe" and not self.reasons
 
@@ -134,7 +134,7 @@ class ArmingConfirmation:
             return
         modal = client.gui.add_modal("Arm?")
         with modal:
-            client.gui.add_html(block(question(list(self.session.lab.cars))))
+            client.gui.add_html(block(arming_question(list(self.session.lab.cars))))
             code = client.gui.add_text("Code", "", hint="Six digits, as the terminal shows them")
             message = client.gui.add_html(block(line(ASKED)))
             cancel = client.gui.add_button("Cancel", color="gray")
@@ -147,12 +147,12 @@ class ArmingConfirmation:
             self.close(number)
 
         async def armed(_event: viser.GuiEvent) -> None:
-            self.answered(number)
+            self.confirm(number)
 
         cancel.on_click(cancelled)
         arm.on_click(armed)
 
-    def answered(self, number: int) -> None:
+    def confirm(self, number: int) -> None:
         """A browser says yes: arm if its code is right, else say so and ask again."""
         question = self.open.get(number)
         if question is None:
@@ -164,7 +164,8 @@ class ArmingConfirmation:
         elif verdict == "no code":
             question.message.content = block(line(f"{NO_CODE} {ASKED}"))
         else:
-            words = f"<b>Wrong code.</b> {tries(self.session.code.left)} for all browsers together."
+            tries = describe_tries(self.session.code.left)
+            words = f"<b>Wrong code.</b> {tries} for all browsers together."
             question.message.content = block(line(words))
 
     def close(self, number: int) -> None:
@@ -179,7 +180,7 @@ class ArmingConfirmation:
             self.close(number)
 
 
-def question(cars: list[str]) -> str:
+def arming_question(cars: list[str]) -> str:
     """What is asked."""
     count = "1 car" if len(cars) == 1 else f"{len(cars)} cars"
     return (
@@ -193,10 +194,10 @@ def line(words: str) -> str:
     return f'<div class="fs-quiet">{words}</div>'
 
 
-def tries(count: int) -> str:
+def describe_tries(count: int) -> str:
     """How many are left, in words.
 
-    >>> tries(1)
+    >>> describe_tries(1)
     '1 try is left'
     """
     return "1 try is left" if count == 1 else f"{count} tries are left"
@@ -248,38 +249,38 @@ class StatePanel:
         self.again = gui.add_button(
             "Open again", icon=viser.Icon.REFRESH, color="blue", visible=False
         )
-        self.stop.on_click(self.stopped)
-        self.stop.on_hold(self.stopped, callback_hz=STEADY)
+        self.stop.on_click(self.stop_cars)
+        self.stop.on_hold(self.stop_cars, callback_hz=STEADY)
         self.arm.on_click(self.arming)
         self.disarm.on_click(self.disarmed)
         self.reset.on_click(self.reset_asked)
-        self.again.on_click(self.opened_again)
+        self.again.on_click(self.reopen_loop)
 
-    async def stopped(self, event: viser.GuiEvent) -> None:
-        self.session.emergency(whose(event))
+    async def stop_cars(self, event: viser.GuiEvent) -> None:
+        self.session.emergency(describe_client(event))
 
     async def arming(self, event: viser.GuiEvent) -> None:
         now = banner_of(self.session.state, self.session.status)
-        if not now.armable:
+        if not now.can_be_armed:
             self.session.notices.put("; ".join(("cannot be armed now", *now.reasons)))
         elif event.client is not None:
             self.confirming.ask(event.client)
 
     async def disarmed(self, event: viser.GuiEvent) -> None:
-        self.session.ask("disarm", whose(event))
+        self.session.ask("disarm", describe_client(event))
 
     async def reset_asked(self, event: viser.GuiEvent) -> None:
-        self.session.ask("reset", whose(event))
+        self.session.ask("reset", describe_client(event))
 
-    async def opened_again(self, event: viser.GuiEvent) -> None:
-        self.session.reopen(whose(event))
+    async def reopen_loop(self, event: viser.GuiEvent) -> None:
+        self.session.reopen(describe_client(event))
 
     def refresh(self, state: SessionState, status: Status | None) -> None:
         """Show the state of the cars."""
         now = banner_of(state, status)
         self.banner.content = block(banner_html(now))
         self.arm.visible = now.kind == "safe"
-        self.arm.disabled = not now.armable
+        self.arm.disabled = not now.can_be_armed
         self.disarm.visible = now.kind in ("running", "held up")
         self.reset.visible = now.kind == "emergency" and state.phase == "open"
         self.again.visible = now.kind in ("failed", "replay") and state.phase != "closed"
@@ -288,7 +289,7 @@ class StatePanel:
             self.confirming.withdraw()
 
 
-def whose(event: viser.GuiEvent) -> str:
+def describe_client(event: viser.GuiEvent) -> str:
     """Who asks, for the log."""
     return f"browser {event.client_id}"
 

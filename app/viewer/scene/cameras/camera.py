@@ -83,8 +83,8 @@ def _fitted(
         needed = np.maximum(np.abs(sideways) / aspect, np.abs(upwards - lift)) / tangent
         distance = max(float(np.max(needed + nearer)), 1.0)
         # Perspective shows the near half of the box larger: look at the middle of what is seen.
-        seen = (upwards - lift) / (distance - nearer)
-        lift += 0.5 * distance * (float(np.max(seen)) + float(np.min(seen)))
+        slope = (upwards - lift) / (distance - nearer)
+        lift += 0.5 * distance * (float(np.max(slope)) + float(np.min(slope)))
     target = centre + lift * over
     return CameraView(target + distance * back, target, preset.fov)
 
@@ -112,7 +112,7 @@ class Ride:
         self.side, self.before = side, before
         self.identity = int(picture.frame.ids[row])
         self._place = self._seen = picture.at[row] + aside
-        self._ahead = straightened(picture.frame.heading[row])
+        self._ahead = limited_direction(picture.frame.heading[row])
         self.view = self._look(picture, row, aside)
 
     def move(self, picture: Picture, aside: np.ndarray, passed: float) -> bool:
@@ -127,11 +127,11 @@ class Ride:
         self._place = self._place + step - nearest_image(step[None], picture.stage.period)[0]
         self._place = self._place + (1.0 - np.exp(-passed / CATCH_UP)) * (at - self._place)
         self._seen = at
-        if not picture.frame.down[row]:
-            heading = straightened(picture.frame.heading[row])
+        if not picture.frame.is_down[row]:
+            heading = limited_direction(picture.frame.heading[row])
             ahead = self._ahead + (1.0 - np.exp(-passed / TURN)) * (heading - self._ahead)
             if np.linalg.norm(ahead) > 1e-3:
-                self._ahead = straightened(ahead)
+                self._ahead = limited_direction(ahead)
         self.view = self._look(picture, row, aside)
         return True
 
@@ -143,7 +143,7 @@ class Ride:
         return CameraView(position, self._place + AHEAD[dim] * length * self._ahead, FOV)
 
 
-def straightened(heading: np.ndarray) -> np.ndarray:
+def limited_direction(heading: np.ndarray) -> np.ndarray:
     """A direction (2,) or (3,) as a unit vector (3,) that is no steeper than STEEPEST."""
     level = np.array([heading[0], heading[1], 0.0])
     across = float(np.linalg.norm(level))

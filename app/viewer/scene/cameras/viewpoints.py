@@ -14,7 +14,7 @@ from app.front.viser_internals import camera_report
 from app.viewer.scene.cameras.camera import CameraView, Ride, view
 from app.viewer.scene.draw.drawn_frame import Picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.marks.ribbons import risen
+from app.viewer.scene.marks.ribbons import present_height
 from app.viewer.scene.shown.drawing_style import RIDE, STEP_OFF
 
 GLIDE = 0.25
@@ -72,9 +72,9 @@ class SavedCamera:
         """Whether a person has moved the camera since."""
         if camera_report(camera) is self.told:
             return False
-        there = self.has(camera)
-        self.arrived |= there or time.monotonic() > self.since + ARRIVES
-        return self.arrived and not there
+        is_there = self.has(camera)
+        self.arrived |= is_there or time.monotonic() > self.since + ARRIVES
+        return self.arrived and not is_there
 
 
 def is_at(camera: CameraHandle, position: np.ndarray, target: np.ndarray) -> bool:
@@ -89,6 +89,7 @@ class Viewpoints:
 
     def __init__(self, server: ViserServer) -> None:
         self._server = server
+        # Browsers come, go and choose on viser's threads; the drawing has one of its own.
         self._lock = threading.Lock()
         self._followed: dict[int, tuple[int, int]] = {}
         """Client -> which of the flocks, and identity of the agent its camera follows."""
@@ -104,8 +105,8 @@ class Viewpoints:
         self._last = self._looks = time.monotonic()
         self.first = ""
         """The preset on which a world opens; empty: the usual one."""
-        server.on_client_connect(self._welcome)
-        server.on_client_disconnect(self._farewell)
+        server.on_client_connect(self._add_client)
+        server.on_client_disconnect(self._remove_client)
 
     def place(
         self, client: ClientHandle, name: str, whom: tuple[int | None, int] | None = None
@@ -135,16 +136,16 @@ class Viewpoints:
         """Give one browser a preset that shows the whole, and `ahead` more of it at each side."""
         self._forget(client)
         low, high = scene_corners(self._sights)
-        shows = low - ahead * longest(low, high), high + ahead * longest(low, high)
-        (low, high), run = (one.copy() for one in shows), self._sights[0].picture.frame.run
+        shows = low - ahead * longest_side(low, high), high + ahead * longest_side(low, high)
+        (low, high), run = (point.copy() for point in shows), self._sights[0].picture.frame.run
         if name != "top-down":
-            high[2] = max(high[2], risen(self._sights[0].picture))
+            high[2] = max(high[2], present_height(self._sights[0].picture))
         aspect = _aspect(client)
-        wanted = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
-        told = camera_report(client.camera)
-        stand = SavedCamera(name, wanted, aspect, time.monotonic(), shows, run, told, leans)
+        new_view = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
+        reported = camera_report(client.camera)
+        stand = SavedCamera(name, new_view, aspect, time.monotonic(), shows, run, reported, leans)
         self._keep(self._stands, client, stand)
-        _set(client, wanted)
+        _set(client, new_view)
 
     def follow(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
         """Keep the agent now in `row` of the flock `side` in view, or let go of it with None."""
@@ -183,12 +184,12 @@ class Viewpoints:
         if entered != self._entered:
             self._entered = entered
             self._enter(list(clients.values()))
-        if risen(sights[0].picture) != self._risen:
-            self._risen = risen(sights[0].picture)
-            self._rise(list(clients.values()))
+        if present_height(sights[0].picture) != self._risen:
+            self._risen = present_height(sights[0].picture)
+            self._fit_rising(list(clients.values()))
         if now >= self._looks and "open" in sights[0].picture.frame.world.edges:
             self._looks = now + AGAIN
-            self._keep_up(list(clients.values()))
+            self._refit(list(clients.values()))
         with self._lock:
             followed, riders = dict(self._followed), dict(self._riders)
         passed, self._last = now - self._last, now
@@ -212,28 +213,31 @@ class Viewpoints:
     def followed(self) -> list[tuple[ClientHandle, int, int]]:
         """Of whom a camera follows or rides on: the browser, the flock's side, the agent's row."""
         with self._lock:
-            known = self._followed | {
+            agents = self._followed | {
                 number: (ride.side, ride.identity) for number, ride in self._riders.items()
             }
-        clients, found = self._server.get_clients(), []
-        for number, (side, identity) in known.items():
+        clients, followed_agents = self._server.get_clients(), []
+        for number, (side, identity) in agents.items():
             if number in clients and side < len(self._sights):
                 rows = np.flatnonzero(self._sights[side].picture.frame.ids == identity)
-                found += [(clients[number], side, int(row)) for row in rows]
-        return found
+                followed_agents += [(clients[number], side, int(row)) for row in rows]
+        return followed_agents
 
     def _enter(self, clients: list[ClientHandle]) -> None:
         picture = self._sights[0].picture
         start = view(
-            self.first or _first(picture), picture.stage.dim, *scene_corners(self._sights), 1.0
+            self.first or _followed_name(picture),
+            picture.stage.dim,
+            *scene_corners(self._sights),
+            1.0,
         )
         initial = self._server.initial_camera
         initial.position, initial.look_at = start.position, start.target
         initial.up, initial.fov, initial.near = np.array([0.0, 0.0, 1.0]), start.fov, start.near
         for client in clients:
-            self.place(client, self.first or _first(picture))
+            self.place(client, self.first or _followed_name(picture))
 
-    def _rise(self, clients: list[ClientHandle]) -> None:
+    def _fit_rising(self, clients: list[ClientHandle]) -> None:
         """Fit what rises into the pictures that nobody has moved: not from straight above."""
         for client in clients:
             stand = self._stands.get(client.client_id)
@@ -246,7 +250,7 @@ class Viewpoints:
                 back = stand.leans and not leans
                 self._place(client, "top-down" if back else stand.preset, leans)
 
-    def _keep_up(self, clients: list[ClientHandle]) -> None:
+    def _refit(self, clients: list[ClientHandle]) -> None:
         """Show the whole again where nobody has moved the camera: after a flock that has flown out
         of an open world, and a run that begins anew."""
         low, high = scene_corners(self._sights)
@@ -255,16 +259,16 @@ class Viewpoints:
             if stand is None or stand.is_left(client.camera):
                 continue
             lower, upper = stand.shows
-            side, world = longest(lower, upper), self._sights[0].picture.stage.side
+            side, world = longest_side(lower, upper), self._sights[0].picture.stage.side
             out = max((lower - low).max(), (high - upper).max()) > BEYOND * side
             out &= side < MOST * world * len(self._sights)
             if out or stand.run != self._sights[0].picture.frame.run:
                 self._place(client, stand.preset, stand.leans, AHEAD if out else 0.0)
 
-    async def _welcome(self, client: ClientHandle) -> None:
+    async def _add_client(self, client: ClientHandle) -> None:
         """On the event loop: on viser's thread pool it might come after the farewell."""
         if self._sights:
-            self.place(client, self.first or _first(self._sights[0].picture))
+            self.place(client, self.first or _followed_name(self._sights[0].picture))
 
         async def told(camera: CameraHandle) -> None:
             self._fit(client, camera)
@@ -286,11 +290,11 @@ class Viewpoints:
         elif abs(_aspect(client) - stand.aspect) >= RESHAPED:
             self._place(client, stand.preset, stand.leans)
 
-    async def _farewell(self, client: ClientHandle) -> None:
+    async def _remove_client(self, client: ClientHandle) -> None:
         """On the event loop: viser's thread pool may be gone when the server stops."""
         self._forget(client)
 
-    def _keep[T](self, kept: dict[int, T], client: ClientHandle, entry: T) -> None:
+    def _keep[T](self, entries: dict[int, T], client: ClientHandle, entry: T) -> None:
         """Keep something about a browser, unless it has gone meanwhile.
 
         The drawing thread places cameras of browsers that were there a moment ago. After the
@@ -298,23 +302,23 @@ class Viewpoints:
         """
         with self._lock:
             if client.client_id in self._server.get_clients():
-                kept[client.client_id] = entry
+                entries[client.client_id] = entry
 
     def _forget(self, client: ClientHandle) -> None:
         """Neither follow nor ride on anybody any more."""
         with self._lock:
-            for kept in (self._followed, self._riders, self._stands):
-                kept.pop(client.client_id, None)
+            for entries in (self._followed, self._riders, self._stands):
+                entries.pop(client.client_id, None)
 
     def _worth_following(self) -> tuple[int | None, int]:
         """The inspected agent, else the leader, else the first; and which flock it is in."""
-        looked_at = [one.picture.inspected is not None for one in self._sights]
+        looked_at = [sight.picture.inspected is not None for sight in self._sights]
         side = looked_at.index(True) if any(looked_at) else 0
         return _worth_following(self._sights[side].picture), side
 
 
-def _first(picture: Picture) -> str:
-    return "top-down" if picture.stage.dim == 2 and not risen(picture) else "perspective"
+def _followed_name(picture: Picture) -> str:
+    return "top-down" if picture.stage.dim == 2 and not present_height(picture) else "perspective"
 
 
 def _worth_following(picture: Picture) -> int | None:
@@ -329,7 +333,7 @@ def _worth_following(picture: Picture) -> int | None:
 def scene_corners(sights: tuple[Sight, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Corners (3,) of all that the flocks are in, and of the titles over two of them."""
     low, high = zip(*(extent(picture) for picture, _ in sights), strict=True)
-    aside = [one.aside for one in sights]
+    aside = [sight.aside for sight in sights]
     upper = np.max(np.add(high, aside), axis=0)
     if len(sights) > 1:
         stage = sights[0].picture.stage
@@ -337,7 +341,7 @@ def scene_corners(sights: tuple[Sight, ...]) -> tuple[np.ndarray, np.ndarray]:
     return np.min(np.add(low, aside), axis=0), upper
 
 
-def longest(low: np.ndarray, high: np.ndarray) -> float:
+def longest_side(low: np.ndarray, high: np.ndarray) -> float:
     """The longest side of a box."""
     return float((high - low).max())
 
@@ -345,7 +349,7 @@ def longest(low: np.ndarray, high: np.ndarray) -> float:
 def extent(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
     """Corners (3,) of the world's box, its mission, and the flock where it has flown out of it."""
     low, high = -picture.stage.half, picture.stage.half.copy()
-    for place in places(picture):
+    for place in mission_places(picture):
         low, high = np.minimum(low, place), np.maximum(high, place)
     if len(picture.at):
         low = np.minimum(low, np.quantile(picture.at, 0.02, axis=0))
@@ -356,17 +360,17 @@ def extent(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
     return low, high
 
 
-def places(picture: Picture) -> np.ndarray:
+def mission_places(picture: Picture) -> np.ndarray:
     """Where the mission takes the flock: start, waypoints and the goal's route, (K, 3)."""
-    frame, found = picture.frame, [np.empty((0, picture.stage.dim))]
+    frame, corner_sets = picture.frame, [np.empty((0, picture.stage.dim))]
     if frame.room is not None:
-        found.append(np.stack(frame.room))
+        corner_sets.append(np.stack(frame.room))
     mission = frame.world.mission
     if mission is not None and mission.path is not None:
-        found.append(np.array(mission.path.waypoints, float))
+        corner_sets.append(np.array(mission.path.waypoints, float))
     if mission is not None and mission.goal is not None:
-        found.append(np.array(mission.goal.route, float))
-    return picture.stage.shown(np.concatenate(found))
+        corner_sets.append(np.array(mission.goal.route, float))
+    return picture.stage.to_display(np.concatenate(corner_sets))
 
 
 def _aspect(client: ClientHandle) -> float:
@@ -375,13 +379,13 @@ def _aspect(client: ClientHandle) -> float:
     return float(np.clip(camera.image_width / tall, 0.3, 4.0))
 
 
-def _set(client: ClientHandle, wanted: CameraView) -> None:
+def _set(client: ClientHandle, view: CameraView) -> None:
     with client.atomic():
         client.camera.up_direction = np.array([0.0, 0.0, 1.0])
-        client.camera.fov = wanted.fov
-        client.camera.near = wanted.near
-        client.camera.position = wanted.position
-        client.camera.look_at = wanted.target
+        client.camera.fov = view.fov
+        client.camera.near = view.near
+        client.camera.position = view.position
+        client.camera.look_at = view.target
 
 
 def _glide(client: ClientHandle, picture: Picture, target: np.ndarray, share: float) -> None:

@@ -57,15 +57,15 @@ def body() -> Mesh:
         )
         for x, wide, high, middle in STATIONS
     ]
-    here = np.arange(SIDES)
-    after = (here + 1) % SIDES
-    faces = [np.column_stack([np.zeros(SIDES, int), 2 + here, 2 + after])]
+    index = np.arange(SIDES)
+    after = (index + 1) % SIDES
+    faces = [np.column_stack([np.zeros(SIDES, int), 2 + index, 2 + after])]
     for ring in range(len(STATIONS) - 1):
         front, back = 2 + SIDES * ring, 2 + SIDES * (ring + 1)
-        faces.append(np.column_stack([front + here, back + here, back + after]))
-        faces.append(np.column_stack([front + here, back + after, front + after]))
+        faces.append(np.column_stack([front + index, back + index, back + after]))
+        faces.append(np.column_stack([front + index, back + after, front + after]))
     last = 2 + SIDES * (len(STATIONS) - 1)
-    faces.append(np.column_stack([np.ones(SIDES, int), last + after, last + here]))
+    faces.append(np.column_stack([np.ones(SIDES, int), last + after, last + index]))
     trunk = np.concatenate([[BEAK, RUMP], *rings])
     (root, rw), (outer, ow), (middle, _) = TAIL
     tail = np.array(
@@ -90,10 +90,10 @@ def wings() -> Mesh:
     return np.concatenate([left, right]), np.concatenate([panels, len(left) + panels[:, ::-1]])
 
 
-def beaten(angle: np.ndarray) -> np.ndarray:
+def wing_scales(angle: np.ndarray) -> np.ndarray:
     """Scales (N, 3) of the wings' mesh that turn both wings up by an angle (N,), rad.
 
-    >>> beaten(np.array([0.0])).tolist()
+    >>> wing_scales(np.array([0.0])).tolist()
     [[1.0, 1.0, 0.0]]
     """
     return np.column_stack([np.ones(len(angle)), np.cos(angle), np.sin(angle)])
@@ -174,9 +174,9 @@ def wheel() -> Mesh:
     face = np.column_stack([0.5 * np.sin(turn), np.zeros(FACETS), 0.5 * np.cos(turn)])
     side = np.array([0.0, 0.5, 0.0])
     centres = np.array([-side, side])
-    here = np.arange(FACETS)
-    after = (here + 1) % FACETS
-    right, left = here, here + FACETS
+    index = np.arange(FACETS)
+    after = (index + 1) % FACETS
+    right, left = index, index + FACETS
     faces = np.concatenate(
         [
             np.column_stack([right, left[after], left]),
@@ -201,8 +201,8 @@ def _tube(rings: np.ndarray) -> Mesh:
     count = len(rings)
     faces = []
     for ring in range(count - 1):
-        for here in range(4):
-            a, b = 4 * ring + here, 4 * ring + (here + 1) % 4
+        for corner in range(4):
+            a, b = 4 * ring + corner, 4 * ring + (corner + 1) % 4
             faces += [(a, b + 4, a + 4), (a, b, b + 4)]
     last = 4 * (count - 1)
     faces += [(0, 2, 1), (0, 3, 2), (last, last + 1, last + 2), (last, last + 2, last + 3)]

@@ -36,16 +36,16 @@ def attitude(heading: np.ndarray) -> np.ndarray:
     return wxyz
 
 
-def rolled(wxyz: np.ndarray, roll: np.ndarray) -> np.ndarray:
+def roll_attitudes(wxyz: np.ndarray, roll: np.ndarray) -> np.ndarray:
     """Quaternions (N, 4) after a roll (N,), rad, about the nose; right wing down above 0.
 
-    >>> rolled(attitude(np.array([[1.0, 0.0]])), np.array([0.0])).tolist()
+    >>> roll_attitudes(attitude(np.array([[1.0, 0.0]])), np.array([0.0])).tolist()
     [[1.0, 0.0, 0.0, 0.0]]
     """
     w, x, y, z = np.asarray(wxyz, dtype=float).T
     c, s = np.cos(0.5 * roll), np.sin(0.5 * roll)
-    made = np.column_stack([c * w - s * x, c * x + s * w, c * y + s * z, c * z - s * y])
-    return made.astype(np.float32)
+    rotated = np.column_stack([c * w - s * x, c * x + s * w, c * y + s * z, c * z - s * y])
+    return rotated.astype(np.float32)
 
 
 def nose(wxyz: np.ndarray) -> np.ndarray:
@@ -76,14 +76,14 @@ LEVEL = np.column_stack([np.cos(half), 0.0 * half, 0.0 * half, np.sin(half)]).as
 """All attitudes of who is level, (2 ROUND, 4)."""
 
 
-def places(at: np.ndarray, length: float) -> np.ndarray:
+def rounded_places(at: np.ndarray, length: float) -> np.ndarray:
     """Places (N, 3) of agents of some length, in steps that are a power of 2, float32.
 
-    >>> places(np.array([[1.0 / 3.0, 0.0, 0.0]]), length=0.2)[0, 0]
+    >>> rounded_places(np.array([[1.0 / 3.0, 0.0, 0.0]]), length=0.2)[0, 0]
     np.float32(0.3334961)
     """
     step = min(FINE, 2.0 ** math.floor(math.log2(max(OF_LENGTH * length, 1e-9))))
-    return in_steps(at, step)
+    return round_to_step(at, step)
 
 
 def quantise_attitudes(wxyz: np.ndarray) -> np.ndarray:
@@ -93,11 +93,11 @@ def quantise_attitudes(wxyz: np.ndarray) -> np.ndarray:
     [[1.0, 0.0, 0.0, 0.0]]
     """
     if wxyz[:, 1:3].any():
-        return in_steps(wxyz, OTHERWISE)
+        return round_to_step(wxyz, OTHERWISE)
     place = np.rint(np.arctan2(wxyz[:, 3], wxyz[:, 0]) * (ROUND / np.pi)).astype(int)
     return LEVEL[place % (2 * ROUND)]
 
 
-def in_steps(numbers: np.ndarray, step: float) -> np.ndarray:
+def round_to_step(numbers: np.ndarray, step: float) -> np.ndarray:
     """Numbers to the nearest step, float32."""
     return np.asarray(np.rint(np.multiply(numbers, 1.0 / step)) * step, np.float32)

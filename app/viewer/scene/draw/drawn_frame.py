@@ -25,8 +25,8 @@ def rows_of(before: np.ndarray, now: np.ndarray) -> tuple[np.ndarray, np.ndarray
     order = np.argsort(before)
     place = np.minimum(np.searchsorted(before, now, sorter=order), len(before) - 1)
     row = order[place]
-    known = before[row] == now
-    return row[known], known
+    same = before[row] == now
+    return row[same], same
 
 
 POINTS_BEYOND = 10_000
@@ -80,7 +80,7 @@ class Picture:
         rows = np.flatnonzero(self.frame.informed)
         return int(rows[0]) if len(rows) else None
 
-    def mixed(self, colour: np.ndarray, share: float | np.ndarray) -> np.ndarray:
+    def mix_with_backdrop(self, colour: np.ndarray, share: float | np.ndarray) -> np.ndarray:
         """`colour` with a `share` of the backdrop in it."""
         return colour + share * (self.backdrop - colour)
 
@@ -132,8 +132,8 @@ def agent_length(frame: Frame, stage: Stage) -> float:
     count = len(frame.position)
     if frame.room is None:
         common = dart_length(count, stage.half)
-        kept = KEPT * frame.kept * stage.scale if stage.dim == 3 else np.inf
-        return float(np.clip(kept, 0.5 * common, common))
+        fraction = KEPT * frame.kept * stage.scale if stage.dim == 3 else np.inf
+        return float(np.clip(fraction, 0.5 * common, common))
     half = np.zeros(3)
     half[: stage.dim] = 0.5 * stage.scale * (frame.room[1] - frame.room[0])
     packed = min(CLOSE[stage.dim] * spacing(count, half), frame.reach * stage.scale)
@@ -152,30 +152,30 @@ def picture(frame: Frame, look: DrawingStyle, stage: Stage) -> Picture:
     driven = cars is not None
     common = agent_length(frame, stage) if cars is None else car_length(cars, stage)
     length = common * float(np.clip(look.agent_size, 0.1, 10.0))
-    at = stage.shown(frame.position)
+    at = stage.to_display(frame.position)
     size = np.ones(count, dtype=np.float32)
     if np.count_nonzero(frame.informed) <= FEW_LEADERS and not driven:
         least = LEADER_LEAST if frame.room is None else LEADER_LEAST_CLOSE
         size[frame.informed] = max(LEADER_SIZE[stage.dim], least * stage.side / length)
     colour = agent_colours(frame, look)
-    down = frame.down
-    heading = laid(frame.heading, down)
-    made = Picture(frame, look, stage, at, attitude(heading), colour, length, size)
-    if made.live is not None:
-        lost = made.live.are(LOST)
-        colour[lost] = made.mixed(colour[lost], PALE)
-    if made.inspected is not None and frame.inspected is not None:
-        _single_out(made, frame.inspected)
+    down = frame.is_down
+    heading = level_crashed(frame.heading, down)
+    result = Picture(frame, look, stage, at, attitude(heading), colour, length, size)
+    if result.live is not None:
+        lost = result.live.is_in_state(LOST)
+        colour[lost] = result.mix_with_backdrop(colour[lost], PALE)
+    if result.inspected is not None and frame.inspected is not None:
+        _highlight_inspected(result, frame.inspected)
         if driven:
             size[:] = 1.0
     if stage.dim == 2:
         at[:, 2] = 0.22 * length * size
     else:
         at[down, 2] += LYING * length * size[down]
-    return made
+    return result
 
 
-def laid(heading: np.ndarray, down: np.ndarray) -> np.ndarray:
+def level_crashed(heading: np.ndarray, down: np.ndarray) -> np.ndarray:
     """Headings (N, dim) with those level that have crashed, `down` (N,) bool."""
     if heading.shape[1] == 2 or not down.any():
         return heading
@@ -184,19 +184,19 @@ def laid(heading: np.ndarray, down: np.ndarray) -> np.ndarray:
     return level
 
 
-def _single_out(made: Picture, inspected: Inspection) -> None:
+def _highlight_inspected(picture: Picture, inspected: Inspection) -> None:
     """Enlarge the inspected agent, and its neighbours by weight; dim all others."""
     near = inspected.neighbours
-    dimmed = made.mixed(made.colour, DIMMED)
-    kept = np.zeros(len(made.colour), dtype=bool)
-    kept[near] = True
-    kept[inspected.row] = True
-    kept |= made.frame.informed
-    made.colour[~kept] = dimmed[~kept]
-    if len(inspected.zone) and made.look.zones:
-        made.colour[near] = palette.by_zone(inspected.zone)
-    made.size[near] *= 1.0 + 0.35 * shares(inspected.weights)
-    made.size[inspected.row] *= INSPECTED_SIZE
+    dimmed = picture.mix_with_backdrop(picture.colour, DIMMED)
+    mask = np.zeros(len(picture.colour), dtype=bool)
+    mask[near] = True
+    mask[inspected.row] = True
+    mask |= picture.frame.informed
+    picture.colour[~mask] = dimmed[~mask]
+    if len(inspected.zone) and picture.look.zones:
+        picture.colour[near] = palette.zone_colours(inspected.zone)
+    picture.size[near] *= 1.0 + 0.35 * shares(inspected.weights)
+    picture.size[inspected.row] *= INSPECTED_SIZE
 
 
 def shares(weights: np.ndarray) -> np.ndarray:

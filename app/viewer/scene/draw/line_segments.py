@@ -36,13 +36,13 @@ def segments(
     A browser shows a node a moment before it has its new points: what is hidden leaves its old
     ones, or they would flash up.
     """
-    there = bool(len(points))
-    if not there:
+    has_points = bool(len(points))
+    if not has_points:
         points, colours = _DOT, np.zeros(_DOT.shape) if np.ndim(colours) == 3 else colours
     return [
         (handle, "points", points.astype(np.float32)),
         (handle, "colors", np.asarray(colours, dtype=np.uint8)),
-        (handle, "visible", there),
+        (handle, "visible", has_points),
     ]
 
 
@@ -68,13 +68,13 @@ def split_at_seams(start: np.ndarray, end: np.ndarray, period: np.ndarray) -> np
     """
     step = nearest_image(end - start, period)
     crossing = np.any(np.abs(step - (end - start)) > 1e-9, axis=1)
-    whole = np.stack([start[~crossing], end[~crossing]], axis=1)
+    uncut = np.stack([start[~crossing], end[~crossing]], axis=1)
     if not crossing.any():
-        return whole
+        return uncut
     outward, inward = step[crossing], -step[crossing]
     first = np.stack([start[crossing], _until_seam(start[crossing], outward, period)], axis=1)
     second = np.stack([end[crossing], _until_seam(end[crossing], inward, period)], axis=1)
-    return np.concatenate([whole, first, second])
+    return np.concatenate([uncut, first, second])
 
 
 def _until_seam(start: np.ndarray, step: np.ndarray, period: np.ndarray) -> np.ndarray:

@@ -33,12 +33,12 @@ def ring(inner: float, corners: int = 96) -> Mesh:
     """A flat ring of outer radius 1 in the plane z = 0, facing up."""
     angle = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
     circle = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(corners)])
-    here = np.arange(corners)
-    after = (here + 1) % corners
+    index = np.arange(corners)
+    after = (index + 1) % corners
     faces = np.concatenate(
         [
-            np.column_stack([here, here + corners, after + corners]),
-            np.column_stack([here, after + corners, after]),
+            np.column_stack([index, index + corners, after + corners]),
+            np.column_stack([index, after + corners, after]),
         ]
     )
     return np.concatenate([inner * circle, circle]), faces
@@ -51,7 +51,7 @@ def torus(tube: float = 0.04, corners: int = 72, sides: int = 10) -> Mesh:
     radius = 1.0 + tube * np.cos(across)
     height = np.broadcast_to(tube * np.sin(across), (corners, sides))
     vertices = np.stack([radius * np.cos(around), radius * np.sin(around), height], axis=-1)
-    return vertices.reshape(-1, 3), _woven(corners, sides, closed=True)
+    return vertices.reshape(-1, 3), _grid_triangles(corners, sides, closed=True)
 
 
 def ball(corners: int = 40, sides: int = 20) -> Mesh:
@@ -60,10 +60,10 @@ def ball(corners: int = 40, sides: int = 20) -> Mesh:
     down = np.linspace(0.0, np.pi, sides)[None, :]
     height = np.broadcast_to(np.cos(down), (corners, sides))
     vertices = np.stack([np.sin(down) * np.cos(around), np.sin(down) * np.sin(around), height], -1)
-    return vertices.reshape(-1, 3), _woven(corners, sides, closed=False)[:, ::-1]
+    return vertices.reshape(-1, 3), _grid_triangles(corners, sides, closed=False)[:, ::-1]
 
 
-def _woven(corners: int, sides: int, closed: bool) -> np.ndarray:
+def _grid_triangles(corners: int, sides: int, closed: bool) -> np.ndarray:
     """Triangles over a grid of vertices, closed along its first axis and perhaps its second."""
     spans = sides if closed else sides - 1
     i, j = (part.ravel() for part in np.meshgrid(range(corners), range(spans), indexing="ij"))
@@ -110,7 +110,7 @@ def dashes(way: np.ndarray, dash: float, gap: float) -> tuple[np.ndarray, np.nda
     >>> dashes(np.array([[0.0, 0, 0], [5.0, 0, 0]]), 1.0, 1.0)[0][:, :, 0].tolist()
     [[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]]
     """
-    made, legs = [np.empty((0, 2, 3))], [np.empty(0, dtype=int)]
+    pieces, legs = [np.empty((0, 2, 3))], [np.empty(0, dtype=int)]
     for leg, (start, end) in enumerate(pairwise(way)):
         length = float(np.linalg.norm(end - start))
         if length == 0.0:
@@ -119,9 +119,9 @@ def dashes(way: np.ndarray, dash: float, gap: float) -> tuple[np.ndarray, np.nda
         stretch = length / (count * (dash + gap) - gap)
         first = np.arange(count) * (dash + gap) * stretch
         share = np.column_stack([first, first + dash * stretch]) / length
-        made.append(start + share[..., None] * (end - start))
+        pieces.append(start + share[..., None] * (end - start))
         legs.append(np.full(count, leg))
-    return np.concatenate(made), np.concatenate(legs)
+    return np.concatenate(pieces), np.concatenate(legs)
 
 
 def dart_length(count: int, half: np.ndarray) -> float:

@@ -14,11 +14,11 @@ def prism(outline: shapely.Geometry, bottom: float, top: float) -> Mesh:
     """The closed mesh of polygons, with their holes, drawn up from `bottom` to `top`."""
     polygons = [part for part in shapely.get_parts(outline) if part.geom_type == "Polygon"]
     return join_meshes(
-        [_upright(shapely.remove_repeated_points(part), bottom, top) for part in polygons]
+        [_extrude(shapely.remove_repeated_points(part), bottom, top) for part in polygons]
     )
 
 
-def _upright(polygon: shapely.Polygon, bottom: float, top: float) -> Mesh:
+def _extrude(polygon: shapely.Polygon, bottom: float, top: float) -> Mesh:
     """One polygon drawn up; its corners are shared by the caps and the sides."""
     polygon = shapely.orient_polygons(polygon)
     rings = [shapely.get_coordinates(ring)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
@@ -26,11 +26,11 @@ def _upright(polygon: shapely.Polygon, bottom: float, top: float) -> Mesh:
     count = len(corners)
     sides, first = [], 0
     for ring in rings:
-        here = first + np.arange(len(ring))
+        index = first + np.arange(len(ring))
         after = first + (np.arange(len(ring)) + 1) % len(ring)
         sides += [
-            np.column_stack([here, after, after + count]),
-            np.column_stack([here, after + count, here + count]),
+            np.column_stack([index, after, after + count]),
+            np.column_stack([index, after + count, index + count]),
         ]
         first += len(ring)
     cap = _cap(polygon, corners)
@@ -45,9 +45,9 @@ def _cap(polygon: shapely.Polygon, corners: np.ndarray) -> np.ndarray:
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon))
     points = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
     order = np.lexsort(corners.T[::-1])
-    known = corners[order] @ np.array([1.0, 1j])
-    sought = points.reshape(-1, 2) @ np.array([1.0, 1j])
-    faces = order[np.searchsorted(known, sought)].reshape(-1, 3)
+    known_points = corners[order] @ np.array([1.0, 1j])
+    wanted_points = points.reshape(-1, 2) @ np.array([1.0, 1j])
+    faces = order[np.searchsorted(known_points, wanted_points)].reshape(-1, 3)
     a, b, c = (corners[faces[:, k]] for k in range(3))
     ab, ac = b - a, c - a
     backwards = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0] < 0.0
@@ -69,7 +69,7 @@ def rims(outline: shapely.Geometry, height: float) -> np.ndarray:
 
 def uprights(outline: shapely.Geometry, bottom: float, top: float) -> np.ndarray:
     """The upright edges of prisms, where an outline turns by more than 20 degrees, (K, 2, 3)."""
-    found = []
+    faces = []
     for part in shapely.get_parts(outline):
         if part.geom_type == "Polygon":
             for ring in (part.exterior, *part.interiors):
@@ -77,8 +77,8 @@ def uprights(outline: shapely.Geometry, bottom: float, top: float) -> np.ndarray
                 ahead = np.roll(corner, -1, axis=0) - corner
                 ahead /= np.linalg.norm(ahead, axis=1)[:, None]
                 straight = np.einsum("ij,ij->i", ahead, np.roll(ahead, 1, axis=0))
-                found.append(corner[straight < np.cos(np.deg2rad(20.0))])
-    at = np.concatenate(found) if found else np.empty((0, 2))
+                faces.append(corner[straight < np.cos(np.deg2rad(20.0))])
+    at = np.concatenate(faces) if faces else np.empty((0, 2))
     ends = [np.column_stack([at, np.full(len(at), z)]) for z in (bottom, top)]
     return np.stack(ends, axis=1)
 
@@ -105,7 +105,7 @@ def border(low: np.ndarray, high: np.ndarray, solid: np.ndarray, width: float) -
 
 def panes(low: np.ndarray, high: np.ndarray, solid: np.ndarray) -> Mesh:
     """A rectangle for each solid face of a box in space; (3,) each, solid bool."""
-    made = []
+    panes = []
     for axis in np.flatnonzero(solid):
         others = [other for other in range(3) if other != axis]
         for at in (low[axis], high[axis]):
@@ -113,5 +113,5 @@ def panes(low: np.ndarray, high: np.ndarray, solid: np.ndarray) -> Mesh:
             corners[:, axis] = at
             corners[:, others[0]] = np.array([low, high, high, low])[:, others[0]]
             corners[:, others[1]] = np.array([low, low, high, high])[:, others[1]]
-            made.append((corners, np.array([[0, 1, 2], [0, 2, 3]])))
-    return join_meshes(made)
+            panes.append((corners, np.array([[0, 1, 2], [0, 2, 3]])))
+    return join_meshes(panes)

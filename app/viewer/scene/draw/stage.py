@@ -68,33 +68,33 @@ class Stage:
         """Centre of the box in the world, (dim,), length."""
         return np.array(self.low[: self.dim]) + 0.5 * np.array(self.size)
 
-    def shown(self, position: np.ndarray) -> np.ndarray:
+    def to_display(self, position: np.ndarray) -> np.ndarray:
         """Positions (..., dim) in the world -> (..., 3) on the display.
 
-        >>> Stage(2, (20.0, 10.0), (True, True)).shown(np.array([20.0, 5.0])).tolist()
+        >>> Stage(2, (20.0, 10.0), (True, True)).to_display(np.array([20.0, 5.0])).tolist()
         [5.0, 0.0, 0.0]
         """
         position = np.asarray(position, dtype=float)
-        shown = np.zeros((*position.shape[:-1], 3))
-        shown[..., : self.dim] = (position - self.middle) * self.scale
-        return shown
+        placed = np.zeros((*position.shape[:-1], 3))
+        placed[..., : self.dim] = (position - self.middle) * self.scale
+        return placed
 
-    def placed(self, points: np.ndarray) -> np.ndarray:
+    def place_on_display(self, points: np.ndarray) -> np.ndarray:
         """Places (..., 3) in the world, upright things standing on a flat one too -> (..., 3)."""
-        shown = self.shown(points[..., : self.dim])
+        placed = self.to_display(points[..., : self.dim])
         if self.dim == 2:
-            shown[..., 2] = points[..., 2] * self.scale
-        return shown
+            placed[..., 2] = points[..., 2] * self.scale
+        return placed
 
-    def world(self, shown: np.ndarray) -> np.ndarray:
-        """The inverse of `shown`: (..., 3) on the display -> (..., dim) in the world."""
-        return np.asarray(shown, dtype=float)[..., : self.dim] / self.scale + self.middle
+    def world(self, points: np.ndarray) -> np.ndarray:
+        """The inverse of `points`: (..., 3) on the display -> (..., dim) in the world."""
+        return np.asarray(points, dtype=float)[..., : self.dim] / self.scale + self.middle
 
-    def unplaced(self, shown: np.ndarray) -> np.ndarray:
-        """The inverse of `placed`: (..., 3) on the display -> (..., 3) in the world."""
+    def place_in_world(self, points: np.ndarray) -> np.ndarray:
+        """The inverse of `place_on_display`: (..., 3) on the display -> (..., 3) in the world."""
         middle = np.zeros(3)
         middle[: self.dim] = self.middle
-        return np.asarray(shown, dtype=float) / self.scale + middle
+        return np.asarray(points, dtype=float) / self.scale + middle
 
     @property
     def period(self) -> np.ndarray:

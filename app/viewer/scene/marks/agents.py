@@ -9,8 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
-from app.viewer.scene.draw.agent_meshes import SHOULDER, beaten, body, wings
-from app.viewer.scene.draw.attitude import attitude, places, quantise_attitudes, rolled
+from app.viewer.scene.draw.agent_meshes import SHOULDER, body, wing_scales, wings
+from app.viewer.scene.draw.attitude import (
+    attitude,
+    quantise_attitudes,
+    roll_attitudes,
+    rounded_places,
+)
 from app.viewer.scene.draw.drawn_frame import FEW_LEADERS, POINTS_BEYOND, Changes, Picture, rows_of
 from app.viewer.scene.draw.shapes import Mesh, dart
 from app.viewer.scene.marks.fleet import Fleet, Ghosts
@@ -89,39 +94,39 @@ class FlockMotion:
             self._forget()
             self._run, self._tick = run, frame.tick
         heading = np.asarray(frame.heading, dtype=float)
-        self._meet(frame.ids, heading)
+        self._carry_over(frame.ids, heading)
         now = self._clock()
         passed, ticks = min(now - self._seen, LONGEST), frame.tick - self._tick
         self._seen, self._tick = now, frame.tick
         if ticks > 0:
             self._beats += min(passed, LONGEST_BEAT)
-            lean = leaning(frame, turned_left(self._heading, heading) / (ticks * frame.dt))
+            lean = bank_tangents(frame, left_turns(self._heading, heading) / (ticks * frame.dt))
             self._lean += (1.0 - np.exp(-passed / LEAN)) * (lean - self._lean)
             effort = efforts(heading)
             self._effort += (1.0 - np.exp(-passed / EASE)) * (effort - self._effort)
         self._heading = heading.copy()
-        wxyz = rolled(picture.wxyz, -np.arctan(self._lean))
-        phase = 2.0 * np.pi * (self._beats * rhythm(frame.ids) + frame.ids * GOLDEN)
+        wxyz = roll_attitudes(picture.wxyz, -np.arctan(self._lean))
+        phase = 2.0 * np.pi * (self._beats * beat_frequencies(frame.ids) + frame.ids * GOLDEN)
         beat = DIHEDRAL + AMPLITUDE * self._effort * np.sin(phase)
-        self.poses = self._lying(picture, Poses(wxyz, beat))
+        self.poses = self._lay_down(picture, Poses(wxyz, beat))
         return self.poses
 
-    def _meet(self, ids: np.ndarray, heading: np.ndarray) -> None:
+    def _carry_over(self, ids: np.ndarray, heading: np.ndarray) -> None:
         """Carry what is known over to the rows of these identities; newcomers fly level."""
         if np.array_equal(ids, self._ids):
             return
-        rows, known = rows_of(self._ids, ids)
+        rows, known_rows = rows_of(self._ids, ids)
         before, lean, effort = self._heading, self._lean, self._effort
         self._heading, self._lean = heading.copy(), np.zeros(len(ids))
         self._effort = efforts(heading)
-        self._heading[known] = before[rows]
-        self._lean[known], self._effort[known] = lean[rows], effort[rows]
+        self._heading[known_rows] = before[rows]
+        self._lean[known_rows], self._effort[known_rows] = lean[rows], effort[rows]
         self._ids = ids.copy()
 
-    def _lying(self, picture: Picture, poses: Poses) -> Poses:
+    def _lay_down(self, picture: Picture, poses: Poses) -> Poses:
         """Those that have crashed: nose down while they fall, then flat."""
         frame = picture.frame
-        down = frame.down
+        down = frame.is_down
         if not down.any():
             return poses
         falling = down & (frame.speed > 0.0)
@@ -137,7 +142,7 @@ class FlockMotion:
         return Poses(wxyz, beat)
 
 
-def leaning(frame: Frame, rate: np.ndarray) -> np.ndarray:
+def bank_tangents(frame: Frame, rate: np.ndarray) -> np.ndarray:
     """v omega / g', the tangents (N,) of the banks that suit turns to the left at a rate (N,).
 
     The rate is in rad per unit of the flock's time; g' is chosen for the flock's own scale.
@@ -148,7 +153,7 @@ def leaning(frame: Frame, rate: np.ndarray) -> np.ndarray:
     return np.clip(frame.speed * rate / max(pull, 1e-12), -most, most)
 
 
-def turned_left(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+def left_turns(before: np.ndarray, after: np.ndarray) -> np.ndarray:
     """How far headings (N, 3) have turned to their left, (N,), rad, at most a right angle."""
     level = np.hypot(before[:, 0], before[:, 1])
     level = np.where(level > 1e-9, level, np.inf)
@@ -161,7 +166,7 @@ def efforts(heading: np.ndarray) -> np.ndarray:
     return np.where(heading[:, 2] < GLIDE, GLIDING, 1.0)
 
 
-def rhythm(ids: np.ndarray) -> np.ndarray:
+def beat_frequencies(ids: np.ndarray) -> np.ndarray:
     """Beats per second of each bird, (N,); by its identity, so that no two beat together."""
     return BEAT * (1.0 + VARIETY * ((ids * GOLDEN * GOLDEN) % 1.0 - 0.5))
 
@@ -190,19 +195,19 @@ class Birds:
         poses = self._flight.poses
         wxyz = poses.wxyz[rows]
         size = (SCALE * picture.length * picture.size[rows]).astype(np.float32)
-        over = SHOULDER * size[:, None] * upwards(wxyz)
+        over = SHOULDER * size[:, None] * up_directions(wxyz)
         shadows = picture.look.shadows and len(at) <= SHADOWS_UP_TO
         colour = picture.colour[rows]
         changes: Changes = []
         for node, place, scale, shade in (
             (self._bodies, at, np.repeat(size[:, None], 3, axis=1), SHADE),
-            (self._wings, at + over, size[:, None] * beaten(poses.beat[rows]), 1.0),
+            (self._wings, at + over, size[:, None] * wing_scales(poses.beat[rows]), 1.0),
         ):
             changes += [
-                (node, "batched_positions", places(place, picture.length)),
+                (node, "batched_positions", rounded_places(place, picture.length)),
                 (node, "batched_wxyzs", quantise_attitudes(wxyz)),
                 (node, "batched_scales", scale.astype(np.float32)),
-                (node, "batched_colors", palette.lit(shade * colour)),
+                (node, "batched_colors", palette.lit_bytes(shade * colour)),
                 (node, "cast_shadow", shadows),
                 (node, "visible", True),
             ]
@@ -213,7 +218,7 @@ class Birds:
         return [(self._bodies, "visible", False), (self._wings, "visible", False)]
 
 
-def upwards(wxyz: np.ndarray) -> np.ndarray:
+def up_directions(wxyz: np.ndarray) -> np.ndarray:
     """The direction over the back, (N, 3), of birds of attitudes (N, 4)."""
     w, x, y, z = wxyz.T
     return np.column_stack(
@@ -221,7 +226,7 @@ def upwards(wxyz: np.ndarray) -> np.ndarray:
     )
 
 
-def leftwards(wxyz: np.ndarray) -> np.ndarray:
+def left_directions(wxyz: np.ndarray) -> np.ndarray:
     """The direction of the left wing, (N, 3), of birds of attitudes (N, 4)."""
     w, x, y, z = wxyz.T
     return np.column_stack(
@@ -281,7 +286,7 @@ class Agents:
     def draw(self, picture: Picture) -> Changes:
         count = len(picture.at)
         as_points = count > POINTS_BEYOND
-        rows, nobody = as_darts(picture), slice(0, 0)
+        rows, nobody = dart_rows(picture), slice(0, 0)
         return [
             *self._draw_darts(picture, nobody if picture.as_birds or picture.as_cars else rows),
             *self._birds.draw(picture, rows if picture.as_birds else nobody),
@@ -297,23 +302,23 @@ class Agents:
             return [(self._darts, "visible", False)]
         shadows = picture.look.shadows and len(at) <= SHADOWS_UP_TO
         return [
-            (self._darts, "batched_positions", places(at, picture.length)),
+            (self._darts, "batched_positions", rounded_places(at, picture.length)),
             (self._darts, "batched_wxyzs", quantise_attitudes(picture.wxyz[rows])),
             (self._darts, "batched_scales", picture.size[rows] * np.float32(picture.length)),
-            (self._darts, "batched_colors", palette.lit(picture.colour[rows])),
+            (self._darts, "batched_colors", palette.lit_bytes(picture.colour[rows])),
             (self._darts, "cast_shadow", shadows),
             (self._darts, "visible", True),
         ]
 
     def _draw_points(self, picture: Picture) -> Changes:
         return [
-            (self._points, "points", places(picture.at, picture.length)),
+            (self._points, "points", rounded_places(picture.at, picture.length)),
             (self._points, "colors", (255.0 * picture.colour + 0.5).astype(np.uint8)),
             (self._points, "point_size", POINT_SIZE[picture.stage.dim] * picture.length),
         ]
 
 
-def as_darts(picture: Picture) -> np.ndarray | slice:
+def dart_rows(picture: Picture) -> np.ndarray | slice:
     """Rows drawn as darts: all, or among points the few agents that matter."""
     if len(picture.at) <= POINTS_BEYOND:
         return slice(None)

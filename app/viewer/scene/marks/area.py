@@ -30,18 +30,18 @@ class Fence:
     def draw(self, picture: Picture) -> Changes:
         """Draw it where there is one."""
         corners = fence(picture)
-        drawn = (picture.stage, None if corners is None else tuple(np.concatenate(corners)))
-        if drawn == self._drawn:
+        key = (picture.stage, None if corners is None else tuple(np.concatenate(corners)))
+        if key == self._drawn:
             return []
-        self._drawn = drawn
+        self._drawn = key
         if corners is None:
             return [(self._lines, "visible", False)]
-        low, high = (picture.stage.shown(corner) for corner in corners)
+        low, high = (picture.stage.to_display(corner) for corner in corners)
         edges = box_edges(0.5 * (high - low)) + 0.5 * (low + high)
         edges[..., 2] = ABOVE
         dash = DASH * picture.stage.side
         lines = np.concatenate([dashes(edge, dash, dash)[0] for edge in edges])
-        return segments(self._lines, lines, palette.single(palette.FENCE))
+        return segments(self._lines, lines, palette.node_colour(palette.FENCE))
 
 
 def fence(picture: Picture) -> tuple[np.ndarray, np.ndarray] | None:
@@ -82,10 +82,10 @@ class CaptureArea:
         """Draw it, if there are real cars."""
         live, stage, within = picture.live, picture.stage, fence(picture)
         arm, inside = (None, 0.0) if live is None else (live.arm, live.fence)
-        drawn = stage, arm, inside, within is None
-        if drawn == self._drawn:
+        key = stage, arm, inside, within is None
+        if key == self._drawn:
             return []
-        self._drawn = drawn
+        self._drawn = key
         if self._tint is not None:
             self._tint.remove()
             self._tint = None
@@ -97,7 +97,7 @@ class CaptureArea:
         edges[..., 2] = ABOVE
         corner = stage.half * [1.0, -1.0, 0.0] - [0.0, AWAY * stage.side, 0.0]
         return [
-            *segments(self._edge, edges, palette.single(palette.ARMS[arm])),
+            *segments(self._edge, edges, palette.node_colour(palette.ARMS[arm])),
             (self._edge, "thickness", THICK[arm]),
             (self._caption, "text", size(stage.size)),
             (self._caption, "position", corner),
@@ -109,8 +109,10 @@ class CaptureArea:
         stage = picture.stage
         self._tint = self._scene.add_mesh_simple(
             f"{self._name}/beyond",
-            *frame_mesh(stage.half[:2], stage.shown(low)[:2], stage.shown(high)[:2], TINT),
-            color=palette.single(palette.ARMS["emergency"] if stopped else palette.FENCE),
+            *frame_mesh(
+                stage.half[:2], stage.to_display(low)[:2], stage.to_display(high)[:2], TINT
+            ),
+            color=palette.node_colour(palette.ARMS["emergency"] if stopped else palette.FENCE),
             opacity=TINTED,
             side="double",
             cast_shadow=False,
@@ -134,7 +136,7 @@ def frame_mesh(half: np.ndarray, low: np.ndarray, high: np.ndarray, height: floa
     inner = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
     corners = np.column_stack([np.concatenate([outer, inner]), np.full(8, height)])
     faces = []
-    for here in range(4):
-        after = (here + 1) % 4
-        faces += [(here, after, 4 + after), (here, 4 + after, 4 + here)]
+    for corner in range(4):
+        after = (corner + 1) % 4
+        faces += [(corner, after, 4 + after), (corner, 4 + after, 4 + corner)]
     return corners, np.array(faces)

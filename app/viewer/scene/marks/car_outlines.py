@@ -8,7 +8,7 @@ from viser import SceneApi
 from app.viewer.scene.draw.drawn_frame import Changes, Picture
 from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.draw.shapes import circle
-from app.viewer.scene.marks.mission_marks import on_floor
+from app.viewer.scene.marks.mission_marks import floor_places
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.frame import LATE, LOST, STOPPED, TRACKED
 
@@ -29,9 +29,9 @@ class StuckMarks:
         cars = picture.frame.cars
         if cars is None or not picture.as_cars or not cars.stuck.any():
             return [(self._lines, "visible", False)]
-        at = on_floor(picture, picture.frame.position[cars.stuck])
+        at = floor_places(picture, picture.frame.position[cars.stuck])
         rings = at[:, None, None, :] + RADIUS * picture.length * circle(32)
-        return segments(self._lines, rings.reshape(-1, 2, 3), palette.single(palette.FENCE))
+        return segments(self._lines, rings.reshape(-1, 2, 3), palette.node_colour(palette.FENCE))
 
 
 CLEAR = 0.16
@@ -58,12 +58,12 @@ class LiveOutlines:
             if live is None or cars is None:
                 changes.append((lines, "visible", False))
                 continue
-            rows = live.are(state)
-            at = on_floor(picture, picture.frame.position[rows])
+            rows = live.is_in_state(state)
+            at = floor_places(picture, picture.frame.position[rows])
             shape = picture.length * outline(cars.width / cars.length)
-            made = turn_segments(shape, picture.frame.heading[rows]) + at[:, None, None, :]
-            colour = palette.single(palette.STATES[state])
-            changes += segments(lines, made.reshape(-1, 2, 3), colour)
+            outline_lines = turn_segments(shape, picture.frame.heading[rows]) + at[:, None, None, :]
+            colour = palette.node_colour(palette.STATES[state])
+            changes += segments(lines, outline_lines.reshape(-1, 2, 3), colour)
         return changes
 
 

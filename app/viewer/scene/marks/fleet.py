@@ -15,7 +15,7 @@ from app.viewer.scene.draw.agent_meshes import (
     outline,
     wheel,
 )
-from app.viewer.scene.draw.attitude import attitude, places, quantise_attitudes
+from app.viewer.scene.draw.attitude import attitude, quantise_attitudes, rounded_places
 from app.viewer.scene.draw.drawn_frame import PALE, Changes, Picture
 from app.viewer.scene.draw.line_segments import add_lines, segments
 from app.viewer.scene.draw.shapes import Mesh
@@ -66,10 +66,10 @@ class CarMeshes:
             (self._wheels, hub, rolling, np.repeat(tyres, 4, axis=0), rubber),
         ):
             changes += [
-                (node, "batched_positions", places(place, length)),
+                (node, "batched_positions", rounded_places(place, length)),
                 (node, "batched_wxyzs", quantise_attitudes(wxyz)),
                 (node, "batched_scales", scale.astype(np.float32)),
-                (node, "batched_colors", palette.lit(paint)),
+                (node, "batched_colors", palette.lit_bytes(paint)),
                 (node, "cast_shadow", shadows),
                 (node, "visible", True),
             ]
@@ -88,12 +88,12 @@ class Fleet:
 
     def draw(self, picture: Picture, rows: np.ndarray | slice) -> Changes:
         """Draw the agents of some rows as cars."""
-        known, live = picture.frame.cars, picture.live
+        cars, live = picture.frame.cars, picture.live
         rows = np.arange(len(picture.at))[rows]
         if live is not None:
-            rows = rows[~live.are(SIMULATED)[rows]]
+            rows = rows[~live.is_in_state(SIMULATED)[rows]]
         at = picture.at[rows]
-        if known is None or not len(at):
+        if cars is None or not len(at):
             return self._cars.hide()
         heading = picture.frame.heading[rows]
         length = picture.length * picture.size[rows]
@@ -102,11 +102,11 @@ class Fleet:
         return self._cars.draw(
             road,
             np.arctan2(heading[:, 1], heading[:, 0]),
-            known.steering[rows],
-            np.column_stack([length, length * known.width / known.length]),
+            cars.steering[rows],
+            np.column_stack([length, length * cars.width / cars.length]),
             picture.colour[rows],
             picture.look.shadows and len(at) <= SHADOWS_UP_TO,
-            None if live is None else PALE * live.are(LOST)[rows],
+            None if live is None else PALE * live.is_in_state(LOST)[rows],
         )
 
 
@@ -153,7 +153,7 @@ def add_cars(
 
 
 OUTLINE = outline()
-INK = palette.single(palette.STATES[SIMULATED])
+INK = palette.node_colour(palette.STATES[SIMULATED])
 GLASSY = 0.35
 """Opacity of a hull."""
 THICK = 1.8
@@ -172,7 +172,7 @@ class Ghosts:
     def draw(self, picture: Picture) -> Changes:
         """Draw the simulated cars, if there are real ones."""
         live, cars = picture.live, picture.frame.cars
-        rows = np.empty(0, int) if live is None else np.flatnonzero(live.are(SIMULATED))
+        rows = np.empty(0, int) if live is None else np.flatnonzero(live.is_in_state(SIMULATED))
         if cars is None or not len(rows):
             nodes = (self._hulls, self._cabins, self._lines)
             return [(node, "visible", False) for node in nodes]
@@ -190,7 +190,7 @@ class Ghosts:
                 (node, "batched_positions", at.astype(np.float32)),
                 (node, "batched_wxyzs", turned),
                 (node, "batched_scales", size.astype(np.float32)),
-                (node, "batched_colors", palette.lit(paint)),
+                (node, "batched_colors", palette.lit_bytes(paint)),
                 (node, "visible", True),
             ]
         return [

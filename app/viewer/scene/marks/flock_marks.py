@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
-from app.viewer.scene.draw.attitude import places, quantise_attitudes
+from app.viewer.scene.draw.attitude import quantise_attitudes, rounded_places
 from app.viewer.scene.draw.drawn_frame import DIMMED, FEW_LEADERS, Changes, Picture
 from app.viewer.scene.draw.line_segments import add_lines, segments, split_at_seams
 from app.viewer.scene.draw.shapes import Mesh, ball, circle, ring, torus
-from app.viewer.scene.marks.mission_marks import on_floor
+from app.viewer.scene.marks.mission_marks import floor_places
 from app.viewer.scene.shown import palette
 
 # Where agents have crashed: a ring and a cross, and in space a line down; they fade with time.
@@ -36,10 +36,10 @@ class CrashMarks:
         crashes = picture.frame.crashes
         if crashes is None or not len(crashes):
             return [(self._lines, "visible", False)]
-        at = on_floor(picture, crashes.place[-MOST_CRASHES:])
+        at = floor_places(picture, crashes.place[-MOST_CRASHES:])
         age = np.clip((picture.frame.tick - crashes.tick[-MOST_CRASHES:]) / FADES, 0.0, 1.0)
         radius = RADIUS_CAR if picture.as_cars else RADIUS
-        sign = radius * picture.length * mark()
+        sign = radius * picture.length * crossed_ring()
         lines = [(at[:, None, None, :] + sign).reshape(-1, 2, 3)]
         colours = [np.repeat(faded_colours(picture, PALEST * age), len(sign), axis=0)]
         if picture.stage.dim == 3:
@@ -54,10 +54,10 @@ class CrashMarks:
 
 def faded_colours(picture: Picture, share: np.ndarray) -> np.ndarray:
     """The colour of a mark with shares (M,) of the backdrop, bytes (M, 3)."""
-    return palette.unlit(picture.mixed(palette.CRASH, share[:, None]))
+    return palette.unlit_bytes(picture.mix_with_backdrop(palette.CRASH, share[:, None]))
 
 
-def mark() -> np.ndarray:
+def crossed_ring() -> np.ndarray:
     """A level ring of radius 1 with a cross in it, as line segments (K, 2, 3)."""
     half = 0.5 * np.sqrt(0.5)
     cross = half * np.array([[[-1.0, -1, 0], [1, 1, 0]], [[-1, 1, 0], [1, -1, 0]]])
@@ -80,17 +80,21 @@ class Halos:
         worn = 0 < len(rows) <= FEW_LEADERS
         flat = picture.stage.dim == 2
         changes: Changes = []
-        for halo, shown in ((self._flat, flat), (self._round, not flat), (self._bubble, not flat)):
-            if worn and shown:
+        for halo, is_shown in (
+            (self._flat, flat),
+            (self._round, not flat),
+            (self._bubble, not flat),
+        ):
+            if worn and is_shown:
                 changes += _around(picture, rows, halo)
-            changes.append((halo, "visible", worn and shown))
+            changes.append((halo, "visible", worn and is_shown))
         return changes
 
 
 def _around(picture: Picture, rows: np.ndarray, halo: BatchedMeshHandle) -> Changes:
     radius = 0.85 * picture.length * picture.size[rows]
     return [
-        (halo, "batched_positions", places(picture.at[rows], picture.length)),
+        (halo, "batched_positions", rounded_places(picture.at[rows], picture.length)),
         (halo, "batched_wxyzs", quantise_attitudes(picture.wxyz[rows])),
         (halo, "batched_scales", radius.astype(np.float32)),
     ]
@@ -105,7 +109,7 @@ def _add(
         batched_wxyzs=np.array([[1.0, 0.0, 0.0, 0.0]]),
         batched_positions=np.zeros((1, 3)),
         batched_scales=np.ones(1),
-        batched_colors=palette.lit(palette.HALO, light),
+        batched_colors=palette.lit_bytes(palette.HALO, light),
         opacity=opacity,
         side="double" if opacity is None else "front",
         lod="off",
@@ -132,8 +136,8 @@ class Links:
         at = picture.at
         points = split_at_seams(at[pairs[:, 0]], at[pairs[:, 1]], picture.stage.period)
         faint = 0.55 if picture.frame.inspected is not None else 0.25 * (len(pairs) > 2_000)
-        colour = picture.mixed(palette.LINK, min(faint, DIMMED))
-        return segments(self._lines, points, palette.single(colour))
+        colour = picture.mix_with_backdrop(palette.LINK, min(faint, DIMMED))
+        return segments(self._lines, points, palette.node_colour(colour))
 
 
 def sample(pairs: np.ndarray, most: int) -> np.ndarray:

@@ -72,16 +72,16 @@ class LeaderGizmo:
             opacity=0.9,
             visible=False,
         )
-        self._handle.on_update(self._moved)
+        self._handle.on_update(self._handle_drag)
 
-    async def _moved(self, event: TransformControlsEvent) -> None:
+    async def _handle_drag(self, event: TransformControlsEvent) -> None:
         """On the event loop, so that start, updates and end arrive in order."""
         if event.phase == "start":
             self._held = True
             for grabbed in self._grabbed:
                 grabbed(True)
         if self._picture is not None:
-            pose = checked(self._picture.stage, event.target.position, event.target.wxyz)
+            pose = check_pose(self._picture.stage, event.target.position, event.target.wxyz)
             if pose is not None:
                 for dragged in self._dragged:
                     dragged(*pose)
@@ -92,18 +92,21 @@ class LeaderGizmo:
                 grabbed(False)
 
 
-def checked(
-    stage: Stage, shown: np.ndarray, wxyz: np.ndarray
+def check_pose(
+    stage: Stage, display_position: np.ndarray, wxyz: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """A pose from a browser as position (dim,) and unit heading (dim,), or None if it is none.
 
     Positions are wrapped or, along axes that do not wrap, kept within four display sides.
     """
-    shown, wxyz = np.asarray(shown, dtype=float), np.asarray(wxyz, dtype=float)
+    display_position, wxyz = (
+        np.asarray(display_position, dtype=float),
+        np.asarray(wxyz, dtype=float),
+    )
     size = float(np.linalg.norm(wxyz))
-    if not (np.isfinite(shown).all() and np.isfinite(size) and size > 1e-6):
+    if not (np.isfinite(display_position).all() and np.isfinite(size) and size > 1e-6):
         return None
-    position = stage.world(np.clip(shown, -4.0 * stage.side, 4.0 * stage.side))
+    position = stage.world(np.clip(display_position, -4.0 * stage.side, 4.0 * stage.side))
     sides, wraps = np.array(stage.size), np.array(stage.wraps)
     position = np.where(wraps, np.mod(position, sides), position)
     heading = nose(wxyz / size)[: stage.dim]

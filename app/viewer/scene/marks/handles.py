@@ -93,14 +93,14 @@ class Handles:
         else:
             changes += self._obstacle.put(marks.key, stage, grip(picture, obstacle), obstacle)
             lines = outline(picture, obstacle)
-            changes += segments(self._outline, lines, palette.single(palette.HALO))
+            changes += segments(self._outline, lines, palette.node_colour(palette.HALO))
         goal = picture.frame.progress.goal if marks.goal else None
         if goal is None:
             changes += self._goal.hide()
         else:
-            changes += self._goal.put(0, stage, stage.shown(goal), None)
+            changes += self._goal.put(0, stage, stage.to_display(goal), None)
         return changes + segments(
-            self._sketch, sketch(picture, marks.corners), palette.single(palette.LEADER)
+            self._sketch, sketch(picture, marks.corners), palette.node_colour(palette.LEADER)
         )
 
 
@@ -130,7 +130,7 @@ class Gizmo:
             opacity=0.9,
             visible=False,
         )
-        self._handle.on_update(self._moved)
+        self._handle.on_update(self._handle_drag)
 
     def on_dragged(self, callback: Dragged) -> None:
         self._dragged.append(callback)
@@ -148,7 +148,7 @@ class Gizmo:
             return []
         upright = stage.dim == 3 and (obstacle is None or has_heights(obstacle))
         round_one = obstacle is None or obstacle.shape in ("disc", "ring", "sphere")
-        wanted: dict[str, Any] = {
+        options: dict[str, Any] = {
             "active_axes": (True, True, upright),
             "disable_rotations": not self._turns or upright or round_one,
             "position": np.asarray(place, float),
@@ -157,11 +157,11 @@ class Gizmo:
         }
         return [
             (self._handle, name, value)
-            for name, value in wanted.items()
+            for name, value in options.items()
             if not np.array_equal(getattr(self._handle, name), value)
         ]
 
-    async def _moved(self, event: TransformControlsEvent) -> None:
+    async def _handle_drag(self, event: TransformControlsEvent) -> None:
         """On the event loop, so that start, updates and end arrive in order."""
         stage = self._stage
         place = np.asarray(event.target.position, float)
@@ -197,7 +197,7 @@ def grip(picture: Picture, obstacle: Any) -> np.ndarray:
     """Where an obstacle is taken hold of, on the display, (3,)."""
     world, stage = picture.frame.world, picture.stage
     height = obstacle.handle_height(world.height) if stage.dim == 3 else drawn_height(world)
-    return stage.placed(np.array([*obstacle.anchor, height]))
+    return stage.place_on_display(np.array([*obstacle.anchor, height]))
 
 
 def outline(picture: Picture, obstacle: Any) -> np.ndarray:
@@ -213,9 +213,9 @@ def outline(picture: Picture, obstacle: Any) -> np.ndarray:
     lines = []
     for ring, height in rings:
         points = shapely.get_coordinates(ring)
-        shown = stage.placed(np.column_stack([points, np.full(len(points), height)]))
-        shown[:, 2] += ABOVE
-        lines.append(np.stack([shown[:-1], shown[1:]], axis=1))
+        placed = stage.place_on_display(np.column_stack([points, np.full(len(points), height)]))
+        placed[:, 2] += ABOVE
+        lines.append(np.stack([placed[:-1], placed[1:]], axis=1))
     return np.concatenate(lines) if lines else np.empty((0, 2, 3))
 
 
@@ -225,7 +225,7 @@ def sketch(picture: Picture, corners: tuple[tuple[float, float], ...]) -> np.nda
         return np.empty((0, 2, 3))
     stage, world = picture.stage, picture.frame.world
     floor = world.low[2] if stage.dim == 3 else 0.0
-    at = stage.placed(np.column_stack([np.array(corners), np.full(len(corners), floor)]))
+    at = stage.place_on_display(np.column_stack([np.array(corners), np.full(len(corners), floor)]))
     at[:, 2] += 2.0 * ABOVE
     radius = SPOT * stage.side
     rings = [spot + radius * circle(24) for spot in at]

@@ -12,8 +12,8 @@ from agents.inspection import Inspection
 from app.viewer.scene.draw.drawn_frame import Changes, Picture, shares
 from app.viewer.scene.draw.line_segments import add_lines, segments, split_at_seams
 from app.viewer.scene.draw.shapes import circle, dashes, great_circles, ring
-from app.viewer.scene.marks.mission_marks import ABOVE, on_floor
-from app.viewer.scene.marks.obstacle_marks import drawn_height, on_rims
+from app.viewer.scene.marks.mission_marks import ABOVE, floor_places
+from app.viewer.scene.marks.obstacle_marks import drawn_height, rim_places
 from app.viewer.scene.shown import palette
 
 # Why the inspected agent moves as it does: forces as arrows, what it perceives and heads for.
@@ -41,7 +41,7 @@ class ReasonMarks:
         self._seen = scene.add_point_cloud(
             f"{self._still}/points",
             nothing[0],
-            palette.single(palette.POINT),
+            palette.node_colour(palette.POINT),
             point_shape="circle",
             point_shading="flat",
             precision="float32",
@@ -52,7 +52,7 @@ class ReasonMarks:
         self._dots = scene.add_point_cloud(
             f"{self._still}/places",
             nothing[0],
-            palette.single(palette.SELECTED),
+            palette.node_colour(palette.SELECTED),
             point_shape="circle",
             point_shading="flat",
             precision="float32",
@@ -61,18 +61,18 @@ class ReasonMarks:
 
     def draw(self, picture: Picture) -> Changes:
         """Draw what is known of the inspected agent."""
-        row, seen = picture.inspected, picture.frame.inspected
-        if row is None or seen is None:
+        row, inspection = picture.inspected, picture.frame.inspected
+        if row is None or inspection is None:
             nodes = (self._arrows, self._seen, self._aim, self._dots, *self._words.values())
             return [(node, "visible", False) for node in nodes]
         return [
-            *self._draw_forces(picture, row, seen),
-            *self._draw_seen(picture, seen),
-            *self._draw_places(picture, row, seen),
+            *self._draw_forces(picture, row, inspection),
+            *self._draw_boundary_points(picture, inspection),
+            *self._draw_places(picture, row, inspection),
         ]
 
-    def _draw_forces(self, picture: Picture, row: int, seen: Inspection) -> Changes:
-        ends, colour = arrows(seen.forces)
+    def _draw_forces(self, picture: Picture, row: int, inspection: Inspection) -> Changes:
+        ends, colour = arrows(inspection.forces)
         if not len(ends):
             return [(self._arrows, "visible", False)]
         longest = min(LONGEST * picture.stage.side, LENGTHS * picture.length)
@@ -82,26 +82,26 @@ class ReasonMarks:
         points = np.stack([np.broadcast_to(at, ends.shape), at + longest * ends], axis=1)
         return [
             (self._arrows, "points", points.astype(np.float32)),
-            (self._arrows, "colors", palette.lit(colour)),
+            (self._arrows, "colors", palette.lit_bytes(colour)),
             (self._arrows, "shaft_radius", SHAFT * longest),
             (self._arrows, "head_radius", 2.6 * SHAFT * longest),
             (self._arrows, "head_length", 7.0 * SHAFT * longest),
             (self._arrows, "visible", True),
         ]
 
-    def _draw_seen(self, picture: Picture, seen: Inspection) -> Changes:
-        if not len(seen.points):
+    def _draw_boundary_points(self, picture: Picture, inspection: Inspection) -> Changes:
+        if not len(inspection.points):
             return [(self._seen, "visible", False)]
         stage, world = picture.stage, picture.frame.world
         spacing = world.boundary_spacing * stage.scale
         return [
-            (self._seen, "points", on_rims(picture, seen.points, drawn_height(world))),
+            (self._seen, "points", rim_places(picture, inspection.points, drawn_height(world))),
             (self._seen, "point_size", min(0.0028 * stage.side, 0.35 * spacing)),
             (self._seen, "visible", True),
         ]
 
-    def _draw_places(self, picture: Picture, row: int, seen: Inspection) -> Changes:
-        places = remembered(seen)
+    def _draw_places(self, picture: Picture, row: int, inspection: Inspection) -> Changes:
+        places = remembered_places(inspection)
         for place in places.keys() - self._words.keys():
             self._words[place] = self._scene.add_label(
                 f"{self._still}/words/{place}",
@@ -117,10 +117,12 @@ class ReasonMarks:
             return [*changes, (self._aim, "visible", False), (self._dots, "visible", False)]
         side = picture.stage.side
         lift = np.array([0.0, 0.0, picture.length])
-        shown = {place: on_floor(picture, at[None])[0] + lift for place, at in places.items()}
-        aim = shown[seen.places[-1]]
+        shown_places = {
+            place: floor_places(picture, at[None])[0] + lift for place, at in places.items()
+        }
+        aim = shown_places[inspection.places[-1]]
         aim[2] = drawn_height(picture.frame.world) * picture.stage.scale + ABOVE
-        for place, at in shown.items():
+        for place, at in shown_places.items():
             changes.append(
                 (self._words[place], "position", at + np.array([0.0, 0.012 * side, 0.0]))
             )
@@ -128,8 +130,8 @@ class ReasonMarks:
         lines, _ = dashes(np.array([picture.at[row], aim]), dash, dash)
         return [
             *changes,
-            *segments(self._aim, lines, palette.single(palette.SELECTED)),
-            (self._dots, "points", np.array([*shown.values()], np.float32)),
+            *segments(self._aim, lines, palette.node_colour(palette.SELECTED)),
+            (self._dots, "points", np.array([*shown_places.values()], np.float32)),
             (self._dots, "point_size", 0.004 * side),
             (self._dots, "visible", True),
         ]
@@ -139,15 +141,15 @@ def arrows(forces: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Forces as shares of the strongest, (K, 3), and their colours, (K, 3); weak ones left out."""
     if not forces:
         return np.empty((0, 3)), np.empty((0, 3))
-    given = np.array([*forces.values()], float)
-    length = np.linalg.norm(given, axis=1)
+    vectors = np.array([*forces.values()], float)
+    length = np.linalg.norm(vectors, axis=1)
     strongest = float(length.max())
     if not (np.isfinite(strongest) and strongest > 0.0):
         return np.empty((0, 3)), np.empty((0, 3))
-    ends = np.zeros((len(given), 3))
-    ends[:, : given.shape[1]] = given / strongest
-    kept = length >= WEAKEST * strongest
-    return ends[kept], force_colours(len(given))[kept]
+    ends = np.zeros((len(vectors), 3))
+    ends[:, : vectors.shape[1]] = vectors / strongest
+    is_strong = length >= WEAKEST * strongest
+    return ends[is_strong], force_colours(len(vectors))[is_strong]
 
 
 def force_colours(count: int) -> np.ndarray:
@@ -155,15 +157,15 @@ def force_colours(count: int) -> np.ndarray:
     return palette.FORCES[np.arange(count) % len(palette.FORCES)]
 
 
-def remembered(seen: Inspection) -> dict[str, np.ndarray]:
+def remembered_places(inspection: Inspection) -> dict[str, np.ndarray]:
     """The places (2,) that an agent has in mind; those that it does not know yet are left out."""
-    found: dict[str, np.ndarray] = {}
-    for place in seen.places if seen.minds else ():
-        at = np.array([seen.signals[f"{place}_x"], seen.signals[f"{place}_y"]])
-        known = at.any() and not any(np.array_equal(at, other) for other in found.values())
-        if known or place in (seen.places[0], seen.places[-1]):
-            found[place] = at
-    return found
+    places: dict[str, np.ndarray] = {}
+    for place in inspection.places if inspection.minds else ():
+        at = np.array([inspection.signals[f"{place}_x"], inspection.signals[f"{place}_y"]])
+        is_new = at.any() and not any(np.array_equal(at, other) for other in places.values())
+        if is_new or place in (inspection.places[0], inspection.places[-1]):
+            places[place] = at
+    return places
 
 
 _CLASSES = ((0.0, 0.34, 1.2), (0.34, 0.67, 2.2), (0.67, 1.01, 3.6))
@@ -177,7 +179,7 @@ class InspectionMarks:
         self._ring = scene.add_mesh_simple(
             f"{root}/inspected/ring",
             *ring(0.90),
-            color=palette.single(palette.SELECTED, palette.LIGHT),
+            color=palette.node_colour(palette.SELECTED, palette.LIGHT),
             side="double",
             cast_shadow=False,
             receive_shadow=False,
@@ -191,7 +193,7 @@ class InspectionMarks:
         self._disc = scene.add_mesh_simple(
             f"{root}/inspected/disc",
             *ring(0.0, corners=128),
-            color=palette.single(palette.PLAIN, palette.LIGHT),
+            color=palette.node_colour(palette.PLAIN, palette.LIGHT),
             opacity=0.10,
             side="double",
             cast_shadow=False,
@@ -201,7 +203,7 @@ class InspectionMarks:
         self._ball = scene.add_icosphere(
             f"{root}/inspected/ball",
             radius=1.0,
-            color=palette.single(palette.PLAIN, palette.LIGHT),
+            color=palette.node_colour(palette.PLAIN, palette.LIGHT),
             opacity=0.08,
             subdivisions=5,
             cast_shadow=False,
@@ -210,10 +212,10 @@ class InspectionMarks:
         )
 
     def draw(self, picture: Picture) -> Changes:
-        row, seen = picture.inspected, picture.frame.inspected
-        zoned = picture.look.zones and seen is not None and len(seen.shells) > 0
+        row, inspection = picture.inspected, picture.frame.inspected
+        zoned = picture.look.zones and inspection is not None and len(inspection.shells) > 0
         changes = self._draw_ring(picture, row)
-        changes += self._draw_heard(picture, None if zoned else row)
+        changes += self._draw_neighbours(picture, None if zoned else row)
         centre = None if zoned else row
         if row is None and picture.look.reach:
             centre = picture.leader
@@ -229,7 +231,7 @@ class InspectionMarks:
             (self._ring, "visible", True),
         ]
 
-    def _draw_heard(self, picture: Picture, row: int | None) -> Changes:
+    def _draw_neighbours(self, picture: Picture, row: int | None) -> Changes:
         inspected = picture.frame.inspected
         if row is None or inspected is None or not len(inspected.neighbours):
             return [(lines, "visible", False) for lines in self._heard]
@@ -240,8 +242,8 @@ class InspectionMarks:
         for lines, (least, below, _) in zip(self._heard, _CLASSES, strict=True):
             mine = (weight >= least) & (weight < below)
             points = split_at_seams(start[mine], end[mine], picture.stage.period)
-            colour = picture.mixed(palette.SELECTED, 0.45 - 0.35 * least)
-            changes += segments(lines, points, palette.single(colour))
+            colour = picture.mix_with_backdrop(palette.SELECTED, 0.45 - 0.35 * least)
+            changes += segments(lines, points, palette.node_colour(colour))
         return changes
 
     def _draw_reach(self, picture: Picture, row: int | None) -> Changes:
@@ -253,9 +255,9 @@ class InspectionMarks:
         if flat:
             centre = np.array([centre[0], centre[1], 0.012])
         rim = radius * (circle() if flat else great_circles())
-        changes = segments(self._rim, rim, palette.single(palette.PLAIN))
+        changes = segments(self._rim, rim, palette.node_colour(palette.PLAIN))
         changes.append((self._rim, "position", centre))
-        for node, shown in ((self._disc, flat), (self._ball, not flat)):
-            changes += [(node, "visible", shown), (node, "position", centre)]
+        for node, is_shown in ((self._disc, flat), (self._ball, not flat)):
+            changes += [(node, "visible", is_shown), (node, "position", centre)]
             changes.append((node, "scale", radius))
         return changes

@@ -53,19 +53,19 @@ class Sides:
         They are at `at` (M, 2), `away` from their names, which have widths and heights `size`
         (M, 2); each takes up `room` to every side. `now` is in seconds.
         """
-        known = self._decided is not None and self._decided[0] == run
-        if not known:
+        is_same_run = self._decided is not None and self._decided[0] == run
+        if not is_same_run:
             self._below = {}
-        due = not known or not 0.0 <= now - (self._decided or (0, 0.0))[1] < AFRESH
-        if due or any(one not in self._below for one in ids):
+        due = not is_same_run or not 0.0 <= now - (self._decided or (0, 0.0))[1] < AFRESH
+        if due or any(identity not in self._below for identity in ids):
             self._decided = run, now
-            before = [self._below.get(one, False) for one in ids]
+            before = [self._below.get(identity, False) for identity in ids]
             sides = chosen_sides(before, at, size, away, room)
             self._below = dict(zip(ids, sides, strict=True))
-        return [self._below[one] for one in ids]
+        return [self._below[identity] for identity in ids]
 
 
-def uncrowded(at: np.ndarray, size: np.ndarray, before: np.ndarray) -> np.ndarray:
+def clear_labels(at: np.ndarray, size: np.ndarray, before: np.ndarray) -> np.ndarray:
     """Which of M numbers are written, (M,) bool: no two upon each other, first of all those that
     were, `before` (M,) bool.
 
@@ -88,7 +88,7 @@ def chosen_sides(
 ) -> list[bool]:
     """The sides by how much each hides, one car after the other; `before` where it is the same."""
     sides: list[bool] = []
-    taken = np.empty((0, 4))
+    taken_boxes = np.empty((0, 4))
     for row, (was, place, box) in enumerate(zip(before, at, size, strict=True)):
         others = np.delete(at, row, axis=0)
         hidden, boxes = {}, {}
@@ -97,11 +97,11 @@ def chosen_sides(
             middle = place + np.array([0.0, up * (away + 0.5 * box[1])])
             boxes[below] = np.array([*middle, *box])
             near = np.abs(others - middle) < 0.5 * box + room
-            clash = np.abs(taken[:, :2] - middle) < 0.5 * (taken[:, 2:] + box)
+            clash = np.abs(taken_boxes[:, :2] - middle) < 0.5 * (taken_boxes[:, 2:] + box)
             hidden[below] = 2 * np.count_nonzero(near.all(1)) + np.count_nonzero(clash.all(1))
         side = was if hidden[was] <= hidden[not was] else not was
         sides.append(side)
-        taken = np.concatenate([taken, boxes[side][None]])
+        taken_boxes = np.concatenate([taken_boxes, boxes[side][None]])
     return sides
 
 
@@ -131,7 +131,7 @@ class Labels:
     def draw(self, picture: Picture) -> Changes:
         changes: Changes = [(self._leader, "visible", picture.leader is not None)]
         if picture.leader is not None:
-            changes.append((self._leader, "position", self._beside(picture, picture.leader)))
+            changes.append((self._leader, "position", self._label_place(picture, picture.leader)))
             changes.append((self._leader, "anchor", anchor(picture, picture.leader)))
             informed = int(np.count_nonzero(picture.frame.informed))
             what = "information car" if picture.as_cars else "information UAV"
@@ -141,31 +141,31 @@ class Labels:
 
     def _draw_identities(self, picture: Picture) -> Changes:
         count = len(picture.at)
-        asked = picture.look.labels and picture.live is None
-        wanted = min(count, NUMBERED_UP_TO) if asked else 0
-        if asked and count > NUMBERED_UP_TO and picture.frame.inspected is not None:
+        is_on = picture.look.labels and picture.live is None
+        label_count = min(count, NUMBERED_UP_TO) if is_on else 0
+        if is_on and count > NUMBERED_UP_TO and picture.frame.inspected is not None:
             rows = picture.frame.inspected.neighbours[:NUMBERED_UP_TO]
         else:
-            rows = np.arange(wanted)
+            rows = np.arange(label_count)
         while len(self._pool) < len(rows):
             self._pool.append(self._new(len(self._pool)))
-        written = self._uncrowded(picture, rows)
+        written = self._clear_rows(picture, rows)
         changes: Changes = []
-        for label, row, seen in zip(self._pool, rows, written, strict=False):
+        for label, row, is_shown in zip(self._pool, rows, written, strict=False):
             changes.append((label, "text", name(picture, int(row))))
-            changes.append((label, "position", self._beside(picture, int(row))))
+            changes.append((label, "position", self._label_place(picture, int(row))))
             changes.append((label, "anchor", anchor(picture, int(row))))
-            changes.append((label, "visible", bool(seen) and row != picture.leader))
+            changes.append((label, "visible", bool(is_shown) and row != picture.leader))
         return changes + [(label, "visible", False) for label in self._pool[len(rows) :]]
 
-    def _uncrowded(self, picture: Picture, rows: np.ndarray) -> np.ndarray:
+    def _clear_rows(self, picture: Picture, rows: np.ndarray) -> np.ndarray:
         """Which of the numbers of these rows are written: in a flat world none upon another."""
         if picture.stage.dim == 3 or not len(rows):
             return np.ones(len(rows), bool)
         ids = picture.frame.ids[rows]
         texts = [name(picture, int(row)) for row in rows]
         size = SMALL * picture.stage.side * np.array([box(text) for text in texts])
-        written = uncrowded(picture.at[rows, :2], size, np.isin(ids, self._written))
+        written = clear_labels(picture.at[rows, :2], size, np.isin(ids, self._written))
         self._written = ids[written]
         return written
 
@@ -179,7 +179,7 @@ class Labels:
         )
 
     @staticmethod
-    def _beside(picture: Picture, row: int) -> np.ndarray:
+    def _label_place(picture: Picture, row: int) -> np.ndarray:
         """A place clear of the agent and its halo: above it on the screen, or below."""
         clear = 1.05 * picture.length * float(picture.size[row])
         if picture.stage.dim == 3:
@@ -281,7 +281,7 @@ def named_cars(picture: Picture) -> list[CarLabel]:
         return []
     rows = np.arange(len(live.names))
     if len(rows) > MOST:
-        rows = np.flatnonzero(live.are(LATE, LOST))[:MOST]
+        rows = np.flatnonzero(live.is_in_state(LATE, LOST))[:MOST]
     cars = [
         CarLabel(
             int(frame.ids[row]),
@@ -291,7 +291,9 @@ def named_cars(picture: Picture) -> list[CarLabel]:
         for row in rows
     ]
     if frame.progress.goal is not None and picture.look.mission:
-        cars.append(CarLabel(INJECTED, "injected car", picture.stage.shown(frame.progress.goal)))
+        cars.append(
+            CarLabel(INJECTED, "injected car", picture.stage.to_display(frame.progress.goal))
+        )
     return cars
 
 

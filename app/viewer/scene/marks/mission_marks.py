@@ -50,7 +50,7 @@ class InjectedCar:
         if goal is None or cars is None:
             self._run = None
             return [*self._car.hide(), (self._label, "visible", False)]
-        at = picture.stage.shown(goal)
+        at = picture.stage.to_display(goal)
         self._look_ahead(picture, at[:2])
         length = picture.length
         return [
@@ -70,19 +70,19 @@ class InjectedCar:
         """Turn to where it has moved since the last frame; a new one along its route."""
         if self._run != picture.frame.run:
             self._run, self._at = picture.frame.run, at
-            self._azimuth = along_route(picture, at)
+            self._azimuth = route_azimuth(picture, at)
         step = at - self._at
         moved = MOVED if picture.live is None else MOVED_LIVE
         if np.hypot(*step) > moved * picture.stage.side:
             self._at, self._azimuth = at, float(np.arctan2(step[1], step[0]))
 
 
-def along_route(picture: Picture, at: np.ndarray) -> float:
+def route_azimuth(picture: Picture, at: np.ndarray) -> float:
     """Azimuth (rad) of the leg of the goal's route that is nearest to `at` (2,) on the display."""
     mission = picture.frame.world.mission
     if mission is None or mission.goal is None or len(mission.goal.route) < 2:
         return 0.0
-    route = picture.stage.shown(np.array(mission.goal.route, float))[:, :2]
+    route = picture.stage.to_display(np.array(mission.goal.route, float))[:, :2]
     ends = np.roll(route, -1, axis=0) if mission.goal.closed else route[1:]
     starts = route[: len(ends)]
     leg = ends - starts
@@ -142,10 +142,10 @@ class MissionMarks:
         """Draw what the look asks for."""
         world, look = picture.frame.world, picture.look
         mission = world.mission or Mission()
-        drawn = (world, picture.stage, look.mission, look.start, look.fence, picture.frame.run)
+        key = (world, picture.stage, look.mission, look.start, look.fence, picture.frame.run)
         changes: Changes = []
-        if drawn != self._drawn:
-            self._drawn, self._done = drawn, None
+        if key != self._drawn:
+            self._drawn, self._done = key, None
             changes += self._draw_start(picture) + self._draw_route(picture, mission)
             self._write(picture, world)
         done = picture.frame.progress.done
@@ -163,24 +163,26 @@ class MissionMarks:
         hidden = fenced is not None and room is not None and np.allclose(room, fenced)
         if room is None or hidden or not picture.look.start:
             return [(self._start, "visible", False)]
-        low, high = (picture.stage.shown(corner) for corner in room)
+        low, high = (picture.stage.to_display(corner) for corner in room)
         edges = box_edges(0.5 * (high - low)) + 0.5 * (low + high)
         if picture.stage.dim == 2:
             edges[..., 2] = ABOVE
         lines = [
             dashes(edge, DASH * picture.stage.side, DASH * picture.stage.side)[0] for edge in edges
         ]
-        colour = picture.mixed(palette.START, 0.35)
-        return segments(self._start, np.concatenate(lines), palette.single(colour))
+        colour = picture.mix_with_backdrop(palette.START, 0.35)
+        return segments(self._start, np.concatenate(lines), palette.node_colour(colour))
 
     def _draw_route(self, picture: Picture, mission: Mission) -> Changes:
         """The way of the goal, if it moves."""
         if mission.goal is None or len(mission.goal.route) < 2 or not picture.look.mission:
             return [(self._route, "visible", False)]
-        way = on_floor(picture, closed_way(mission.goal.route, mission.goal.closed))
+        way = floor_places(picture, closed_way(mission.goal.route, mission.goal.closed))
         dash = DASH * picture.stage.side
         lines, _ = dashes(way, 0.5 * dash, dash)
-        return segments(self._route, lines, palette.single(picture.mixed(palette.GOAL, 0.45)))
+        return segments(
+            self._route, lines, palette.node_colour(picture.mix_with_backdrop(palette.GOAL, 0.45))
+        )
 
     def _draw_path(self, picture: Picture, mission: Mission, done: int) -> Changes:
         """The legs between waypoints and a spot on each; those that are done are dim."""
@@ -189,22 +191,22 @@ class MissionMarks:
             return [(node, "visible", False) for node in nodes]
         path, stage = mission.path, picture.stage
         lines, leg = dashes(
-            on_floor(picture, closed_way(path.waypoints, path.closed)),
+            floor_places(picture, closed_way(path.waypoints, path.closed)),
             DASH * stage.side,
             DASH * stage.side,
         )
         behind = (leg < done - 1) & (not path.closed)
-        dim = picture.mixed(palette.LEADER, DIM)
-        at = on_floor(picture, np.array(path.waypoints, float))
+        dim = picture.mix_with_backdrop(palette.LEADER, DIM)
+        at = floor_places(picture, np.array(path.waypoints, float))
         passed = (np.arange(len(at)) < done) & (not path.closed)
         colour = np.where(passed[:, None], dim, palette.LEADER)
         return [
-            *segments(self._ahead, lines[~behind], palette.single(palette.LEADER)),
-            *segments(self._behind, lines[behind], palette.single(dim)),
+            *segments(self._ahead, lines[~behind], palette.node_colour(palette.LEADER)),
+            *segments(self._behind, lines[behind], palette.node_colour(dim)),
             (self._spots, "batched_positions", at.astype(np.float32)),
             (self._spots, "batched_wxyzs", np.tile([1.0, 0.0, 0.0, 0.0], (len(at), 1))),
             (self._spots, "batched_scales", np.full(len(at), SPOT * stage.side, np.float32)),
-            (self._spots, "batched_colors", palette.lit(colour)),
+            (self._spots, "batched_colors", palette.lit_bytes(colour)),
             (self._spots, "visible", True),
         ]
 
@@ -216,7 +218,7 @@ class MissionMarks:
         mission = world.mission
         if mission is None or mission.path is None or not picture.look.mission:
             return
-        at = on_floor(picture, np.array(mission.path.waypoints, float))
+        at = floor_places(picture, np.array(mission.path.waypoints, float))
         every = -(-len(at) // NUMBERED)
         up = np.array([0.0, 0.0, 1.0]) if picture.stage.dim == 3 else np.array([0.0, 1.0, 0.0])
         for number, place in list(enumerate(at, start=1))[::every]:
@@ -238,14 +240,14 @@ class GoalMark:
         self._bead = scene.add_mesh_simple(
             f"{name}/bead",
             *ball(),
-            color=palette.single(palette.GOAL, palette.LIGHT),
+            color=palette.node_colour(palette.GOAL, palette.LIGHT),
             visible=False,
         )
         self._soft = [
             scene.add_mesh_simple(
                 f"{name}/soft/{k}",
                 *ring(within),
-                color=palette.single(palette.GOAL),
+                color=palette.node_colour(palette.GOAL),
                 opacity=opacity,
                 side="double",
                 cast_shadow=False,
@@ -257,7 +259,7 @@ class GoalMark:
         self._bubble = scene.add_mesh_simple(
             f"{name}/bubble",
             *ball(),
-            color=palette.single(palette.GOAL),
+            color=palette.node_colour(palette.GOAL),
             opacity=0.13,
             cast_shadow=False,
             receive_shadow=False,
@@ -274,11 +276,11 @@ class GoalMark:
         if goal is None:
             return [(node, "visible", False) for node in nodes]
         stage = picture.stage
-        at = on_floor(picture, goal[None])[0]
+        at = floor_places(picture, goal[None])[0]
         radius = max(settle * stage.scale, LEAST_GOAL * stage.side)
         flat = stage.dim == 2
         up = radius * (np.array([0.0, 1.15, 0.0]) if flat else np.array([0.0, 0.0, 1.15]))
-        colour = palette.single(picture.mixed(palette.GOAL, 0.0 if flat else 0.35))
+        colour = palette.node_colour(picture.mix_with_backdrop(palette.GOAL, 0.0 if flat else 0.35))
         changes = segments(self._rim, circle() if flat else great_circles(), colour)
         changes += [(node, "position", at) for node in nodes]
         changes += [(self._rim, "scale", radius), (self._bubble, "scale", radius)]
@@ -298,9 +300,9 @@ def closed_way(points: Any, closed: bool) -> np.ndarray:
     return np.concatenate([way, way[:1]]) if closed else way
 
 
-def on_floor(picture: Picture, points: np.ndarray) -> np.ndarray:
+def floor_places(picture: Picture, points: np.ndarray) -> np.ndarray:
     """Places (K, dim) on the display, (K, 3); in a flat world just above its floor."""
-    shown = picture.stage.shown(points)
+    placed = picture.stage.to_display(points)
     if picture.stage.dim == 2:
-        shown[:, 2] = ABOVE
-    return shown
+        placed[:, 2] = ABOVE
+    return placed

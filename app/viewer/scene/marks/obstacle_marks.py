@@ -56,12 +56,14 @@ class Obstacles:
             if before.height == world.height:
                 return []
             before = None
-        one = None if before is None else the_changed(before.obstacles, world.obstacles)
-        if one is None or one != self._apart:
-            rest = [each for k, each in enumerate(world.obstacles) if k != one]
+        changed_index = None if before is None else find_changed(before.obstacles, world.obstacles)
+        if changed_index is None or changed_index != self._apart:
+            rest = [each for k, each in enumerate(world.obstacles) if k != changed_index]
             self._rest.draw(rest, world, stage)
-        self._one.draw([] if one is None else [world.obstacles[one]], world, stage)
-        self._apart = one
+        self._one.draw(
+            [] if changed_index is None else [world.obstacles[changed_index]], world, stage
+        )
+        self._apart = changed_index
         return []
 
 
@@ -108,23 +110,23 @@ class Piece:
         self._nodes += [
             self._scene.add_mesh_simple(
                 f"{self._name}/solid",
-                stage.placed(vertices).astype(np.float32),
+                stage.place_on_display(vertices).astype(np.float32),
                 faces.astype(np.uint32),
-                color=palette.single(palette.SOLID, LIGHT),
+                color=palette.node_colour(palette.SOLID, LIGHT),
                 opacity=opacity,
                 flat_shading=True,
             ),
             self._scene.add_line_segments(
                 f"{self._name}/edges",
-                stage.placed(np.concatenate(lines)).astype(np.float32),
-                palette.single(palette.SOLID_EDGE),
+                stage.place_on_display(np.concatenate(lines)).astype(np.float32),
+                palette.node_colour(palette.SOLID_EDGE),
                 thickness=1.3,
                 thickness_units="screen",
             ),
         ]
 
     def _add_spheres(self, spheres: list, stage: Stage, opacity: float | None) -> None:
-        centre = stage.shown(np.array([place for place, _ in spheres]))
+        centre = stage.to_display(np.array([place for place, _ in spheres]))
         radius = stage.scale * np.array([radius for _, radius in spheres])
         self._nodes.append(
             self._scene.add_batched_meshes_simple(
@@ -133,7 +135,7 @@ class Piece:
                 batched_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (len(spheres), 1)),
                 batched_positions=centre.astype(np.float32),
                 batched_scales=radius.astype(np.float32),
-                batched_colors=palette.lit(palette.SOLID, LIGHT),
+                batched_colors=palette.lit_bytes(palette.SOLID, LIGHT),
                 opacity=opacity,
                 lod="off",
             )
@@ -145,10 +147,10 @@ def drawn_height(world: World) -> float:
     return min(world.height, TALLEST * max(world.size))
 
 
-def the_changed(before: Sequence[Any], now: Sequence[Any]) -> int | None:
+def find_changed(before: Sequence[Any], now: Sequence[Any]) -> int | None:
     """Which obstacle alone is different now, or has been added at the end; None if it is not one.
 
-    >>> the_changed("abc", "axc"), the_changed("ab", "abc"), the_changed("abc", "ab")
+    >>> find_changed("abc", "axc"), find_changed("ab", "abc"), find_changed("abc", "ab")
     (1, 2, None)
     """
     if len(now) not in (len(before), len(before) + 1):
@@ -169,7 +171,7 @@ class BoundaryPointMarks:
         self._dots = scene.add_point_cloud(
             f"{root}/world/points",
             np.zeros((1, 3), dtype=np.float32),
-            palette.single(palette.POINT),
+            palette.node_colour(palette.POINT),
             point_shape="circle",
             point_shading="flat",
             precision="float32",
@@ -188,14 +190,14 @@ class BoundaryPointMarks:
         stage, world = picture.stage, picture.frame.world
         size = min(DIAMETER * stage.side, 0.3 * world.boundary_spacing * stage.scale)
         return [
-            (self._dots, "points", on_rims(picture, points, drawn_height(world))),
+            (self._dots, "points", rim_places(picture, points, drawn_height(world))),
             (self._dots, "point_size", size),
             (self._dots, "visible", True),
         ]
 
 
-def on_rims(picture: Picture, points: np.ndarray, height: float) -> np.ndarray:
+def rim_places(picture: Picture, points: np.ndarray, height: float) -> np.ndarray:
     """Boundary points (M, 2) on the display, just above what stands `height` tall; (M, 3)."""
-    shown = picture.stage.shown(points)
-    shown[:, 2] = height * picture.stage.scale + 0.01
-    return shown.astype(np.float32)
+    placed = picture.stage.to_display(points)
+    placed[:, 2] = height * picture.stage.scale + 0.01
+    return placed.astype(np.float32)

@@ -20,11 +20,11 @@ from app.viewer.scene.marks.trails import (
     INJECTED,
     STRONGEST,
     TrailHistory,
-    chosen,
-    thinned,
+    thin_knots,
+    trailed_rows,
 )
 from app.viewer.scene.shown import palette
-from app.viewer.scene.shown.drawing_style import RIBBON, RISING, turns
+from app.viewer.scene.shown.drawing_style import RIBBON, RISING, trail_turns
 
 # How much time the height of what rises with time stands for: an upright axis at a corner.
 
@@ -64,12 +64,12 @@ class TimeScale:
         """Draw it where the whole length of a trail is `height` high on the display, of which
         there is a share `risen` so far."""
         frame, stage = picture.frame, picture.stage
-        drawn = (stage, height, risen, picture.look.trail_length, frame.dt, frame.unit)
-        if drawn == self._drawn:
+        key = (stage, height, risen, picture.look.trail_length, frame.dt, frame.unit)
+        if key == self._drawn:
             return []
-        self._drawn = drawn
+        self._drawn = key
         span = picture.look.trail_length * frame.dt
-        ages = marks(span)
+        ages = age_marks(span)
         ages = ages[ages <= span * risen * (1.0 + 1e-9)]
         up = height * (risen - ages / span)
         corner = stage.half * [-1.0, 1.0, 0.0]
@@ -79,7 +79,7 @@ class TimeScale:
         axis = np.array([corner, corner])
         axis[1, 2] = height * risen
         lines = np.concatenate([axis[None], np.stack([foot, end], axis=1)])
-        changes = segments(self._lines, lines, palette.single(palette.EDGE))
+        changes = segments(self._lines, lines, palette.node_colour(palette.EDGE))
         for label, age, at in zip(self._labels, ages, end, strict=False):
             changes += [
                 (label, "text", age_text(float(age), frame.unit)),
@@ -89,15 +89,15 @@ class TimeScale:
         return changes + [(label, "visible", False) for label in self._labels[len(ages) :]]
 
 
-def marks(span: float) -> np.ndarray:
+def age_marks(span: float) -> np.ndarray:
     """Ages at round distances from 0 to at most `span`, at most `MOST` of them.
 
-    >>> marks(0.6).tolist(), marks(20.0).tolist()
+    >>> age_marks(0.6).tolist(), age_marks(20.0).tolist()
     ([0.0, 0.2, 0.4, 0.6], [0.0, 5.0, 10.0, 15.0, 20.0])
     """
     least = span / (MOST - 1)
     power = 10.0 ** math.floor(math.log10(least))
-    step = next(one for one in (*(each * power for each in STEPS), 10.0 * power) if one >= least)
+    step = next(step for step in (*(each * power for each in STEPS), 10.0 * power) if step >= least)
     return np.round(step * np.arange(math.floor(span / step * (1.0 + 1e-9)) + 1), 12)
 
 
@@ -153,19 +153,19 @@ class Ribbons:
     def draw(self, picture: Picture) -> Changes:
         """Draw the bands, if the look asks for them."""
         look = picture.look
-        drawn = look.trails in (RIBBON, RISING) and look.trail_length >= 1
-        if not drawn and not picture.as_cars:
+        is_drawn = look.trails in (RIBBON, RISING) and look.trail_length >= 1
+        if not is_drawn and not picture.as_cars:
             self._past.clear()
             return self._hide()
-        ids, here, colour = walkers(picture)
+        ids, positions, colour = ribbon_agents(picture)
         knots = int(np.clip(PIECES // max(len(ids), 1), *KNOTS))
         # The past of cars is there as soon as somebody asks for it.
-        kept = turns(picture.frame.dt) if picture.as_cars else 0
-        length = look.trail_length if drawn else kept
-        self._past.remember(picture.frame, ids, here, length, knots, kept)
-        if not drawn:
+        history_length = trail_turns(picture.frame.dt) if picture.as_cars else 0
+        length = look.trail_length if is_drawn else history_length
+        self._past.remember(picture.frame, ids, positions, length, knots, history_length)
+        if not is_drawn:
             return self._hide()
-        way, age = self._way(picture, here, knots)
+        way, age = self._way(picture, positions, knots)
         return [
             *self._draw_pieces(picture, way, age, colour),
             *self._draw_plumb(picture, way, colour),
@@ -176,19 +176,21 @@ class Ribbons:
         hidden: Changes = [(node, "visible", False) for node in (self._pieces, self._plumb)]
         return hidden + self._scale.hide()
 
-    def _way(self, picture: Picture, here: np.ndarray, knots: int) -> tuple[np.ndarray, np.ndarray]:
+    def _way(
+        self, picture: Picture, positions: np.ndarray, knots: int
+    ) -> tuple[np.ndarray, np.ndarray]:
         """The knots and the present, (K, M, 3), at their heights, and the age of each, (K,): 1 for
         one that is about to be forgotten."""
         now, length = picture.frame.tick, picture.look.trail_length
-        known = np.array(self._past.ticks)
-        shown = thinned(known, now, length, knots)
-        ticks = np.append(known[shown], now)
-        way = np.stack([*(self._past.knots[k] for k in shown), here])
+        past_ticks = np.array(self._past.ticks)
+        indices = thin_knots(past_ticks, now, length, knots)
+        ticks = np.append(past_ticks[indices], now)
+        way = np.stack([*(self._past.knots[k] for k in indices), positions])
         if picture.stage.dim == 2:
             way[..., 2] = LAID + LAYER * (np.arange(way.shape[1]) % LAYERS)
         if is_rising(picture):
             up = heights(ticks, self._past.began, now, length)
-            way[..., 2] += up[:, None] * risen(picture)
+            way[..., 2] += up[:, None] * present_height(picture)
         return way, np.clip((now - ticks) / length, 0.0, 1.0)
 
     def _draw_pieces(
@@ -197,20 +199,24 @@ class Ribbons:
         start, end = way[:-1], way[1:]
         step = end - start
         length = np.linalg.norm(step, axis=2)
-        kept = np.isfinite(length) & (length > 1e-9) & ~jumps(start, end, picture.stage.period)
-        if not kept.any():
+        is_drawn = np.isfinite(length) & (length > 1e-9) & ~jumps(start, end, picture.stage.period)
+        if not is_drawn.any():
             return [(self._pieces, "visible", False)]
         share = STRONGEST + (FAINTEST - STRONGEST) * 0.5 * (age[:-1] + age[1:])
-        faded = picture.mixed(np.broadcast_to(colour, step.shape), share[:, None, None])
+        faded = picture.mix_with_backdrop(np.broadcast_to(colour, step.shape), share[:, None, None])
         broad = breadth(picture)
         size = np.column_stack(
-            [length[kept] + OVERLAP * broad, np.full((kept.sum(), 1), broad), np.ones(kept.sum())]
+            [
+                length[is_drawn] + OVERLAP * broad,
+                np.full((is_drawn.sum(), 1), broad),
+                np.ones(is_drawn.sum()),
+            ]
         )
         return [
-            (self._pieces, "batched_positions", (0.5 * (start + end))[kept].astype(np.float32)),
-            (self._pieces, "batched_wxyzs", attitude(step[kept] / length[kept][:, None])),
+            (self._pieces, "batched_positions", (0.5 * (start + end))[is_drawn].astype(np.float32)),
+            (self._pieces, "batched_wxyzs", attitude(step[is_drawn] / length[is_drawn][:, None])),
             (self._pieces, "batched_scales", size.astype(np.float32)),
-            (self._pieces, "batched_colors", palette.lit(faded[kept], LIGHT)),
+            (self._pieces, "batched_colors", palette.lit_bytes(faded[is_drawn], LIGHT)),
             (self._pieces, "visible", True),
         ]
 
@@ -219,10 +225,14 @@ class Ribbons:
         if not is_rising(picture):
             return [(self._plumb, "visible", False)]
         top = way[-1]
-        there = np.isfinite(top).all(axis=1)
+        is_finite = np.isfinite(top).all(axis=1)
         foot = top * np.array([1.0, 1.0, 0.0])
-        ends = np.repeat(palette.unlit(picture.mixed(colour, 0.5))[there][:, None], 2, axis=1)
-        return segments(self._plumb, np.stack([top, foot], axis=1)[there], ends)
+        ends = np.repeat(
+            palette.unlit_bytes(picture.mix_with_backdrop(colour, 0.5))[is_finite][:, None],
+            2,
+            axis=1,
+        )
+        return segments(self._plumb, np.stack([top, foot], axis=1)[is_finite], ends)
 
     def _draw_scale(self, picture: Picture) -> Changes:
         """How much time the height stands for, where bands rise."""
@@ -230,17 +240,17 @@ class Ribbons:
             return self._scale.hide()
         now, length = picture.frame.tick, picture.look.trail_length
         (share,) = heights(np.array([now]), self._past.began, now, length)
-        return self._scale.draw(picture, risen(picture), float(share))
+        return self._scale.draw(picture, present_height(picture), float(share))
 
 
-def walkers(picture: Picture) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def ribbon_agents(picture: Picture) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Identities (M,), places (M, 3) and colours (M, 3) of all that leave a band."""
     frame = picture.frame
-    rows = chosen(frame.informed, MOST_AGENTS)
+    rows = trailed_rows(frame.informed, MOST_AGENTS)
     ids, here, colour = frame.ids[rows], picture.at[rows], picture.colour[rows]
     if not picture.as_cars or frame.progress.goal is None or not picture.look.mission:
         return ids, here, colour
-    goal = picture.stage.shown(frame.progress.goal)
+    goal = picture.stage.to_display(frame.progress.goal)
     return (
         np.append(ids, INJECTED),
         np.concatenate([here, goal[None]]),
@@ -264,7 +274,7 @@ def is_rising(picture: Picture) -> bool:
     return picture.look.trails == RISING and picture.stage.dim == 2
 
 
-def risen(picture: Picture) -> float:
+def present_height(picture: Picture) -> float:
     """Height of the present where bands rise, on the display; 0 where they do not."""
     return RISE * picture.stage.side if is_rising(picture) else 0.0
 

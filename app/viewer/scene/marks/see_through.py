@@ -40,12 +40,12 @@ class Solids:
                 upright.append((k, low, high, outline))
             if stage.dim == 3:
                 balls += [(k, *place, radius) for place, radius in obstacle.spheres()]
-        self._upright = np.array([one[0] for one in upright], int)
-        self._spans = np.array([one[1:3] for one in upright], float).reshape(-1, 2)
-        self._outlines = np.array([one[3] for one in upright], object)
+        self._upright = np.array([solid[0] for solid in upright], int)
+        self._spans = np.array([solid[1:3] for solid in upright], float).reshape(-1, 2)
+        self._outlines = np.array([solid[3] for solid in upright], object)
         self._balls = np.array(balls, float).reshape(-1, 5)
 
-    def between(self, eye: np.ndarray, at: np.ndarray, wide: float) -> set[int]:
+    def blocking(self, eye: np.ndarray, at: np.ndarray, wide: float) -> set[int]:
         """The obstacles, by their places in the world, that come within `wide` of the line from an
         eye to something as wide at `at`, but not those behind it."""
         way = at - eye
@@ -82,12 +82,12 @@ class ViewBlockers:
     def __init__(self) -> None:
         self._until: dict[int, float] = {}
 
-    def look(
+    def find_blockers(
         self, solids: Solids, eye: np.ndarray, at: np.ndarray, wide: float, now: float
     ) -> frozenset[int]:
         """The obstacles that are, at `now` (s)."""
-        kept = solids.between(eye, at, LOOSE * wide) & self._until.keys()
-        for k in solids.between(eye, at, wide) | kept:
+        hidden = solids.blocking(eye, at, LOOSE * wide) & self._until.keys()
+        for k in solids.blocking(eye, at, wide) | hidden:
             self._until[k] = now + LASTS
         self._until = {k: until for k, until in self._until.items() if now < until}
         return frozenset(self._until)
@@ -133,16 +133,16 @@ class BrowserView:
             with client.atomic():
                 if not self.pieces:
                     self.hidden = [
-                        client.scene.add_frame(f"{name}/{one}", show_axes=False, visible=False)
-                        for one in PIECES
+                        client.scene.add_frame(f"{name}/{piece}", show_axes=False, visible=False)
+                        for piece in PIECES
                     ]
                     self.pieces = tuple(
                         Piece(client.scene, f"{name}/{part}") for part in ("others", "glass")
                     )
                 others, glass = self.pieces
                 each = list(enumerate(world.obstacles))
-                others.draw([one for k, one in each if k not in clear], world, stage)
-                glass.draw([one for k, one in each if k in clear], world, stage, GLASSY)
+                others.draw([obstacle for k, obstacle in each if k not in clear], world, stage)
+                glass.draw([obstacle for k, obstacle in each if k in clear], world, stage, GLASSY)
 
     def end(self, client: ClientHandle) -> None:
         """Draw nothing; what all browsers draw is there again."""
@@ -166,25 +166,29 @@ class SeeThrough:
         if now < self._due:
             return
         self._due = now + EVERY
-        seen = {one.client.client_id: one for one in watched()}
+        by_client = {followed.client.client_id: followed for followed in watched()}
         for number, (client, view) in list(self._views.items()):
-            if number not in seen or seen[number].root != view.root:
+            if number not in by_client or by_client[number].root != view.root:
                 view.end(client)
                 del self._views[number]
-        known, self._solids = self._solids, {}
-        for number, one in seen.items():
-            world, stage = one.picture.frame.world, one.picture.stage
+        solids_by_world, self._solids = self._solids, {}
+        for number, followed in by_client.items():
+            world, stage = followed.picture.frame.world, followed.picture.stage
             if world.obstacles:
-                solids = known.get((world, stage)) or Solids(world, stage)
+                solids = solids_by_world.get((world, stage)) or Solids(world, stage)
                 self._solids[world, stage] = solids
-                _, view = self._views.setdefault(number, (one.client, BrowserView(one.root)))
-                self._look(one, view, solids, now)
+                _, view = self._views.setdefault(
+                    number, (followed.client, BrowserView(followed.root))
+                )
+                self._look(followed, view, solids, now)
 
-    def _look(self, one: FollowedAgent, view: BrowserView, solids: Solids, now: float) -> None:
-        picture = one.picture
+    def _look(self, followed: FollowedAgent, view: BrowserView, solids: Solids, now: float) -> None:
+        picture = followed.picture
         world, stage = picture.frame.world, picture.stage
         if view.drawn is not None and view.drawn[0] is not world:
             view.in_the_way = ViewBlockers()
-        wide = WIDE * picture.length * float(picture.size[one.row]) / stage.scale
-        eye, at = stage.unplaced(one.eye), stage.unplaced(picture.at[one.row])
-        view.draw(one.client, world, stage, view.in_the_way.look(solids, eye, at, wide, now))
+        wide = WIDE * picture.length * float(picture.size[followed.row]) / stage.scale
+        eye, at = stage.place_in_world(followed.eye), stage.place_in_world(picture.at[followed.row])
+        view.draw(
+            followed.client, world, stage, view.in_the_way.find_blockers(solids, eye, at, wide, now)
+        )

@@ -13,7 +13,7 @@ from viser import SceneApi
 from app.viewer.scene.draw.agent_meshes import TIP
 from app.viewer.scene.draw.drawn_frame import Changes, Picture, rows_of
 from app.viewer.scene.draw.line_segments import add_lines, jumps, segments
-from app.viewer.scene.marks.agents import SCALE, FlockMotion, leftwards
+from app.viewer.scene.marks.agents import SCALE, FlockMotion, left_directions
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.drawing_style import LINE
 from app.viewer.scene.shown.frame import Frame
@@ -44,54 +44,54 @@ class TrailHistory:
         self,
         frame: Frame,
         ids: np.ndarray,
-        here: np.ndarray,
+        positions: np.ndarray,
         length: int,
         knots: int,
-        kept: int = 0,
+        window: int = 0,
     ) -> bool:
         """Add a knot when the last is old enough for `knots` of them in `length` ticks, and forget
-        what is older than that and than `kept` ticks; True if anything changed.
+        what is older than that and than `window` ticks; True if anything changed.
 
-        The points `here` (M, 3) have identities (M,), which may be others than before.
+        The points `positions` (M, 3) have identities (M,), which may be others than before.
         """
         run = (frame.run, frame.dim)
         if self._run != run or (self.ticks and frame.tick < self.ticks[-1]):
             self.clear()
             self._run, self.began = run, frame.tick
         if not np.array_equal(ids, self._ids):
-            self.knots = [carried(knot, self._ids, ids) for knot in self.knots]
+            self.knots = [match_rows(knot, self._ids, ids) for knot in self.knots]
             self._ids = ids.copy()
         elif self.ticks and frame.tick - self.ticks[-1] < length / knots:
             return False
         if self.ticks and self.ticks[-1] == frame.tick:
-            self.knots[-1] = here
+            self.knots[-1] = positions
         else:
             self.ticks.append(frame.tick)
-            self.knots.append(here)
-        while self.ticks[0] < frame.tick - max(length, kept):
+            self.knots.append(positions)
+        while self.ticks[0] < frame.tick - max(length, window):
             del self.ticks[0], self.knots[0]
         return True
 
 
-def thinned(ticks: np.ndarray, now: int, length: int, knots: int) -> np.ndarray:
+def thin_knots(ticks: np.ndarray, now: int, length: int, knots: int) -> np.ndarray:
     """Which of the knots at ticks (K,) show `length` ticks up to `now` with `knots` pieces or so.
 
     A knot stays as long as it is shown: nothing flickers.
 
-    >>> thinned(np.arange(10), 10, 8, 4).tolist()
+    >>> thin_knots(np.arange(10), 10, 8, 4).tolist()
     [2, 4, 6, 8]
     """
-    shown = np.flatnonzero(ticks >= now - length)
-    cell = ticks[shown] // max(1, length // knots)
-    return shown[np.diff(cell, prepend=-1) > 0]
+    indices = np.flatnonzero(ticks >= now - length)
+    cell = ticks[indices] // max(1, length // knots)
+    return indices[np.diff(cell, prepend=-1) > 0]
 
 
-def carried(knot: np.ndarray, before: np.ndarray, now: np.ndarray) -> np.ndarray:
+def match_rows(knot: np.ndarray, before: np.ndarray, now: np.ndarray) -> np.ndarray:
     """Places (M, 3) of the identities `before` for the identities `now`; NaN for new ones."""
-    rows, known = rows_of(before, now)
-    made = np.full((len(now), 3), np.nan)
-    made[known] = knot[rows]
-    return made
+    rows, known_rows = rows_of(before, now)
+    result = np.full((len(now), 3), np.nan)
+    result[known_rows] = knot[rows]
+    return result
 
 
 # Lines that moving points leave behind them; they fade with age and break at the seams.
@@ -119,39 +119,41 @@ class Streaks:
         return [(lines, "visible", False) for lines in (self._old, self._young, self._tip)]
 
     def follow(
-        self, picture: Picture, ids: np.ndarray, here: np.ndarray, colour: np.ndarray
+        self, picture: Picture, ids: np.ndarray, positions: np.ndarray, colour: np.ndarray
     ) -> Changes:
-        """Draw the lines of points `here` (M, 3), NaN for none, with identities (M,) and colours
+        """Draw lines through `positions` (M, 3), NaN for none, with identities (M,) and colours
         (M, 3); they reach back as far as the look wants trails to."""
         length = picture.look.trail_length
-        added = self._past.remember(picture.frame, ids, here, length, KNOTS)
-        changes = self._draw_tip(picture, here, colour)
+        added = self._past.remember(picture.frame, ids, positions, length, KNOTS)
+        changes = self._draw_tip(picture, positions, colour)
         return changes + self._draw_history(picture, colour) if added else changes
 
     def _draw_history(self, picture: Picture, colour: np.ndarray) -> Changes:
         knots = np.stack(self._past.knots)
         points = np.stack([knots[:-1], knots[1:]], axis=2)
-        kept = ~jumps(points[:, :, 0], points[:, :, 1], picture.stage.period)
-        kept &= np.isfinite(points).all(axis=(2, 3))
+        is_drawn = ~jumps(points[:, :, 0], points[:, :, 1], picture.stage.period)
+        is_drawn &= np.isfinite(points).all(axis=(2, 3))
         age = (picture.frame.tick - np.array(self._past.ticks)) / picture.look.trail_length
         share = STRONGEST + (FAINTEST - STRONGEST) * np.clip(age, 0.0, 1.0)
-        faded = picture.mixed(colour, share[:, None, None])
-        colours = palette.unlit(np.stack([faded[:-1], faded[1:]], axis=2))
+        faded = picture.mix_with_backdrop(colour, share[:, None, None])
+        colours = palette.unlit_bytes(np.stack([faded[:-1], faded[1:]], axis=2))
         half = len(points) // 2
         old, young = slice(None, half), slice(half, None)
-        return segments(self._old, points[old][kept[old]], colours[old][kept[old]]) + segments(
-            self._young, points[young][kept[young]], colours[young][kept[young]]
+        return segments(
+            self._old, points[old][is_drawn[old]], colours[old][is_drawn[old]]
+        ) + segments(self._young, points[young][is_drawn[young]], colours[young][is_drawn[young]])
+
+    def _draw_tip(self, picture: Picture, positions: np.ndarray, colour: np.ndarray) -> Changes:
+        points = np.stack([self._past.knots[-1], positions], axis=1)
+        is_drawn = ~jumps(points[:, 0], points[:, 1], picture.stage.period)
+        is_drawn &= np.isfinite(points).all(axis=(1, 2))
+        colours = palette.unlit_bytes(picture.mix_with_backdrop(colour, STRONGEST))
+        return segments(
+            self._tip, points[is_drawn], np.repeat(colours[is_drawn][:, None], 2, axis=1)
         )
 
-    def _draw_tip(self, picture: Picture, here: np.ndarray, colour: np.ndarray) -> Changes:
-        points = np.stack([self._past.knots[-1], here], axis=1)
-        kept = ~jumps(points[:, 0], points[:, 1], picture.stage.period)
-        kept &= np.isfinite(points).all(axis=(1, 2))
-        colours = palette.unlit(picture.mixed(colour, STRONGEST))
-        return segments(self._tip, points[kept], np.repeat(colours[kept][:, None], 2, axis=1))
 
-
-def chosen(informed: np.ndarray, most: int) -> np.ndarray:
+def trailed_rows(informed: np.ndarray, most: int) -> np.ndarray:
     """Rows whose lines are drawn: all, or evenly spaced ones and the first information agents."""
     count = len(informed)
     if count <= most:
@@ -174,7 +176,7 @@ class Trails(Streaks):
     def draw(self, picture: Picture) -> Changes:
         if picture.look.trails != LINE or picture.look.trail_length < 1:
             return self.hide()
-        rows = chosen(picture.frame.informed, MOST_AGENTS)
+        rows = trailed_rows(picture.frame.informed, MOST_AGENTS)
         return self.follow(picture, picture.frame.ids[rows], picture.at[rows], picture.colour[rows])
 
 
@@ -192,11 +194,11 @@ class Wake(Streaks):
         look = picture.look
         if not (look.wake and picture.as_birds and look.trail_length >= 1):
             return self.hide()
-        rows = chosen(picture.frame.informed, MOST_BIRDS)
-        aside = span(picture, rows) * leftwards(self._flight.poses.wxyz[rows])
+        rows = trailed_rows(picture.frame.informed, MOST_BIRDS)
+        aside = span(picture, rows) * left_directions(self._flight.poses.wxyz[rows])
         at, ids = picture.at[rows], picture.frame.ids[rows]
         tips = np.concatenate([at + aside, at - aside])
-        tips[np.tile(picture.frame.down[rows], 2)] = np.nan
+        tips[np.tile(picture.frame.is_down[rows], 2)] = np.nan
         colour = np.repeat([palette.COOL, palette.WARM], len(rows), axis=0)
         return self.follow(picture, np.concatenate([2 * ids, 2 * ids + 1]), tips, colour)
 

@@ -15,7 +15,7 @@ from app.viewer.scene.draw.shapes import box_edges
 from app.viewer.scene.draw.solids import border, panes, prism, rims
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
-from app.viewer.scene.shown.palette import decoded
+from app.viewer.scene.shown.palette import srgb_to_linear
 
 # The solid edges of the world's box: a low rim around a flat world, panes of glass in space.
 
@@ -52,13 +52,13 @@ class Walls:
             self._scene.add_mesh_simple(
                 f"{self._name}/rim",
                 *prism(outline, 0.0, height),
-                color=palette.single(palette.RIM, 1.45),
+                color=palette.node_colour(palette.RIM, 1.45),
                 flat_shading=True,
             ),
             self._scene.add_line_segments(
                 f"{self._name}/lines",
                 rims(outline, height).astype(np.float32),
-                palette.single(palette.EDGE),
+                palette.node_colour(palette.EDGE),
                 thickness=1.1,
                 thickness_units="screen",
             ),
@@ -69,7 +69,7 @@ class Walls:
             self._scene.add_mesh_simple(
                 f"{self._name}/glass",
                 *panes(-stage.half, stage.half, np.array(stage.solid[:3])),
-                color=palette.single(palette.RIM),
+                color=palette.node_colour(palette.RIM),
                 opacity=0.10,
                 side="double",
                 cast_shadow=False,
@@ -111,10 +111,10 @@ def sky() -> bytes:
     """The background as PNG; viser would import all of imageio to make it one."""
     steps = np.linspace(0.0, 1.0, 64)[:, None, None]
     rows = palette.SKY_HIGH + steps * (palette.SKY_LOW - palette.SKY_HIGH)
-    made = io.BytesIO()
+    buffer = io.BytesIO()
     image = np.rint(255.0 * np.broadcast_to(rows, (64, 4, 3))).astype(np.uint8)
-    Image.fromarray(image).save(made, "png")
-    return made.getvalue()
+    Image.fromarray(image).save(buffer, "png")
+    return buffer.getvalue()
 
 
 class Fog:
@@ -135,7 +135,10 @@ class Fog:
         self._drawn = stage, near
         side = stage.side
         self._scene.configure_fog(
-            near * side, (near + DEEP) * side, color=decoded(palette.FOG), enabled=stage.dim == 3
+            near * side,
+            (near + DEEP) * side,
+            color=srgb_to_linear(palette.FOG),
+            enabled=stage.dim == 3,
         )
 
 
@@ -157,7 +160,7 @@ class WorldBox:
             self._stage, self._left = picture.stage, False
             self._build(picture.stage)
         if not self._left:
-            if not left_the_box(picture):
+            if not has_left_box(picture):
                 return []
             self._left = True
             self._open_up(picture.stage)
@@ -195,7 +198,7 @@ class WorldBox:
             cell_thickness=0.0,
             section_size=stage.side,
             section_thickness=1.0,
-            section_color=palette.single(palette.GROUND_LINE),
+            section_color=palette.node_colour(palette.GROUND_LINE),
             fade_distance=GROUND * stage.side,
             fade_strength=0.0,
             shadow_opacity=0.30,
@@ -220,10 +223,10 @@ class WorldBox:
             plane="xy",
             cell_size=stage.side / CELLS,
             cell_thickness=0.9,
-            cell_color=palette.single(palette.CELL),
+            cell_color=palette.node_colour(palette.CELL),
             section_size=stage.side / SECTIONS,
             section_thickness=1.0,
-            section_color=palette.single(palette.SECTION),
+            section_color=palette.node_colour(palette.SECTION),
             fade_distance=fade * stage.side,
             fade_strength=0.8,
             shadow_opacity=0.30,
@@ -236,13 +239,13 @@ class WorldBox:
         self._scene.add_line_segments(
             f"{self._root}/world/edges",
             box_edges(stage.half),
-            palette.single(colour),
+            palette.node_colour(colour),
             thickness=thickness,
             thickness_units="screen",
         )
 
 
-def left_the_box(picture: Picture) -> bool:
+def has_left_box(picture: Picture) -> bool:
     """Whether an agent is clearly outside the box along an axis that does not wrap."""
     free = ~np.array(picture.stage.wraps)
     if not free.any() or not len(picture.at):

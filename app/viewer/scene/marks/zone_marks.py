@@ -43,8 +43,8 @@ def cone(half: float) -> Mesh:
             np.sin(half) * np.sin(turn),
         ]
     )
-    here = np.arange(AROUND)
-    faces = np.column_stack([np.zeros(AROUND, int), 1 + (here + 1) % AROUND, 1 + here])
+    index = np.arange(AROUND)
+    faces = np.column_stack([np.zeros(AROUND, int), 1 + (index + 1) % AROUND, 1 + index])
     return np.concatenate([np.zeros((1, 3)), rim]), faces
 
 
@@ -58,10 +58,10 @@ def sector(inner: float, start: float, half: float) -> Mesh:
     for side in (1, -1):
         spoke = np.column_stack([np.cos(off), side * np.sin(off), np.zeros(count)])
         first = 2 * len(vertices) * count
-        here, there = first + np.arange(count - 1), first + count + np.arange(count - 1)
+        here, outer = first + np.arange(count - 1), first + count + np.arange(count - 1)
         quads = [
-            np.column_stack([here, there, there + 1]),
-            np.column_stack([here, there + 1, here + 1]),
+            np.column_stack([here, outer, outer + 1]),
+            np.column_stack([here, outer + 1, here + 1]),
         ]
         faces += [quad[:, ::side] for quad in quads]
         vertices.append(np.concatenate([inner * spoke, spoke]))
@@ -103,11 +103,11 @@ def spokes(half: float, flat: bool) -> np.ndarray:
 def _strips(around: int, rows: int) -> np.ndarray:
     """Triangles over a grid of vertices (around, rows), closed along its first axis."""
     i, j = (part.ravel() for part in np.meshgrid(range(around), range(rows - 1), indexing="ij"))
-    here, beside = i * rows + j, ((i + 1) % around) * rows + j
+    corner, neighbour = i * rows + j, ((i + 1) % around) * rows + j
     return np.concatenate(
         [
-            np.column_stack([here, here + 1, beside + 1]),
-            np.column_stack([here, beside + 1, beside]),
+            np.column_stack([corner, corner + 1, neighbour + 1]),
+            np.column_stack([corner, neighbour + 1, neighbour]),
         ]
     )
 
@@ -133,61 +133,65 @@ class ZoneMarks:
         )
 
     def draw(self, picture: Picture) -> Changes:
-        row, seen = picture.inspected, picture.frame.inspected
-        if row is None or seen is None or not seen.shells or not picture.look.zones:
+        row, inspection = picture.inspected, picture.frame.inspected
+        if row is None or inspection is None or not inspection.shells or not picture.look.zones:
             nodes = (*self._nodes, self._edges, self._noticed)
             return [(node, "visible", False) for node in nodes]
         at = picture.at[row]
         if picture.stage.dim == 2:
             at = np.array([at[0], at[1], LOW])
         changes: Changes = []
-        wanted = (seen.shells, seen.view, picture.stage)
-        if wanted != self._built:
-            self._built = wanted
-            changes += self._build(picture, seen)
+        key = (inspection.shells, inspection.view, picture.stage)
+        if key != self._built:
+            self._built = key
+            changes += self._build(picture, inspection)
         for node in (*self._nodes, self._edges):
             changes += [
                 (node, "position", at),
                 (node, "wxyz", picture.wxyz[row]),
                 (node, "visible", True),
             ]
-        return changes + self._draw_noticed(picture, row, seen)
+        return changes + self._draw_counted(picture, row, inspection)
 
-    def _build(self, picture: Picture, seen: Inspection) -> Changes:
+    def _build(self, picture: Picture, inspection: Inspection) -> Changes:
         """Make the shells anew, the inner ones first: so they are drawn first too."""
         for node in self._nodes:
             node.remove()
         self._nodes = []
         flat, scale = picture.stage.dim == 2, picture.stage.scale
-        half = np.deg2rad(0.5 * min(seen.view, 360.0))
-        colours = palette.by_zone(np.arange(len(seen.shells)))
+        half = np.deg2rad(0.5 * min(inspection.view, 360.0))
+        colours = palette.zone_colours(np.arange(len(inspection.shells)))
         inner, lines, line_colours = 0.0, [], []
-        for index, (shell, colour) in enumerate(zip(seen.shells, colours, strict=True)):
+        for index, (shell, colour) in enumerate(zip(inspection.shells, colours, strict=True)):
             if shell.radius <= inner:
                 continue
             angle = np.pi if shell.all_round else half
             mesh = sector(inner / shell.radius, 0.0, angle) if flat else dome(angle)
             opacity = OPACITY[picture.stage.dim][min(index, 2)]
             self._add(mesh, shell.radius * scale, colour, opacity)
-            made = shell.radius * scale * (arc(angle) if flat else arcs(angle))
-            lines.append(made)
-            line_colours.append(np.broadcast_to(palette.unlit(colour), made.shape))
+            points = shell.radius * scale * (arc(angle) if flat else arcs(angle))
+            lines.append(points)
+            line_colours.append(np.broadcast_to(palette.unlit_bytes(colour), points.shape))
             inner = shell.radius
         if half < np.pi and inner > 0.0:
-            self._cut_off(seen, flat, half, inner * scale)
-            made = inner * scale * spokes(half, flat)
-            lines.append(made)
-            line_colours.append(np.broadcast_to(palette.unlit(palette.BLIND), made.shape))
+            self._draw_view_edge(inspection, flat, half, inner * scale)
+            points = inner * scale * spokes(half, flat)
+            lines.append(points)
+            line_colours.append(np.broadcast_to(palette.unlit_bytes(palette.BLIND), points.shape))
         empty = np.empty((0, 2, 3))
         return segments(
             self._edges, np.concatenate([empty, *lines]), np.concatenate([empty, *line_colours])
         )
 
-    def _cut_off(self, seen: Inspection, flat: bool, half: float, radius: float) -> None:
+    def _draw_view_edge(
+        self, inspection: Inspection, flat: bool, half: float, radius: float
+    ) -> None:
         """The side of the cone that is seen, or of the blind one behind, which is closed."""
         if flat:
-            inner = max((one.radius for one in seen.shells if one.all_round), default=0.0)
-            outer = max(one.radius for one in seen.shells)
+            inner = max(
+                (shell.radius for shell in inspection.shells if shell.all_round), default=0.0
+            )
+            outer = max(shell.radius for shell in inspection.shells)
             self._add(sector(inner / outer, half, np.pi), radius, palette.BLIND, BLIND[2])
             return
         self._add(cone(half), radius, palette.BLIND, BLIND[3])
@@ -204,7 +208,7 @@ class ZoneMarks:
                 f"{self._name}/{len(self._nodes)}",
                 radius * vertices,
                 faces,
-                color=palette.single(colour, palette.LIGHT),
+                color=palette.node_colour(colour, palette.LIGHT),
                 opacity=opacity,
                 side="double",
                 visible=False,
@@ -213,17 +217,17 @@ class ZoneMarks:
             )
         )
 
-    def _draw_noticed(self, picture: Picture, row: int, seen: Inspection) -> Changes:
+    def _draw_counted(self, picture: Picture, row: int, inspection: Inspection) -> Changes:
         """Lines to those that count now, in the colours of their zones."""
-        heard = (seen.zone != UNSEEN) & (seen.weights > 0.0)
-        end = picture.at[seen.neighbours[heard]]
+        is_heard = (inspection.zone != UNSEEN) & (inspection.weights > 0.0)
+        end = picture.at[inspection.neighbours[is_heard]]
         start = np.broadcast_to(picture.at[row], end.shape)
-        zones = seen.zone[heard]
+        zones = inspection.zone[is_heard]
         points, colours = [np.empty((0, 2, 3))], [np.empty((0, 2, 3), np.uint8)]
         for zone in np.unique(zones):
             mine = zones == zone
             lines = split_at_seams(start[mine], end[mine], picture.stage.period)
-            colour = picture.mixed(palette.ZONES[zone % len(palette.ZONES)], 0.25)
+            colour = picture.mix_with_backdrop(palette.ZONES[zone % len(palette.ZONES)], 0.25)
             points.append(lines)
-            colours.append(np.broadcast_to(palette.unlit(colour), lines.shape))
+            colours.append(np.broadcast_to(palette.unlit_bytes(colour), lines.shape))
         return segments(self._noticed, np.concatenate(points), np.concatenate(colours))

@@ -54,11 +54,11 @@ class Colouring:
     """What a picture calls it; None: its name."""
 
 
-def _plain(frame: Frame) -> np.ndarray:
+def _plain_colours(frame: Frame) -> np.ndarray:
     return np.tile(palette.PLAIN, (len(frame.position), 1))
 
 
-def _known(frame: Frame, labels: np.ndarray | None, colour: Callable) -> np.ndarray:
+def _label_colours(frame: Frame, labels: np.ndarray | None, colour: Callable) -> np.ndarray:
     """Colours of labels that were asked for a moment ago and may not be there yet."""
     if labels is None or len(labels) != len(frame.position):
         return np.tile(palette.UNKNOWN, (len(frame.position), 1))
@@ -70,7 +70,7 @@ def _speed_legend(frame: Frame, _measured: str) -> Legend:
     speeds = np.array([0.0, 0.5, 1.0]) * full
     words = [f"{speed:.3g} {frame.pace_unit}" for speed in speeds]
     words[-1] += " or faster"
-    return list(zip(words, map(palette.css, palette.by_speed(speeds, full)), strict=True))
+    return list(zip(words, map(palette.css, palette.speed_colours(speeds, full)), strict=True))
 
 
 def _saving_legend(frame: Frame, _measured: str) -> Legend:
@@ -80,7 +80,7 @@ def _saving_legend(frame: Frame, _measured: str) -> Legend:
     words = [f"{100 * share:+.0f} %" if share else "0" for share in shares]
     words[0] += " (pays)"
     words[-1] += " of its induced drag"
-    colours = map(palette.css, palette.by_saving(shares, MOST_SAVED))
+    colours = map(palette.css, palette.saving_colours(shares, MOST_SAVED))
     return [*zip(words, colours, strict=True), ("unknown", palette.css(palette.UNKNOWN))]
 
 
@@ -89,15 +89,15 @@ def _own_legend(frame: Frame, _measured: str) -> Legend:
     injected = frame.cars is not None and frame.progress.goal is not None
     more = [("injected car", palette.css(palette.GOAL))] if injected else []
     if frame.live is not None:
-        names = palette.by_name(frame.live.roster)
+        names = palette.car_colours(frame.live.roster)
         return [(name, palette.css(colour)) for name, colour in names.items()] + more
     if len(frame.ids) > MOST_NAMED:
         return [(f"{len(palette.OWN)} colours in turn", palette.css(palette.COLOURS[0])), *more]
-    worn = np.asarray(frame.informed, bool) | frame.down
+    worn = np.asarray(frame.informed, bool) | frame.is_down
     if frame.cars is not None:
         worn |= frame.cars.predator
     noun = "agent" if frame.cars is None else "car"
-    colours = palette.by_identity(frame.ids)
+    colours = palette.identity_colours(frame.ids)
     rows = [row for row in np.argsort(frame.ids) if not worn[row]]
     return [(f"{noun} {frame.ids[row]}", palette.css(colours[row])) for row in rows] + more
 
@@ -106,11 +106,11 @@ def outlines(frame: Frame) -> Legend:
     """What the outlines of real cars mean: (state, CSS colour); nothing where there are none."""
     if frame.live is None:
         return []
-    there = frame.live.are(SIMULATED).any()
+    has_simulated = frame.live.is_in_state(SIMULATED).any()
     return [
         (state, palette.css(colour))
         for state, colour in palette.STATES.items()
-        if state != SIMULATED or there
+        if state != SIMULATED or has_simulated
     ]
 
 
@@ -120,7 +120,7 @@ def _number_legend(frame: Frame, measured: str) -> Legend:
         return [(f"no {measured} in this model", palette.css(palette.UNKNOWN))]
     low, high = palette.span(frame.measured)
     numbers = np.array([low, 0.5 * (low + high), high] if high > low else [low])
-    colours = map(palette.css, palette.by_number(numbers))
+    colours = map(palette.css, palette.number_colours(numbers))
     entries = list(zip((f"{number:.3g}" for number in numbers), colours, strict=True))
     return entries if np.isfinite(frame.measured).all() else [*entries, unknown]
 
@@ -128,8 +128,8 @@ def _number_legend(frame: Frame, measured: str) -> Legend:
 def _layer_legend(frame: Frame, _measured: str) -> Legend:
     last = len(palette.LAYERS)
     layers = np.empty(0, int) if frame.layer is None else np.asarray(frame.layer)
-    known = layers[layers <= len(layers)]
-    deepest = min(int(known.max(initial=1)), last)
+    present = layers[layers <= len(layers)]
+    deepest = min(int(present.max(initial=1)), last)
     entries = [("1 information agent", palette.css(palette.LAYERS[0]))]
     for layer in range(2, deepest + 1):
         words = f"layer {layer}" if layer < last else f"layer {last} and farther"
@@ -146,36 +146,43 @@ def _group_legend(frame: Frame, _measured: str) -> Legend:
 
 COLOURINGS = {
     "heading": Colouring(
-        lambda frame: palette.by_heading(frame.heading), lambda *_: [], of_cars=True, has_wheel=True
+        lambda frame: palette.heading_colours(frame.heading),
+        lambda *_: [],
+        of_cars=True,
+        has_wheel=True,
     ),
-    OWN: Colouring(palette.of_frame, _own_legend, of_cars=True),
+    OWN: Colouring(palette.frame_colours, _own_legend, of_cars=True),
     "layer": Colouring(
-        lambda frame: _known(frame, frame.layer, palette.by_layer),
+        lambda frame: _label_colours(frame, frame.layer, palette.layer_colours),
         _layer_legend,
         needs=lambda frame: bool(frame.informed.any()),
         has_leader=True,
         labels="layer",
     ),
     "group": Colouring(
-        lambda frame: _known(frame, frame.group, palette.by_group), _group_legend, labels="group"
+        lambda frame: _label_colours(frame, frame.group, palette.group_colours),
+        _group_legend,
+        labels="group",
     ),
     "speed": Colouring(
-        lambda frame: palette.by_speed(frame.speed, frame.speed_scale),
+        lambda frame: palette.speed_colours(frame.speed, frame.speed_scale),
         _speed_legend,
         of_cars=True,
         rescales=True,
     ),
     "energy saved": Colouring(
-        lambda frame: _known(frame, frame.saved, lambda s: palette.by_saving(s, MOST_SAVED)),
+        lambda frame: _label_colours(
+            frame, frame.saved, lambda s: palette.saving_colours(s, MOST_SAVED)
+        ),
         _saving_legend,
         needs=lambda frame: frame.saved is not None,
         title="drag saved",
     ),
     "plain": Colouring(
-        _plain, lambda *_: [("agent", palette.css(palette.PLAIN))], of_cars=True, title=""
+        _plain_colours, lambda *_: [("agent", palette.css(palette.PLAIN))], of_cars=True, title=""
     ),
     MEASURED: Colouring(
-        lambda frame: _known(frame, frame.measured, palette.by_number),
+        lambda frame: _label_colours(frame, frame.measured, palette.number_colours),
         _number_legend,
         rescales=True,
     ),

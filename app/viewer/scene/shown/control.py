@@ -42,12 +42,12 @@ class Control:
         return tuple(choice for choice in self.choices if rest.get(choice, True))
 
 
-def chosen(default: Any, *control: Any, **more: Any) -> Any:
+def chosen_field(default: Any, *control: Any, **more: Any) -> Any:
     """A field of a dataclass that a person may choose by `Control(*control, **more)`."""
     return field(default=default, metadata={"control": Control(*control, **more)})
 
 
 def controls_of(declared: type) -> dict[str, Control]:
     """How those fields of a dataclass are chosen that are, by name, in their order."""
-    found = ((one.name, one.metadata.get("control")) for one in fields(declared))
-    return {name: control for name, control in found if control is not None}
+    pairs = ((field.name, field.metadata.get("control")) for field in fields(declared))
+    return {name: control for name, control in pairs if control is not None}

@@ -48,7 +48,9 @@ class Debounce:
             name: self._next(name, state, float(age), now)
             for name, state, age in zip(live.names, live.states, live.ages, strict=True)
         }
-        return replace(frame, live=_as_shown(live, [self._shown[name] for name in live.names]))
+        return replace(
+            frame, live=_debounced_live(live, [self._shown[name] for name in live.names])
+        )
 
     def _next(self, name: str, state: str, age: float, now: float) -> _Shown:
         before = self._shown.get(name)
@@ -63,9 +65,9 @@ class Debounce:
         return _Shown(state, age, now, now)
 
 
-def _as_shown(live: Live, shown: list[_Shown]) -> Live:
+def _debounced_live(live: Live, frames: list[_Shown]) -> Live:
     return replace(
         live,
-        states=tuple(one.state for one in shown),
-        ages=np.array([one.age for one in shown]),
+        states=tuple(frame.state for frame in frames),
+        ages=np.array([frame.age for frame in frames]),
     )

@@ -10,7 +10,7 @@ import numpy as np
 from agents.models.model import Model
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import COLOURINGS, MEASURED, OWN, Legend
-from app.viewer.scene.shown.control import chosen
+from app.viewer.scene.shown.control import chosen_field
 from app.viewer.scene.shown.frame import Frame
 
 TRAILS = OFF, LINE, RIBBON, RISING = ("off", "line", "ribbon", "rising in time")
@@ -75,7 +75,7 @@ def is_fenced(frame: Frame, _look: object = None) -> bool:
 class DrawingStyle:
     """How a frame is drawn, with how it is chosen, and where. Nothing in it changes the flock."""
 
-    colour: str = chosen(
+    colour: str = chosen_field(
         "heading",
         "Colour by",
         "What an agent's colour means",
@@ -86,8 +86,10 @@ class DrawingStyle:
     """One of `COLOURINGS`."""
     measured: str = ""
     """By which number agents are coloured, where `colour` is `MEASURED`."""
-    links: bool = chosen(False, "Links", "A line between agents that are neighbours", group=AGENTS)
-    trails: str = chosen(
+    links: bool = chosen_field(
+        False, "Links", "A line between agents that are neighbours", group=AGENTS
+    )
+    trails: str = chosen_field(
         OFF,
         "Trail",
         "Where each agent has been; rising in time: its way through space and time, time upwards, "
@@ -95,14 +97,14 @@ class DrawingStyle:
         TRAILS,
         group=AGENTS,
     )
-    wake: bool = chosen(
+    wake: bool = chosen_field(
         False,
         "Wake",
         "The lines that birds' wing tips leave behind them: left cool, right warm",
         group=AGENTS,
         applies=as_birds,
     )
-    trail_length: int = chosen(
+    trail_length: int = chosen_field(
         60,
         "Trail length",
         "How far back, ticks",
@@ -112,13 +114,13 @@ class DrawingStyle:
         group=AGENTS,
         applies=leaves_trails,
     )
-    reach: bool = chosen(
+    reach: bool = chosen_field(
         False,
         "Reach",
         "The interaction radius around the clicked agent, or the information agent",
         group=AGENTS,
     )
-    zones: bool = chosen(
+    zones: bool = chosen_field(
         True,
         "Zones",
         "The clicked agent's field of view and zones; neighbours take the colour of their zone, "
@@ -126,40 +128,40 @@ class DrawingStyle:
         group=AGENTS,
         applies=lambda frame, _: np.isfinite(frame.kept),
     )
-    labels: bool = chosen(
+    labels: bool = chosen_field(
         False, "Numbers", "Each agent's number", group=AGENTS, applies=can_be_numbered
     )
     """In small flocks; where there are real cars their names are written always."""
-    birds: bool = chosen(
+    birds: bool = chosen_field(
         True,
         "Birds",
         "Birds that bank and beat their wings; off: darts",
         group=AGENTS,
         applies=may_be_birds,
     )
-    agent_size: float = chosen(1.0, "Agent size", low=0.3, high=3.0, step=0.1, group=AGENTS)
+    agent_size: float = chosen_field(1.0, "Agent size", low=0.3, high=3.0, step=0.1, group=AGENTS)
     """As a multiple of the size that suits their density."""
-    shadows: bool = chosen(
+    shadows: bool = chosen_field(
         True,
         "Shadows",
         group=AGENTS,
         applies=lambda frame, _: len(frame.ids) <= SHADOWS_UP_TO,
     )
-    mission: bool = chosen(
+    mission: bool = chosen_field(
         True,
         "Path & goal",
         "The information agents' waypoints, and the goal that all agents seek",
         group=WORLD,
         applies=has_way,
     )
-    start: bool = chosen(
+    start: bool = chosen_field(
         True,
         "Start region",
         "Where the agents of a mission begin",
         group=WORLD,
         applies=lambda frame, _: frame.room is not None,
     )
-    fence: bool = chosen(
+    fence: bool = chosen_field(
         True,
         "Fence",
         "Half a metre inside the edge of the area, where real cars are made to stop; simulated "
@@ -167,7 +169,7 @@ class DrawingStyle:
         group=WORLD,
         applies=is_fenced,
     )
-    points: bool = chosen(
+    points: bool = chosen_field(
         False,
         "Boundary points",
         "Points along the obstacles' outlines: all that these agents perceive of them",
@@ -189,7 +191,7 @@ def agent_colours(frame: Frame, look: DrawingStyle) -> np.ndarray:
     colours[np.asarray(frame.informed, dtype=bool)] = palette.LEADER
     if frame.cars is not None:
         colours[frame.cars.predator] = palette.LEADER
-    colours[frame.down] = palette.CRASHED
+    colours[frame.is_down] = palette.CRASHED
     return colours
 
 
@@ -201,7 +203,7 @@ def legend(look: DrawingStyle, frame: Frame) -> Legend:
         entries = [*entries, ("information agent", palette.css(palette.LEADER))]
     if frame.cars is not None and frame.cars.predator.any():
         entries = [*entries, ("predator", palette.css(palette.LEADER))]
-    return [*entries, ("crashed", palette.css(palette.CRASHED))] if frame.down.any() else entries
+    return [*entries, ("crashed", palette.css(palette.CRASHED))] if frame.is_down.any() else entries
 
 
 # How a flock is drawn as long as nobody chooses otherwise.
@@ -222,15 +224,15 @@ class DrawingDefaults:
     """Trail length where trails rise with time, ticks."""
 
 
-def usual(model: Model, agents: int | None, tick: float) -> DrawingDefaults:
+def default_style(model: Model, agents: int | None, tick: float) -> DrawingDefaults:
     """How a flock of a model is drawn whose ticks last so long, in its unit of time."""
     common = DrawingStyle()
     if model.body.vehicle is None:
         return DrawingDefaults(common, common.trail_length)
     few = agents is not None and agents <= FEW
-    return DrawingDefaults(DrawingStyle(colour=OWN) if few else common, turns(tick))
+    return DrawingDefaults(DrawingStyle(colour=OWN) if few else common, trail_turns(tick))
 
 
-def turns(tick: float) -> int:
+def trail_turns(tick: float) -> int:
     """`TURNS` in ticks that last so long, s."""
     return round(TURNS / tick)

@@ -88,7 +88,7 @@ class Live:
     arm: str
     """safe, armed or emergency."""
 
-    def are(self, *states: str) -> np.ndarray:
+    def is_in_state(self, *states: str) -> np.ndarray:
         """Which of the cars are in one of these states, (N,) bool."""
         return np.array([state in states for state in self.states], dtype=bool)
 
@@ -171,7 +171,7 @@ class Frame:
         return self.world.dim
 
     @property
-    def down(self) -> np.ndarray:
+    def is_down(self) -> np.ndarray:
         """Agents that have crashed, (N,) bool."""
         return np.zeros(len(self.ids), bool) if self.active is None else ~self.active
 

@@ -46,7 +46,9 @@ class FrameInterpolator:
     ) -> Frame | None:
         """The same; for one thread at a time."""
         if newest is not self.after:
-            follows = self.after is not None and newest is not None and is_next(self.after, newest)
+            follows = (
+                self.after is not None and newest is not None and is_next_tick(self.after, newest)
+            )
             self.before = self.after if follows and speed <= SLOW else None
             self.after, self.since, self.step = newest, now, -1
         self.moves = math.inf
@@ -60,21 +62,21 @@ class FrameInterpolator:
             return newest
         self.moves = self.since + step * lasts / steps
         if step != self.step:
-            self.step, self.shown = step, on_the_way(self.before, newest, step / steps)
+            self.step, self.shown = step, interpolate(self.before, newest, step / steps)
         return self.shown
 
 
-def is_next(before: Frame, after: Frame) -> bool:
+def is_next_tick(before: Frame, after: Frame) -> bool:
     """Whether a frame is one tick after another, of the same agents."""
     return (
         (before.run, before.tick + 1) == (after.run, after.tick)
         and np.array_equal(before.ids, after.ids)
         and (before.beside is None) == (after.beside is None)
-        and (before.beside is None or is_next(before.beside, after.beside))  # type: ignore[arg-type]
+        and (before.beside is None or is_next_tick(before.beside, after.beside))  # type: ignore[arg-type]
     )
 
 
-def on_the_way(before: Frame, after: Frame, share: float) -> Frame:
+def interpolate(before: Frame, after: Frame, share: float) -> Frame:
     """The newer frame, with every agent at a `share`, in [0, 1], of its way from the older one.
 
     Across edges that wrap the way is the shortest. A heading that turns back turns at once.
@@ -91,5 +93,5 @@ def on_the_way(before: Frame, after: Frame, share: float) -> Frame:
         heading=np.where(length > 1e-6, heading / np.maximum(length, 1e-6), after.heading),
         beside=None
         if after.beside is None or before.beside is None
-        else on_the_way(before.beside, after.beside, share),
+        else interpolate(before.beside, after.beside, share),
     )

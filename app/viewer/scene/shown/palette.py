@@ -31,13 +31,13 @@ _RGB_FROM_LMS = np.array(
 )
 
 
-def encoded(linear: np.ndarray) -> np.ndarray:
+def linear_to_srgb(linear: np.ndarray) -> np.ndarray:
     """Linear light in [0, 1] -> sRGB in [0, 1]."""
     linear = np.clip(linear, 0.0, 1.0)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
-def decoded(srgb: np.ndarray) -> np.ndarray:
+def srgb_to_linear(srgb: np.ndarray) -> np.ndarray:
     """sRGB in [0, 1] -> linear light in [0, 1]."""
     srgb = np.clip(srgb, 0.0, 1.0)
     return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
@@ -48,20 +48,20 @@ def _linear(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.nd
     return (lab @ _LMS_FROM_LAB.T) ** 3 @ _RGB_FROM_LMS.T
 
 
-def _shown(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
+def _is_in_gamut(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
     """Whether sRGB can show these colours."""
     linear = _linear(lightness, chroma, hue)
     return np.all((linear >= -1e-6) & (linear <= 1.0 + 1e-6), axis=-1)
 
 
-def attainable(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
+def attainable_chroma(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
     """The largest chroma up to `chroma` that sRGB can show at these lightnesses and hues."""
     low, high = np.zeros_like(chroma), chroma.copy()
     for _ in range(20):
         middle = 0.5 * (low + high)
-        shown = _shown(lightness, middle, hue)
-        low, high = np.where(shown, middle, low), np.where(shown, high, middle)
-    return np.where(_shown(lightness, chroma, hue), chroma, low)
+        visible = _is_in_gamut(lightness, middle, hue)
+        low, high = np.where(visible, middle, low), np.where(visible, high, middle)
+    return np.where(_is_in_gamut(lightness, chroma, hue), chroma, low)
 
 
 def oklch(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndarray:
@@ -73,7 +73,7 @@ def oklch(lightness: np.ndarray, chroma: np.ndarray, hue: np.ndarray) -> np.ndar
     lightness, chroma, hue = np.broadcast_arrays(
         *(np.asarray(part, dtype=float) for part in (lightness, chroma, hue))
     )
-    return encoded(_linear(lightness, attainable(lightness, chroma, hue), hue))
+    return linear_to_srgb(_linear(lightness, attainable_chroma(lightness, chroma, hue), hue))
 
 
 def srgb(css: str) -> np.ndarray:
@@ -83,7 +83,7 @@ def srgb(css: str) -> np.ndarray:
 
 def css(colour: np.ndarray) -> str:
     """The inverse of `srgb`."""
-    red, green, blue = (round(255.0 * min(max(one, 0.0), 1.0)) for one in colour.tolist())
+    red, green, blue = (round(255.0 * min(max(channel, 0.0), 1.0)) for channel in colour.tolist())
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 
@@ -212,7 +212,7 @@ def _heading_table() -> np.ndarray:
     rise = np.linspace(-0.13, 0.11, _RISES)[:, None]
     lightness = 0.675 + 0.085 * np.cos(hue - HUE_YELLOW) + rise
     # What sRGB can show changes abruptly with the hue; an even wheel must change slowly.
-    chroma = attainable(lightness, np.full_like(lightness, 0.20), hue + 0.0 * lightness)
+    chroma = attainable_chroma(lightness, np.full_like(lightness, 0.20), hue + 0.0 * lightness)
     return oklch(lightness, _around(_around(chroma).min(axis=-1)).mean(axis=-1), hue)
 
 
@@ -244,7 +244,7 @@ SAVINGS = _saving_table()
 SPEEDS = _speed_table()
 
 
-def by_heading(heading: np.ndarray) -> np.ndarray:
+def heading_colours(heading: np.ndarray) -> np.ndarray:
     """Headings (N, dim) -> colours (N, 3)."""
     azimuth = np.arctan2(heading[:, 1], heading[:, 0])
     column = np.rint(azimuth * (_HUES / (2.0 * np.pi))).astype(int) % _HUES
@@ -254,46 +254,46 @@ def by_heading(heading: np.ndarray) -> np.ndarray:
     return HEADINGS[np.rint(rise * (_RISES - 1)).astype(int), column]
 
 
-def by_speed(speed: np.ndarray, full: float) -> np.ndarray:
+def speed_colours(speed: np.ndarray, full: float) -> np.ndarray:
     """Speeds (N,) -> colours (N, 3), the last of the table from `full` on."""
     share = np.clip(speed / full if full > 0.0 else np.zeros_like(speed), 0.0, 1.0)
     return SPEEDS[np.rint(255.0 * share).astype(int)]
 
 
-def by_number(values: np.ndarray) -> np.ndarray:
+def number_colours(values: np.ndarray) -> np.ndarray:
     """Numbers (N,), NaN or infinite unknown -> colours (N, 3), from the least to the largest."""
-    known = np.isfinite(values)
+    is_known = np.isfinite(values)
     low, high = span(values)
-    colours = by_speed(np.where(known, values, low) - low, high - low)
-    return np.where(known[:, None], colours, UNKNOWN)
+    colours = speed_colours(np.where(is_known, values, low) - low, high - low)
+    return np.where(is_known[:, None], colours, UNKNOWN)
 
 
 def span(values: np.ndarray) -> tuple[float, float]:
     """The least and the largest of those numbers that are known; 0 and 0 if none is."""
-    known = values[np.isfinite(values)]
-    return (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
+    finite = values[np.isfinite(values)]
+    return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
 
 
-def by_zone(zone: np.ndarray) -> np.ndarray:
+def zone_colours(zone: np.ndarray) -> np.ndarray:
     """Zones (N,) from the inside out, below 0 unnoticed -> colours (N, 3)."""
     return np.where((zone < 0)[:, None], BLIND, ZONES[zone % len(ZONES)])
 
 
-def by_saving(saved: np.ndarray, full: float) -> np.ndarray:
+def saving_colours(saved: np.ndarray, full: float) -> np.ndarray:
     """Shares (N,) saved, NaN unknown -> colours (N, 3), the last of the table from +-full on."""
-    known = np.isfinite(saved)
-    share = np.clip(np.where(known, saved, 0.0) / full, -1.0, 1.0)
-    return np.where(known[:, None], SAVINGS[np.rint(128.0 * (share + 1.0)).astype(int)], UNKNOWN)
+    is_known = np.isfinite(saved)
+    share = np.clip(np.where(is_known, saved, 0.0) / full, -1.0, 1.0)
+    return np.where(is_known[:, None], SAVINGS[np.rint(128.0 * (share + 1.0)).astype(int)], UNKNOWN)
 
 
-def by_layer(layer: np.ndarray) -> np.ndarray:
+def layer_colours(layer: np.ndarray) -> np.ndarray:
     """Layers (N,), 1 the information agents, N + 1 unknown -> colours (N, 3)."""
     colours = LAYERS[np.clip(layer - 1, 0, len(LAYERS) - 1)]
     colours[layer > len(layer)] = UNKNOWN
     return colours
 
 
-def by_group(group: np.ndarray) -> np.ndarray:
+def group_colours(group: np.ndarray) -> np.ndarray:
     """Labels (N,), 0 the largest group -> colours (N, 3)."""
     return GROUPS[np.clip(group, 0, len(GROUPS) - 1)]
 
@@ -305,40 +305,40 @@ OTHER_WORDS = {"yellow": "gold", "purple": "plum", "cyan": "sky", "gray": "grey"
 """Words for colours that go by another name here."""
 
 
-def by_identity(ids: np.ndarray) -> np.ndarray:
+def identity_colours(ids: np.ndarray) -> np.ndarray:
     """Identities (N,), which begin at 1 -> colours (N, 3); from the thirteenth on they come again.
 
-    >>> len(np.unique(by_identity(np.arange(1, 14)), axis=0))
+    >>> len(np.unique(identity_colours(np.arange(1, 14)), axis=0))
     12
     """
     return COLOURS[(np.asarray(ids, int) - 1) % len(COLOURS)]
 
 
-def by_name(names: Sequence[str]) -> dict[str, np.ndarray]:
+def car_colours(names: Sequence[str]) -> dict[str, np.ndarray]:
     """The colours of cars by their names, which keep their order: one that is called by a colour
     has that, the others have those that are left, in turn.
 
-    >>> [css(one) for one in by_name(["car 2", "red"]).values()]
+    >>> [css(one) for one in car_colours(["car 2", "red"]).values()]
     ['#016cff', '#e30010']
     """
-    asked: dict[str, str] = {}
+    requested: dict[str, str] = {}
     for name in names:
         words = (OTHER_WORDS.get(word, word) for word in re.findall("[a-z]+", name.lower()))
         colour = next((word for word in words if word in OWN), None)
-        if colour is not None and colour not in asked.values():
-            asked[name] = colour
-    left = [colour for colour in OWN if colour not in asked.values()] or list(OWN)
-    others = [name for name in names if name not in asked]
-    taken = asked | {name: left[k % len(left)] for k, name in enumerate(others)}
-    return {name: OWN[taken[name]] for name in names}
+        if colour is not None and colour not in requested.values():
+            requested[name] = colour
+    left = [colour for colour in OWN if colour not in requested.values()] or list(OWN)
+    others = [name for name in names if name not in requested]
+    assigned = requested | {name: left[k % len(left)] for k, name in enumerate(others)}
+    return {name: OWN[assigned[name]] for name in names}
 
 
-def of_frame(frame: Frame) -> np.ndarray:
+def frame_colours(frame: Frame) -> np.ndarray:
     """The own colours (N, 3) of the agents of a frame."""
     if frame.live is None:
-        return by_identity(frame.ids)
-    known = by_name(frame.live.roster)
-    return np.array([known[name] for name in frame.live.names]).reshape(-1, 3)
+        return identity_colours(frame.ids)
+    colours = car_colours(frame.live.roster)
+    return np.array([colours[name] for name in frame.live.names]).reshape(-1, 3)
 
 
 # What to send so that the browser shows the colour that was meant.
@@ -361,9 +361,9 @@ LIGHT = 1.25
 """Light on a facet turned half towards the sun, as a multiple of its own colour."""
 
 
-def _before_aces(shown: np.ndarray) -> np.ndarray:
-    """The linear light that ACES turns into the linear light `shown`, (..., 3)."""
-    y = np.clip(shown @ _BACK.T, 0.0, 0.98)
+def _inverse_aces(colour: np.ndarray) -> np.ndarray:
+    """The linear light that ACES turns into the linear light `colour`, (..., 3)."""
+    y = np.clip(colour @ _BACK.T, 0.0, 0.98)
     # ACES: y = (v^2 + 0.0245786 v - 0.000090537) / (0.983729 v^2 + 0.432951 v + 0.238081)
     a = 1.0 - 0.983729 * y
     b = 0.0245786 - 0.4329510 * y
@@ -372,25 +372,25 @@ def _before_aces(shown: np.ndarray) -> np.ndarray:
     return v @ _FROM_ACES.T / _EXPOSURE
 
 
-def unlit(srgb: np.ndarray) -> np.ndarray:
+def unlit_bytes(srgb: np.ndarray) -> np.ndarray:
     """Bytes for colours (..., 3) of points and of the ends of lines, which no light falls on."""
-    linear = _before_aces(decoded(srgb))
+    linear = _inverse_aces(srgb_to_linear(srgb))
     return (255.0 * np.clip(linear, 0.0, 1.0) + 0.5).astype(np.uint8)
 
 
-def lit(srgb: np.ndarray, light: float = LIGHT) -> np.ndarray:
+def lit_bytes(srgb: np.ndarray, light: float = LIGHT) -> np.ndarray:
     """Bytes for colours (..., 3) of mesh instances under the scene's lights."""
-    linear = _before_aces(decoded(srgb)) / light
+    linear = _inverse_aces(srgb_to_linear(srgb)) / light
     return (255.0 * np.clip(linear, 0.0, 1.0) + 0.5).astype(np.uint8)
 
 
-def single(srgb: np.ndarray, light: float = 1.0) -> tuple[int, int, int]:
+def node_colour(srgb: np.ndarray, light: float = 1.0) -> tuple[int, int, int]:
     """Bytes for the one colour (3,) of a whole node, which three.js decodes from sRGB itself."""
-    return _single(tuple(np.asarray(srgb, dtype=float).tolist()), light)
+    return _node_colour(tuple(np.asarray(srgb, dtype=float).tolist()), light)
 
 
 @lru_cache(maxsize=1024)
-def _single(srgb: tuple[float, ...], light: float) -> tuple[int, int, int]:
-    linear = np.clip(_before_aces(decoded(np.array(srgb))) / light, 0.0, 1.0)
-    red, green, blue = (255.0 * encoded(linear) + 0.5).astype(int)
+def _node_colour(srgb: tuple[float, ...], light: float) -> tuple[int, int, int]:
+    linear = np.clip(_inverse_aces(srgb_to_linear(np.array(srgb))) / light, 0.0, 1.0)
+    red, green, blue = (255.0 * linear_to_srgb(linear) + 0.5).astype(int)
     return int(red), int(green), int(blue)

@@ -1,0 +1,132 @@
+"""What the command line does with one model: `check` it, `warm` (compile) it, `cite` its papers."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+
+from app.cli.terminal.console import REFUSED
+from app.cli.terminal.usage import Rules, first_of, model_name
+from worlds.input_error import InputError
+
+
+def model_names(models: list[str] | None) -> list[str] | None:
+    """The names of models, those of files among them. Raises InputError."""
+    return [str(model_name(model)) for model in models] if models else None
+
+
+def warm(
+    models: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="MODEL...",
+            help="Models, see `flockscope list`, or files; by default all of them.",
+            callback=model_names,
+        ),
+    ] = None,
+    rule: Rules = None,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
+) -> None:
+    """Compile models in advance, with what is measured of them, each in its own world.
+
+    What is compiled is kept on this machine, and is done anew only for another version.
+    """
+    from agents.catalogue import MODELS, model
+    from app.cli.terminal.progress import Progress
+
+    names = [model(name).name for name in models or rule or MODELS]
+    results = []
+    with Progress("compiling", quiet) as progress:
+        for place, name in enumerate(names):
+            progress.update(place / len(names), text=name)
+            before, seconds = compile_model(name)
+            results.append({"model": name, "before": before, "seconds": seconds})
+            if not json_asked:
+                typer.echo(describe_warming(name, before, seconds))
+    if json_asked:
+        typer.echo(json.dumps(results))
+
+
+def compile_model(name: str) -> tuple[bool, float]:
+    """Compile a model's loop and observables: whether its loop was compiled before, and seconds."""
+    from agents.flock import Flock
+    from app.studies.workers.kernels import compile_measures
+    from app.viewer.run.kernel_compiler import call_all
+
+    started = time.perf_counter()
+    flock = Flock(name, agents=3, rng=0)
+    before = flock.is_compiled
+    call_all(flock)
+    flock.warm()
+    compile_measures(flock)
+    return before, round(time.perf_counter() - started, 2)
+
+
+def describe_warming(model: str, before: bool, seconds: float) -> str:
+    """A line for people.
+
+    >>> describe_warming("vem", before=False, seconds=4.2)
+    'vem               compiled in 4.2 s'
+    """
+    return f"{model:16}  {'was compiled' if before else f'compiled in {seconds:.1f} s'}"
+
+
+def check(
+    model: Annotated[
+        str | None,
+        typer.Argument(help="A model, see `flockscope list`, or a FILE.py.", callback=model_name),
+    ] = None,
+    rule: Rules = None,
+    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Only what fails.")] = False,
+) -> None:
+    """Check a model as the built-in ones are: threads, order, symmetries, edges, odd starts.
+
+    The exit code is 2 if a check fails.
+    """
+    from agents.catalogue import model as find_model
+    from agents.conformance import CHECKS, outcome
+    from agents.flock import Flock
+    from app.studies.workers.kernels import compile_loop
+
+    name = first_of(model, rule)
+    if name is None:
+        raise InputError("which MODEL? `flockscope list models` names them; or give --rule FILE.py")
+    checked_model = find_model(name)
+    tell = None if quiet else lambda line: typer.echo(line, err=True)
+    compile_loop(Flock(name, agents=1, rng=0), tell)
+    results = []
+    for check_name in CHECKS:
+        came = outcome(checked_model, check_name)
+        results.append(came)
+        if not json_asked and (not quiet or came.result == "fails"):
+            reason = f" ({came.reason})" if came.reason else ""
+            typer.echo(f"{came.result:14}  {check_name:10}  {came.fact}{reason}")
+    if json_asked:
+        typer.echo(json.dumps({"model": name, "checks": [asdict(came) for came in results]}))
+    if any(came.result == "fails" for came in results):
+        raise typer.Exit(REFUSED)
+
+
+def cite(
+    model: Annotated[str, typer.Argument(help="Name of a model, see `flockscope list models`.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Print the sources of a model as BibTeX."""
+    from agents.catalogue import model as by_name
+    from agents.models import sources
+
+    cited = by_name(model)
+    entries = sources.cite(cited)
+    if as_json:
+        value = {"model": cited.name, "source": cited.rule.source, "bibtex": entries}
+        typer.echo(json.dumps(value))
+    elif entries:
+        typer.echo("\n\n".join(entries))
+    else:
+        typer.echo(f"{cited.name} names no paper known here; its source: {cited.rule.source}")

@@ -1,0 +1,237 @@
+"""The run that a command line asks for: a file of any kind, options over it, `--set` over both."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import re
+import tomllib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import typer
+
+from agents.catalogue import MODELS
+from agents.catalogue import model as find_model
+from agents.models.declare import Parameters
+from agents.spec import KEYS, OPTIONS, Option, Spec, several
+from app.settings import assignment, numbers
+from app.studies.key_lines import place
+from worlds.input_error import InputError, nearest, shorten, unknown
+from worlds.text_file import read_text, toml
+from worlds.world import World
+
+GivenOptions = dict[str, Any]
+"""Options of a run, by name; None for those that are not given."""
+NAMED = re.compile(r"unknown (?:parameter|key) '([^']*)'|unknown (\w+)|(\w+)")
+"""What a refusal is about."""
+
+
+def with_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The command with every option of a run; it is given them as `options`."""
+
+    @wraps(command)
+    def called(**arguments: Any) -> Any:
+        options = {name: arguments.pop(name) for name in OPTIONS}
+        if options["size"] is not None:
+            sides = numbers("--size", options["size"])
+            options["size"] = sides[0] if len(sides) == 1 else tuple(sides)
+        return command(options=options, **arguments)
+
+    signature = inspect.signature(command, eval_str=True)
+    declared: list[inspect.Parameter] = []
+    for argument in signature.parameters.values():
+        is_all = argument.name == "options"
+        mine = map(parameter, OPTIONS, OPTIONS.values()) if is_all else [argument]
+        declared += [own.replace(kind=inspect.Parameter.KEYWORD_ONLY) for own in mine]
+    called.__signature__ = signature.replace(parameters=declared)  # type: ignore[attr-defined]
+    return called
+
+
+def parameter(name: str, option: Option) -> inspect.Parameter:
+    """An option of a run as Typer has it; what it may be is checked with the run."""
+    kind = str if name == "size" else option.kind
+    choices = f"{', '.join(option.words)}. " if option.words else ""
+    default = Spec.model_fields[name].default
+    default = OPEN.get(name, "the model's own") if default is None else default
+    option_type = typer.Option(help=f"{choices}{option.help}. \\[default: {default}]")
+    return inspect.Parameter(
+        name,
+        inspect.Parameter.KEYWORD_ONLY,
+        default=None,
+        annotation=Annotated[kind | None, option_type],
+    )
+
+
+OPEN = {"seed": "drawn; in the laboratory 1", "size": "the world's own", "dim": "the world's own"}
+"""What options come to that are not given and that no model has."""
+
+
+class Origins(dict[str, str]):
+    """Where each value of a run comes from: an option, or a line of a file."""
+
+    @contextmanager
+    def naming_origins(self) -> Iterator[None]:
+        """Refusals raised within say where the value is from that they are about."""
+        try:
+            yield
+        except InputError as refusal:
+            text = str(refusal)
+            match = NAMED.match(text)
+            key = match[match.lastindex or 0] if match else ""
+            if key == "dim" and key not in self:
+                key = "world"
+            origin = self.get(key, "")
+            if not origin or origin in text:
+                raise
+            raise InputError(f"{text} ({origin})") from None
+
+
+def requested_run(
+    model: str | None, options: GivenOptions, settings: list[str], file: Path | None = None
+) -> tuple[Spec, Origins]:
+    """The run, and where its values are from. Raises InputError naming what is wrong and where."""
+    values, origins = ({}, Origins()) if file is None else read(file)
+    changed, set_options = read_settings(settings)
+    for key, value in {"model": model, **options}.items():
+        if value is not None:
+            values[key], origins[key] = value, option_name(key)
+    origins.update(set_options)
+    if "model" not in values:
+        raise InputError(
+            "which MODEL? `flockscope list models` names them; or give a FILE of a run"
+        )
+    layout = values.pop("layout", None)
+    with origins.naming_origins():
+        if layout is not None and options.get("world") is None:
+            values["world"] = read_world(layout, values, origins["layout"])
+        parameters = {**values.pop("parameters", {}), **changed}
+        spec = Spec(**values, parameters=parameters)
+        demand_parameters(changed, [find_model(spec.model).parameters])
+    return spec, origins
+
+
+def option_name(key: str) -> str:
+    """How a command line names an option of a run."""
+    return "MODEL" if key == "model" else "--" + key.replace("_", "-")
+
+
+def read_settings(settings: list[str]) -> tuple[dict[str, Any], Origins]:
+    """The parameters of `--set NAME=VALUE`, and where they are from. Raises InputError."""
+    parameters = dict(map(assignment, settings))
+    return parameters, Origins({name: f"--set {name}" for name in parameters})
+
+
+def demand_parameters(changed: dict[str, Any], models: list[type[Parameters]]) -> None:
+    """Raise InputError for what `--set` gives and an option would: that option is named."""
+    parameter_names = dict.fromkeys(name for model in models for name in model.model_fields)
+    for name, value in changed.items():
+        guess = "" if name in parameter_names else nearest(name, [*parameter_names, *OPTIONS])
+        if guess in OPTIONS:
+            raise InputError(
+                f"unknown parameter {name!r}: did you mean {option_name(guess)} {value}? "
+                f"(known: {', '.join(parameter_names)}) (--set {name})"
+            )
+
+
+def read(path: Path) -> tuple[dict[str, Any], Origins]:
+    """The values of a spec file, whole or in part, or those of the run of a scene.
+
+    Raises InputError naming file and line.
+    """
+    text = read_text(repr(str(path)), path)
+    values = toml(text, str(path))
+    table = ""
+    if RUN in values:
+        values, table = scene_run(path, text), RUN
+    origins = Origins({key: place(path, text, key, table) for key in values})
+    for key in values:
+        if key not in KEYS:
+            raise unknown("key", key, KEYS, origins[key])
+    if values.pop("start", "random") != "random":
+        raise InputError(
+            "start = 'given': a run from given arrays goes on only from its saved state, with "
+            f"--state ({origins['start']})"
+        )
+    for key in ("versions", "parameters"):
+        value = values.get(key, {})
+        if not isinstance(value, dict) or any(isinstance(v, dict | list) for v in value.values()):
+            raise InputError(f"{key} is not a table of single values ({origins[key]})")
+    for name in values.get("parameters", {}):
+        origins[name] = place(path, text, name, f"{table}.parameters".lstrip("."))
+    origins["layout"] = f"layout in {path}"
+    return values, origins
+
+
+def read_world(layout: Any, values: dict[str, Any], origin: str) -> World:
+    """The world that a spec carries with it. Raises InputError naming the spec."""
+    from worlds.checks import demand_sound
+    from worlds.layout import world_from_layout
+
+    if not isinstance(layout, dict):
+        raise InputError(f"layout = {shorten(layout)} is not a table ({origin})")
+    size, dim = values.pop("size", None), values.pop("dim", None)
+    if dim is None and several(size):
+        dim = len(size)
+    try:
+        world = world_from_layout(layout, values.get("world", "layout"), dim, size)
+        demand_sound(world)
+    except InputError as refusal:
+        raise InputError(f"{refusal} ({origin})") from None
+    return world
+
+
+# A file where the name of a model may stand: what it is, told by its content.
+
+
+STATE, TOML = "state", "toml"
+RUN = "run"
+"""The table of a scene that has its run; a spec has none."""
+
+
+class FileArgument(NamedTuple):
+    """A file that says which run it is."""
+
+    path: Path
+    kind: str
+    """STATE: a saved state or a recording; TOML: a scene or a spec."""
+
+
+def is_file(name: str | None) -> bool:
+    """Whether it names a file, there or not, and not a model."""
+    if name is None or name in MODELS:
+        return False
+    return bool(Path(name).suffix) or os.sep in name or Path(name).exists()
+
+
+def file_argument(name: str) -> FileArgument:
+    """What a file is, as `flockscope lab` opens it too. Raises InputError for what it cannot be."""
+    from app.viewer.gallery.file_opener import demand_kind, head_of
+    from app.viewer.run.stored_flock import PARQUET
+
+    head = head_of(name)
+    demand_kind(name, head)
+    return FileArgument(Path(name), STATE if head.startswith(PARQUET) else TOML)
+
+
+def scene_run(path: Path, text: str) -> dict[str, Any]:
+    """The values of the run of a scene, nothing of it left open. Raises InputError."""
+    from app.viewer.gallery.saved_scene import read_scene
+
+    return tomllib.loads(read_scene(str(path), text.encode()).spec.to_toml())
+
+
+def demand_alone(name: str, others: dict[str, Any]) -> None:
+    """Raise InputError if anything else says, beside a file, which run it is."""
+    for option, value in others.items():
+        if value:
+            raise InputError(f"{option} {value} cannot be given with {name}, which says it already")
+
+
+def compared_model(path: Path) -> str:
+    """The model that a scene shows beside its own; empty if there is none, or it is a spec."""
+    beside = tomllib.loads(path.read_text("utf-8-sig")).get("beside", {})
+    return str(beside.get("model", "")) if isinstance(beside, dict) else ""

@@ -1,0 +1,458 @@
+"""The thread of a simulation: it obeys, compiles, runs ticks and leaves frames."""
+
+from __future__ import annotations
+
+import math
+import queue
+import threading
+import time
+import traceback
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from agents.flock import Flock
+from agents.spec import CompleteSpec, Spec
+from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.time_series import refuse_too_dense
+from app.viewer.run.allowance import Allowance
+from app.viewer.run.command_queue import CommandQueue, QueuedCommand
+from app.viewer.run.edits import Edits, free_place
+from app.viewer.run.flock_run import FlockRun, StrayAgentError, describe_error, zone_notice
+from app.viewer.run.flock_run_builder import FlockRunBuilder, Playback
+from app.viewer.run.frame_builder import FrameRequest
+from app.viewer.run.kernel_compiler import KernelCompiler, Preview, is_quick
+from app.viewer.run.paired_run import companion
+from app.viewer.run.simulation_limits import SimulationLimits
+from app.viewer.run.simulation_state import ChangeNotifier, SimulationState
+from app.viewer.run.stored_flock import InitialState
+from app.viewer.run.time_line import TimeLine
+from app.viewer.scene.shown.frame import Frame
+from worlds.input_error import InputError
+
+LOOK = 0.05
+"""Time between two looks whether the run is compiled, s."""
+OBEDIENCE = 0.03
+"""Longest time for commands before ticks are run again, s."""
+
+
+Models = tuple[str, str | None]
+"""Names of the model and of the one beside it."""
+PendingRun = tuple[CompleteSpec, Spec | None, InitialState | None]
+"""A run, what is beside it, and what it begins from if that is not its start."""
+
+
+class SimulationThread:
+    """Runs a flock on a thread of its own; what it is told comes through `tell`.
+
+    Whoever watches reads `frame`, `state` and `readings`, each of which is replaced as a whole, so
+    that no reader needs a lock.
+    """
+
+    def __init__(
+        self,
+        spec: CompleteSpec,
+        beside: Spec | None = None,
+        speed: float = 15.0,
+        running: bool = True,
+        build: Callable[..., Flock] = Flock,
+        build_beside: Callable[[Flock, Spec], Flock] = companion,
+        compiling: Callable[[Sequence[Flock]], KernelCompiler] = KernelCompiler,
+        stored: InitialState | None = None,
+        allowance: Allowance | None = None,
+        clock: Callable[[], float] = time.perf_counter,
+    ):
+        self.clock = clock
+        self.keeping = SimulationLimits(allowance)
+        self.notices: queue.SimpleQueue[str] = queue.SimpleQueue()
+        self.commands = CommandQueue()
+        self.edits = Edits(self)
+        self.time_line = TimeLine(self)
+        self.frame: Frame | None = None
+        self.readings: FlockReadings | None = None
+        self.readings_beside: FlockReadings | None = None
+        self.state = SimulationState(spec, beside, running=running, busy=True, speed=speed)
+        self.news = ChangeNotifier()
+        """Set whenever a frame has been left; for who draws it."""
+        self.ready = threading.Event()
+        """Set when the first flock can be seen and, if it is to run, is compiled."""
+        self.building = FlockRunBuilder(build, build_beside)
+        self.compile = compiling
+        self.compiling: KernelCompiler | None = None
+        """What compiles, or has compiled, what the run calls."""
+        self.preview: Preview | None = None
+        self.run: FlockRun | None = None
+        """The run on screen; a preview until its own is compiled."""
+        self.wanted = FrameRequest()
+        self.watched: frozenset[str] = frozenset()
+        self.pace = self.keeping.pace(speed)
+        self.next: PendingRun | None = spec, beside, stored
+        """What is to be set up."""
+        self.stale = False
+        """Whether the flock has changed since the last frame."""
+        self.next_frame = 0.0
+        self.closing = False
+        self.thread = threading.Thread(target=self.live, name="simulation", daemon=True)
+        self.thread.start()
+
+    def close(self, wait: float = 2.0) -> None:
+        """Stop for good."""
+        self.closing = True
+        self.commands.wake()
+        self.thread.join(wait)
+        if self.compiling is not None:
+            self.compiling.close()
+
+    def tell(self, command: Callable[[], Any], key: str = "", runs: bool | None = None) -> Future:
+        """Carry out a command between two ticks; what it refuses becomes a notice.
+
+        Of commands with one `key` that follow each other only the last is carried out, as the
+        answer to all. `runs` says whether the flock runs afterwards.
+        """
+        return self.queue_answered(lambda: self.commands.put(command, key, runs))
+
+    def queue_answered(self, put: Callable[[], Future]) -> Future:
+        """Let a command wait; if it may not, its answer says so, and a notice."""
+        try:
+            return put()
+        except Exception as error:
+            self.notices.put(describe_error(error))
+            refused: Future = Future()
+            refused.set_exception(error)
+            return refused
+
+    def carry_out(self, waiting: QueuedCommand) -> None:
+        """On the simulation's own thread: do what waits, and answer."""
+        try:
+            waiting.answer.set_result(waiting())
+        except Exception as error:
+            self.notices.put(describe_error(error))
+            waiting.answer.set_exception(error)
+
+    def live(self) -> None:
+        """Obey, run and leave frames, until closed."""
+        while not self.closing:
+            self.carry_out_commands()
+            try:
+                if self.next is not None and not self.keeping.wait:
+                    self.set_up()
+                self.look_for_kernels()
+                self.time_line.settle()
+                self.leave_frame()
+                if self.state.running and not self.keeping.wait:
+                    self.run_due()
+            except Exception as error:
+                self.fail(error)
+            self.keeping.note()
+
+    def carry_out_commands(self) -> None:
+        """Carry out what was told; wait for it if there is nothing else to do.
+
+        However much is told, the flock gets its turn.
+        """
+        waiting = self.commands.get(timeout=self.idle_time())
+        end = time.perf_counter() + OBEDIENCE
+        while waiting is not None:
+            self.carry_out(waiting)
+            over = self.closing or time.perf_counter() >= end
+            waiting = None if over else self.commands.get(timeout=0.0)
+
+    def idle_time(self) -> float | None:
+        """How long to wait for commands, s; None for ever."""
+        if self.stale:
+            return 0.0
+        if self.next is not None:
+            return self.keeping.wait
+        now = self.clock()
+        looks = None if self.state.compiling is None else LOOK
+        runs = None
+        if self.state.running and not self.waits_for_compiler:
+            runs = max(self.pace.wait(now), self.keeping.wait)
+        settles = self.time_line.time_to_settle(time.perf_counter())
+        due = [wait for wait in (looks, runs, settles) if wait is not None]
+        return min(due, default=None)
+
+    def run_due(self) -> None:
+        """Run the ticks that are due."""
+        if self.waits_for_compiler:
+            return
+        run = self.require_run()
+        ticks = self.pace.ticks_due(self.clock())
+        if ticks == 0:
+            return
+        began, worked = self.clock(), time.thread_time()
+        self.advance(run, ticks)
+        now = self.clock()
+        self.pace.note_ticks(ticks, now - began)
+        if self.preview is not None:
+            self.preview.note_tick((time.thread_time() - worked) / ticks)
+            self.state = replace(self.state, preview=not self.preview.is_too_slow)
+        self.stale = now >= self.next_frame
+        if isinstance(run, Playback) and run.is_over:
+            self.state = replace(self.state, running=False, rate=0.0)
+            self.stale = True
+
+    def advance(self, run: FlockRun, ticks: int) -> None:
+        """Run ticks; the first ones of a model may have to be loaded."""
+        if run.is_compiled:
+            run.advance(ticks)
+            return
+        self.state = replace(self.state, busy=True)
+        run.advance(ticks)
+        self.state = replace(self.state, busy=False)
+        self.pace.restart()
+        if self.state.compiling is None:
+            self.ready.set()
+
+    def leave_frame(self) -> None:
+        """Leave a frame and readings for whoever watches, if there is anything new."""
+        if not self.stale or self.run is None:
+            return
+        self.stale = False
+        now = self.clock()
+        apart = self.keeping.frame_interval
+        # A tick that is a little early is not left out for it, or every other one would be; frames
+        # that commands ask for put none off.
+        self.next_frame = min(max(self.next_frame, now - 0.5 * apart), now) + apart
+        self.warn_of_passing(self.run)
+        trouble_count = len(self.run.troubles)
+        # What measures is compiled with the flock: until then an obstacle is only shown.
+        closely = not self.state.running and self.time_line.moved is None
+        self.frame = self.run.look(closely, measured=not self.waits_for_compiler)
+        for trouble in self.run.troubles[trouble_count:]:
+            if not isinstance(trouble, InputError | StrayAgentError):
+                traceback.print_exception(trouble)
+            self.notices.put(describe_error(trouble))
+        self.readings = self.run.readings
+        second = self.run.second
+        self.readings_beside = None if second is None else second.readings
+        if self.state.compiling is None:
+            self.time_line.note(self.run)
+        rate = self.pace.rate(now) if self.state.running else 0.0
+        self.state = replace(self.state, rate=rate, line=self.time_line.line(self.run))
+        self.news.set()
+        if not self.state.running:
+            self.ready.set()
+
+    def set_up(self) -> None:
+        """Build the flock that is to be set up, and the one beside it."""
+        if self.next is None:
+            return
+        (spec, beside, stored), self.next = self.next, None
+        self.state = replace(self.state, busy=True)
+        try:
+            self.keeping.demand(spec, beside, stored)
+            flock = self.building.flock(spec, stored)
+            refuse_too_dense(flock)
+            run = self.new_run(flock, beside, stored)
+        except InputError as refusal:
+            self.notices.put(str(refusal))
+            self.state = replace(
+                self.state, busy=False, running=self.state.running and self.run is not None
+            )
+            self.ready.set()
+            return
+        self.run, self.preview = run, None
+        self.compile_ahead(run)
+        if self.state.compiling is not None and is_quick(run):
+            twin = self.building.flock(spec.but(seed=flock.seed), stored, interpret=True)
+            self.preview = Preview(run)
+            self.run = self.new_run(twin, beside, stored)
+            for flock_run in self.run.both:
+                flock_run.measures = False
+        self.edits.take_over(self.run, spec)
+        self.time_line.forget()
+        self.pace.restart()
+        self.stale = True
+        self.state = replace(
+            self.state,
+            spec=spec,
+            beside=beside,
+            stored=stored,
+            line=None,
+            run=self.run.number,
+            busy=False,
+            preview=self.preview is not None,
+            error="",
+            agents=len(flock.ids),
+            values=self.run.values,
+            beside_values=self.run.beside_values,
+        )
+
+    def new_run(self, flock: Flock, beside: Spec | None, stored: InitialState | None) -> FlockRun:
+        """The run of a flock, and of the one beside it. Raises InputError."""
+        number = self.state.run + 1
+        run = self.building.run(flock, beside, stored, number, self.wanted, self.watched)
+        self.keeping.take(run)
+        return run
+
+    def compile_ahead(self, *runs: FlockRun) -> None:
+        """Have compiled what runs call, and nothing else, if it is not at hand."""
+        flocks = [flock_run.flock for run in runs for flock_run in run.both]
+        if self.preview is None and all(run.is_ready for run in runs):
+            self.state = replace(self.state, compiling=None)
+            return
+        compiling = self.compiling
+        over = self.preview is None and compiling is not None and compiling.ready.done()
+        if compiling is None or over or not compiling.covers(flocks):
+            if compiling is not None:
+                compiling.close()
+            self.compiling = compiling = self.compile(flocks)
+        self.state = replace(self.state, compiling=compiling.estimate)
+
+    def look_for_kernels(self) -> None:
+        """Go on with the compiled run as soon as it can: from where the preview is."""
+        compiling, run = self.compiling, self.run
+        if self.state.compiling is None or compiling is None or not compiling.ready.done():
+            return
+        compiling.ready.result()
+        if self.preview is not None and run is not None:
+            self.run = self.preview.advance_compiled(run)
+            self.run.set_request(self.wanted)
+            self.run.watch(self.watched)
+            if self.run.is_compiled:
+                self.ready.set()
+        self.preview = None
+        self.state = replace(self.state, compiling=None, preview=False)
+        self.pace.restart()
+        self.stale = True
+
+    @property
+    def waits_for_compiler(self) -> bool:
+        """Whether the flock stands until it is compiled."""
+        moves = self.preview is not None and not self.preview.is_too_slow
+        return self.state.compiling is not None and not moves
+
+    def compiled_run(self, wanted: str) -> FlockRun:
+        """The run, if it is no preview. Raises InputError."""
+        if self.preview is not None and self.state.compiling is not None:
+            left = self.state.compiling.describe(time.monotonic())
+            raise InputError(f"this is a preview, and {wanted} is the compiled run ({left})")
+        return self.require_run()
+
+    def change(self, change: Callable[[FlockRun], None]) -> None:
+        """Change the run; of a preview, the run that takes over too, at the same tick."""
+        run = self.require_run()
+        self.time_line.demand_now()
+        tick = run.flock.tick
+        run.change(change)
+        self.time_line.changed()
+        if self.preview is None:
+            self.compile_ahead(run)
+        else:
+            self.preview.changes.append((tick, change))
+            self.compile_ahead(self.preview.coming, run)
+
+    def fail(self, error: Exception) -> None:
+        """A rule went wrong: stop the run, say why and live on."""
+        if not isinstance(error, InputError | ArithmeticError):
+            traceback.print_exception(error)
+        self.stale = False
+        self.notices.put(describe_error(error))
+        self.preview = None
+        self.state = replace(
+            self.state,
+            running=False,
+            busy=False,
+            compiling=None,
+            preview=False,
+            rate=0.0,
+            error=describe_error(error),
+        )
+        self.ready.set()
+
+    def require_run(self) -> FlockRun:
+        """The run. Raises InputError if there is none, or it is broken."""
+        if self.run is None or self.state.error:
+            raise InputError("there is no flock to run: press Setup")
+        return self.run
+
+    def warn_of_passing(self, run: FlockRun) -> None:
+        """Tell of flocks whose agents go through what is solid, once for each setting."""
+        for flock_run in run.both:
+            words = flock_run.flock.warning
+            if words and words != flock_run.warned:
+                self.notices.put(words)
+            flock_run.warned = words
+
+    def schedule(
+        self, spec: CompleteSpec, beside: Spec | None, stored: InitialState | None = None
+    ) -> None:
+        self.next = spec, beside, stored
+
+    def begin(self, stored: InitialState) -> None:
+        self.next = stored.spec, None, stored
+
+    def switch(self, on: bool) -> None:
+        if on and self.next is None:
+            self.require_run()
+            self.time_line.resume()
+        self.pace.restart()
+        self.state = replace(self.state, running=on)
+        self.stale = self.run is not None and not self.state.error
+
+    def step_now(self, ticks: int) -> None:
+        run = self.require_run()
+        if self.waits_for_compiler and self.state.compiling is not None:
+            left = self.state.compiling.describe(time.monotonic())
+            raise InputError(f"the flock stands until it is compiled ({left})")
+        self.state = replace(self.state, running=False)
+        try:
+            if isinstance(run, Playback):
+                run.step(ticks)
+            else:
+                self.time_line.resume()
+                self.advance(run, ticks)
+        except Exception as error:
+            self.fail(error)
+            return
+        self.stale = True
+
+    def change_pace(self, speed: float) -> None:
+        if math.isnan(speed) or speed <= 0:
+            raise InputError(f"speed = {speed} ticks/s is not allowed: it must be above 0")
+        self.pace = self.keeping.pace(speed)
+        self.state = replace(self.state, speed=speed)
+
+    def set_watched_now(self) -> None:
+        self.keeping.look()
+        self.pace = self.keeping.pace(self.state.speed)
+        self.next_frame = 0.0
+        self.look_again_now()
+
+    def set_now(self, name: str, value: Any, beside: bool, models: Models | None) -> Any:
+        run = self.require_run()
+        if models not in (None, self.state.models):
+            return value
+        accepted = run.allowed(name, value, beside)
+        self.change(lambda run: run.set(name, accepted, beside))
+        if accepted != value:
+            flock = run.second.flock if beside and run.second is not None else run.flock
+            self.notices.put(zone_notice(flock, name, accepted))
+        self.pace.reset_cost()
+        self.state = replace(self.state, values=run.values, beside_values=run.beside_values)
+        self.stale = True
+        return accepted
+
+    def place_now(self, row: int, position: np.ndarray, heading: np.ndarray) -> None:
+        place = free_place(self.require_run(), position)
+        self.change(lambda run: run.place(row, place, heading))
+        self.stale = True
+
+    def look_again_now(self) -> None:
+        self.stale = self.run is not None and not self.state.error
+
+    def watch_now(self, names: frozenset[str]) -> None:
+        self.watched = names
+        if self.run is not None:
+            self.run.watch(names)
+            self.stale = not self.state.error
+
+    def set_request_now(self, request: FrameRequest) -> None:
+        self.wanted = request
+        if self.run is not None and not self.state.error:
+            self.run.set_request(request)
+            self.stale = True

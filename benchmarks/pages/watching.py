@@ -1,0 +1,184 @@
+"""What it costs that many watch one run: `python benchmarks/pages/watching.py [agents] [browsers]`.
+
+A laboratory and its watching page in a process of their own, and clients that read all they get
+(programs, not browsers), each of which inspects an agent of its own and plots the usual. Prints
+what a client gets, before anything is packed, and the processor time that it takes. What is for the
+panels, and what it comes to when it is packed, is told of one client, which takes its messages
+apart.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import sys
+import threading
+import time
+import zlib
+from multiprocessing.connection import Connection
+from typing import Any
+
+import msgspec
+import viser
+import zstandard
+from stream import CAMERA
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+SECONDS = 10.0
+SETTLE = 8.0
+"""Seconds for all to come, and for what they inspect to be compiled."""
+SPEED = 15.0
+"""Ticks per second."""
+
+
+def serve(agents: int, pipe: Connection) -> None:
+    """The laboratory; answers every message of the pipe with processor time, s, and the tick."""
+    from app.viewer.lab.laboratory import Laboratory
+    from app.viewer.run.run_preset import preset_spec
+    from app.viewer.watching.watch_page import WatchPage
+    from app.viewer.watching.watcher import AgentSelection
+
+    start = preset_spec("hwvem", agents=agents, parameters={"eta": 0.3})
+    laboratory = Laboratory(start, port=0, speed=SPEED)
+    watching = WatchPage(laboratory)
+    laboratory.simulation.ready.wait()
+    pipe.send(watching.port)
+    while (request := pipe.recv()) is not None:
+        if request == "inspect":
+            run = laboratory.simulation.state.run
+            for row, watcher in enumerate(watching.now):
+                watcher.choose(AgentSelection(row, run=run))
+        frame = laboratory.simulation.frame
+        assert frame is not None
+        pipe.send((time.process_time(), frame.tick, len(frame.others)))
+    watching.close()
+    laboratory.close()
+
+
+class Reader:
+    """A client that counts what it gets; one that `looks` also what is for the panels, and what all
+    of it comes to when a line packs it (deflate, level 1)."""
+
+    def __init__(self, port: int, agents: int, looks: bool):
+        self.picture = 12 * agents
+        self.looks = looks
+        self.pictures = self.bytes = self.panels = self.packed = 0
+        self.packer = zlib.compressobj(1, wbits=-15)
+        self.socket = connect(
+            f"ws://localhost:{port}",
+            subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
+            max_size=None,
+        )
+        self.socket.send(msgspec.msgpack.encode(CAMERA))
+        threading.Thread(target=self.read, daemon=True).start()
+
+    def read(self) -> None:
+        """Read until the server closes."""
+        try:
+            for data in self.socket:
+                assert isinstance(data, bytes)
+                self.bytes += len(data)
+                self.pictures += len(data) > self.picture
+                if self.looks:
+                    self.panels += panel_bytes(data)
+                    packed = self.packer.compress(data) + self.packer.flush(zlib.Z_SYNC_FLUSH)
+                    self.packed += len(packed)
+        except ConnectionClosed:
+            pass
+
+
+def panel_bytes(data: bytes) -> int:
+    """How many bytes of a window of viser's messages are for the panels."""
+    packed = int.from_bytes(data[8:16], "little")
+    inner = zstandard.ZstdDecompressor().decompress(data[16 : 16 + packed])
+    window = msgspec.msgpack.decode(inner)
+    size = sum(
+        len(msgspec.msgpack.encode(message))
+        for message in window["messages"]
+        if message["type"][:3] == "Gui"
+    )
+    lengths = window["binaryBufferLengths"]
+    buffers = sum(
+        lengths[at]
+        for message in window["messages"]
+        if message["type"][:3] == "Gui"
+        for at in buffer_indices(message)
+    )
+    return round(size * packed / len(inner)) + buffers
+
+
+def buffer_indices(message: Any) -> list[int]:
+    """The binary buffers that a message refers to."""
+    if isinstance(message, dict):
+        if "__binary_index" in message:
+            return [message["__binary_index"]]
+        return [at for item in message.values() for at in buffer_indices(item)]
+    return (
+        [at for item in message for at in buffer_indices(item)] if isinstance(message, list) else []
+    )
+
+
+def main(agents: int = 1000, browsers: int = 40) -> None:
+    """Measure and print."""
+    parent_end, child_end = multiprocessing.Pipe()
+    server = multiprocessing.get_context("spawn").Process(target=serve, args=(agents, child_end))
+    server.start()
+    port = parent_end.recv()
+    time.sleep(3.0)
+    idle = cores_used(parent_end, 5.0)
+    readers = [Reader(port, agents, number == 0) for number in range(browsers)]
+    time.sleep(SETTLE)
+    watched, *counts = measure_readers(parent_end, readers)
+    ask_server(parent_end, "inspect")
+    time.sleep(SETTLE)
+    inspected, *more = measure_readers(parent_end, readers)
+    looked_at = ask_server(parent_end)[2]
+    print(f"{agents} agents at {SPEED:g} ticks/s, {browsers} clients")
+    print(f"  nobody watches         {idle:6.3f} cores, the run and the laboratory's page")
+    for title, cores, (pictures, all_of_it, panels, packed) in (
+        ("all watch", watched, counts),
+        (f"inspect {looked_at}", inspected, more),
+    ):
+        print(f"  {title:22} {cores:6.3f} cores")
+        print(f"    pictures/s a client  {pictures:6.1f}")
+        print(f"    sent a client        {all_of_it:6.2f} Mbit/s")
+        print(f"      for the panels     {panels:6.3f} Mbit/s")
+        print(f"      packed             {packed:6.2f} Mbit/s, of all {browsers * packed:.0f}")
+    parent_end.send(None)
+    server.join(10)
+
+
+def measure_readers(pipe: Connection, readers: list[Reader]) -> tuple[float, ...]:
+    """Cores; and of a client pictures/s, Mbit/s, and those of them for the panels."""
+    before = [(reader.pictures, reader.bytes) for reader in readers]
+    panels, packed = readers[0].panels, readers[0].packed
+    cores = cores_used(pipe, SECONDS)
+    pictures = sum(reader.pictures - was for reader, (was, _) in zip(readers, before, strict=True))
+    sent = sum(reader.bytes - was for reader, (_, was) in zip(readers, before, strict=True))
+    each = len(readers) * SECONDS
+    unit = 8e-6 / SECONDS
+    return (
+        cores,
+        pictures / each,
+        8e-6 * sent / each,
+        unit * (readers[0].panels - panels),
+        unit * (readers[0].packed - packed),
+    )
+
+
+def cores_used(pipe: Connection, seconds: float) -> float:
+    """The cores that the server takes."""
+    before = ask_server(pipe)[0]
+    time.sleep(seconds)
+    return (ask_server(pipe)[0] - before) / seconds
+
+
+def ask_server(pipe: Connection, what: str = "") -> tuple[float, int, int]:
+    """Processor time of the server, s, the tick, and how many agents are looked at."""
+    pipe.send(what)
+    answer: tuple[float, int, int] = pipe.recv()
+    return answer
+
+
+if __name__ == "__main__":
+    main(*(int(text) for text in sys.argv[1:3]))
