@@ -340,7 +340,7 @@ def test_a_welcome_that_fails_keeps_no_flock_from_beginning_and_is_said(capfd, m
         if not drawing.closing.is_set():  # which calls it too
             raise RuntimeError("no such picture")
 
-    monkeypatch.setattr("app.viewer.scene.drawing.Drawing.welcome", fail)
+    monkeypatch.setattr("app.viewer.scene.drawing.Drawing.show_to_newcomer", fail)
     with closing(laboratory(0)) as made, Raw(made.port):
         until(lambda: runs(made), LATE)
     captured = capfd.readouterr()
