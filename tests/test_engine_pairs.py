@@ -140,6 +140,11 @@ def one_by_one(monkeypatch, *arguments, **options) -> Flock:
     return flock
 
 
+def exhaustive(model, options):
+    """A case of which two kernels are compiled, each for several seconds."""
+    return pytest.param(model, options, marks=pytest.mark.exhaustive)
+
+
 @pytest.mark.parametrize(
     ("model", "options"),
     [
@@ -150,11 +155,13 @@ def one_by_one(monkeypatch, *arguments, **options) -> Flock:
         ("vem-a", {"agents": 300, "size": 8.0, "eta": 0.2}),
         ("vem", {"agents": 200, "size": 8.0, "world": "open", "eta": 0.1}),
         ("couzin", {"agents": 200, "sigma": 0.0}),
-        ("couzin", {"agents": 200, "dim": 2, "sigma": 0.05}),
-        ("reynolds", {"agents": 300}),
-        ("reynolds", {"agents": 100, "world": "wrap", "size": 12.0, "dim": 3, "fov": 360.0}),
-        ("olfati-saber", {"agents": 40}),
-        ("olfati-saber", {"agents": 60, "world": "open", "size": 30.0, "dim": 3}),
+        exhaustive("couzin", {"agents": 200, "dim": 2, "sigma": 0.05}),
+        exhaustive("reynolds", {"agents": 300}),
+        exhaustive(
+            "reynolds", {"agents": 100, "world": "wrap", "size": 12.0, "dim": 3, "fov": 360.0}
+        ),
+        exhaustive("olfati-saber", {"agents": 40}),
+        exhaustive("olfati-saber", {"agents": 60, "world": "open", "size": 30.0, "dim": 3}),
     ],
 )
 def test_eight_at_once_do_what_each_would(monkeypatch, model, options):

@@ -1,4 +1,4 @@
-"""Tests with appointments to keep run one at a time, when all others have ended."""
+"""Tests with appointments to keep run one at a time when all others have ended; cars one by one."""
 
 from __future__ import annotations
 
@@ -28,20 +28,22 @@ def test_{name}():
 FILES = {
     "browser/test_page": 2,
     "live/test_car": 2,
+    "live/test_link": 1,
     "experiments/test_cluster": 1,
     "test_rules": 3,
     "test_models": 1,
     "viewer/test_dials": 2,
 }
 """File -> its tests."""
+KINDS = {"browser": "serial", "experiments": "serial", "live": "live"}
 
 
 @pytest.mark.parametrize("processes", [0, 1, 2, 3])
-def test_what_is_serial_runs_alone_and_last(processes, pytester):
+def test_what_is_serial_runs_alone_and_last_and_what_is_live_one_by_one(processes, pytester):
     folder = pytester.path / "tests"
     log = pytester.path / "log"
     for file, count in FILES.items():
-        kind = "serial" if file.startswith(("browser", "live")) or "cluster" in file else "other"
+        kind = KINDS.get(file.partition("/")[0], "other")
         path = folder / f"{file}.py"
         path.parent.mkdir(parents=True, exist_ok=True)
         name = file.replace("/", "_")
@@ -54,4 +56,5 @@ def test_what_is_serial_runs_alone_and_last(processes, pytester):
     noted = [line.split() for line in log.read_text().splitlines()]
     words = [word for word, _ in sorted(noted, key=lambda note: float(note[1]))]
     assert words.count("other") == 6
-    assert words[-10:] == ["serial", "serial-end"] * 5
+    assert words[-6:] == ["serial", "serial-end"] * 3
+    assert [word for word in words if "live" in word] == ["live", "live-end"] * 3
