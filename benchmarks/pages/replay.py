@@ -90,7 +90,7 @@ def measure_recording(model: str, agents: int) -> None:
     simulation.pause().result()
     history = line.history
     began = time.perf_counter()
-    line.moment(simulation.require_run())
+    line.checkpoint(simulation.require_run())
     copied = 1e6 * (time.perf_counter() - began)
     simulation.close()
     with_it, without = (statistics.median(rates[keeps]) for keeps in (True, False))

@@ -29,7 +29,7 @@ def main() -> None:
         folder = Path(place)
         marks = [time.process_time()]
         with Store(folder, COLUMNS) as store:
-            cells = store.lay_out([(str(number), "{}") for number in range(CELLS)])
+            cells = store.store_plan([(str(number), "{}") for number in range(CELLS)])
             for row in range(rows):
                 seed = row // CELLS
                 measures = {"k": seed, "x": 0.1 * seed}

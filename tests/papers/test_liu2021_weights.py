@@ -44,7 +44,7 @@ def test_searches_of_two_seeds_share_no_run():
     runs = [
         set(of(flock))
         for flock in (first, second)
-        for of in (settings.search_seeds, settings.unseen)
+        for of in (settings.search_seeds, settings.fresh_seeds)
     ]
     assert sum(map(len, runs)) == len(set().union(*runs)) == 2 * (10 + 40)
 

@@ -211,15 +211,15 @@ def event(panel: ViewPanel, name: str, value):
 def test_what_rises_goes_back_some_turns_unless_somebody_has_said_how_far(server):
     cars = FlockView(server.gui, drawing_defaults(preset_spec("squashing-cars")), lambda *_: None)
     asyncio.run(cars.trailed(event(cars, "trails", "rising in time")))
-    assert cars.look().trail_length * 0.01 == pytest.approx(TURNS)
+    assert cars.drawing_style().trail_length * 0.01 == pytest.approx(TURNS)
     assert cars.changed_values() == {"trails": "rising in time"}
     asyncio.run(cars.trailed(event(cars, "trails", "line")))
-    assert cars.look().trail_length == DrawingStyle().trail_length
+    assert cars.drawing_style().trail_length == DrawingStyle().trail_length
     cars.form["trail_length"].value = 700
     asyncio.run(cars.trailed(event(cars, "trails", "rising in time")))
-    assert cars.look().trail_length == 700
+    assert cars.drawing_style().trail_length == 700
     cars.take({"trails": "rising in time"})
-    assert cars.look().trail_length * 0.01 == pytest.approx(TURNS)
+    assert cars.drawing_style().trail_length * 0.01 == pytest.approx(TURNS)
     assert controls_of(DrawingStyle)["trail_length"].high >= cars.usual.rising
 
 
