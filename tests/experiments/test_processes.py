@@ -77,7 +77,7 @@ def test_a_killed_process_is_replaced_and_its_run_made_again():
 
 
 def test_a_job_that_cannot_begin_is_refused():
-    with pytest.raises(InputError, match="can be begun: they end with code 1"):
+    with pytest.raises(InputError, match="can start: they end with code 1"):
         carried_out(Sums("nowhere"), [Task(1, 0, None)], workers=1)
 
 

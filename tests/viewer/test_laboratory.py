@@ -120,7 +120,7 @@ def test_a_slider_comes_to_what_the_flock_has(laboratory):
     panel, simulation = laboratory.parameters, laboratory.simulation
     simulation.set("eta", 0.75)
     until(lambda: panel.controls["eta"].value == 0.75)
-    panel.note("eta", False)
+    panel.remember_value("eta", False)
     panel.controls["eta"].value = 1.75
     time.sleep(0.3)
     assert panel.controls["eta"].value == 1.75, "it is not taken from whoever moves it"
