@@ -88,6 +88,26 @@ class LoopLibrary(JITCodeLibrary):
                 self._codegen.set_env(*callee.env)  # type: ignore[attr-defined]
 
 
+class IrReady(Exception):
+    """A function's LLVM code is there, and nothing more is to be made of it."""
+
+    def __init__(self, text: str):
+        super().__init__("its LLVM code is there")
+        self.text = text
+
+
+class IrLibrary(JITCodeLibrary):
+    """The LLVM code of a function with all that it calls, before anything depends on this CPU."""
+
+    add_llvm_module = take_in
+
+    def finalize(self) -> None:
+        """Take in all that it calls, and go no further. Raises IrReady."""
+        for callee in reached_libraries(self):
+            self._final_module.link_in(module_of(callee), preserve=True)
+        raise IrReady(str(self._final_module))
+
+
 def reached_libraries(library: CPUCodeLibrary) -> list[CPUCodeLibrary]:
     """All that a library calls, callers first: what nobody calls is not taken in."""
     libraries: dict[CPUCodeLibrary, None] = {}
@@ -127,5 +147,6 @@ def compiler_into(library_class: type[CPUCodeLibrary]) -> type[Compiler]:
 
 if numba.__version__.startswith(TRIED):
     PARTS, LOOPS = compiler_into(PartLibrary), compiler_into(LoopLibrary)
+    IR = compiler_into(IrLibrary)
 else:
-    PARTS = LOOPS = Compiler
+    PARTS = LOOPS = IR = Compiler

@@ -24,7 +24,7 @@ from filelock import FileLock
 from numba.core import types
 from numba.core.registry import CPUDispatcher
 
-from worlds.code_libraries import LOOPS, PARTS
+from worlds.code_libraries import IR, LOOPS, PARTS
 
 OPTIONS: dict[str, Any] = {
     "nopython": True,
@@ -131,6 +131,11 @@ def compiled(function: Callable) -> Any:
 def entry(function: Callable) -> Any:
     """Compile a loop, which Python calls."""
     return LoopDispatcher(function, targetoptions=OPTIONS, pipeline_class=LOOPS)
+
+
+def ir_dispatcher(function: Callable) -> Any:
+    """Compiles a function no further than to LLVM code: see `code_libraries.IrReady`."""
+    return LoopDispatcher(function, targetoptions=OPTIONS, pipeline_class=IR)
 
 
 entry_of_part: Callable[[Callable], Any] = entry
