@@ -1,0 +1,219 @@
+"""A flock as a program for a web page: its compiled loop as WebAssembly, and the memory it runs on.
+
+The page's own script calls the loop as the engines of `agents.engine.runner` do, and writes the
+values of its sliders into the slots of the loop's arguments, which the manifest names by path.
+"""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import dataclass
+from typing import Any, NoReturn
+
+from agents.engine.pairs.pair_runner import PairEngine
+from agents.engine.runner import SynchronousEngine
+from agents.flock import Flock
+from agents.models.declare import NumberParameter, declared
+from worlds.compilation import entry
+from worlds.input_error import InputError
+from worlds.web_assembly import FIRST_FREE, LinkedCode, MemoryImage, linked_code, web_module
+
+REACH, DURATION = "context.reach", "context.lasts"
+OWN = ("context.parameters", "context.unbounded")
+"""Where the loop has its parameters."""
+
+
+@dataclass(frozen=True)
+class WebProgram:
+    """What a page needs to run a flock."""
+
+    module: bytes
+    """WebAssembly that exports `advance`, and `reach` where that is more than one parameter."""
+    memory: bytes
+    """What stands at `manifest["base"]` before the first tick."""
+    manifest: dict[str, Any]
+    """What the page's script has to know, as JSON has it."""
+
+
+class CallStopped(Exception):
+    """The arguments of a call, which is not made."""
+
+    def __init__(self, function: Any, arguments: tuple[Any, ...]):
+        super().__init__("the call is not made")
+        self.function, self.arguments = function, arguments
+
+
+def web_program(flock: Flock) -> WebProgram:
+    """The program of a flock that stands at its start; the flock stays as it is.
+
+    Raises InputError for what a page cannot do yet.
+    """
+    demand_possible(flock)
+    survey_for_sliders(flock)
+    call = first_call(flock)
+    image = MemoryImage()
+    names = inspect.signature(call.function.py_func).parameters
+    for name, value in zip(names, call.arguments, strict=True):
+        image.add(name, value)
+    image.finish()
+    code = {"advance": linked_code(call.function, call.arguments)}
+    reach = flock.model.rule.reach
+    if reach not in type(flock.parameters).model_fields:
+        code["reach"] = reach_code(flock, reach)
+    module = web_module(code)
+    manifest = {
+        "model": flock.model.name,
+        "title": flock.model.rule.title,
+        "dim": flock.world.dim,
+        "agents": len(flock.ids),
+        "size": [float(side) for side in flock.world.size],
+        "low": [float(edge) for edge in flock.world.low],
+        "dt": flock.dt,
+        "seed": flock.seed,
+        "runner": runner_kind(flock),
+        "base": FIRST_FREE,
+        "block": image.block,
+        "answer": image.answer,
+        "arguments": {
+            path: [one.slot, one.kind, one.address, list(one.shape)]
+            for path, one in image.arguments.items()
+        },
+        "parameters": slider_parameters(flock, image),
+        "zones": zones(flock),
+        "reach": reach if "reach" not in code else None,
+    }
+    return WebProgram(module.content, bytes(image.content), manifest)
+
+
+def demand_possible(flock: Flock) -> None:
+    """Raise InputError for what a page cannot do yet."""
+    if flock.options.activation == "random":
+        raise InputError(
+            "activation = random cannot run in a page: the order is drawn by NumPy; "
+            "take sequential or synchronous"
+        )
+    if flock.options.is_windy:
+        raise InputError("wind and gusts cannot run in a page: they are drawn by NumPy")
+    if not len(flock.ids):
+        raise InputError("a page needs at least one agent")
+
+
+def first_call(flock: Flock) -> CallStopped:
+    """The call of the compiled loop with which the flock's next tick would begin."""
+
+    def stop(function: Any, *arguments: Any) -> NoReturn:
+        raise CallStopped(function, arguments)
+
+    engine = flock.engine
+    called, engine.called = engine.called, stop
+    try:
+        flock.advance(1)
+    except CallStopped as call:
+        return call
+    finally:
+        engine.called = called
+    raise AssertionError("a tick calls the compiled loop")
+
+
+def runner_kind(flock: Flock) -> str:
+    """How the page has to call the loop: `pairs`, `synchronous` or `turns`."""
+    if isinstance(flock.engine, PairEngine):
+        return "pairs"
+    return "synchronous" if isinstance(flock.engine, SynchronousEngine) else "turns"
+
+
+def sliders(flock: Flock) -> list[NumberParameter]:
+    """The parameters that a page has sliders for."""
+    return [
+        parameter
+        for parameter in declared(type(flock.parameters))
+        if isinstance(parameter, NumberParameter)
+    ]
+
+
+def survey_for_sliders(flock: Flock) -> None:
+    """Have the surroundings surveyed as far as any slider lets agents see: a page cannot do so."""
+    for parameter in sliders(flock):
+        before = getattr(flock.parameters, parameter.name)
+        try:
+            flock.set(**{parameter.name: parameter.proposed[1]})
+        except InputError:
+            continue  # it would be refused by the page, too
+        _ = flock.engine
+        flock.set(**{parameter.name: before})
+
+
+def slider_parameters(flock: Flock, image: MemoryImage) -> list[dict[str, Any]]:
+    """What a page has to know of each slider: its words, and the slots that it writes.
+
+    One that changes more than numbers, as which code runs, has no slots: its value is shown alone.
+    """
+    described = []
+    for parameter in sliders(flock):
+        value = getattr(flock.parameters, parameter.name)
+        low, high = parameter.proposed
+        described.append(
+            {
+                "name": parameter.name,
+                "symbol": parameter.symbol,
+                "unit": parameter.unit,
+                "words": parameter.words,
+                "description": parameter.description,
+                "low": min(low, value),
+                "high": max(high, value),
+                "step": parameter.step,
+                "value": value,
+                "slots": parameter_slots(flock, image, parameter),
+            }
+        )
+    return described
+
+
+def parameter_slots(flock: Flock, image: MemoryImage, parameter: NumberParameter) -> list[int]:
+    """The slots that hold a parameter, and the time step where the parameter is that."""
+    name = parameter.name
+    value, loop, context = getattr(flock.parameters, name), flock.loop, flock.context
+    low, high = parameter.proposed
+    other = high if value != high else low
+    try:
+        flock.set(**{name: other})
+    except InputError:
+        return []
+    changed, loop_changed = flock.context, flock.loop is not loop
+    flock.set(**{name: value})
+    if loop_changed:
+        return []
+    paths = [f"{own}.{name}" for own in OWN if getattr(getattr(context, own[8:]), name) == value]
+    if changed.lasts != context.lasts:
+        if changed.lasts != other:
+            return []
+        paths.append(DURATION)
+    return [image.arguments[path].slot for path in paths]
+
+
+def zones(flock: Flock) -> list[list[tuple[str, float]]]:
+    """The outer radii of the rule's zones, from the inside out: each a sum of parameters, with how
+    many times each is taken."""
+    found = []
+    for zone in flock.model.rule.zones:
+        base = zone.radius(flock.parameters)
+        found.append(
+            [
+                (parameter.name, times)
+                for parameter in sliders(flock)
+                if (times := slope(flock, parameter.name, zone.radius, base))
+            ]
+        )
+    return found
+
+
+def slope(flock: Flock, name: str, radius: Any, base: float) -> float:
+    """By how much a radius grows with a parameter."""
+    value = getattr(flock.parameters, name)
+    return round(radius(flock.parameters.model_copy(update={name: value + 1.0})) - base, 9)
+
+
+def reach_code(flock: Flock, name: str) -> LinkedCode:
+    """The code of a reach that follows from several parameters."""
+    compute = getattr(type(flock.parameters), name).fget
+    return linked_code(entry(compute), (flock.context.parameters,))

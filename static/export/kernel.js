@@ -1,0 +1,160 @@
+// Runs a flock's compiled loop: its memory, its arguments, and the calls that a tick needs, as the
+// engines of agents/engine/runner.py make them.
+const VIEWS = {
+  float64: Float64Array, int64: BigInt64Array, uint64: BigUint64Array, int32: Int32Array,
+  bool: Uint8Array, uint8: Uint8Array, int8: Int8Array,
+};
+const PAGE = 65536;
+const STACK = 1024 * 1024;
+const SLOT = 8;
+
+class Kernel {
+  constructor(module, manifest, image) {
+    this.manifest = manifest;
+    this.image = image;
+    this.memory = new WebAssembly.Memory({ initial: Math.ceil((manifest.base + image.length) / PAGE) + 2 });
+    const env = {
+      __linear_memory: this.memory,
+      __stack_pointer: new WebAssembly.Global({ value: "i32", mutable: true }, STACK),
+      __indirect_function_table: new WebAssembly.Table({ initial: 64, element: "anyfunc" }),
+      sched_yield: () => 0,
+      fmod: (a, b) => a % b,
+    };
+    for (const name of Object.getOwnPropertyNames(Math))
+      if (typeof Math[name] === "function") env[name] = Math[name];
+    this.exports = new WebAssembly.Instance(module, { env }).exports;
+    this.reset();
+  }
+
+  // The flock at its start. What is written to slots before (the sliders) is lost.
+  reset() {
+    this.tick = 0;
+    this.top = this.manifest.base + this.image.length;
+    new Uint8Array(this.memory.buffer).set(this.image, this.manifest.base);
+    this.arguments = {};
+    for (const [path, [slot, kind, address, shape]] of Object.entries(this.manifest.arguments))
+      this.arguments[path] = { slot, kind, address, shape: [...shape] };
+  }
+
+  // Memory grows, and all views of it are void: each is made anew where it is needed.
+  view(path) {
+    const { kind, address, shape } = this.arguments[path];
+    return new VIEWS[kind](this.memory.buffer, address, shape.reduce((a, b) => a * b, 1));
+  }
+
+  writeDouble(slot, value) {
+    new DataView(this.memory.buffer).setFloat64(this.manifest.block + SLOT * slot, value, true);
+  }
+
+  write(path, value) {
+    const { slot, kind } = this.arguments[path];
+    const view = new DataView(this.memory.buffer), place = this.manifest.block + SLOT * slot;
+    if (kind === "float64") view.setFloat64(place, value, true);
+    else if (kind === "bool") view.setUint8(place, value);
+    else view.setBigInt64(place, BigInt(value), true);
+  }
+
+  answer(number) {
+    return Number(new BigInt64Array(this.memory.buffer, this.manifest.answer, 8)[number]);
+  }
+
+  call() {
+    const status = this.exports.advance(this.manifest.block);
+    if (status) throw new Error(`the loop ends with ${status}`);
+  }
+
+  // Give an array new room, all zeros, for another shape.
+  move(path, shape) {
+    const argument = this.arguments[path], bytes = VIEWS[argument.kind].BYTES_PER_ELEMENT;
+    const size = shape.reduce((a, b) => a * b, 1), axes = shape.length;
+    argument.address = Math.ceil(this.top / 64) * 64;
+    argument.shape = shape;
+    this.top = argument.address + Math.max(SLOT, size * bytes);
+    const lacks = this.top + PAGE - this.memory.buffer.byteLength;
+    if (lacks > 0) this.memory.grow(Math.ceil(lacks / PAGE));
+    this.view(path).fill(argument.kind.includes("64") && argument.kind !== "float64" ? 0n : 0);
+    const view = new DataView(this.memory.buffer), at = (k) => this.manifest.block + SLOT * (argument.slot + k);
+    view.setBigInt64(at(2), BigInt(size), true);
+    view.setUint32(at(4), argument.address, true);
+    let stride = bytes;
+    for (let axis = axes - 1; axis >= 0; axis--) {
+      view.setBigInt64(at(5 + axis), BigInt(shape[axis]), true);
+      view.setBigInt64(at(5 + axes + axis), BigInt(stride), true);
+      stride *= shape[axis];
+    }
+  }
+
+  // As agents.engine.arrays.empty_workspace.
+  widen(capacity) {
+    const shape = (name) => this.arguments[`workspace.${name}`].shape;
+    for (const name of ["block", "signals", "close", "close_signals"])
+      this.move(`workspace.${name}`, [shape(name)[0], capacity]);
+    for (const name of ["apart", "chosen"]) this.move(`workspace.${name}`, [capacity]);
+    this.move("workspace.spare", [4, Math.max(capacity, shape("found")[0])]);
+  }
+
+  refuse(row) {
+    throw new Error(`agent ${this.view("flock.ids")[row]} has no place at tick ${this.tick}: its position is no number`);
+  }
+
+  run(ticks) {
+    if (this.manifest.runner === "turns") for (let k = 0; k < ticks; k++) this.turns();
+    else this.together(ticks);
+  }
+
+  together(ticks) {
+    const widens = this.manifest.runner === "synchronous";
+    while (ticks > 0) {
+      this.write("tick", this.tick);
+      this.write("ticks", ticks);
+      this.write("context.since", this.tick);
+      this.call();
+      const done = this.answer(0), bad = this.answer(2), need = widens ? this.answer(3) : 0;
+      this.tick += done;
+      ticks -= done;
+      if (bad >= 0) this.refuse(bad);
+      if (need > 0) this.widen(2 * need);
+      else if (!done) throw new Error("the loop stands still");
+    }
+  }
+
+  turns() {
+    this.write("tick", this.tick);
+    this.write("context.since", this.tick);
+    const rows = this.arguments.order.shape[0];
+    for (let first = 0, opens = 1; ; opens = 0) {
+      this.write("first", first);
+      this.write("opens", opens);
+      this.call();
+      first = this.answer(0);
+      if (this.answer(1) >= 0) this.refuse(this.answer(1));
+      if (first === rows) break;
+      this.widen(2 * this.arguments["workspace.block"].shape[1]);
+    }
+    this.tick += 1;
+  }
+
+  // A parameter, and the reach that follows from it.
+  set(parameter, value) {
+    for (const slot of parameter.slots) this.writeDouble(slot, value);
+    if (this.manifest.reach === parameter.name) this.write("context.reach", value);
+    if (this.exports.reach) this.write("context.reach", this.reach());
+  }
+
+  // A function of all parameters, which stand side by side in the block.
+  reach() {
+    const slots = Object.entries(this.arguments).filter(([path]) => path.startsWith("context.parameters."))
+      .map(([, one]) => one.slot);
+    const first = Math.min(...slots), size = SLOT * slots.length;
+    if (!this.scratch) {
+      this.scratch = Math.ceil(this.top / 64) * 64;
+      this.top = this.scratch + size + 2 * SLOT;
+    }
+    const bytes = new Uint8Array(this.memory.buffer), head = this.manifest.block;
+    bytes.copyWithin(this.scratch, head, head + 2 * SLOT);
+    bytes.copyWithin(this.scratch + 2 * SLOT, head + SLOT * first, head + SLOT * first + size);
+    const status = this.exports.reach(this.scratch);
+    if (status) throw new Error(`the reach ends with ${status}`);
+    return new Float64Array(this.memory.buffer, this.manifest.answer, 1)[0];
+  }
+}

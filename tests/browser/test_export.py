@@ -1,0 +1,140 @@
+"""A flock as a page of its own: it runs from a file and gives what it gives here."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+
+from agents.flock import Flock
+from app.web.flock_page import flock_page
+from tests.viewer.waiting import until
+
+
+@pytest.fixture
+def opened(chromium, tmp_path):
+    """Opens the page of a flock from its file; notes what it asks of any network, and errors."""
+    asked: list[str] = []
+    errors: list[str] = []
+
+    @contextmanager
+    def opens(flock: Flock, **options):
+        file = tmp_path / "flock.html"
+        file.write_text(flock_page(flock), encoding="utf-8")
+        page = chromium.new_page(**{"viewport": {"width": 1100, "height": 720}} | options)
+        page.on("request", lambda request: asked.append(request.url))
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        page.goto(file.as_uri())
+        until(lambda: page.evaluate("'page' in globalThis"), 60, "the flock to be there")
+        try:
+            yield page
+            assert errors == []
+            assert {url.partition(":")[0] for url in asked} <= {"file", "data", "blob"}
+        finally:
+            page.close()
+
+    return opens
+
+
+def positions(page, ticks: int, shape: tuple[int, int]) -> np.ndarray:
+    """Where agents are after so many ticks more."""
+    code = f"(page.kernel.run({ticks}), [...page.kernel.view('flock.position')])"
+    return np.array(page.evaluate(code)).reshape(shape)
+
+
+def moved(page, name: str, value: float) -> None:
+    """Move a slider."""
+    page.evaluate(
+        "([name, value]) => page.set(page.manifest.parameters.find((one) => one.name === name), "
+        "value)",
+        [name, value],
+    )
+
+
+CASES = {
+    "pairs": ("vem", {"agents": 60, "eta": 0.5}, ("eta", 2.0), ("r", 1.5)),
+    "pairs in space": ("couzin", {"agents": 40}, ("dr_o", 4.0), ("dr_a", 12.0)),
+    "among obstacles": ("hwvem-nav", {}, ("eta", 0.3), ("p2", 3.0)),
+    "in turn": ("hwvem", {"agents": 40, "activation": "sequential"}, ("eta", 0.3), ("r", 1.2)),
+    "late": ("hwvem", {"agents": 40, "delay": 3.0}, ("eta", 0.3), ("p1", 0.5)),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_page_flies_as_here_also_when_sliders_are_moved(opened, case):
+    model, words, *changes = CASES[case]
+    flock = Flock(model, rng=3, **words)
+    with opened(Flock(model, rng=3, **words)) as page:
+        for name, value in changes:
+            flock.run(20)
+            there = positions(page, 20, flock.position.shape)
+            assert there == pytest.approx(flock.position, abs=1e-9)
+            flock.set(**{name: value})
+            moved(page, name, value)
+        flock.run(20)
+        assert positions(page, 20, flock.position.shape) == pytest.approx(flock.position, abs=1e-9)
+
+
+def test_it_begins_again_with_the_sliders_as_they_are(opened):
+    with opened(Flock("vem", agents=30, rng=3)) as page:
+        start = positions(page, 0, (30, 2))
+        moved(page, "eta", 3.0)
+        page.click("#step")
+        assert page.locator("#tick").inner_text() == "1"
+        page.click("#reset")
+        assert positions(page, 0, (30, 2)) == pytest.approx(start)
+        flock = Flock("vem", agents=30, rng=3, eta=3.0)
+        flock.run(20)
+        assert positions(page, 20, (30, 2)) == pytest.approx(flock.position, abs=1e-9)
+
+
+def test_it_goes_and_pauses_and_shows_what_it_measures(opened):
+    with opened(Flock("vem", agents=30, rng=3)) as page:
+        page.click("#go")
+        until(lambda: page.evaluate("page.kernel.tick > 5"), 60, "five ticks")
+        page.click("#go")
+        tick = page.evaluate("page.kernel.tick")
+        flock = Flock("vem", agents=30, rng=3)
+        flock.run(tick)
+        shown = float(page.locator("#order").inner_text())
+        assert shown == pytest.approx(flock.observe("polarisation"), abs=6e-4)
+        page.keyboard.press("s")
+        assert page.evaluate("page.kernel.tick") == tick + 1
+
+
+def test_zones_keep_their_order(opened):
+    with opened(Flock("safe", agents=20, rng=1)) as page:
+        zones = page.evaluate("page.manifest.zones")
+        inner = zones[0][0][0]
+        before = page.evaluate(f"page.values[{inner!r}]")
+        moved(page, inner, 1e6)
+        assert page.evaluate(f"page.values[{inner!r}]") == before
+        assert "zones keep their order" in page.locator("#say").inner_text()
+
+
+def test_it_runs_in_a_frame_that_may_nothing_but_scripts(chromium, tmp_path):
+    file = tmp_path / "inner.html"
+    file.write_text(flock_page(Flock("vem", agents=30, rng=3)), encoding="utf-8")
+    outer = tmp_path / "outer.html"
+    outer.write_text(
+        f'<iframe sandbox="allow-scripts" width="480" height="360" src="{file.as_uri()}"></iframe>',
+        encoding="utf-8",
+    )
+    page = chromium.new_page()
+    try:
+        page.goto(outer.as_uri())
+        frame = page.frames[1]
+        until(lambda: frame.evaluate("'page' in globalThis"), 60, "the flock to be there")
+        frame.click("#step")
+        assert frame.evaluate("page.kernel.tick") == 1
+        assert frame.locator("#go").is_visible()
+        assert not frame.locator("header").is_visible()
+    finally:
+        page.close()
+
+
+def test_words_of_a_world_are_text():
+    title = "<script>globalThis.owned = 1</script>"
+    page_text = flock_page(Flock("vem", agents=5, rng=1), title)
+    assert title not in page_text
