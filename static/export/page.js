@@ -181,8 +181,8 @@ class Page {
   }
 
   key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("input, summary, button")) return;
-    if (event.key === " ") { event.preventDefault(); this.go(!this.going); }
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("input, summary")) return;
+    if (event.key === " " && !event.target.matches("button")) { event.preventDefault(); this.go(!this.going); }
     if (event.key === "s") $("step").click();
     if (event.key === "r") this.reset();
   }
