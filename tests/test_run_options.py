@@ -68,7 +68,7 @@ for name in spec.Options.model_fields:
 
 assert (gui.made["Gait"].value, gui.made["Loud"].value) == ("trotting", False)
 gui.made["Gait"].value, gui.made["Loud"].value = "walking", True
-chosen, _ = panel.chosen()
+chosen, _ = panel.chosen_pairing()
 assert (chosen.gait, chosen.loud) == ("walk", True)
 flock = Flock("vem", agents=3, gait="trot", loud=True)
 assert (flock.options.gait, flock.options.loud) == ("trot", True)

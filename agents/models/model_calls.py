@@ -156,7 +156,7 @@ def describe_uncompiled(model: Model, error: NumbaError) -> ModelCodeError:
             return format_fault(
                 own, code, line_of(code, message), describe_error(message, model, code)
             )
-    if (match := re.search(r">>> added\(UniTuple\(\w+ x (\d+)\)", message)) and model.rule.term:
+    if (match := re.search(r">>> add_terms\(UniTuple\(\w+ x (\d+)\)", message)) and model.rule.term:
         code = model.rule.term.py_func.__code__  # type: ignore[attr-defined]
         reason = f"it has to have as many numbers as its rule says, {match[1]}"
         return format_fault(own, code, max(lines(code)), reason)

@@ -76,7 +76,7 @@ def export_command(spec: CompleteSpec) -> str:
     """What makes the page, as far as words can say it."""
     if isinstance(spec.world, World):
         return "flockscope export spec.toml"
-    return command_line(SavedScene("", spec)).replace("flockscope lab", "flockscope export", 1)
+    return command_line(SavedScene("", spec)).replace(" lab ", " export ", 1)
 
 
 def packed(content: bytes) -> str:

@@ -11,7 +11,7 @@ from agents.run_records import fly
 from app.studies.experiment import flock_of
 from app.studies.experiment_file import Overrides, with_goal
 from app.studies.experiment_reader import read_experiment
-from app.studies.figures.beginning import BeginningSettings
+from app.studies.figures.beginning import BeginningSettings, nearest_distances
 from app.studies.figures.detours import A1, A2, A3, DetourSettings, DetourTrack, boundary_end
 from app.studies.figures.evolution import EvolutionSettings
 from app.studies.figures.holding import HoldingSettings
@@ -92,7 +92,7 @@ def test_gaps_are_seen_across_edges_that_wrap():
     flock = flock_of(case("thesis-fig5.3")[1], 1)
     flock.position[:] = 12.0
     flock.position[:2] = [[0.5, 12.0, 1.0], [23.0, 12.0, 1.0]]
-    assert measure_nearest(flock)[:2] == pytest.approx([1.5, 1.5])
+    assert nearest_distances(flock)[:2] == pytest.approx([1.5, 1.5])
 
 
 def test_the_least_distance_over_time_is_that_of_the_mission():

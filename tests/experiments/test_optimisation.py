@@ -246,4 +246,4 @@ def test_bad_files_are_refused_before_anything_runs(tmp_path, before, after, sai
 def test_fresh_seeds_are_none_of_the_search(tmp_path):
     seeds = study(tmp_path, ("count = 3", "count = 2000")).file.replicates
     assert not set(seeds.search_seeds) & set(seeds.fresh_seeds)
-    assert OptimisationFile.model_fields["replicates"].seeds.fresh_seeds == range(1001, 1101)
+    assert OptimisationFile.model_fields["replicates"].default.fresh_seeds == range(1001, 1101)

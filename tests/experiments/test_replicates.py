@@ -30,7 +30,7 @@ def noisy(cell, replicates):
 
 def test_wide_cells_get_more_until_they_are_narrow_or_have_the_most():
     made = rounds()
-    while made.more(noisy):
+    while made.ask_for_more(noisy):
         pass
     assert made.wanted == {1: 10, 2: 10, 3: 30}, "nothing is looked at before ten runs"
     assert is_precise(noisy(2, 10), made.asked.precision)
@@ -38,7 +38,7 @@ def test_wide_cells_get_more_until_they_are_narrow_or_have_the_most():
 
 def test_a_budget_is_kept_to():
     made = rounds(budget=18)
-    while made.more(noisy):
+    while made.ask_for_more(noisy):
         pass
     assert (made.wanted, made.total) == ({1: 10, 2: 6, 3: 2}, 18)
 
@@ -56,5 +56,5 @@ def test_a_relative_precision_is_a_share_of_the_mean():
 
 def test_cells_without_values_are_not_precise():
     made = rounds()
-    assert made.more(lambda *_: [])
+    assert made.ask_for_more(lambda *_: [])
     assert made.wanted == {1: 10, 2: 10, 3: 10}

@@ -232,7 +232,7 @@ def test_a_series_is_in_the_long_table(tmp_path):
     text = SMALL + '[[observe]]\nname = "groups"\nwhen = "every 15"\n'
     sweep = read(tmp_path, text=text)
     with Store(tmp_path / "a", sweep.making.columns) as store:
-        numbers = store.store_plan([(cell.hash, cell.kept) for cell in sweep.cells])
+        numbers = store.store_plan([(cell.hash, cell.stored_text) for cell in sweep.cells])
         store.tell(axes=["eta"], columns=["polarisation"])
         series = {"groups": (np.array([15, 30]), np.array([2.0, 1.0]))}
         store.add(numbers[1], 1, Outcome("ok", {"polarisation": 0.5}, ticks=30, series=series))

@@ -53,7 +53,7 @@ class Stand:
     def show(self, _frame, _look) -> None:
         self.shown.append(self.time())
 
-    def look_through(self) -> None:
+    def update_see_through(self) -> None:
         pass
 
     def latest(self):

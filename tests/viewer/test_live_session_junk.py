@@ -31,8 +31,8 @@ JUNK = st.one_of(
 NAMES = st.one_of(JUNK, st.sampled_from(sorted(cars_for_rule("squashing").parameters.model_fields)))
 CALLS = st.one_of(
     st.tuples(st.just("ask"), st.one_of(JUNK, st.sampled_from(["arm", "disarm", "reset"]))),
-    st.tuples(st.just("tune"), NAMES, st.one_of(JUNK, st.floats(0.0, 5.0))),
-    st.tuples(st.just("accompany"), st.one_of(JUNK, st.integers(-1, 10))),
+    st.tuples(st.just("set_parameter"), NAMES, st.one_of(JUNK, st.floats(0.0, 5.0))),
+    st.tuples(st.just("set_companions"), st.one_of(JUNK, st.integers(-1, 10))),
     st.tuples(st.just("place"), JUNK, st.one_of(JUNK, st.floats(-1.0, 1.0))),
     st.tuples(
         st.just("choose"),
