@@ -106,7 +106,7 @@ class View {
       return multiply(new Float32Array([scale / width, 0, 0, 0, 0, scale / height, 0, 0, 0, 0, -1e-6, 0, 0, 0, 0, 1]), towards);
     }
     const [cy, sy, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
-    const reach = Math.hypot(...size), away = 1.35 * reach / this.zoom, lens = 1.9;
+    const reach = Math.hypot(...size), away = 1.2 * reach / this.zoom, lens = 1.9;
     const turn = new Float32Array([cy, -sy * sp, sy * cp, 0, sy, cy * sp, -cy * cp, 0, 0, cp, sp, 0, 0, 0, -away, 1]);
     const near = away / 50, far = away + 2 * reach, short = Math.min(width, height);
     const lensed = new Float32Array([
