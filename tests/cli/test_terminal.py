@@ -97,7 +97,7 @@ def test_no_command_makes_a_console_of_its_own():
         for path in Path(app.cli.__file__).parent.rglob("*.py")
         if re.search(r"import Console\b|rich\.print|rich import print", path.read_text("utf-8"))
     ]
-    assert makers == ["terminal.py"]
+    assert makers == ["console.py"]
 
 
 def test_a_spec_with_a_hostile_name_is_refused_without_commands(tmp_path):

@@ -42,7 +42,7 @@ def test_a_run_with_noise_goes_on_twice_with_the_same_noise():
 
     watched = type("Watched", (TurnSettings,), {"headings": keep}).model_construct(**dict(short))
     flock = flock_of(case, 2)
-    watched.turned(flock)
+    watched.turn_flock(flock)
     without, with_turn = seen
     differs = (without != with_turn).any(axis=2)
     away = distances(flock, int(np.argmax(flock.informed)))
