@@ -165,7 +165,7 @@ class Line:
     def ask(self, request):
         self.asked.append(request)
 
-    def overtake(self, request):
+    def note_overtaken(self, request):
         self.late.append(request)
 
     def send(self, asked):
