@@ -181,11 +181,11 @@ def parameter_slots(flock: Flock, image: MemoryImage, parameter: NumberParameter
         return []
     changed, loop_changed = flock.context, flock.loop is not loop
     flock.set(**{name: value})
-    if loop_changed:
+    if loop_changed or changed.nearest != context.nearest:
         return []
     paths = [f"{own}.{name}" for own in OWN if getattr(getattr(context, own[8:]), name) == value]
     if changed.lasts != context.lasts:
-        if changed.lasts != other:
+        if changed.lasts != other or flock.options.is_late:  # how old messages are follows from it
             return []
         paths.append(DURATION)
     return [image.arguments[path].slot for path in paths]
