@@ -88,16 +88,18 @@ class Page {
   go(going) {
     this.going = going;
     $("go").textContent = going ? "Pause" : "Go";
-    if (going) { this.last = performance.now(); requestAnimationFrame((now) => this.frame(now)); }
+    if (going) { this.rate = this.speed(); this.last = performance.now(); requestAnimationFrame((now) => this.frame(now)); }
   }
 
   frame(now) {
     if (!this.going) return;
-    this.owed += Math.min(250, now - this.last) / 1000 * this.speed();
+    const spent = Math.max(1, now - this.last) / 1000, tick = this.kernel.tick;
+    this.owed += Math.min(0.25, spent) * this.speed();
     this.last = now;
     const until = performance.now() + 25; // the picture never waits longer
     while (this.owed >= 1 && performance.now() < until && this.going) { this.run(1); this.owed -= 1; }
     this.owed = Math.min(this.owed, 1);
+    this.rate += 0.1 * ((this.kernel.tick - tick) / spent - this.rate);
     this.show();
     requestAnimationFrame((next) => this.frame(next));
   }
@@ -115,7 +117,6 @@ class Page {
       return;
     }
     this.series.push([this.kernel.tick, this.polarisation()]);
-    if (this.series.length > 4000) this.series = this.series.filter((_, k) => k % 2 === 0);
   }
 
   // The length of the mean heading, as agents.observables.order.polarisation.
@@ -134,7 +135,8 @@ class Page {
     $("tick").textContent = grouped(this.kernel.tick);
     $("time").textContent = text(this.kernel.tick * this.manifest.dt, 1);
     $("order").textContent = text(this.series.at(-1)[1], 3);
-    $("pace").textContent = `${this.speed()} ticks a second`;
+    const behind = this.going && this.rate < 0.8 * this.speed() ? `${Math.round(this.rate)} of ` : "";
+    $("pace").textContent = `${behind}${this.speed()} ticks a second`;
     this.plot();
   }
 
@@ -167,7 +169,8 @@ class Page {
     pen.strokeStyle = colour("--accent");
     pen.lineWidth = 2 * scale;
     pen.beginPath();
-    for (const [tick, value] of this.series) pen.lineTo(x(tick), y(value));
+    const every = Math.ceil(this.series.length / 2000); // more points than the plot has pixels
+    for (let k = 0; k < this.series.length; k += every) pen.lineTo(x(this.series[k][0]), y(this.series[k][1]));
     pen.stroke();
   }
 
