@@ -27,6 +27,7 @@ def test_a_page_is_written_and_its_size_printed(tmp_path):
         (["vem", "--out", "flock.txt"], ".html"),
         (["no-such-model"], "no-such-model"),
         (["missing.toml"], "No such file"),
+        (["state.parquet"], "state.parquet is a recording"),
         (["vem", "--agents", "0"], "agents"),
     ],
 )

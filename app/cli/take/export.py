@@ -8,9 +8,11 @@ from typing import Annotated
 import typer
 
 from app.cli.options.run_arguments import GivenOptions, with_options
+from app.cli.take.source import is_recording
 from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
 from app.cli.terminal.usage import Rules, first_of, model_name
 from worlds.file_writer import demand_writable, write_text
+from worlds.input_error import InputError
 
 ENDINGS = (".html", ".htm")
 
@@ -42,6 +44,8 @@ def export(
     refused. What `flockscope run` takes to say which run it is, this takes too.
     """
     demand_writable("--out", out, overwrite, ENDINGS)
+    if is_recording(model):
+        raise InputError(f"{model} is a recording: a page runs a flock from its start")
     spec = Path(model) if model is not None and Path(model).suffix.lower() == ".toml" else None
     from app.cli.run import build_flock
     from app.web.flock_page import flock_page
