@@ -9,7 +9,7 @@ import typer
 
 from app.cli.terminal.outcome_table import as_json, print_written_files
 from app.cli.terminal.progress import Progress
-from app.cli.terminal.usage import command_group
+from app.cli.terminal.usage import PrintJson, Quiet, command_group
 from app.flight.request import FREQUENCY, SPEED, TWIST, check_range, check_speed, request
 from app.results_folder import demand_folder, picture_files
 from app.settings import numbers
@@ -33,8 +33,8 @@ Out = Annotated[Path, typer.Option(help="Folder for numbers and pictures.")]
 Overwrite = Annotated[
     bool, typer.Option("--overwrite", help="Replace what the folder has of these results.")
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
-Quiet = Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")]
+AsJson = PrintJson
+Quiet = Quiet
 
 
 # `flockscope flight aircraft`: the aircraft's values, and who says so.

@@ -10,7 +10,7 @@ import typer
 
 from app.cli.terminal.outcome_table import as_json, print_written_files
 from app.cli.terminal.progress import Progress
-from app.cli.terminal.usage import command_group
+from app.cli.terminal.usage import PrintJson, command_group
 from app.results_folder import demand_folder, picture_files
 from app.settings import check_whole_number, numbers
 from worlds.input_error import InputError
@@ -25,7 +25,7 @@ Overwrite = Annotated[
     bool, typer.Option("--overwrite", help="Replace what the folder has of these results.")
 ]
 Pictures = Annotated[bool, typer.Option(help="Draw the picture as PNG and SVG.")]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+Json = PrintJson
 Quiet = Annotated[bool, typer.Option("--quiet", help="No messages.")]
 
 MOST_DRAWS = 1_000_000

@@ -23,7 +23,7 @@ from app.cli.choices import (
     rows,
     show_tables,
 )
-from app.cli.terminal.usage import Rules, model_name
+from app.cli.terminal.usage import PrintJson, Rules, model_name
 from app.cli.world import worlds
 from worlds.input_error import InputError, shorten, suggestion
 from worlds.number_text import counted
@@ -37,7 +37,7 @@ def listing(
         ),
     ] = None,
     rule: Rules = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: PrintJson = False,
 ) -> None:
     """List all names, one kind of things, or one thing in full."""
     rows_by_kind = rows(has_rule_file=bool(rule))

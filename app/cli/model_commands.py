@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from app.cli.terminal.console import REFUSED
-from app.cli.terminal.usage import Rules, first_of, model_name
+from app.cli.terminal.usage import PrintJson, Rules, first_of, model_name
 from worlds.input_error import InputError
 
 
@@ -29,7 +29,7 @@ def warm(
         ),
     ] = None,
     rule: Rules = None,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json_asked: PrintJson = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress.")] = False,
 ) -> None:
     """Compile models in advance, with what is measured of them, each in its own world.
@@ -82,7 +82,7 @@ def check(
         typer.Argument(help="A model, see `flockscope list`, or a FILE.py.", callback=model_name),
     ] = None,
     rule: Rules = None,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json_asked: PrintJson = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Only what fails.")] = False,
 ) -> None:
     """Check a model as the built-in ones are: threads, order, symmetries, edges, odd starts.
@@ -115,7 +115,7 @@ def check(
 
 def cite(
     model: Annotated[str, typer.Argument(help="Name of a model, see `flockscope list models`.")],
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: PrintJson = False,
 ) -> None:
     """Print the sources of a model as BibTeX."""
     from agents.catalogue import model as by_name

@@ -14,6 +14,7 @@ import typer
 from app.cli.terminal.console import INTERRUPTED, make_console
 from app.cli.terminal.outcome_table import ASTRAY, as_json, print_written_files
 from app.cli.terminal.progress import Progress, StopSignals
+from app.cli.terminal.usage import PrintJson, Quiet
 from app.results_folder import demand_folder, picture_files
 from app.settings import check_whole_number, names, whole_numbers
 from worlds.input_error import InputError
@@ -67,8 +68,8 @@ def paper(
         bool,
         typer.Option("--overwrite", help="Replace files of these names that are not of such runs."),
     ] = False,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+    json_asked: PrintJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Repeat a table or a figure of a paper and print it beside the published numbers.
 

@@ -32,7 +32,7 @@ from app.cli.terminal.outcome_table import (
     show,
 )
 from app.cli.terminal.progress import Progress, run_ticks
-from app.cli.terminal.usage import Rules, first_of, model_name
+from app.cli.terminal.usage import PrintJson, Quiet, Rules, Settings, first_of, model_name
 from app.settings import check_whole_number, names
 from app.studies.workers.kernels import compile_loop
 from worlds.file_writer import demand_distinct_files, demand_writable, write_text
@@ -59,9 +59,7 @@ def run(
     rule: Rules = None,
     *,
     options: GivenOptions,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
-    ] = None,
+    settings: Settings = None,
     ticks: Ticks = None,
     seconds: Seconds = None,
     threads: Annotated[int, typer.Option(help="Threads, used from 10 000 agents on.")] = 1,
@@ -105,8 +103,8 @@ def run(
             "such as susceptibility."
         ),
     ] = None,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+    json_asked: PrintJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Run a flock and print what is observed at its end.
 

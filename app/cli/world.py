@@ -11,7 +11,7 @@ import typer
 from app.cli.choices import show_tables
 from app.cli.terminal.console import REFUSED
 from app.cli.terminal.outcome_table import as_json, print_written_files
-from app.cli.terminal.usage import command_group
+from app.cli.terminal.usage import Overwrite, PrintJson, Settings, command_group
 from app.settings import assignment, check_whole_number, names, numbers
 from worlds.file_writer import demand_writable, write_text
 from worlds.input_error import InputError
@@ -85,7 +85,7 @@ def check(
     name: Annotated[str, typer.Argument(help="A layout file or a built-in world.")],
     dim: Annotated[int | None, typer.Option(min=2, max=3, help="2 or 3 dimensions.")] = None,
     seed: Annotated[int, typer.Option(help="Run whose random obstacles to draw, if any.")] = 0,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json_asked: PrintJson = False,
 ) -> None:
     """Check a layout: print its problems, one a line, and what it holds if it is sound.
 
@@ -126,7 +126,7 @@ def describe_contents(holds: dict[str, Any]) -> str:
 
 
 def list_worlds(
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json_asked: PrintJson = False,
 ) -> None:
     """List the built-in worlds."""
     rows = worlds()
@@ -172,14 +172,9 @@ def make(
     edges: Annotated[
         str, typer.Option(help="solid, open or wrap for all sides, or one per axis: wrap,solid.")
     ] = "solid",
-    settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated."),
-    ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Let --out replace a file.")
-    ] = False,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    settings: Settings = None,
+    overwrite: Overwrite = False,
+    json_asked: PrintJson = False,
 ) -> None:
     """Make a world of random obstacles; the same seed and parameters give the same world."""
     check_whole_number("--seed", seed, 0)
@@ -211,10 +206,8 @@ def show(
     ] = None,
     seed: Annotated[int, typer.Option(help="Run whose random obstacles to draw, if any.")] = 0,
     points: Annotated[bool, typer.Option("--points", help="Show the boundary points.")] = False,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Let --out replace a file.")
-    ] = False,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    overwrite: Overwrite = False,
+    json_asked: PrintJson = False,
 ) -> None:
     """Draw a world: obstacles, edges, start, path and goal; in space from above and in front."""
     path = out or Path(f"{Path(name).name.removesuffix('.toml')}.png")
@@ -311,10 +304,8 @@ def import_drawing(
     to_origin: Annotated[
         bool, typer.Option("--to-origin", help="Move the lower corner of the box to (0, 0).")
     ] = False,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Let --out replace a file.")
-    ] = False,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    overwrite: Overwrite = False,
+    json_asked: PrintJson = False,
     quiet: Annotated[
         bool, typer.Option("--quiet", help="Do not tell what each layer is and what was changed.")
     ] = False,

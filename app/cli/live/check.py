@@ -12,7 +12,7 @@ import typer
 from app.cli.live.live_options import LinkName, SourceName
 from app.cli.terminal.console import refuse
 from app.cli.terminal.outcome_table import as_json
-from app.cli.terminal.usage import Rules
+from app.cli.terminal.usage import PrintJson, Rules
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -187,7 +187,7 @@ def check(
     speed: Annotated[
         float | None, typer.Option(help="Top speed of the cars of a recording, m/s.")
     ] = None,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json_asked: PrintJson = False,
     rule: Rules = None,  # noqa: ARG001 - taken into the catalogue before this is called
     quiet: Annotated[bool, typer.Option("--quiet", help="Only what is amiss.")] = False,
 ) -> None:

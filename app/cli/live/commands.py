@@ -13,7 +13,7 @@ from app.cli.live.lab import lab
 from app.cli.live.live_options import Seconds, Ticks
 from app.cli.live.run import run
 from app.cli.terminal.outcome_table import as_json
-from app.cli.terminal.usage import command_group
+from app.cli.terminal.usage import PrintJson, command_group
 from worlds.number_text import counted
 
 # `flockscope live emulate`: a laboratory in software, to try everything without hardware.
@@ -60,7 +60,7 @@ DIFFERS = 1
 
 def replay(
     folder: Annotated[Path, typer.Argument(help="Folder of the recording.")],
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json_asked: PrintJson = False,
 ) -> None:
     """Replay a live recording: the same rule behind the same safety, to the bit.
 
@@ -96,7 +96,7 @@ def replay(
 
 def recover(
     folder: Annotated[Path, typer.Argument(help="Folder of the recording.")],
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json_asked: PrintJson = False,
 ) -> None:
     """Make the tables of a live recording whose process was killed.
 

@@ -13,7 +13,7 @@ from app.cli.sweep.show import show
 from app.cli.sweep.sweep_choice import Name, SweepOptions, find_sweep_folder, is_sweep
 from app.cli.terminal.console import one_line
 from app.cli.terminal.outcome_table import as_json, print_written_files
-from app.cli.terminal.usage import command_group, with_option_groups
+from app.cli.terminal.usage import PrintJson, command_group, with_option_groups
 from app.results_folder import RESULTS
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
@@ -25,7 +25,7 @@ from worlds.number_text import counted, duration
 def check(
     what: Annotated[str, typer.Argument(help="FILE.toml, or a MODEL with --vary.")],
     options: SweepOptions,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json_asked: PrintJson = False,
 ) -> None:
     """Check every cell of a sweep. Print how many runs it has and how long they take.
 
@@ -79,7 +79,7 @@ def size(count: int) -> str:
 
 def list_sweeps(
     folder: Annotated[Path, typer.Option("--in", help="Where to look.")] = RESULTS,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json_asked: PrintJson = False,
 ) -> None:
     """List sweeps and their progress."""
     from app.studies.sweeps.sweep_table import status_of
@@ -108,7 +108,7 @@ def list_sweeps(
 
 def status(
     name: Name,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json_asked: PrintJson = False,
 ) -> None:
     """Show how many runs are done, how long the rest takes, and what failed."""
     from app.studies.sweeps.sweep_table import status_of

@@ -29,7 +29,7 @@ from app.cli.sweep.sweep_choice import SweepOptions
 from app.cli.terminal.console import INTERRUPTED
 from app.cli.terminal.outcome_table import as_json, print_stderr
 from app.cli.terminal.progress import Progress, StopSignals
-from app.cli.terminal.usage import with_option_groups
+from app.cli.terminal.usage import PrintJson, Quiet, with_option_groups
 from app.settings import check_whole_number
 from worlds.number_text import counted, duration
 
@@ -54,8 +54,8 @@ Drawn = Annotated[
 Overwrite = Annotated[
     bool, typer.Option("--overwrite", help="Replace the file that --picture names.")
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
-Quiet = Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")]
+AsJson = PrintJson
+Quiet = Quiet
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import typer
 from app.cli.sweep.sweep_choice import Name, find_sweep_folder
 from app.cli.terminal.console import make_console
 from app.cli.terminal.outcome_table import as_json
+from app.cli.terminal.usage import PrintJson
 from worlds.input_error import InputError
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ def show(
     name: Name,
     cell: Annotated[int | None, typer.Option(help="A cell, by its number in the table.")] = None,
     seed: Annotated[int | None, typer.Option(help="A seed: print this run as a spec.")] = None,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json_asked: PrintJson = False,
 ) -> None:
     """Show the mean and interval of each cell, and the runs that failed.
 

@@ -10,7 +10,15 @@ import typer
 from app.cli.options.run_arguments import GivenOptions, with_options
 from app.cli.take.source import is_recording
 from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
-from app.cli.terminal.usage import Rules, first_of, model_name
+from app.cli.terminal.usage import (
+    Overwrite,
+    PrintJson,
+    Quiet,
+    Rules,
+    Settings,
+    first_of,
+    model_name,
+)
 from worlds.file_writer import demand_writable, write_text
 from worlds.input_error import InputError
 
@@ -26,16 +34,12 @@ def export(
     rule: Rules = None,
     *,
     options: GivenOptions,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
-    ] = None,
+    settings: Settings = None,
     title: Annotated[str, typer.Option(help="Title of the page. \\[default: the model's]")] = "",
     out: Annotated[Path, typer.Option(help="HTML file.")] = Path("flock.html"),
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Let --out replace a file.")
-    ] = False,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+    overwrite: Overwrite = False,
+    json_asked: PrintJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Write a flock as one web page that runs by itself: offline, on a phone, from a file.
 

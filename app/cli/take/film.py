@@ -16,7 +16,7 @@ from app.cli.take.source import flock_of, is_recording, pixels, recording_of
 from app.cli.terminal.console import INTERRUPTED
 from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
 from app.cli.terminal.progress import Progress, StopSignals
-from app.cli.terminal.usage import Rules
+from app.cli.terminal.usage import Overwrite, PrintJson, Rules, Settings
 from app.settings import check_whole_number, names
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError
@@ -71,9 +71,7 @@ def film(
     rule: Rules = None,
     *,
     options: GivenOptions,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
-    ] = None,
+    settings: Settings = None,
     first: Annotated[int, typer.Option("--from", help="First tick.")] = 0,
     last: Annotated[
         int | None,
@@ -119,10 +117,8 @@ def film(
     plot: Annotated[
         str | None, typer.Option(help="Observables with commas, plotted below the flock.")
     ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Let --out replace a file.")
-    ] = False,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    overwrite: Overwrite = False,
+    json_asked: PrintJson = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it is made.")] = False,
 ) -> None:
     """Film a flock in its world, as the page shows it where there is a browser.

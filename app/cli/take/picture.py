@@ -13,7 +13,7 @@ from app.cli.take.source import flock_of, is_recording, pixels, recording_of
 from app.cli.terminal.console import INTERRUPTED
 from app.cli.terminal.outcome_table import as_json, print_written_files
 from app.cli.terminal.progress import Progress, run_ticks
-from app.cli.terminal.usage import Rules
+from app.cli.terminal.usage import Overwrite, PrintJson, Quiet, Rules, Settings
 from app.settings import check_whole_number
 from worlds.file_writer import demand_writable, writing
 from worlds.input_error import InputError
@@ -35,9 +35,7 @@ def picture(
     rule: Rules = None,
     *,
     options: GivenOptions,
-    settings: Annotated[
-        list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
-    ] = None,
+    settings: Settings = None,
     tick: Annotated[
         int | None,
         typer.Option(help="Which tick to draw. \\[default: 100; of a recording its last]"),
@@ -68,11 +66,9 @@ def picture(
     follow: Annotated[
         int | None, typer.Option(help="Identity of an agent to look at closely.")
     ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Let --out replace a file.")
-    ] = False,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")] = False,
+    overwrite: Overwrite = False,
+    json_asked: PrintJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Draw a flock in its world at a tick, with what colours mean, a scale and a caption.
 

@@ -9,6 +9,7 @@ import typer
 
 from app.cli.terminal.console import visible
 from app.cli.terminal.outcome_table import as_json, print_written_files
+from app.cli.terminal.usage import PrintJson
 from worlds.file_writer import demand_writable
 from worlds.input_error import InputError
 from worlds.number_text import counted
@@ -32,7 +33,7 @@ def recording(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Let --csv replace a file.")
     ] = False,
-    json_asked: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json_asked: PrintJson = False,
 ) -> None:
     """Show what a recording holds: run, ticks, world, columns with units."""
     demand_parquet(f"reading {str(file)!r}")
@@ -151,7 +152,7 @@ def recover(
     file: Annotated[
         Path, typer.Argument(help="The .part file that the run has left; of a live run its folder.")
     ],
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: PrintJson = False,
 ) -> None:
     """Save the recording of a killed run from its .part file, or its folder."""
     if file.is_dir():

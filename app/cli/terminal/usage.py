@@ -226,6 +226,14 @@ def first_of(model: str | None, rules: list[str] | None) -> str | None:
     return model or next(iter(rules or ()), None)
 
 
+# Options that several commands have.
+
+PrintJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="No messages while it runs.")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Let --out replace a file.")]
+Settings = Annotated[
+    list[str] | None, typer.Option("--set", help="A parameter, NAME=VALUE; may be repeated.")
+]
 Rules = Annotated[
     list[str] | None,
     typer.Option(
