@@ -14,6 +14,7 @@ from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.runner import SynchronousEngine
 from agents.flock import Flock
 from agents.models.declare import NumberParameter, declared
+from agents.models.model import NUMBER
 from worlds.compilation import entry
 from worlds.input_error import InputError
 from worlds.web_assembly import FIRST_FREE, LinkedCode, MemoryImage, linked_code, web_module
@@ -123,11 +124,12 @@ def runner_kind(flock: Flock) -> str:
 
 
 def sliders(flock: Flock) -> list[NumberParameter]:
-    """The parameters that a page has sliders for."""
+    """The parameters that a page has sliders for: not how many nearest agents are neighbours, where
+    all within reach are."""
     return [
         parameter
         for parameter in declared(type(flock.parameters))
-        if isinstance(parameter, NumberParameter)
+        if isinstance(parameter, NumberParameter) and (flock.nearest or parameter.name != NUMBER)
     ]
 
 

@@ -103,6 +103,16 @@ def test_it_goes_and_pauses_and_shows_what_it_measures(opened):
         assert page.evaluate("page.kernel.tick") == tick + 1
 
 
+def test_a_slider_that_a_page_cannot_fly_is_shown_and_cannot_be_moved(opened):
+    """How many nearest agents are neighbours is more than a number of the rule."""
+    with opened(Flock("vem", agents=30, rng=3, neighbours="nearest")) as page:
+        rows = page.locator(".slider").filter(has_text="nearest")
+        assert rows.count() == 1
+        assert rows.locator("input").is_disabled()
+    with opened(Flock("vem", agents=30, rng=3)) as page:
+        assert page.locator(".slider").filter(has_text="nearest").count() == 0
+
+
 def test_zones_keep_their_order(opened):
     with opened(Flock("safe", agents=20, rng=1)) as page:
         zones = page.evaluate("page.manifest.zones")
