@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from app.viewer.editing.editor import (
@@ -131,6 +131,7 @@ def test_every_shape_there_is_is_tried():
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda one: one.shape)
 @settings(max_examples=25, deadline=None)
 @given(dx=st.floats(-9, 9), dy=st.floats(-9, 9), degrees=st.floats(-720, 720))
+@example(dx=0.0, dy=0.0, degrees=-0.5)
 def test_a_move_is_a_turn_about_the_centre_and_a_shift(shape, dx, dy, degrees):
     """Against shapely's own rotation and translation of the outline."""
     from shapely import affinity
@@ -141,8 +142,10 @@ def test_a_move_is_a_turn_about_the_centre_and_a_shift(shape, dx, dy, degrees):
     moved = editor.move(editor.newest_key, (dx, dy), degrees).world.obstacles[0].footprint()
     expected = affinity.rotate(shape.footprint(), degrees, origin=shape.anchor)
     expected = affinity.translate(expected, dx, dy)
-    # A disc keeps its corners where they are, so that its polygon does not turn with it.
-    assert shapely.area(shapely.symmetric_difference(moved, expected)) < 5e-3 * expected.area + 1e-9
+    # A disc keeps its corners where they are, so that its polygon does not turn with it. On a grid,
+    # as GEOS takes polygons that differ in the last bit for ones that are apart.
+    off = shapely.symmetric_difference(moved, expected, grid_size=1e-9)
+    assert shapely.area(off) < 5e-3 * expected.area + 1e-9
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda one: one.shape)

@@ -11,7 +11,7 @@ from functools import partial
 from http.client import HTTPConnection
 
 import pytest
-from websockets.exceptions import InvalidHandshake
+from websockets.exceptions import ConnectionClosed, InvalidHandshake
 
 from agents.flock import Flock
 from agents.spec import Spec
@@ -73,7 +73,7 @@ class Eager:
     def try_to_come(self) -> None:
         """Connect at the first answer."""
         while not self.over.is_set():
-            with contextlib.suppress(OSError, EOFError, InvalidHandshake):
+            with contextlib.suppress(OSError, EOFError, InvalidHandshake, ConnectionClosed):
                 self.line = Raw(self.port)
                 return
 
@@ -153,7 +153,9 @@ def test_many_who_connect_and_go_while_a_page_begins_keep_it_from_nothing():
 def come_and_go(port: int, over: threading.Event) -> None:
     """Load the page, connect and go at once, as somebody who keeps pressing reload."""
     while not over.is_set():
-        with contextlib.suppress(OSError, EOFError, InvalidHandshake):  # it is down, or closes
+        with contextlib.suppress(
+            OSError, EOFError, InvalidHandshake, ConnectionClosed
+        ):  # it is down, or closes
             ask(port)
             line = Raw(port)
             line.line.socket.close()
