@@ -20,8 +20,9 @@ from worlds.input_error import InputError
 from worlds.web_assembly import FIRST_FREE, LinkedCode, MemoryImage, linked_code, web_module
 
 REACH, DURATION = "context.reach", "context.lasts"
-OWN = ("context.parameters", "context.unbounded")
-"""Where the loop has its parameters."""
+OWN = ("parameters", "unbounded")
+"""Where the loop has its parameters in the context: of the second, the radius that does not count
+where the nearest are neighbours is infinite."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,7 @@ def web_program(flock: Flock) -> WebProgram:
     Raises InputError for what a page cannot do yet.
     """
     demand_possible(flock)
+    zone_sums = zones(flock)
     survey_for_sliders(flock)
     call = first_call(flock)
     image = MemoryImage()
@@ -80,7 +82,7 @@ def web_program(flock: Flock) -> WebProgram:
             for path, one in image.arguments.items()
         },
         "parameters": slider_parameters(flock, image),
-        "zones": zones(flock),
+        "zones": zone_sums,
         "reach": reach if "reach" not in code else None,
     }
     return WebProgram(module.content, bytes(image.content), manifest)
@@ -95,6 +97,12 @@ def demand_possible(flock: Flock) -> None:
         )
     if flock.options.is_windy:
         raise InputError("wind and gusts cannot run in a page: they are drawn by NumPy")
+    checks = type(flock.parameters).__pydantic_decorators__
+    if checks.model_validators or checks.field_validators:
+        raise InputError(
+            f"model {flock.model.name!r} has checks of its own of its parameters: "
+            "a page cannot make them when a slider is moved"
+        )
     if not len(flock.ids):
         raise InputError("a page needs at least one agent")
 
@@ -185,7 +193,11 @@ def parameter_slots(flock: Flock, image: MemoryImage, parameter: NumberParameter
     flock.set(**{name: value})
     if loop_changed or changed.nearest != context.nearest:
         return []
-    paths = [f"{own}.{name}" for own in OWN if getattr(getattr(context, own[8:]), name) == value]
+    paths = [
+        f"{own}.{name}"
+        for own in OWN
+        if getattr(getattr(context, own.removeprefix("context.")), name) == value
+    ]
     if changed.lasts != context.lasts:
         if changed.lasts != other or flock.options.is_late:  # how old messages are follows from it
             return []
@@ -196,17 +208,22 @@ def parameter_slots(flock: Flock, image: MemoryImage, parameter: NumberParameter
 def zones(flock: Flock) -> list[list[tuple[str, float]]]:
     """The outer radii of the rule's zones, from the inside out: each a sum of parameters, with how
     many times each is taken."""
-    found = []
+    sums = []
     for zone in flock.model.rule.zones:
         base = zone.radius(flock.parameters)
-        found.append(
-            [
-                (parameter.name, times)
-                for parameter in sliders(flock)
-                if (times := slope(flock, parameter.name, zone.radius, base))
-            ]
-        )
-    return found
+        terms = [
+            (parameter.name, times)
+            for parameter in sliders(flock)
+            if (times := slope(flock, parameter.name, zone.radius, base))
+        ]
+        total = sum(times * getattr(flock.parameters, name) for name, times in terms)
+        if abs(total - base) > 1e-9 * (1.0 + abs(base)):
+            raise InputError(
+                f"the zone of {zone.name} of model {flock.model.name!r} is no sum of parameters: "
+                "a page cannot keep its order"
+            )
+        sums.append(terms)
+    return sums
 
 
 def slope(flock: Flock, name: str, radius: Any, base: float) -> float:

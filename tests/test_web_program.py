@@ -1,0 +1,67 @@
+"""What a page cannot do is refused before anything is compiled for it."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+from pydantic import model_validator
+
+from agents.catalogue import MODELS
+from agents.flock import Flock
+from agents.models.declare import Zone
+from agents.models.model import Model
+from agents.web_program import sliders, web_program
+from worlds.input_error import InputError
+
+COUZIN = MODELS["couzin"]
+
+
+class CheckedParameters(COUZIN.rule.parameters):
+    """Parameters that look at each other."""
+
+    @model_validator(mode="after")
+    def _fit(self):
+        return self
+
+
+def flock_of(monkeypatch, **changes) -> Flock:
+    """A flock of Couzin's rule with something declared otherwise."""
+    rule = dataclasses.replace(COUZIN.rule, name="changed", **changes)
+    monkeypatch.setitem(MODELS, "changed", Model(rule, COUZIN.body))
+    return Flock("changed", agents=5, rng=1)
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"parameters": CheckedParameters}, "has checks of its own"),
+        (
+            {"zones": (Zone("repulsion", lambda p: p.r_r * p.dr_o),)},
+            "the zone of repulsion .* is no sum of parameters",
+        ),
+    ],
+)
+def test_what_a_page_could_not_keep_to_is_refused(monkeypatch, changes, why):
+    flock = flock_of(monkeypatch, **changes)
+    with pytest.raises(InputError, match=why) as caught:
+        web_program(flock)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        ({"activation": "random"}, "activation = random cannot run in a page"),
+        ({"wind": 0.1}, "wind and gusts cannot run in a page"),
+    ],
+)
+def test_what_numpy_draws_is_refused(words, why):
+    with pytest.raises(InputError, match=why):
+        web_program(Flock("vem", agents=5, rng=1, **words))
+
+
+def test_how_many_are_neighbours_has_a_slider_only_where_it_counts():
+    assert "k" not in [one.name for one in sliders(Flock("vem", agents=5, rng=1))]
+    nearest = Flock("vem", agents=5, rng=1, neighbours="nearest")
+    assert "k" in [one.name for one in sliders(nearest)]
