@@ -194,9 +194,7 @@ def parameter_slots(flock: Flock, image: MemoryImage, parameter: NumberParameter
     if loop_changed or changed.nearest != context.nearest:
         return []
     paths = [
-        f"{own}.{name}"
-        for own in OWN
-        if getattr(getattr(context, own.removeprefix("context.")), name) == value
+        f"context.{own}.{name}" for own in OWN if getattr(getattr(context, own), name) == value
     ]
     if changed.lasts != context.lasts:
         if changed.lasts != other or flock.options.is_late:  # how old messages are follows from it
