@@ -99,6 +99,7 @@ class ChildProcess:
     ) -> None:
         self.limits = limits or ProcessLimits()
         self.restarts, self.is_trusted, self.ended = restarts, is_trusted, ended
+        self.worker = worker
         self.setup = pickle.dumps((worker, arguments), -1)
         self.first: tuple[Any, ...] = ()
         """What each new process does before its first request: a method's name and arguments. What
@@ -155,8 +156,11 @@ class ChildProcess:
         it does before is counted. `receive` is called, on a thread, with each value of a method
         that yields. The future raises what the method refuses (InputError), ChildError for other
         errors, and ProcessLostError. To cancel it takes the request back, unless the child is at
-        it: that ends with its process only.
+        it: that ends with its process only. Raises AttributeError at once for a method that the
+        worker's class does not have.
         """
+        if isinstance(self.worker, type):
+            getattr(self.worker, name)
         content = pickle.dumps((name, arguments), -1)
         request = Request(rank, next(self._numbers), content, timeout, receive)
         with self._changed:

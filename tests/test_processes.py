@@ -79,8 +79,8 @@ def test_what_the_worker_refuses_is_raised_as_it_is_and_other_errors_become_one_
         child.ask("crash").result(BUSY)
     with pytest.raises(ChildError, match=r"^TypeError: cannot pickle '_thread.lock' object$"):
         child.ask("unreadable").result(BUSY)
-    with pytest.raises(ChildError, match=r"^AttributeError: "):
-        child.ask("nothing of this name").result(BUSY)
+    with pytest.raises(AttributeError, match="nothing of this name"):
+        child.ask("nothing of this name")
     assert child.ask("echo", 1).result(BUSY) == (1,), "it goes on"
 
 

@@ -114,7 +114,7 @@ class KernelCompiler:
             self.child = ChildProcess(CompileWorker, files, self.specs, stderr=subprocess.DEVNULL)
             if self.closed:
                 self.child.end(0.0)
-            self.child.ask("try_out").result()
+            self.child.ask("compile_run").result()
             self.child.ask("compile_rest")
 
 
