@@ -62,6 +62,10 @@ class ArmedLoop:
         status = self.loop.latest
         return status is not None and status.mode == RUN
 
+    def is_safe(self) -> bool:
+        """Whether they stand until a person arms them again."""
+        return self.loop.control.safety.arm.state == "safe"
+
     def ticks(self, count: int) -> None:
         """Wait until the loop has gone on by so many ticks: it lives."""
         goal = self.loop.control.tick + count

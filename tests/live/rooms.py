@@ -100,7 +100,7 @@ class Room:
     def tick(self, *requests: OperatorRequest) -> ControlStep:
         """One tick; then the cars move as they were told."""
         self.now += TICK
-        self.control.begin_tick(self.now, requests, self.frame())
+        self.control.begin_tick(self.now, requests, (self.frame(),))
         self.step = self.control.end_tick(self.now, None)
         self.events += self.step.events
         self.move()

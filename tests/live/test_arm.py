@@ -38,9 +38,9 @@ def test_what_lies_is_not_armed_and_the_refusal_says_so():
     axes = Axes()
     lying = axes.sighting("red", (0.0, 0.0, 0.05), (1.0, 0.0, 0.0, 0.0))  # yaw 0, w first
     blue = axes.sighting("blue body", (1.0, 0.0, 0.05), (0.0, 0.0, 0.0, 1.0))
-    room.control.begin_tick(1.0, (), MocapFrame(1, 1.0, (lying, blue)))
+    room.control.begin_tick(1.0, (), (MocapFrame(1, 1.0, (lying, blue)),))
     room.control.end_tick(1.0, None)
-    room.control.begin_tick(1.01, (ARM,), MocapFrame(2, 1.01, (lying, blue)))
+    room.control.begin_tick(1.01, (ARM,), (MocapFrame(2, 1.01, (lying, blue)),))
     events = room.control.end_tick(1.01, None).events
     assert [event.words for event in events if event.kind == "refused"] == [
         "cannot be armed: red was never seen: its axis z, which should point up, is rolled 180 "
@@ -93,7 +93,7 @@ def test_the_emergency_stop_latches_and_is_armed_again_by_hand():
 def test_the_emergency_stop_works_unarmed_and_without_tracking():
     safety = lab().safety()
     safety.ask(0.0, OperatorRequest("emergency", "test"))
-    safety.take_frame(0.0, None)
+    safety.take_frames(0.0, ())
     assert safety.judge(0.0, {}).mode == EMERGENCY
 
 

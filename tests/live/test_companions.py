@@ -289,7 +289,7 @@ def test_what_does_not_fit_between_the_real_ones_is_refused_once_and_they_drive(
         asked = [OperatorRequest("arm", "test")] if number == 5 else []
         far = 0.35 + 1e-6 * number  # no place is 0.6 m from both
         bodies = seen("blue body", Pose(-far, 0.0, 0.0)), seen("red", Pose(far, 0.0, 0.0))
-        control.begin_tick(now, asked, MocapFrame(number, now, bodies))
+        control.begin_tick(now, asked, (MocapFrame(number, now, bodies),))
         step = control.end_tick(now, target)
         events += step.events
         modes.append(step.verdict.mode)

@@ -198,7 +198,7 @@ def test_a_forged_qualisys_stream_harms_nothing_but_its_own_process(attack):
             armed.ticks(3)
         demand_unharmed(armed, feed)
         server.flowing.clear()  # the honest stream ends: the cars stop, whatever the library does
-        until(lambda: not armed.runs, WITHIN)
+        until(armed.is_safe, WITHIN)  # for good: what the library has yet to read comes before
         armed.ticks(5)
         assert not armed.runs
 
@@ -231,7 +231,7 @@ def test_a_forged_vicon_stream_harms_nothing_but_its_own_process(attack, capfd):
             armed.ticks(3)
         demand_unharmed(armed, feed)
         server.flowing.clear()
-        until(lambda: not armed.runs, WITHIN)
+        until(armed.is_safe, WITHIN)
         armed.ticks(5)
         assert not armed.runs
     shown = capfd.readouterr()

@@ -31,7 +31,7 @@ def frame(number: int, received: float, x: float = 0.0, y: float = 0.0) -> Mocap
 
 def run(safety: Safety, now: float) -> None:
     """Bring one car to run at `now`, where its newest frame was received."""
-    safety.take_frame(now, frame(0, now))
+    safety.take_frames(now, (frame(0, now),))
     safety.ask(now, ARM)
     assert safety.judge(now, {"red": (0.0, 0.0)}).mode == RUN
 
@@ -40,10 +40,10 @@ def test_a_car_unseen_for_just_stale_still_runs_and_longer_stops_all():
     safety = one_car()
     run(safety, 0.0)
     stale = safety.limits.stale
-    safety.take_frame(stale, None)
+    safety.take_frames(stale, ())
     assert safety.judge(stale, {}).mode == RUN
     later = math.nextafter(stale, 1.0)
-    safety.take_frame(later, None)
+    safety.take_frames(later, ())
     verdict = safety.judge(later, {"red": (0.0, 1.0)})
     assert verdict.mode == STOP
     assert verdict.commands == {"red": (0.0, 0.0)}
@@ -71,7 +71,7 @@ def test_a_long_gap_waits_to_be_armed_again():
         assert not safety.judge(now, {}).held
     verdict = safety.judge(math.nextafter(longest, 2.0), {})
     assert verdict.held
-    safety.take_frame(1.5, frame(1, 1.5))
+    safety.take_frames(1.5, (frame(1, 1.5),))
     assert safety.judge(1.5, {}).mode == STOP
     run(safety, 2.0)
 
@@ -79,7 +79,7 @@ def test_a_long_gap_waits_to_be_armed_again():
 def test_a_loop_that_stood_still_waits_to_be_armed_again():
     safety = one_car()
     run(safety, 0.0)
-    safety.take_frame(2.0, frame(1, 2.0))
+    safety.take_frames(2.0, (frame(1, 2.0),))
     verdict = safety.judge(2.0, {})
     assert verdict.held
     assert [reason.words for reason in verdict.reasons] == ["the loop stood still for 2.00 s"]
@@ -87,7 +87,7 @@ def test_a_loop_that_stood_still_waits_to_be_armed_again():
 
 def test_a_source_that_lives_in_the_future_is_not_believed_to_be_fresh():
     safety = one_car()
-    safety.take_frame(0.0, frame(0, 1e6))
+    safety.take_frames(0.0, (frame(0, 1e6),))
     assert safety.seen.age("red", 0.25) == 0.25
 
 
@@ -95,7 +95,7 @@ def test_a_repeated_frame_does_not_count():
     safety = one_car()
     same = frame(0, 0.0)
     for now in (0.0, 0.05, 0.1):
-        safety.take_frame(now, same)
+        safety.take_frames(now, (same,))
     assert safety.seen.age("red", 0.2) == 0.2
 
 
@@ -112,23 +112,23 @@ def test_a_repeated_frame_does_not_count():
 )
 def test_what_is_no_sighting_does_not_count(sighting):
     safety = one_car()
-    assert safety.take_frame(0.0, MocapFrame(0, 0.0, (sighting,))) == ()
+    assert safety.take_frames(0.0, (MocapFrame(0, 0.0, (sighting,)),)) == ()
     assert math.isinf(safety.seen.age("red", 0.0))
 
 
 def test_a_body_that_is_tracked_twice_is_not_seen():
     safety = one_car()
     twice = (seen("red", Pose(0.0, 0.0, 0.0)), seen("red", Pose(1.0, 0.0, 0.0)))
-    assert safety.take_frame(0.0, MocapFrame(0, 0.0, twice)) == ()
+    assert safety.take_frames(0.0, (MocapFrame(0, 0.0, twice),)) == ()
 
 
 @pytest.mark.parametrize(("x", "y"), [(2.5, 0.0), (-2.5, 0.0), (0.0, 2.5), (0.0, -2.5)])
 def test_the_fence_stops_all_and_waits_to_be_armed_again(x, y):
     safety = one_car(leap=5.0)
     run(safety, 0.0)
-    safety.take_frame(0.01, frame(1, 0.01, 0.999 * x, 0.999 * y))
+    safety.take_frames(0.01, (frame(1, 0.01, 0.999 * x, 0.999 * y),))
     assert safety.judge(0.01, {}).mode == RUN
-    safety.take_frame(0.02, frame(2, 0.02, x, y))
+    safety.take_frames(0.02, (frame(2, 0.02, x, y),))
     verdict = safety.judge(0.02, {"red": (0.0, 1.0)})
     assert (verdict.mode, verdict.held) == (STOP, True)
     assert verdict.reasons[0].kind == "fence"
@@ -150,10 +150,10 @@ def test_a_car_at_full_speed_stops_between_fence_and_edge():
 def test_a_leap_is_not_believed_and_a_slip_of_one_frame_passes():
     safety = one_car()
     run(safety, 0.0)
-    safety.take_frame(0.01, frame(1, 0.01, 0.0, 1.5))
+    safety.take_frames(0.01, (frame(1, 0.01, 0.0, 1.5),))
     assert safety.judge(0.01, {}).mode == RUN
     assert safety.seen.last["red"].pose.y == 0.0
-    assert safety.take_frame(0.02, frame(2, 0.02, 0.0, 0.0))[0].pose.y == 0.0
+    assert safety.take_frames(0.02, (frame(2, 0.02, 0.0, 0.0),))[0].pose.y == 0.0
     assert safety.seen.leaps == {}
 
 
@@ -161,7 +161,7 @@ def test_a_leap_that_stays_waits_to_be_armed_again():
     safety = one_car()
     run(safety, 0.0)
     for k in range(1, 12):
-        safety.take_frame(0.01 * k, frame(k, 0.01 * k, 0.0, 1.5))
+        safety.take_frames(0.01 * k, (frame(k, 0.01 * k, 0.0, 1.5),))
         verdict = safety.judge(0.01 * k, {})
         assert verdict.mode == (RUN if k <= 10 else STOP)
     assert {reason.kind for reason in verdict.reasons} == {"unseen", "leap"}
@@ -173,14 +173,14 @@ def test_the_farthest_that_is_believed_is_leap_and_twice_the_speed():
     for far, believed in ((0.249, True), (0.25 + 0.0199, True), (0.25 + 0.0201, False)):
         safety = one_car()
         run(safety, 0.0)
-        safety.take_frame(0.01, frame(1, 0.01, 0.0, far))
+        safety.take_frames(0.01, (frame(1, 0.01, 0.0, far),))
         assert (safety.seen.last["red"].pose.y == far) == believed
 
 
 def test_unarmed_a_car_may_be_carried():
     safety = one_car()
-    safety.take_frame(0.0, frame(0, 0.0))
-    safety.take_frame(0.01, frame(1, 0.01, 2.0, 2.0))
+    safety.take_frames(0.0, (frame(0, 0.0),))
+    safety.take_frames(0.01, (frame(1, 0.01, 2.0, 2.0),))
     assert safety.seen.last["red"].pose == Pose(2.0, 2.0, 0.0)
 
 
@@ -281,11 +281,10 @@ def test_whatever_happens_nothing_exceeds_the_limits(moments, throttle, reverse)
     emergency = False
     for step, actions, where, wanted in moments:
         now += step
-        newest = None
         if where is not None:
             number += 1
-            newest = MocapFrame(number, now, (Sighting("red", Pose(*where[:2], 0.0), where[2]),))
-        safety.take_frame(now, newest)
+            sighting = Sighting("red", Pose(*where[:2], 0.0), where[2])
+            safety.take_frames(now, (MocapFrame(number, now, (sighting,)),))
         for action in actions:
             try:
                 safety.ask(now, OperatorRequest(action, "test"))

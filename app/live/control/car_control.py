@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from app.live.control.arm import OperatorRequest, State
@@ -70,12 +70,13 @@ class CarControl:
         return self.accompanied.companions if self.accompanied is not None else ()
 
     def begin_tick(
-        self, now: float, requests: Iterable[OperatorRequest], frame: MocapFrame | None
+        self, now: float, requests: Iterable[OperatorRequest], frames: Sequence[MocapFrame]
     ) -> None:
-        """Begin a tick at `now` (s): take the newest frame, then carry out the requests."""
+        """Begin a tick at `now` (s): take the frames that came since the tick before, oldest first,
+        then carry out the requests."""
         self.tick += 1
         self.events = []
-        self.sightings = self.safety.take_frame(now, frame)
+        self.sightings = self.safety.take_frames(now, frames)
         for request in requests:
             self.events.append(self.answer(now, request))
 

@@ -103,7 +103,8 @@ class Loop:
         """Requests that arrive after an emergency stop and were made before it."""
         self.overtaken: list[OperatorRequest] = []
         """Requests that an emergency stop has made void in this tick."""
-        self.newest: MocapFrame | None = None
+        self.taken = -1
+        """The number of the newest frame that a tick has taken."""
         self.before: float | None = None
         self.periods = Durations()
         self.latencies = Durations()
@@ -157,11 +158,11 @@ class Loop:
         if self.before is not None:
             self.periods.add(now - self.before)
         self.before = now
-        frames = self.feed.since(self.newest.number if self.newest else -1)
+        frames = self.feed.since(self.taken)
         if frames:
-            self.newest = frames[-1]
+            self.taken = frames[-1].number
         self.check_operator(now)
-        self.control.begin_tick(now, self.requests(), self.newest)
+        self.control.begin_tick(now, self.requests(), frames)
         control = self.control
         injected = self.injected.pose_at(now, control.running, control.sightings)
         step = control.end_tick(now, injected)
@@ -304,7 +305,7 @@ class Loop:
         control = self.control
         injected = None
         try:
-            control.begin_tick(now, requests, self.newest)
+            control.begin_tick(now, requests, ())
             injected = self.injected.pose_at(now, control.running, control.sightings)
             step = control.end_tick(now, injected)
         except Exception:  # what has failed before may fail again; what was sent is known

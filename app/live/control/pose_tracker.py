@@ -6,8 +6,9 @@ Here is decided what counts as fresh, for every source:
   where the source tells it (`MocapFrame.sent`).
 - A car that was told to drive since it was last seen must be seen at another pose: one that is the
   last pose to the bit is no sighting, and neither is any pose of the last `REMEMBERED` where the
-  source tells no time of its own. Real tracking is never the same twice: such a frame is an old one
-  that a library or a stranger hands out again.
+  source tells no time of its own, whether a tick has steered by it or has only passed over it. Real
+  tracking is never the same twice: such a frame is an old one that a library or a stranger hands
+  out again.
 - A car that was told to stand ever since may be seen where it was, to the bit: tracking in software
   has no noise.
 """
@@ -16,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeGuard
 
@@ -73,12 +74,19 @@ class PoseTracker:
         self.fresh: dict[str, Pose] = {}
         """Poses that the newest frame has brought."""
 
-    def take(self, now: float, frame: MocapFrame | None, believing: bool = False) -> bool:
-        """Take the newest frame; whether it is one that was not taken before and counts.
+    def take(self, now: float, frames: Sequence[MocapFrame], believing: bool = False) -> bool:
+        """Take the newest of the frames that have come; whether there is one that counts.
 
         `believing` takes every pose as it is, also that of a car that was carried away. A body that
         is in the frame twice, or whose pose is no finite number, is not seen.
         """
+        taken = self.take_newest(now, frames[-1] if frames else None, believing)
+        for passed in frames[:-1]:  # a stranger may have heard them too
+            self.remember(passed)
+        return taken
+
+    def take_newest(self, now: float, frame: MocapFrame | None, believing: bool) -> bool:
+        """Take a frame; see `take`."""
         self.fresh = {}
         if believing:
             self.leaps.clear()
@@ -112,8 +120,8 @@ class PoseTracker:
                 self.turns.pop(name, None)
                 self.driven.discard(name)
                 self.repeated.discard(name)
-                self.remember(name, pose)
                 self.fresh[name] = pose
+        self.remember(frame)
         return True
 
     def counts(self, frame: MocapFrame, believing: bool) -> bool:
@@ -136,13 +144,14 @@ class PoseTracker:
             return False
         return pose == self.last[name].pose or (frame.sent is None and pose in self.past[name])
 
-    def remember(self, name: str, pose: Pose) -> None:
-        """Know a pose of a car again, as long as it is one of the newest."""
-        past = self.past.get(name)
-        if past is not None:
-            past[pose] = None
-            if len(past) > REMEMBERED:
-                del past[next(iter(past))]
+    def remember(self, frame: MocapFrame) -> None:
+        """Know the poses of the cars again, as long as they are among the newest."""
+        for sighting in frame.sightings:
+            past = self.past.get(self.bodies.get(sighting.name, ""))
+            if past is not None and sighting.pose is not None:
+                past[sighting.pose] = None
+                if len(past) > REMEMBERED:
+                    del past[next(iter(past))]
 
     def is_reachable(self, name: str, pose: Pose, time: float) -> bool:
         """Whether a car can have come there since it was last believed; notes a leap."""

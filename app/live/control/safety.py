@@ -1,12 +1,13 @@
 """Safety: a pure state machine between the rule and the link that decides what may be sent.
 
-It has no clock, no thread and no device: it is told the time, the newest frame and what the rule
-wants, and answers what may be sent. Every stop has its reason:
+It has no clock, no thread and no device: it is told the time, the frames that came and what the
+rule wants, and answers what may be sent. Every stop has its reason:
 
 ======== ================================================================ =====================
 kind     when                                                             the cars
 ======== ================================================================ =====================
 unseen   a car was not seen for longer than `stale`                       run on once it is seen
+unseen   ... and old poses of it come again: somebody hands them out      wait to be armed again
 asleep   a car was unseen, or the loop stood still, longer than long_gap  wait to be armed again
 frozen   a car does not go where its commands take it                     wait to be armed again
 leap     a car is seen where or as it cannot be, for longer than `stale`  wait to be armed again
@@ -20,7 +21,7 @@ rule     the rule failed                                                  wait t
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from app.live.control.arm import Arm, OperatorRequest
@@ -66,7 +67,7 @@ class SafetyDecision:
 
 
 class Safety:
-    """Decides, tick by tick, what may be sent; `take_frame` comes before `judge` in each tick.
+    """Decides, tick by tick, what may be sent; `take_frames` comes before `judge` in each tick.
 
     `reached`: what is sent reaches the cars that are seen. Else, with a link that sends nothing or
     poses of a recording, nobody can tell a car to stand, and it may move.
@@ -91,12 +92,12 @@ class Safety:
         self.before: float | None = None
         """The time of the last verdict, s."""
 
-    def take_frame(self, now: float, frame: MocapFrame | None) -> tuple[Sighting, ...]:
-        """Take the newest frame; the last poses of all bodies seen within `stale` seconds.
+    def take_frames(self, now: float, frames: Sequence[MocapFrame]) -> tuple[Sighting, ...]:
+        """Take the frames that came; the last poses of all bodies seen within `stale` seconds.
 
         While unarmed every pose is accepted, also that of a car that is carried.
         """
-        if self.seen.take(now, frame, believing=self.arm.state != "armed"):
+        if self.seen.take(now, frames, believing=self.arm.state != "armed"):
             for name, pose in self.seen.fresh.items():
                 if name in self.travels:
                     self.travels[name].add_pose(now, pose)
@@ -177,7 +178,7 @@ class Safety:
         ]
 
     def unseen_reasons(self, now: float) -> list[StopReason]:
-        """Cars that were not seen for too long; short gaps pass by themselves."""
+        """Cars that were not seen for too long; a short gap without poses passes by itself."""
         reasons = []
         for name in self.cars:
             age = self.seen.age(name, now)
@@ -185,9 +186,10 @@ class Safety:
                 since = "was never seen" if math.isinf(age) else f"was last seen {age:.2f} s ago"
                 why = self.seen.why.get(name, "")
                 since += f": {why}" if why else ""
-                if name in self.seen.repeated:
+                is_repeated = name in self.seen.repeated
+                if is_repeated:
                     since += ": old poses of it come again"
-                reasons.append(StopReason("unseen", f"{name} {since}", name, holds=False))
+                reasons.append(StopReason("unseen", f"{name} {since}", name, holds=is_repeated))
         return reasons
 
     def asleep_reasons(self, now: float) -> list[StopReason]:

@@ -313,7 +313,7 @@ def steps(recorded: StoredRecording, driver: Driver) -> Iterator[tuple[Tick, Con
             "its beginning"
         )
     control = CarControl(recorded.lab.safety(), driver)
-    newest, begins = None, control.tick + 1
+    begins = control.tick + 1
     for tick in recorded.ticks():
         if control.tick < begins < tick.number:
             raise InputError(
@@ -321,8 +321,7 @@ def steps(recorded: StoredRecording, driver: Driver) -> Iterator[tuple[Tick, Con
                 f"{tick.number} of its loop, and a replay needs it from its beginning; "
                 "`flockscope live lab` shows it"
             )
-        newest = tick.frames[-1] if tick.frames else newest
-        control.begin_tick(tick.now, tick.requests, newest)
+        control.begin_tick(tick.now, tick.requests, tick.frames)
         yield tick, control.end_tick(tick.now, tick.injected)
 
 
