@@ -141,11 +141,11 @@ def test_a_browser_that_never_stops_asking_holds_nobody_up(page, operator, flood
 
 
 @pytest.fixture
-def chromium(page, operator):
+def chromium(page):
     """A real browser on the page, in a session of its own, which can be stopped as a whole."""
     if CHROMIUM is None or shutil.which(CHROMIUM) is None:
         pytest.skip("no chromium: install it to run this test")
-    until(lambda: page.browsers() == 1, SOON)  # those of the tests before are gone
+    until(lambda: page.browsers() == 1, SOON)  # the operator's: those of the tests before are gone
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         asked = [CHROMIUM, *ARGUMENTS, "--headless=new", f"--user-data-dir={folder}", page.address]
         silent = subprocess.DEVNULL
