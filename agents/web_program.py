@@ -15,6 +15,9 @@ from agents.engine.runner import SynchronousEngine
 from agents.flock import Flock
 from agents.models.declare import NumberParameter, declared
 from agents.models.model import NUMBER
+from agents.observables.catalogue import OBSERVABLES, telling_observables
+from agents.observables.observable import Range
+from agents.observables.of_rows import empty_cells
 from worlds.compilation import entry
 from worlds.input_error import InputError
 from worlds.web_assembly import FIRST_FREE, LinkedCode, MemoryImage, linked_code, web_module
@@ -54,15 +57,26 @@ def web_program(flock: Flock) -> WebProgram:
     zone_sums = zones(flock)
     survey_for_sliders(flock)
     call = first_call(flock)
-    image = MemoryImage()
     names = inspect.signature(call.function.py_func).parameters
-    for name, value in zip(names, call.arguments, strict=True):
+    arguments = dict(zip(names, call.arguments, strict=True)) | {
+        "cells": empty_cells(len(flock.ids)),
+        "converges": bool(flock.model.rule.converges),
+    }
+    image = MemoryImage()
+    for name, value in arguments.items():
         image.add(name, value)
     image.finish()
     code = {"advance": linked_code(call.function, call.arguments)}
     reach = flock.model.rule.reach
     if reach not in type(flock.parameters).model_fields:
         code["reach"] = reach_code(flock, reach)
+    measures = web_measures(flock)
+    arguments["together"] = flock.together
+    for measure in measures:
+        compute = OBSERVABLES[measure["name"]].compiled
+        code[measure["export"]] = linked_code(
+            compute, [arguments[name] for name in inspect.signature(compute.py_func).parameters]
+        )
     module = web_module(code)
     manifest = {
         "model": flock.model.name,
@@ -83,9 +97,39 @@ def web_program(flock: Flock) -> WebProgram:
         },
         "parameters": slider_parameters(flock, image),
         "zones": zone_sums,
+        "measures": measures,
         "reach": reach if "reach" not in code else None,
     }
     return WebProgram(module.content, bytes(image.content), manifest)
+
+
+def web_measures(flock: Flock) -> list[dict[str, Any]]:
+    """What a page can measure of a flock, what tells most of it first: of each its words, the
+    function that it calls, and by what names or paths that finds its arguments."""
+    telling = telling_observables(flock)
+    together = flock.model.rule.together or flock.model.rule.reach
+    is_parameter = together in type(flock.parameters).model_fields
+    paths = {"together": f"context.parameters.{together}" if is_parameter else "context.reach"}
+    found = [
+        observable
+        for observable in OBSERVABLES.values()
+        if observable.compiled is not None and observable.applies(flock)
+    ]
+    found.sort(key=lambda one: telling.index(one.name) if one.name in telling else len(telling))
+    return [
+        {
+            "name": one.name,
+            "title": one.title,
+            "unit": one.unit,
+            "share": isinstance(one.range, Range) and one.range.is_share,
+            "quick": one.quick,
+            "export": f"measure_{one.compiled.py_func.__name__}",
+            "arguments": [
+                paths.get(name, name) for name in inspect.signature(one.compiled.py_func).parameters
+            ],
+        }
+        for one in found
+    ]
 
 
 def demand_possible(flock: Flock) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-from agents.observables import consistency, lanes, of_flocks, order
+from agents.observables import consistency, lanes, of_flocks, of_rows, order
 from agents.observables.groups import size_histogram
 from agents.observables.observable import (
     COUNT,
@@ -71,6 +71,7 @@ ORDER = [
         lambda flock: order.polarisation(flock.heading),
         quick=True,
         card=MonitorCard("polarisation"),
+        compiled=of_rows.polarisation,
     ),
     Observable(
         "consistency",
@@ -82,6 +83,7 @@ ORDER = [
         applies=has_informed,
         beside="polarisation",
         card=MonitorCard("consistency", ".4f", of=lambda model: model.rule.led),
+        compiled=of_rows.consistency,
     ),
     Observable(
         "angular-momentum",
@@ -94,6 +96,7 @@ ORDER = [
         quick=True,
         beside="polarisation",
         card=MonitorCard("rotation"),
+        compiled=of_rows.angular_momentum,
     ),
     Observable(
         "lane-order",
@@ -120,6 +123,7 @@ ORDER = [
         LENGTH,
         lambda flock: order.velocity_spread(flock.heading * flock.speed[:, None]),
         quick=True,
+        compiled=of_rows.velocity_spread,
     ),
     over_a_run(
         "susceptibility",
@@ -144,6 +148,7 @@ NEIGHBOURS = [
         Range(0.0, limit="N - 1"),
         of_flocks.mean_neighbours,
         card=MonitorCard("neighbours", ".1f"),
+        compiled=of_rows.mean_neighbours,
     ),
     Observable(
         "nearest-neighbour",
@@ -152,6 +157,7 @@ NEIGHBOURS = [
         LENGTH,
         of_flocks.nearest,
         tells=among_solids,
+        compiled=of_rows.nearest_neighbour,
     ),
     Observable(
         "gyration-radius",
@@ -160,6 +166,7 @@ NEIGHBOURS = [
         LENGTH,
         lambda flock: order.gyration_radius(flock.position, flock.world.size, flock.world.images),
         quick=True,
+        compiled=of_rows.gyration_radius,
     ),
     Observable(
         "connectivity",
@@ -210,6 +217,7 @@ WORLD = [
             lambda world: "to goal" if world.mission.goal is not None else "to path's end",
             part="way",
         ),
+        compiled=of_rows.goal_distance,
     ),
     Observable(
         "following",
@@ -232,6 +240,7 @@ GROUPS = [
         of_flocks.number_of_groups,
         tells=can_crash,
         card=MonitorCard("groups"),
+        compiled=of_rows.groups,
     ),
     Observable(
         "largest-group",
@@ -240,6 +249,7 @@ GROUPS = [
         COUNT,
         of_flocks.largest_group,
         card=MonitorCard("largest group"),
+        compiled=of_rows.largest_group,
     ),
     Observable(
         "group-polarisation",
@@ -280,6 +290,7 @@ FLIGHT = [
         events=lambda flock: flock.crashes.tick,
         applies=can_crash,
         tells=can_crash,
+        compiled=of_rows.crashes,
     ),
     Observable(
         "drag-saved",

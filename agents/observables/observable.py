@@ -104,6 +104,9 @@ class Observable:
     card: MonitorCard | None = None
     saves_power: bool = False
     """Whether it is how much of its power an agent saves, in percent."""
+    compiled: Any = None
+    """The same as a compiled loop, for a page that runs by itself; see
+    `agents.observables.of_rows`."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.range, Range | Table):

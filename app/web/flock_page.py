@@ -29,7 +29,7 @@ from app.viewer.panels.dials import plain_symbol
 from worlds.world import World
 
 FOLDER = STATIC / "export"
-SCRIPTS = ("kernel.js", "view.js", "page.js")
+SCRIPTS = ("kernel.js", "runner.js", "view.js", "page.js")
 LIVELY = 30.0
 """Ticks a second at which a page begins."""
 CORNERS = 48
@@ -93,7 +93,7 @@ def page_policy(script: str, style: str) -> str:
 
     return (
         f"default-src 'none'; script-src {hashed(script)} 'wasm-unsafe-eval'; "
-        f"style-src {hashed(style)}; base-uri 'none'; form-action 'none'"
+        f"worker-src blob:; style-src {hashed(style)}; base-uri 'none'; form-action 'none'"
     )
 
 

@@ -1,21 +1,22 @@
 // Runs a flock's compiled loop: its memory, its arguments, and the calls that a tick needs, as the
 // engines of agents/engine/runner.py make them.
-const VIEWS = {
-  float64: Float64Array, int64: BigInt64Array, uint64: BigUint64Array, int32: Int32Array,
-  bool: Uint8Array, uint8: Uint8Array, int8: Int8Array,
-};
-const PAGE = 65536;
-const STACK = 1024 * 1024;
-const SLOT = 8;
-
 class Kernel {
+  // Also in a worker, which is made of the text of this class: so nothing stands outside it.
+  static VIEWS = {
+    float64: Float64Array, int64: BigInt64Array, uint64: BigUint64Array, int32: Int32Array,
+    bool: Uint8Array, uint8: Uint8Array, int8: Int8Array,
+  };
+  static PAGE = 65536;
+  static STACK = 1024 * 1024;
+  static SLOT = 8;
+
   constructor(module, manifest, image) {
     this.manifest = manifest;
     this.image = image;
-    this.memory = new WebAssembly.Memory({ initial: Math.ceil((manifest.base + image.length) / PAGE) + 2 });
+    this.memory = new WebAssembly.Memory({ initial: Math.ceil((manifest.base + image.length) / Kernel.PAGE) + 2 });
     const env = {
       __linear_memory: this.memory,
-      __stack_pointer: new WebAssembly.Global({ value: "i32", mutable: true }, STACK),
+      __stack_pointer: new WebAssembly.Global({ value: "i32", mutable: true }, Kernel.STACK),
       __indirect_function_table: new WebAssembly.Table({ initial: 64, element: "anyfunc" }),
       sched_yield: () => 0,
       fmod: (a, b) => a % b,
@@ -29,6 +30,7 @@ class Kernel {
   // The flock at its start. What is written to slots before (the sliders) is lost.
   reset() {
     this.tick = 0;
+    this.scratch = undefined;
     this.top = this.manifest.base + this.image.length;
     new Uint8Array(this.memory.buffer).set(this.image, this.manifest.base);
     this.arguments = {};
@@ -39,16 +41,16 @@ class Kernel {
   // Memory grows, and all views of it are void: each is made anew where it is needed.
   view(path) {
     const { kind, address, shape } = this.arguments[path];
-    return new VIEWS[kind](this.memory.buffer, address, shape.reduce((a, b) => a * b, 1));
+    return new Kernel.VIEWS[kind](this.memory.buffer, address, shape.reduce((a, b) => a * b, 1));
   }
 
   writeDouble(slot, value) {
-    new DataView(this.memory.buffer).setFloat64(this.manifest.block + SLOT * slot, value, true);
+    new DataView(this.memory.buffer).setFloat64(this.manifest.block + Kernel.SLOT * slot, value, true);
   }
 
   write(path, value) {
     const { slot, kind } = this.arguments[path];
-    const view = new DataView(this.memory.buffer), place = this.manifest.block + SLOT * slot;
+    const view = new DataView(this.memory.buffer), place = this.manifest.block + Kernel.SLOT * slot;
     if (kind === "float64") view.setFloat64(place, value, true);
     else if (kind === "bool") view.setUint8(place, value);
     else view.setBigInt64(place, BigInt(value), true);
@@ -63,17 +65,23 @@ class Kernel {
     if (status) throw new Error(`the loop ends with ${status}`);
   }
 
+  // Room for so many bytes; its address.
+  allot(size) {
+    const address = Math.ceil(this.top / 64) * 64;
+    this.top = address + size;
+    const lacks = this.top + Kernel.PAGE - this.memory.buffer.byteLength;
+    if (lacks > 0) this.memory.grow(Math.ceil(lacks / Kernel.PAGE));
+    return address;
+  }
+
   // Give an array new room, all zeros, for another shape.
   move(path, shape) {
-    const argument = this.arguments[path], bytes = VIEWS[argument.kind].BYTES_PER_ELEMENT;
+    const argument = this.arguments[path], bytes = Kernel.VIEWS[argument.kind].BYTES_PER_ELEMENT;
     const size = shape.reduce((a, b) => a * b, 1), axes = shape.length;
-    argument.address = Math.ceil(this.top / 64) * 64;
+    argument.address = this.allot(Math.max(Kernel.SLOT, size * bytes));
     argument.shape = shape;
-    this.top = argument.address + Math.max(SLOT, size * bytes);
-    const lacks = this.top + PAGE - this.memory.buffer.byteLength;
-    if (lacks > 0) this.memory.grow(Math.ceil(lacks / PAGE));
     this.view(path).fill(argument.kind.includes("64") && argument.kind !== "float64" ? 0n : 0);
-    const view = new DataView(this.memory.buffer), at = (k) => this.manifest.block + SLOT * (argument.slot + k);
+    const view = new DataView(this.memory.buffer), at = (k) => this.manifest.block + Kernel.SLOT * (argument.slot + k);
     view.setBigInt64(at(2), BigInt(size), true);
     view.setUint32(at(4), argument.address, true);
     let stride = bytes;
@@ -138,23 +146,43 @@ class Kernel {
   set(parameter, value) {
     for (const slot of parameter.slots) this.writeDouble(slot, value);
     if (this.manifest.reach === parameter.name) this.write("context.reach", value);
-    if (this.exports.reach) this.write("context.reach", this.reach());
+    if (this.exports.reach) this.write("context.reach", this.compute("reach", ["context.parameters"]));
   }
 
-  // A function of all parameters, which stand side by side in the block.
-  reach() {
-    const slots = Object.entries(this.arguments).filter(([path]) => path.startsWith("context.parameters."))
-      .map(([, one]) => one.slot);
-    const first = Math.min(...slots), size = SLOT * slots.length;
-    if (!this.scratch) {
-      this.scratch = Math.ceil(this.top / 64) * 64;
-      this.top = this.scratch + size + 2 * SLOT;
+  read(path) {
+    const { slot, kind } = this.arguments[path];
+    const view = new DataView(this.memory.buffer), place = this.manifest.block + Kernel.SLOT * slot;
+    return kind === "float64" ? view.getFloat64(place, true) : Number(view.getBigInt64(place, true));
+  }
+
+  // The first and the last slot of an argument, or of all that stands under a name.
+  slots(name) {
+    this.known ??= {};
+    return this.known[name] ??= Object.entries(this.arguments)
+      .filter(([path]) => path === name || path.startsWith(`${name}.`))
+      .map(([, { slot, shape }]) => [slot, slot + (shape.length ? 5 + 2 * shape.length : 1)])
+      .reduce(([first, last], [from, to]) => [Math.min(first, from), Math.max(last, to)], [Infinity, 0]);
+  }
+
+  // The number that a function gives of some of the arguments, which are copied side by side.
+  compute(name, paths) {
+    this.scratch ??= this.allot(Kernel.SLOT * (2 + Math.max(...Object.values(this.arguments).map((one) => one.slot)) + 16));
+    const bytes = new Uint8Array(this.memory.buffer), { block } = this.manifest;
+    bytes.copyWithin(this.scratch, block, block + 2 * Kernel.SLOT);
+    let place = this.scratch + 2 * Kernel.SLOT;
+    for (const path of paths) {
+      const [first, last] = this.slots(path);
+      bytes.copyWithin(place, block + Kernel.SLOT * first, block + Kernel.SLOT * last);
+      place += Kernel.SLOT * (last - first);
     }
-    const bytes = new Uint8Array(this.memory.buffer), head = this.manifest.block;
-    bytes.copyWithin(this.scratch, head, head + 2 * SLOT);
-    bytes.copyWithin(this.scratch + 2 * SLOT, head + SLOT * first, head + SLOT * first + size);
-    const status = this.exports.reach(this.scratch);
-    if (status) throw new Error(`the reach ends with ${status}`);
+    const status = this.exports[name](this.scratch);
+    if (status) throw new Error(`${name} ends with ${status}`);
     return new Float64Array(this.memory.buffer, this.manifest.answer, 1)[0];
+  }
+
+  // One of the manifest's measures, as the observable of that name.
+  measure({ export: name, arguments: paths }) {
+    this.write("tick", this.tick);
+    return this.compute(name, paths);
   }
 }

@@ -1,8 +1,16 @@
-// The page of one flock: buttons, sliders, what is measured, and its plot.
+// The page of one flock: buttons, sliders, what is measured, and its charts.
 const $ = (id) => document.getElementById(id);
 const THIN = "\u2009";
 const text = (value, digits) => Number(value).toFixed(digits).replace(/^-0(\.0*)?$/, "0$1").replace("-", "\u2212");
 const grouped = (value) => String(value).replace(/\B(?=(\d{3})+$)/g, THIN);
+// A number in few digits, as on an axis.
+const plain = (value, digits) => digits === undefined ? text(value, 6).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "").slice(0, 7) : text(value, digits);
+// The ends of an axis that begins at 0 where all is above it, in round numbers.
+function rounded(most, least) {
+  const step = 10 ** Math.floor(Math.log10(Math.max(most - least, 1e-9))) / 2;
+  return [Math.floor(least / step) * step, Math.max(Math.ceil(most / step) * step, Math.floor(least / step) * step + step)];
+}
+const spoken = (name) => name[0].toUpperCase() + name.slice(1).replaceAll("-", " ");
 const dark = matchMedia("(prefers-color-scheme: dark)");
 
 async function unpack(id) {
@@ -11,24 +19,105 @@ async function unpack(id) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
+// One measure over ticks.
+class Chart {
+  constructor(page, measure) {
+    const row = $("chart").content.firstElementChild.cloneNode(true), [choice] = row.getElementsByTagName("select");
+    this.number = row.querySelector("output");
+    this.canvas = row.querySelector("canvas");
+    for (const one of page.manifest.measures) choice.add(new Option(spoken(one.name), one.name, false, one === measure));
+    choice.onchange = () => {
+      this.show(page.manifest.measures.find((one) => one.name === choice.value));
+      page.ask({});
+    };
+    $("charts").append(row);
+    this.show(measure);
+  }
+
+  // Of a measure that is chosen later the curve begins then: what was not measured is not drawn.
+  show(measure) {
+    this.measure = measure;
+    this.canvas.title = measure.title;
+    this.clear();
+  }
+
+  clear() {
+    this.points = [];
+    this.number.textContent = "";
+  }
+
+  add(tick, value) {
+    if (value === null || value === undefined) return;
+    if (this.points.length && this.points.at(-1)[0] === tick) this.points.pop();
+    this.points.push([tick, value]);
+  }
+
+  draw(end) {
+    const canvas = this.canvas, scale = Math.min(devicePixelRatio || 1, 2), pen = canvas.getContext("2d");
+    canvas.width = Math.round(canvas.clientWidth * scale);
+    canvas.height = Math.round(canvas.clientHeight * scale);
+    const { name, unit, share } = this.measure, known = this.points.filter(([, value]) => Number.isFinite(value));
+    const shown = this.points.length ? this.points.at(-1)[1] : NaN, kind = unit === "1" ? "" : ` ${unit}`;
+    this.number.textContent = Number.isFinite(shown) ? `${plain(shown, share ? 3 : undefined)}${kind}` : "none";
+    canvas.setAttribute("aria-label", `${spoken(name)}: ${this.number.textContent} at tick ${end}`);
+    const [low, high] = share ? [0, 1] : rounded(known.reduce((most, [, value]) => Math.max(most, value), 0), known.reduce((least, [, value]) => Math.min(least, value), 0));
+    const marks = [low, (low + high) / 2, high].map((value) => [value, plain(value)]);
+    const style = getComputedStyle(document.documentElement), colour = (name) => style.getPropertyValue(name);
+    pen.font = `${11 * scale}px system-ui, sans-serif`;
+    const left = Math.max(...marks.map(([, words]) => pen.measureText(words).width)) + 12 * scale;
+    const right = 8 * scale, top = 8 * scale, bottom = 18 * scale;
+    const width = canvas.width - left - right, height = canvas.height - top - bottom, last = Math.max(10, end);
+    const x = (tick) => left + tick / last * width, y = (value) => top + (high - value) / (high - low) * height;
+    pen.fillStyle = colour("--soft");
+    pen.strokeStyle = colour("--line");
+    pen.lineWidth = scale;
+    pen.textBaseline = "middle";
+    pen.textAlign = "right";
+    for (const [value, words] of marks) {
+      pen.beginPath();
+      pen.moveTo(left, y(value));
+      pen.lineTo(left + width, y(value));
+      pen.stroke();
+      pen.fillText(words, left - 6 * scale, y(value));
+    }
+    pen.textBaseline = "alphabetic";
+    pen.fillText(`tick ${grouped(last)}`, left + width, canvas.height - 4 * scale);
+    pen.textAlign = "left";
+    pen.fillText("0", left, canvas.height - 4 * scale);
+    pen.strokeStyle = colour("--accent");
+    pen.lineWidth = 2 * scale;
+    pen.beginPath();
+    const every = Math.ceil(known.length / 2000); // more points than the plot has pixels
+    for (let k = 0; k < known.length; k += every) pen.lineTo(x(known[k][0]), y(known[k][1]));
+    pen.stroke();
+  }
+}
+
 class Page {
-  constructor(module, manifest, image) {
+  constructor(requests, manifest) {
     this.manifest = manifest;
-    this.kernel = new Kernel(module, manifest, image);
+    this.requests = requests;
     this.view = new View($("picture"), manifest);
     this.view.changed = () => this.show();
     this.values = Object.fromEntries(manifest.parameters.map((one) => [one.name, one.value]));
+    this.shown = {}; // shows a value of each parameter
+    this.pending = {};
     this.going = false;
+    this.busy = false;
     this.owed = 0;
+    this.charts = manifest.measures.slice(0, 2).map((measure) => new Chart(this, measure));
     for (const parameter of manifest.parameters) this.addSlider(parameter);
     $("go").onclick = () => this.go(!this.going);
-    $("step").onclick = () => { this.go(false); this.run(1); this.show(); };
+    $("step").onclick = () => { this.go(false); this.ask({ ticks: 1 }); };
     $("reset").onclick = () => this.reset();
     $("save").onclick = () => this.save();
     document.addEventListener("keydown", (event) => this.key(event));
     dark.addEventListener("change", () => this.show());
     addEventListener("resize", () => this.show());
-    this.reset();
+  }
+
+  async begin() {
+    await this.reset();
     for (const name of ["go", "step", "reset", "save"]) $(name).disabled = false;
   }
 
@@ -41,7 +130,7 @@ class Page {
     row.title = description;
     const logarithmic = low > 0 && high / low > 100;
     const digits = Math.max(0, Math.min(6, Math.ceil(-Math.log10(step || (high - low) / 200) - 1e-9)));
-    parameter.shown = (number) => {
+    const shown = this.shown[name] = (number) => {
       row.querySelector("output").textContent = text(number, digits);
       row.classList.toggle("changed", number !== value);
       input.value = logarithmic ? Math.log(number) : number;
@@ -57,7 +146,7 @@ class Page {
     input.oninput = () => this.set(parameter, logarithmic ? Math.exp(+input.value) : +input.value);
     row.ondblclick = () => this.set(parameter, value);
     $("sliders").append(row);
-    parameter.shown(value);
+    shown(value);
   }
 
   // Zones that would be out of order are refused, as the laboratory does.
@@ -69,38 +158,69 @@ class Page {
       this.values[parameter.name] = before;
       this.say(`${parameter.words} stops at ${text(before, 2)}: zones keep their order.`);
     } else {
-      this.kernel.set(parameter, value);
+      this.pending[parameter.name] = value;
       this.say("");
+      if (!this.going && !this.busy) this.ask({});
     }
-    parameter.shown(this.values[parameter.name]);
+    this.shown[parameter.name](this.values[parameter.name]);
+  }
+
+  // Have the flock do something, after what the sliders say by now; its answer is shown.
+  async ask(request) {
+    const set = Object.entries(this.pending);
+    this.pending = {};
+    this.busy = true;
+    try {
+      const answer = await this.requests.ask({ ...request, set: [...(request.set ?? []), ...set], shown: this.charts.map((one) => one.measure.name) });
+      this.take(answer);
+      return answer;
+    } catch (error) {
+      this.stop(error.message);
+    } finally {
+      this.busy = false;
+    }
+    if (!this.going && Object.keys(this.pending).length) return this.ask({});
+  }
+
+  take(answer) {
+    this.state = answer;
+    for (const row of answer.rows) this.charts.forEach((chart, k) => chart.add(row[0], row[1 + k]));
+    if (answer.error) this.stop(answer.error);
+    this.show();
+  }
+
+  stop(why) {
+    this.go(false);
+    this.say(`The flock stopped: ${why}.`);
   }
 
   reset() {
     this.go(false);
-    this.kernel.reset();
-    for (const parameter of this.manifest.parameters)
-      if (parameter.slots.length) this.kernel.set(parameter, this.values[parameter.name]);
-    this.series = [[0, this.polarisation()]];
+    for (const chart of this.charts) chart.clear();
     this.say("");
-    this.show();
+    this.pending = {};
+    return this.ask({ reset: true, set: Object.entries(this.values) });
   }
 
   go(going) {
+    const began = going && !this.going;
     this.going = going;
     $("go").textContent = going ? "Pause" : "Go";
-    if (going) { this.rate = this.speed(); this.last = performance.now(); requestAnimationFrame((now) => this.frame(now)); }
+    if (began) { this.rate = this.speed(); this.last = performance.now(); this.owed = 0; requestAnimationFrame((now) => this.frame(now)); }
   }
 
-  frame(now) {
+  // Between two pictures: what is owed by the time that has passed, as far as the flock comes.
+  async frame(now) {
     if (!this.going) return;
-    const spent = Math.max(1, now - this.last) / 1000, tick = this.kernel.tick;
+    const spent = Math.max(1, now - this.last) / 1000;
     this.owed += Math.min(0.25, spent) * this.speed();
     this.last = now;
-    const until = performance.now() + 25; // the picture never waits longer
-    while (this.owed >= 1 && performance.now() < until && this.going) { this.run(1); this.owed -= 1; }
-    this.owed = Math.min(this.owed, 1);
-    this.rate += 0.1 * ((this.kernel.tick - tick) / spent - this.rate);
-    this.show();
+    const ticks = Math.floor(this.owed), before = this.state.tick;
+    if (ticks) {
+      const answer = await this.ask({ ticks, budget: 25 });
+      this.owed = Math.min(1, this.owed - (answer?.ran ?? 0));
+    }
+    this.rate += 0.1 * ((this.state.tick - before) / spent - this.rate);
     requestAnimationFrame((next) => this.frame(next));
   }
 
@@ -108,77 +228,33 @@ class Page {
     return Math.round(10 ** +$("speed").value);
   }
 
-  run(ticks) {
-    try {
-      this.kernel.run(ticks);
-    } catch (error) {
-      this.go(false);
-      this.say(`The flock stopped: ${error.message}.`);
-      return;
-    }
-    this.series.push([this.kernel.tick, this.polarisation()]);
-  }
-
-  // The length of the mean heading, as agents.observables.order.polarisation.
-  polarisation() {
-    const heading = this.kernel.view("flock.heading"), { dim, agents } = this.manifest, sum = [0, 0, 0];
-    for (let row = 0; row < agents; row++) for (let axis = 0; axis < dim; axis++) sum[axis] += heading[dim * row + axis];
-    return Math.min(1, Math.hypot(...sum) / agents);
-  }
-
   say(words) {
     $("say").textContent = words;
   }
 
   show() {
-    this.view.draw(this.kernel.view("flock.position"), this.kernel.view("flock.heading"), dark.matches);
-    $("tick").textContent = grouped(this.kernel.tick);
-    $("time").textContent = text(this.kernel.tick * this.manifest.dt, 1);
-    $("order").textContent = text(this.series.at(-1)[1], 3);
+    if (!this.state) return;
+    this.view.draw(this.state, dark.matches);
+    $("tick").textContent = grouped(this.state.tick);
+    $("time").textContent = text(this.state.time, 1);
     const behind = this.going && this.rate < 0.8 * this.speed() ? `${Math.round(this.rate)} of ` : "";
     $("pace").textContent = `${behind}${this.speed()} ticks a second`;
-    this.plot();
+    for (const chart of this.charts) chart.draw(this.state.tick);
   }
 
-  plot() {
-    const canvas = $("plot"), scale = Math.min(devicePixelRatio || 1, 2), pen = canvas.getContext("2d");
-    canvas.width = Math.round(canvas.clientWidth * scale);
-    canvas.height = Math.round(canvas.clientHeight * scale);
-    const style = getComputedStyle(document.documentElement), colour = (name) => style.getPropertyValue(name);
-    const left = 30 * scale, right = 8 * scale, top = 8 * scale, bottom = 20 * scale;
-    const width = canvas.width - left - right, height = canvas.height - top - bottom;
-    const end = Math.max(10, this.series.at(-1)[0]);
-    const x = (tick) => left + tick / end * width, y = (value) => top + (1 - value) * height;
-    pen.font = `${11 * scale}px system-ui, sans-serif`;
-    pen.fillStyle = colour("--soft");
-    pen.strokeStyle = colour("--line");
-    pen.lineWidth = scale;
-    pen.textBaseline = "middle";
-    pen.textAlign = "right";
-    for (const value of [0, 0.5, 1]) {
-      pen.beginPath();
-      pen.moveTo(left, y(value));
-      pen.lineTo(left + width, y(value));
-      pen.stroke();
-      pen.fillText(value, left - 6 * scale, y(value));
-    }
-    pen.textBaseline = "alphabetic";
-    pen.fillText(`tick ${grouped(end)}`, left + width, canvas.height - 5 * scale);
-    pen.textAlign = "left";
-    pen.fillText("0", left, canvas.height - 5 * scale);
-    pen.strokeStyle = colour("--accent");
-    pen.lineWidth = 2 * scale;
-    pen.beginPath();
-    const every = Math.ceil(this.series.length / 2000); // more points than the plot has pixels
-    for (let k = 0; k < this.series.length; k += every) pen.lineTo(x(this.series[k][0]), y(this.series[k][1]));
-    pen.stroke();
-  }
-
+  // All curves in one table: a tick at which one was not measured has no value of it.
   save() {
-    const lines = ["tick,polarisation", ...this.series.map((one) => one.join(","))].join("\n");
+    const names = this.charts.map((chart) => chart.measure.name), table = new Map();
+    this.charts.forEach((chart, k) => {
+      for (const [tick, value] of chart.points) {
+        if (!table.has(tick)) table.set(tick, names.map(() => ""));
+        table.get(tick)[k] = value;
+      }
+    });
+    const rows = [...table].sort(([a], [b]) => a - b).map(([tick, values]) => [tick, ...values].join(","));
     const link = Object.assign(document.createElement("a"), {
-      href: `data:text/csv;charset=utf-8,${encodeURIComponent(`${lines}\n`)}`,
-      download: `${this.manifest.model}-polarisation.csv`,
+      href: `data:text/csv;charset=utf-8,${encodeURIComponent([["tick", ...names].join(","), ...rows, ""].join("\n"))}`,
+      download: `${this.manifest.model}-${names.join("-")}.csv`,
     });
     link.click();
   }
@@ -195,7 +271,9 @@ class Page {
   try {
     const manifest = JSON.parse($("manifest").textContent);
     const [code, image] = await Promise.all([unpack("module"), unpack("memory")]);
-    globalThis.page = new Page(await WebAssembly.compile(code), manifest, image);
+    const page = new Page(new Requests(await WebAssembly.compile(code), manifest, image), manifest);
+    await page.begin();
+    globalThis.page = page;
   } catch (error) {
     $("say").textContent = `This browser cannot run the flock: ${error.message}`;
   }

@@ -180,7 +180,7 @@ class View {
     return found;
   }
 
-  draw(position, heading, dark) {
+  draw({ position, heading }, dark) {
     this.fit();
     const count = position.length / this.manifest.dim, { size } = this.manifest;
     // A flock of few is drawn larger: from afar its agents would be dots.

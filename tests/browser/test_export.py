@@ -19,10 +19,12 @@ def opened(chromium, tmp_path):
     errors: list[str] = []
 
     @contextmanager
-    def opens(flock: Flock, **options):
+    def opens(flock: Flock, without: str = "", **options):
         file = tmp_path / "flock.html"
         file.write_text(flock_page(flock), encoding="utf-8")
         page = chromium.new_page(**{"viewport": {"width": 1100, "height": 720}} | options)
+        if without:
+            page.add_init_script(f"delete globalThis.{without}")
         page.on("request", lambda request: asked.append(request.url))
         page.on("pageerror", lambda error: errors.append(str(error)))
         page.goto(file.as_uri())
@@ -39,7 +41,7 @@ def opened(chromium, tmp_path):
 
 def positions(page, ticks: int, shape: tuple[int, int]) -> np.ndarray:
     """Where agents are after so many ticks more."""
-    code = f"(page.kernel.run({ticks}), [...page.kernel.view('flock.position')])"
+    code = f"page.ask({{ticks: {ticks}}}).then((answer) => [...answer.position])"
     return np.array(page.evaluate(code)).reshape(shape)
 
 
@@ -81,8 +83,9 @@ def test_it_begins_again_with_the_sliders_as_they_are(opened):
         start = positions(page, 0, (30, 2))
         moved(page, "eta", 3.0)
         page.click("#step")
-        assert page.locator("#tick").inner_text() == "1"
+        until(lambda: page.locator("#tick").inner_text() == "1", 60, "a tick")
         page.click("#reset")
+        until(lambda: page.locator("#tick").inner_text() == "0", 60, "the start")
         assert positions(page, 0, (30, 2)) == pytest.approx(start)
         flock = Flock("vem", agents=30, rng=3, eta=3.0)
         flock.run(20)
@@ -92,15 +95,57 @@ def test_it_begins_again_with_the_sliders_as_they_are(opened):
 def test_it_goes_and_pauses_and_shows_what_it_measures(opened):
     with opened(Flock("vem", agents=30, rng=3)) as page:
         page.click("#go")
-        until(lambda: page.evaluate("page.kernel.tick > 5"), 60, "five ticks")
+        until(lambda: page.evaluate("page.state.tick > 5"), 60, "five ticks")
         page.click("#go")
-        tick = page.evaluate("page.kernel.tick")
+        tick = page.evaluate("page.ask({}).then((answer) => answer.tick)")
         flock = Flock("vem", agents=30, rng=3)
         flock.run(tick)
-        shown = float(page.locator("#order").inner_text())
+        shown = float(page.locator(".chart output").first.inner_text())
         assert shown == pytest.approx(flock.observe("polarisation"), abs=6e-4)
         page.keyboard.press("s")
-        assert page.evaluate("page.kernel.tick") == tick + 1
+        until(lambda: page.evaluate("page.state.tick") == tick + 1, 60, "a tick more")
+
+
+MEASURED = {
+    "vem": {"agents": 40},
+    "hwvem-nav": {"agents": 20},
+    "couzin": {"agents": 30},
+    "thesis": {"agents": 30},
+}
+
+
+@pytest.mark.parametrize("model", MEASURED)
+def test_it_measures_what_the_observables_of_the_same_names_give(opened, model):
+    flock = Flock(model, rng=3, **MEASURED[model])
+    with opened(Flock(model, rng=3, **MEASURED[model])) as page:
+        names = page.evaluate("page.manifest.measures.map((one) => one.name)")
+        assert {"polarisation", "nearest-neighbour", "groups"} <= set(names)
+        for name in names:
+            page.locator(".chart select").first.select_option(name)
+            flock.run(2)
+            answer = page.evaluate("page.ask({ticks: 2})")
+            row = answer["rows"][-1]
+            assert row[0] == flock.tick
+            assert row[1] == pytest.approx(flock.observe(name), rel=1e-7, abs=1e-7), name
+
+
+def test_its_curves_as_a_table_have_a_row_for_each_tick(opened):
+    with opened(Flock("vem", agents=30, rng=3)) as page:
+        for _ in range(3):
+            page.evaluate("page.ask({ticks: 4})")
+        with page.expect_download() as saved:
+            page.click("#save")
+        head, *rows = saved.value.path().read_text().splitlines()
+        assert head == "tick,polarisation,mean-neighbours"
+        assert [row.split(",")[0] for row in rows] == [str(tick) for tick in range(13)]
+
+
+def test_without_a_worker_it_runs_as_well(opened):
+    flock = Flock("vem", agents=30, rng=3)
+    flock.run(5)
+    with opened(Flock("vem", agents=30, rng=3), without="Worker") as page:
+        assert page.evaluate("page.requests.worker") is None
+        assert positions(page, 5, (30, 2)) == pytest.approx(flock.position, abs=1e-9)
 
 
 def test_a_slider_that_a_page_cannot_fly_is_shown_and_cannot_be_moved(opened):
@@ -137,7 +182,7 @@ def test_it_runs_in_a_frame_that_may_nothing_but_scripts(chromium, tmp_path):
         frame = page.frames[1]
         until(lambda: frame.evaluate("'page' in globalThis"), 60, "the flock to be there")
         frame.click("#step")
-        assert frame.evaluate("page.kernel.tick") == 1
+        until(lambda: frame.evaluate("page.state.tick") == 1, 60, "a tick")
         assert frame.locator("#go").is_visible()
         assert not frame.locator("header").is_visible()
     finally:

@@ -1,0 +1,479 @@
+"""Observables as compiled loops over a flock's arrays: what a page that runs by itself can measure.
+
+Each takes arrays of the engine by the names of its arguments, `flock`, `space`, `surroundings`,
+`context` and `tick` (`agents.engine.arrays`, `agents.engine.cells.Space`), and beside them
+
+    together    the distance within which agents are of one group, length
+    converges   whether the rule leads the flock to the information agent's heading
+    cells       room for cell lists, `Cells`
+
+Rows of agents that have crashed are left out. A value is that of the observable of the same name,
+which is written in NumPy: tests hold one against the other.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.observables.consistency import squared_angle
+from agents.observables.order import EXACT
+from worlds.compilation import compiled, entry
+from worlds.queries.surroundings import set_goal
+
+
+class Cells(NamedTuple):
+    """Room for lists of the agents of each cell; nothing of it is kept from call to call."""
+
+    head: np.ndarray
+    """First agent of each cell, int32 (cells,); -1: none."""
+    after: np.ndarray
+    """The next agent of the same cell, int32 (N,); -1: none."""
+    parent: np.ndarray
+    """An agent of the same group, int32 (N,)."""
+    low: np.ndarray
+    """Lower corner of the first cell, (3,), length."""
+    width: np.ndarray
+    """Sides of a cell, (3,), length."""
+    count: np.ndarray
+    """Cells along each axis, int64 (3,)."""
+
+
+def empty_cells(agents: int) -> Cells:
+    """Room for the cells of so many agents."""
+    return Cells(
+        np.zeros(2 * agents + 8, np.int32),
+        np.zeros(agents, np.int32),
+        np.zeros(agents, np.int32),
+        np.zeros(3),
+        np.zeros(3),
+        np.zeros(3, np.int64),
+    )
+
+
+@compiled
+def is_active(flock, i):
+    """Whether agent i has not crashed."""
+    return flock.crash_record.shape[0] == 0 or flock.crash_record[i, 0] < 0.0
+
+
+@compiled
+def active_count(flock):
+    """How many agents have not crashed."""
+    count = 0
+    for i in range(flock.position.shape[0]):
+        count += 1 if is_active(flock, i) else 0
+    return count
+
+
+@compiled
+def heading_sum(flock):
+    """The sum of the headings, (x, y, z), and how many agents there are."""
+    x = y = z = 0.0
+    count = 0
+    for i in range(flock.heading.shape[0]):
+        if is_active(flock, i):
+            count += 1
+            x += flock.heading[i, 0]
+            y += flock.heading[i, 1]
+            if flock.heading.shape[1] == 3:
+                z += flock.heading[i, 2]
+    return x, y, z, count
+
+
+@entry
+def polarisation(flock):
+    """The length of the mean heading; see `agents.observables.order.polarisation`."""
+    x, y, z, count = heading_sum(flock)
+    return min(1.0, math.sqrt(x * x + y * y + z * z) / count) if count > 0 else 0.0
+
+
+@entry
+def consistency(flock, converges):
+    """The degree of consistency; see `agents.observables.consistency.consistency`."""
+    x, y, z, count = heading_sum(flock)
+    length = math.sqrt(x * x + y * y + z * z)
+    if count == 0:
+        return 1.0
+    if length < 1e-12:
+        x, y, z, length = 1.0, 0.0, 0.0, 1.0
+    x, y, z = x / length, y / length, z / length
+    leaders = 0
+    for i in range(flock.heading.shape[0]):
+        if converges and leaders == 0 and flock.informed[i] and is_active(flock, i):
+            leaders = 1
+            x, y = flock.heading[i, 0], flock.heading[i, 1]
+            z = flock.heading[i, 2] if flock.heading.shape[1] == 3 else 0.0
+    total = 0.0
+    for i in range(flock.heading.shape[0]):
+        if is_active(flock, i):
+            total += squared_angle(flock.heading, i, x, y, z)
+    return 1.0 - math.sqrt(total) / (count * math.pi)
+
+
+@compiled
+def centre_along(flock, space, axis, count):
+    """The centre of the agents along an axis, length: with images the mean on the circle."""
+    mean = sine = cosine = 0.0
+    size = space.size[axis]
+    for i in range(flock.position.shape[0]):
+        if is_active(flock, i):
+            at = flock.position[i, axis]
+            mean += at
+            if space.images[axis] != 0:
+                sine += math.sin(2.0 * math.pi * at / size)
+                cosine += math.cos(2.0 * math.pi * at / size)
+    if space.images[axis] == 0:
+        return mean / count
+    turn = math.atan2(sine / count, cosine / count)
+    return (turn if turn >= 0.0 else turn + 2.0 * math.pi) / (2.0 * math.pi) * size
+
+
+@compiled
+def nearest_image(apart, space, axis):
+    """A difference along an axis as it is to the nearest image, length."""
+    if space.images[axis] == 0:
+        return apart
+    return apart - space.size[axis] * np.rint(apart / space.size[axis])
+
+
+@compiled
+def offset_from(flock, space, i, x, y, z):
+    """How far agent i is from a place, (x, y, z), length, by the nearest image."""
+    dx = nearest_image(flock.position[i, 0] - x, space, 0)
+    dy = nearest_image(flock.position[i, 1] - y, space, 1)
+    dz = 0.0
+    if flock.position.shape[1] == 3:
+        dz = nearest_image(flock.position[i, 2] - z, space, 2)
+    return dx, dy, dz
+
+
+@compiled
+def centre(flock, space, count):
+    """The centre of the agents, (x, y, z), length."""
+    x = centre_along(flock, space, 0, count)
+    y = centre_along(flock, space, 1, count)
+    z = centre_along(flock, space, 2, count) if flock.position.shape[1] == 3 else 0.0
+    return x, y, z
+
+
+@entry
+def angular_momentum(flock, space):
+    """How much the flock mills; see `agents.observables.order.angular_momentum`."""
+    count = active_count(flock)
+    if count == 0:
+        return 0.0
+    x, y, z = centre(flock, space, count)
+    largest = 0.0
+    for i in range(flock.position.shape[0]):
+        if is_active(flock, i):
+            for axis in range(flock.position.shape[1]):
+                largest = max(largest, abs(flock.position[i, axis]))
+    for axis in range(flock.position.shape[1]):
+        if space.images[axis] != 0:
+            largest = max(largest, space.size[axis])
+    error = (64 + count) * EXACT * largest
+    a = b = c = 0.0
+    for i in range(flock.position.shape[0]):
+        if is_active(flock, i):
+            dx, dy, dz = offset_from(flock, space, i, x, y, z)
+            distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+            if distance > error:
+                ux, uy = flock.heading[i, 0], flock.heading[i, 1]
+                uz = flock.heading[i, 2] if flock.heading.shape[1] == 3 else 0.0
+                a += (dy * uz - dz * uy) / distance
+                b += (dz * ux - dx * uz) / distance
+                c += (dx * uy - dy * ux) / distance
+    return min(1.0, math.sqrt(a * a + b * b + c * c) / count)
+
+
+@entry
+def gyration_radius(flock, space):
+    """How far the agents are from their centre; see `agents.observables.order.gyration_radius`."""
+    count = active_count(flock)
+    if count < 2:
+        return 0.0
+    x, y, z = centre(flock, space, count)
+    total = 0.0
+    for i in range(flock.position.shape[0]):
+        if is_active(flock, i):
+            dx, dy, dz = offset_from(flock, space, i, x, y, z)
+            total += dx * dx + dy * dy + dz * dz
+    return math.sqrt(total / count)
+
+
+@entry
+def velocity_spread(flock):
+    """How far velocities differ; see `agents.observables.order.velocity_spread`."""
+    count = active_count(flock)
+    if count == 0:
+        return 0.0
+    total = 0.0
+    for axis in range(flock.heading.shape[1]):
+        mean = 0.0
+        for i in range(flock.heading.shape[0]):
+            if is_active(flock, i):
+                mean += flock.heading[i, axis] * flock.speed[i]
+        mean /= count
+        for i in range(flock.heading.shape[0]):
+            if is_active(flock, i):
+                off = flock.heading[i, axis] * flock.speed[i] - mean
+                total += off * off
+    return math.sqrt(total / count)
+
+
+@entry
+def crashes(flock):
+    """How many agents have crashed so far."""
+    return float(flock.position.shape[0] - active_count(flock))
+
+
+@entry
+def goal_distance(flock, surroundings, context, tick):
+    """How far the flock's centre is from the goal, or from the end of the path, length."""
+    count = active_count(flock)
+    if count == 0:
+        return math.nan
+    set_goal(surroundings, tick * context.lasts)
+    total = 0.0
+    for axis in range(flock.position.shape[1]):
+        mean = 0.0
+        for i in range(flock.position.shape[0]):
+            if is_active(flock, i):
+                mean += flock.position[i, axis]
+        if surroundings.route.shape[0] > 0:
+            end = surroundings.goal[0, axis]
+        else:
+            end = surroundings.path[surroundings.path.shape[0] - 1, axis]
+        off = mean / count - end
+        total += off * off
+    return math.sqrt(total)
+
+
+# Cell lists: who is near whom, without a look at every pair.
+
+
+@compiled
+def cells_within(cells, dim, width, extent):
+    """How many cells of a width fill a box of sides `extent`, and their counts along the axes."""
+    total = 1.0
+    for axis in range(dim):
+        sides = max(1.0, math.floor(extent[axis] / width))
+        cells.count[axis] = int(min(sides, 1e6))
+        total *= sides
+    return total
+
+
+@compiled
+def measure_box(flock, space, cells):
+    """Write the box of the agents: along axes with images the world's; returns its largest side."""
+    largest = 0.0
+    for axis in range(flock.position.shape[1]):
+        low, high = math.inf, -math.inf
+        for i in range(flock.position.shape[0]):
+            if is_active(flock, i):
+                low = min(low, flock.position[i, axis])
+                high = max(high, flock.position[i, axis])
+        if space.images[axis] != 0:
+            low, high = 0.0, space.size[axis]
+        elif low > high:  # nobody is there
+            low = high = 0.0
+        cells.low[axis] = low
+        cells.width[axis] = high - low
+        largest = max(largest, high - low)
+    return largest
+
+
+@compiled
+def cell_along(flock, space, cells, i, axis):
+    """The cell of agent i along an axis."""
+    at = flock.position[i, axis] - cells.low[axis]
+    if space.images[axis] != 0:
+        at -= space.size[axis] * math.floor(at / space.size[axis])
+    found = int(at / cells.width[axis]) if cells.width[axis] > 0.0 else 0
+    return min(max(found, 0), cells.count[axis] - 1)
+
+
+@compiled
+def cell_of(flock, space, cells, i):
+    """The number of agent i's cell."""
+    found = 0
+    for axis in range(flock.position.shape[1]):
+        found = found * cells.count[axis] + cell_along(flock, space, cells, i, axis)
+    return found
+
+
+@compiled
+def list_cells(flock, space, cells, least, most):
+    """List the agents of each cell: cells of a width from `least` on, and at most so many."""
+    dim = flock.position.shape[1]
+    largest = measure_box(flock, space, cells)
+    width = max(least, 1e-9 * largest)
+    if width > 0.0:
+        while cells_within(cells, dim, width, cells.width) > most:
+            width *= 1.25
+    else:
+        for axis in range(dim):
+            cells.count[axis] = 1
+    total = 1
+    for axis in range(dim):
+        cells.width[axis] /= cells.count[axis]
+        total *= cells.count[axis]
+    for cell in range(total):
+        cells.head[cell] = -1
+    for i in range(flock.position.shape[0]):
+        if is_active(flock, i):
+            cell = cell_of(flock, space, cells, i)
+            cells.after[i] = cells.head[cell]
+            cells.head[cell] = i
+    return total
+
+
+@compiled
+def first_step(space, cells, axis, at, around):
+    """The first of the cells along an axis that are at most `around` cells away, each once."""
+    if space.images[axis] == 0:
+        return max(0, at - around)
+    return 0 if 2 * around + 1 >= cells.count[axis] else at - around
+
+
+@compiled
+def last_step(space, cells, axis, at, around):
+    """The last of these; see `first_step`."""
+    if space.images[axis] == 0:
+        return min(cells.count[axis] - 1, at + around)
+    return cells.count[axis] - 1 if 2 * around + 1 >= cells.count[axis] else at + around
+
+
+@compiled
+def squared_distance(flock, space, i, j):
+    """Squared distance of two agents, by the nearest image."""
+    z = flock.position[j, 2] if flock.position.shape[1] == 3 else 0.0
+    dx, dy, dz = offset_from(flock, space, i, flock.position[j, 0], flock.position[j, 1], z)
+    return dx * dx + dy * dy + dz * dz
+
+
+@compiled
+def root(parent, i):
+    """The agent that stands for the group of agent i; halves the way there."""
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i
+
+
+NEAREST, COUNTED, JOINED = 0, 1, 2
+"""What is made of the pairs of two cells: the least distance, how many are near, one group."""
+
+
+@compiled
+def take_pair(flock, space, cells, i, j, limit, what, found):
+    """What a pair adds to what was found."""
+    if what == JOINED and root(cells.parent, i) == root(cells.parent, j):
+        return found
+    squared = squared_distance(flock, space, i, j)
+    if what == NEAREST:
+        return min(found, squared)
+    if 0.0 < squared <= limit:
+        found += 1.0
+        if what == JOINED:
+            a, b = root(cells.parent, i), root(cells.parent, j)
+            cells.parent[max(a, b)] = min(a, b)
+    return found
+
+
+@compiled
+def take_pairs(flock, space, cells, around, limit, what, found):
+    """Go over all pairs whose cells are at most `around` cells apart."""
+    dim = flock.position.shape[1]
+    for i in range(flock.position.shape[0]):
+        if not is_active(flock, i):
+            continue
+        x, y = cell_along(flock, space, cells, i, 0), cell_along(flock, space, cells, i, 1)
+        z = cell_along(flock, space, cells, i, 2) if dim == 3 else 0
+        first, last = 0, 0
+        if dim == 3:
+            first = first_step(space, cells, 2, z, around)
+            last = last_step(space, cells, 2, z, around)
+        columns, rows = cells.count[0], cells.count[1]
+        layers = cells.count[2] if dim == 3 else 1
+        for a in range(
+            first_step(space, cells, 0, x, around), last_step(space, cells, 0, x, around) + 1
+        ):
+            for b in range(
+                first_step(space, cells, 1, y, around), last_step(space, cells, 1, y, around) + 1
+            ):
+                for c in range(first, last + 1):
+                    cell = ((a + columns) % columns * rows + (b + rows) % rows) * layers
+                    j = cells.head[cell + (c + layers) % layers]
+                    while j >= 0:
+                        if j < i:
+                            found = take_pair(flock, space, cells, i, j, limit, what, found)
+                        j = cells.after[j]
+    return found
+
+
+@entry
+def nearest_neighbour(flock, space, cells):
+    """The least distance between two agents, length; infinite for a lone agent."""
+    count = active_count(flock)
+    if count < 2:
+        return math.inf
+    # With fewer cells than agents two are in one cell: the nearest two are at most its diagonal
+    # apart.
+    list_cells(flock, space, cells, 0.0, max(1, count // 2))
+    squared = 0.0
+    for axis in range(flock.position.shape[1]):
+        squared += cells.width[axis] * cells.width[axis]
+    around = 1
+    for axis in range(flock.position.shape[1]):
+        if cells.count[axis] > 1:
+            around = max(around, int(math.sqrt(squared) / cells.width[axis]) + 1)
+    return math.sqrt(take_pairs(flock, space, cells, around, 0.0, NEAREST, math.inf))
+
+
+@entry
+def mean_neighbours(flock, space, context, cells):
+    """How many agents are within reach of one, mean."""
+    count = active_count(flock)
+    if count == 0:
+        return 0.0
+    reach = context.reach
+    list_cells(flock, space, cells, reach, cells.head.shape[0])
+    return 2.0 * take_pairs(flock, space, cells, 1, reach * reach, COUNTED, 0.0) / count
+
+
+@compiled
+def join_groups(flock, space, cells, together):
+    """Have `cells.parent` tell the group of each agent: the least row of it."""
+    for i in range(flock.position.shape[0]):
+        cells.parent[i] = i
+    list_cells(flock, space, cells, together, cells.head.shape[0])
+    take_pairs(flock, space, cells, 1, together * together, JOINED, 0.0)
+
+
+@entry
+def groups(flock, space, together, cells):
+    """How many connected groups there are."""
+    join_groups(flock, space, cells, together)
+    found = 0.0
+    for i in range(flock.position.shape[0]):
+        found += 1.0 if is_active(flock, i) and root(cells.parent, i) == i else 0.0
+    return found
+
+
+@entry
+def largest_group(flock, space, together, cells):
+    """How many agents the largest group has."""
+    join_groups(flock, space, cells, together)
+    for i in range(flock.position.shape[0]):
+        cells.after[i] = 0
+    largest = 0
+    for i in range(flock.position.shape[0]):
+        if is_active(flock, i):
+            of = root(cells.parent, i)
+            cells.after[of] += 1
+            largest = max(largest, cells.after[of])
+    return float(largest)

@@ -1,0 +1,118 @@
+// Has a kernel run in a worker, so that the picture never waits for it; where a page may have none,
+// on the page's own thread. One request after the other: each is answered by how the flock stands.
+class Runner {
+  constructor(module, manifest, image) {
+    this.kernel = new Kernel(module, manifest, image);
+    this.manifest = manifest;
+    this.shown = [];
+    this.rest = {};
+    this.rows = [];
+  }
+
+  // What `requests` of a page ask for, in order.
+  answer({ ticks = 0, budget = Infinity, set = [], reset = false, shown }) {
+    const { kernel } = this;
+    let error = "";
+    if (reset) kernel.reset();
+    for (const [name, value] of set) {
+      const parameter = this.manifest.parameters.find((one) => one.name === name);
+      if (parameter.slots.length) kernel.set(parameter, value);
+    }
+    if (shown) this.shown = shown.map((name) => this.manifest.measures.find((one) => one.name === name)).filter(Boolean);
+    this.rows = [];
+    const until = performance.now() + budget;
+    let ran = 0;
+    try {
+      while (ran < ticks && (!ran || performance.now() < until)) {
+        kernel.run(1);
+        ran += 1;
+        if (ran < ticks) this.measure(true);
+      }
+    } catch (stopped) {
+      error = stopped.message;
+    }
+    this.measure(false);
+    return { ...this.state(), ran, error, rows: this.rows };
+  }
+
+  // A row of what is shown. What takes long is left out between pictures, and rests four times as long.
+  measure(between) {
+    const row = this.shown.map((measure) => {
+      const now = performance.now();
+      if (!measure.quick && (between || now < (this.rest[measure.name] ?? 0))) return null;
+      const value = this.kernel.measure(measure);
+      this.rest[measure.name] = performance.now() + 4 * (performance.now() - now);
+      return value;
+    });
+    if (!between || row.some((value) => value !== null)) this.rows.push([this.kernel.tick, ...row]);
+  }
+
+  // Copies: the kernel's own arrays move as its memory grows.
+  state() {
+    const { kernel } = this, copy = (name) => kernel.view(`flock.${name}`).slice();
+    const record = kernel.arguments["flock.crash_record"].shape, crashed = record[0] ? kernel.view("flock.crash_record") : null;
+    return {
+      tick: kernel.tick, time: kernel.tick * kernel.read("context.lasts"),
+      position: copy("position"), heading: copy("heading"), speed: copy("speed"),
+      ids: copy("ids"), informed: copy("informed"),
+      crashed: crashed && Uint8Array.from({ length: record[0] }, (_, row) => crashed[row * record[1]] >= 0 ? 1 : 0),
+      reach: kernel.read("context.reach"), nearest: kernel.read("context.nearest"),
+    };
+  }
+}
+
+// Asks a runner for its answers: one at a time, as a page draws no more.
+class Requests {
+  constructor(module, manifest, image) {
+    const source = `"use strict";\n${Kernel}\n${Runner}\nlet runner;
+      onmessage = ({ data: { begin, number, request } }) => {
+        try {
+          if (begin) runner = new Runner(...begin);
+          postMessage({ number, answer: runner.answer(request) });
+        } catch (error) { postMessage({ number, error: error.message }); }
+      };`;
+    this.waiting = new Map();
+    this.number = 0;
+    try {
+      const place = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
+      this.worker = new Worker(place);
+      this.worker.onmessage = ({ data }) => this.take(data);
+      this.worker.onerror = (event) => this.lose(event.message, module, manifest, image);
+      this.begin = [module, manifest, image];
+    } catch {
+      this.stay(module, manifest, image);
+    }
+  }
+
+  // A worker that does not begin is done without; one that ends is told of.
+  lose(message, ...program) {
+    if (!this.hasAnswered) return this.stay(...program);
+    for (const { reject } of this.waiting.values()) reject(new Error(message || "its worker ended"));
+    this.waiting.clear();
+  }
+
+  // On the page's own thread.
+  stay(module, manifest, image) {
+    this.worker = null;
+    this.runner = new Runner(module, manifest, image);
+    for (const [number, { request }] of this.waiting) this.take({ number, answer: this.runner.answer(request) });
+  }
+
+  ask(request) {
+    if (!this.worker) return Promise.resolve().then(() => this.runner.answer(request));
+    return new Promise((resolve, reject) => {
+      const number = this.number++;
+      this.waiting.set(number, { resolve, reject, request });
+      this.worker.postMessage({ begin: this.begin, number, request });
+      this.begin = undefined;
+    });
+  }
+
+  take({ number, answer, error }) {
+    this.hasAnswered = true;
+    const { resolve, reject } = this.waiting.get(number);
+    this.waiting.delete(number);
+    if (error === undefined) resolve(answer);
+    else reject(new Error(error));
+  }
+}
