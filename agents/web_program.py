@@ -49,7 +49,7 @@ class CallStopped(Exception):
 
 
 def web_program(flock: Flock) -> WebProgram:
-    """The program of a flock that stands at its start; the flock stays as it is.
+    """The program of a flock, which goes on from where it stands; the flock stays as it is.
 
     Raises InputError for what a page cannot do yet.
     """
@@ -87,6 +87,7 @@ def web_program(flock: Flock) -> WebProgram:
         "low": [float(edge) for edge in flock.world.low],
         "dt": flock.dt,
         "seed": flock.seed,
+        "tick": flock.tick,
         "runner": runner_kind(flock),
         "base": FIRST_FREE,
         "block": image.block,

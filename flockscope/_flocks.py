@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
 from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
 
@@ -10,6 +11,7 @@ from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is i
 from agents.flock import Flock as RunningFlock
 from agents.mesa_interface import Member
 from agents.run_records import MissionRecord, Series, fly, follow
+from worlds.input_error import InputError
 
 if TYPE_CHECKING:
     from app.viewer.notebook_view import NotebookView
@@ -50,6 +52,26 @@ class Flock(RunningFlock):
         from app.viewer.notebook_view import show
 
         return show(self, height, running=running, through=through, origin=origin)
+
+    def to_html(
+        self,
+        path: str | Path,
+        *,
+        live: Literal[True] = True,
+        title: str = "",
+        overwrite: bool = False,
+    ) -> None:
+        """Write this flock as one web page that runs it by itself, from the tick where it stands.
+
+        path: ends in .html. live: the page runs the flock; a picture of it as it stands is what
+        `picture` draws. title: of the page, by default the model's. overwrite: replace a file.
+        Raises InputError for what no page can do, and OSError.
+        """
+        from app.viewer.lab.flock_page import write_flock_page
+
+        if not live:
+            raise InputError("live = False is not allowed: picture() draws a flock as it stands")
+        write_flock_page(self, Path(path), title, overwrite)
 
     def picture(
         self,

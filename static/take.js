@@ -53,7 +53,7 @@
     const words = state.filming ?
       state.ending ? "Making the film ..." :
       `Recording ${Math.floor(state.seconds / 60)}:${String(Math.floor(state.seconds % 60)).padStart(2, "0")}` +
-      (state.bytes ? `, ${(state.bytes / 1e6).toFixed(1)} MB` : "") : state.busy ? "Making the picture ..." : "";
+      (state.bytes ? `, ${(state.bytes / 1e6).toFixed(1)} MB` : "") : state.busy ? "Making the file ..." : "";
     if (!words && sign) { sign.remove(); sign = null; }
     if (!words) return;
     if (sign === null) {
@@ -102,6 +102,13 @@
     const fit = () => { film.size.disabled = film.kind.value === "html"; };
     film.kind.addEventListener("change", fit);
     fit();
+    const page = make("section", "fs-take"), row = make("div");
+    const go = button("fs-main", "Save page", () => begin("page")("", "", go));
+    row.append(go);
+    page.append(make("h3", "", "Page that runs"), row, make("p", "fs-quiet", "The flock from its start, with its " +
+      "sliders and charts, as one HTML file: it runs in any browser, without this server. To make it takes " +
+      "some 20 seconds."));
+    inner.append(page);
     if (state.filming || state.busy) complain(inner, "One thing at a time: it is being made.");
   };
 

@@ -37,7 +37,7 @@ class Cells(NamedTuple):
     """Lower corner of the first cell, (3,), length."""
     width: np.ndarray
     """Sides of a cell, (3,), length."""
-    count: np.ndarray
+    counts: np.ndarray
     """Cells along each axis, int64 (3,)."""
 
 
@@ -261,7 +261,7 @@ def cells_within(cells, dim, width, extent):
     total = 1.0
     for axis in range(dim):
         sides = max(1.0, math.floor(extent[axis] / width))
-        cells.count[axis] = int(min(sides, 1e6))
+        cells.counts[axis] = int(min(sides, 1e6))
         total *= sides
     return total
 
@@ -293,7 +293,7 @@ def cell_along(flock, space, cells, i, axis):
     if space.images[axis] != 0:
         at -= space.size[axis] * math.floor(at / space.size[axis])
     found = int(at / cells.width[axis]) if cells.width[axis] > 0.0 else 0
-    return min(max(found, 0), cells.count[axis] - 1)
+    return min(max(found, 0), cells.counts[axis] - 1)
 
 
 @compiled
@@ -301,7 +301,7 @@ def cell_of(flock, space, cells, i):
     """The number of agent i's cell."""
     found = 0
     for axis in range(flock.position.shape[1]):
-        found = found * cells.count[axis] + cell_along(flock, space, cells, i, axis)
+        found = found * cells.counts[axis] + cell_along(flock, space, cells, i, axis)
     return found
 
 
@@ -316,11 +316,11 @@ def list_cells(flock, space, cells, least, most):
             width *= 1.25
     else:
         for axis in range(dim):
-            cells.count[axis] = 1
+            cells.counts[axis] = 1
     total = 1
     for axis in range(dim):
-        cells.width[axis] /= cells.count[axis]
-        total *= cells.count[axis]
+        cells.width[axis] /= cells.counts[axis]
+        total *= cells.counts[axis]
     for cell in range(total):
         cells.head[cell] = -1
     for i in range(flock.position.shape[0]):
@@ -336,15 +336,15 @@ def first_step(space, cells, axis, at, around):
     """The first of the cells along an axis that are at most `around` cells away, each once."""
     if space.images[axis] == 0:
         return max(0, at - around)
-    return 0 if 2 * around + 1 >= cells.count[axis] else at - around
+    return 0 if 2 * around + 1 >= cells.counts[axis] else at - around
 
 
 @compiled
 def last_step(space, cells, axis, at, around):
     """The last of these; see `first_step`."""
     if space.images[axis] == 0:
-        return min(cells.count[axis] - 1, at + around)
-    return cells.count[axis] - 1 if 2 * around + 1 >= cells.count[axis] else at + around
+        return min(cells.counts[axis] - 1, at + around)
+    return cells.counts[axis] - 1 if 2 * around + 1 >= cells.counts[axis] else at + around
 
 
 @compiled
@@ -397,8 +397,8 @@ def take_pairs(flock, space, cells, around, limit, what, found):
         if dim == 3:
             first = first_step(space, cells, 2, z, around)
             last = last_step(space, cells, 2, z, around)
-        columns, rows = cells.count[0], cells.count[1]
-        layers = cells.count[2] if dim == 3 else 1
+        columns, rows = cells.counts[0], cells.counts[1]
+        layers = cells.counts[2] if dim == 3 else 1
         for a in range(
             first_step(space, cells, 0, x, around), last_step(space, cells, 0, x, around) + 1
         ):
@@ -429,7 +429,7 @@ def nearest_neighbour(flock, space, cells):
         squared += cells.width[axis] * cells.width[axis]
     around = 1
     for axis in range(flock.position.shape[1]):
-        if cells.count[axis] > 1:
+        if cells.counts[axis] > 1:
             around = max(around, int(math.sqrt(squared) / cells.width[axis]) + 1)
     return math.sqrt(take_pairs(flock, space, cells, around, 0.0, NEAREST, math.inf))
 

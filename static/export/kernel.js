@@ -29,7 +29,7 @@ class Kernel {
 
   // The flock at its start. What is written to slots before (the sliders) is lost.
   reset() {
-    this.tick = 0;
+    this.tick = this.manifest.tick;
     this.scratch = undefined;
     this.top = this.manifest.base + this.image.length;
     new Uint8Array(this.memory.buffer).set(this.image, this.manifest.base);

@@ -107,6 +107,7 @@ class Page {
     this.owed = 0;
     this.charts = manifest.measures.slice(0, 2).map((measure) => new Chart(this, measure));
     for (const parameter of manifest.parameters) this.addSlider(parameter);
+    for (const step of manifest.tries) this.addStep(step);
     $("go").onclick = () => this.go(!this.going);
     $("step").onclick = () => { this.go(false); this.ask({ ticks: 1 }); };
     $("reset").onclick = () => this.reset();
@@ -119,6 +120,22 @@ class Page {
   async begin() {
     await this.reset();
     for (const name of ["go", "step", "reset", "save"]) $(name).disabled = false;
+  }
+
+  // Something to try: a button that sets the sliders, and what one sees once it is pressed.
+  addStep({ words, set, see }) {
+    const part = (kind, text) => Object.assign(document.createElement(kind), { textContent: text });
+    const box = document.createElement("div"), button = part("button", "Do it"), told = part("p", see);
+    box.append(part("p", words));
+    told.hidden = true;
+    if (Object.keys(set).length) box.append(button, told);
+    button.onclick = () => {
+      for (const [name, value] of Object.entries(set)) this.set(this.manifest.parameters.find((one) => one.name === name), value);
+      told.hidden = false;
+      this.go(true);
+    };
+    $("tries").append(box);
+    $("tries").hidden = false;
   }
 
   addSlider(parameter) {

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from agents.flock import Flock
-from app.web.flock_page import flock_page
+from app.viewer.lab.flock_page import PageWords, flock_page
 from tests.viewer.waiting import until
 
 
@@ -191,5 +191,5 @@ def test_it_runs_in_a_frame_that_may_nothing_but_scripts(chromium, tmp_path):
 
 def test_words_of_a_world_are_text():
     title = "<script>globalThis.owned = 1</script>"
-    page_text = flock_page(Flock("vem", agents=5, rng=1), title)
+    page_text = flock_page(Flock("vem", agents=5, rng=1), PageWords(title))
     assert title not in page_text

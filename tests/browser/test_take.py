@@ -125,6 +125,23 @@ def test_the_page_gives_a_picture_of_what_it_shows(window, tmp_path):
     assert coloured[60:320, 500:].sum() > 500, "the wheel of headings"
 
 
+def test_the_page_gives_its_flock_as_a_page_that_runs(window, chromium, tmp_path):
+    page = window.page
+    page.click(".fs-open >> text=Take")
+    with page.expect_download(timeout=300_000) as found:
+        page.click("text=Save page")
+        page.locator(".fs-recording").wait_for()
+    assert found.value.suggested_filename.endswith("-seed3-tick0.html")
+    found.value.save_as(tmp_path / "flock.html")
+    alone = chromium.new_page()
+    try:
+        alone.goto((tmp_path / "flock.html").as_uri())
+        alone.click("#step", timeout=60_000)  # as soon as it is enabled
+        until(lambda: alone.evaluate("page.state.tick === 1"), 60)
+    finally:
+        alone.close()
+
+
 def test_the_page_films_what_it_shows(window, laboratory, tmp_path):
     """From Record to Stop; it goes on by itself meanwhile."""
     page = window.page

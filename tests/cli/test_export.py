@@ -29,6 +29,14 @@ def test_a_page_is_written_and_its_size_printed(tmp_path):
         (["missing.toml"], "No such file"),
         (["state.parquet"], "state.parquet is a recording"),
         (["vem", "--agents", "0"], "agents"),
+        (["--scene", "no-such"], "no-such"),
+        (["--scene", "beside"], "has a model beside another"),
+        (["--scene", "mill", "--agents", "5"], "--scene has a run of its own"),
+        (["--scene", "mill", "--lesson", "who-leads"], "--scene cannot be given with --lesson"),
+        (["vem", "--lesson", "who-leads"], "cannot be given with MODEL"),
+        (["--lesson", "no-such"], "no-such"),
+        (["--paper", "no-such"], "no-such"),
+        (["no-such", "--paper", "liu2021-table1"], "no-such"),
     ],
 )
 def test_what_no_page_can_do_is_refused_in_a_line(tmp_path, monkeypatch, given, why):
@@ -42,3 +50,33 @@ def test_a_page_that_is_there_is_not_replaced(tmp_path):
     out.write_text("mine")
     assert "flock.html" in refusal("export", "vem", "--out", out)
     assert out.read_text() == "mine"
+
+
+SOURCES = {
+    "a scene": (["--scene", "order"], "order"),
+    "a lesson": (["--lesson", "order-against-noise"], "order-against-noise"),
+    "a paper": (["--paper", "liu2021-table1"], "liu2021-table1"),
+}
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_a_page_says_what_it_was_made_of(tmp_path, source):
+    given, name = SOURCES[source]
+    out = tmp_path / "page.html"
+    call("export", *given, "--out", out, "--quiet")
+    page = out.read_text("utf-8")
+    assert f"flockscope export {given[0]} {name}" in page
+    assert "<h1></h1>" not in page
+
+
+def test_the_words_of_a_scenes_file_are_on_its_page(tmp_path):
+    scene = tmp_path / "mine.toml"
+    scene.write_text(
+        'title = "Mine <b>"\nwatch = "See it."\ntry = "Turn it."\n'
+        '[run]\nmodel = "vem"\nagents = 12\nworld = "wrap"\nsize = 5.0\nseed = 4\n'
+    )
+    out = tmp_path / "page.html"
+    call("export", scene, "--out", out, "--quiet")
+    page = out.read_text("utf-8")
+    assert "<h1>Mine &lt;b&gt;</h1><p>See it.</p>" in page
+    assert "Turn it." in page

@@ -139,11 +139,11 @@ def test_a_measure_that_hangs_is_killed_and_named(tmp_path):
     own = "def m(flock):\n    while flock.seed == 2:\n        pass\n    return 1.0\n"
     (tmp_path / "mine.py").write_text(own)
     text = TEXT.replace('name = "polarisation"', 'measure = "mine.py:m"').replace("30", "3")
-    (tmp_path / "s.toml").write_text(text.replace("ticks = 2000", "ticks = 30\nseconds = 2"))
+    (tmp_path / "s.toml").write_text(text.replace("ticks = 2000", "ticks = 30\nseconds = 8"))
     out = tmp_path / "out"
     result = call("sweep", "run", tmp_path / "s.toml", "--out", out, "--quiet")
     assert result.exit_code == 3, result.stderr
-    assert "cell 1, seed 2: killed: it took longer than 2 s" in result.stdout
+    assert "cell 1, seed 2: killed: it took longer than 8 s" in result.stdout
     assert StoreReader(out).counts == {"ok": 4, "gave-up": 0, "failed": 0, "killed": 2}
     (tmp_path / "s.toml").write_text(text.replace("ticks = 2000", "ticks = 30\ntimeout = 0"))
     assert "run.timeout: a number > 0 is needed" in refusal("sweep", "run", tmp_path / "s.toml")

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import shlex
+import tomllib
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.options.run_arguments import GivenOptions, with_options
+from app.cli.options.run_arguments import GivenOptions, is_file, option_name, with_options
 from app.cli.take.source import is_recording
 from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
 from app.cli.terminal.usage import (
@@ -20,7 +23,12 @@ from app.cli.terminal.usage import (
     model_name,
 )
 from worlds.file_writer import demand_writable, write_text
-from worlds.input_error import InputError
+from worlds.input_error import InputError, unknown
+
+if TYPE_CHECKING:
+    from agents import Flock
+    from app.viewer.gallery.saved_scene import SavedScene
+    from app.viewer.lab.flock_page import PageWords
 
 ENDINGS = (".html", ".htm")
 
@@ -29,9 +37,17 @@ ENDINGS = (".html", ".htm")
 def export(
     model: Annotated[
         str | None,
-        typer.Argument(help="A model, a spec (TOML), or a rule (FILE.py)."),
+        typer.Argument(help="A model, a scene or a spec (TOML), or a rule (FILE.py)."),
     ] = None,
     rule: Rules = None,
+    scene: Annotated[
+        str | None, typer.Option(help="A scene: NAME of a built-in one, or FILE.toml.")
+    ] = None,
+    lesson: Annotated[str | None, typer.Option(help="A lesson of `flockscope class`.")] = None,
+    paper: Annotated[
+        str | None,
+        typer.Option(help="An entry of `flockscope list papers`: its first run, or MODEL's."),
+    ] = None,
     *,
     options: GivenOptions,
     settings: Settings = None,
@@ -51,16 +67,96 @@ def export(
     if is_recording(model):
         raise InputError(f"{model} is a recording: a page runs a flock from its start")
     spec = Path(model) if model is not None and Path(model).suffix.lower() == ".toml" else None
+    from agents import Flock
     from app.cli.run import build_flock
-    from app.web.flock_page import flock_page
+    from app.viewer.lab.flock_page import PageWords, flock_page
 
-    name = None if spec else first_of(model_name(model), rule)
-    flock = build_flock(spec, name, options, settings or [], 1, False, quiet)
+    named = {"--scene": scene, "--lesson": lesson, "--paper": paper}
+    chosen = [option for option, value in named.items() if value is not None]
+    if len(chosen) > 1:
+        raise InputError(f"{chosen[0]} cannot be given with {chosen[1]}: a page has one flock")
+    if paper is not None:
+        demand_nothing_else("--paper", None, rule, options, settings)
+        flock, words = flock_of_paper(paper, model)
+    elif scene is not None or lesson is not None:
+        demand_nothing_else(chosen[0], model, rule, options, settings)
+        opened = scene_to_export(scene) if scene is not None else lesson_to_export(lesson or "")
+        flock = Flock(opened.spec)
+        words = PageWords.of_scene(opened, f"flockscope export {chosen[0]} {scene or lesson}")
+    else:
+        name = None if spec else first_of(model_name(model), rule)
+        flock = build_flock(spec, name, options, settings or [], 1, False, quiet)
+        words = PageWords() if spec is None else words_of_file(spec)
+    if title:
+        words = replace(words, title=title)
     if not quiet:
         print_stderr(f"flockscope: compiling {flock.model.name} for the page takes some seconds")
-    page = flock_page(flock, title)
+    page = flock_page(flock, words)
     write_text("--out", out, page, overwrite, ENDINGS)
     if json_asked:
         typer.echo(as_json({"page": str(out), "model": flock.model.name, "bytes": len(page)}))
     if not quiet:
         print_written_files(out)
+
+
+def demand_nothing_else(
+    option: str, model: str | None, rule: Any, options: GivenOptions, settings: list[str] | None
+) -> None:
+    """Refuse what says which run it is beside an option that has a run. Raises InputError."""
+    given = {**options, "rule": rule, "set": settings or None}
+    others = [option_name(name) for name, value in given.items() if value is not None]
+    if model is not None:
+        others.insert(0, "MODEL")
+    if others:
+        raise InputError(f"{option} has a run of its own: it cannot be given with {others[0]}")
+
+
+def scene_to_export(name: str) -> SavedScene:
+    """A built-in scene, or that of a file. Raises InputError."""
+    from app.viewer.gallery.file_opener import opened_file
+    from app.viewer.gallery.saved_scene import SavedScene
+    from app.viewer.gallery.scene_collection import find_scene
+
+    opened = opened_file(name) if is_file(name) else find_scene(name)
+    if not isinstance(opened, SavedScene):
+        raise InputError(f"{name} is a recording: a page runs a flock from its start")
+    if opened.beside is not None:
+        raise InputError(f"scene {name} has a model beside another: a page runs one flock")
+    return opened
+
+
+def words_of_file(path: Path) -> PageWords:
+    """What a scene's file says of it; nothing of a spec's, which has no words."""
+    from app.viewer.lab.flock_page import PageWords
+
+    values = tomllib.loads(path.read_text("utf-8-sig"))
+    title, watch, tries = (str(values.get(key, "")) for key in ("title", "watch", "try"))
+    return PageWords(title, watch, tries, command=f"flockscope export {shlex.quote(path.name)}")
+
+
+def lesson_to_export(name: str) -> SavedScene:
+    """A lesson. Raises InputError."""
+    from app.classroom.lessons.lessons import find_lesson, lesson_names
+
+    if name not in lesson_names():
+        raise unknown("lesson", name, lesson_names())
+    return find_lesson(name)
+
+
+def flock_of_paper(name: str, label: str | None) -> tuple[Flock, PageWords]:
+    """The first run of a paper's entry, or of a model or label of it. Raises InputError."""
+    from app.studies.experiment import flock_of
+    from app.studies.experiment_reader import find_experiment
+    from app.viewer.lab.flock_page import PageWords
+
+    experiment = find_experiment(name).select([label] if label else [], [])
+    if not experiment.cases:
+        raise InputError(f"{name} has no run of a flock: a page runs one")
+    case = experiment.cases[0]
+    shown = f" {label}" if label else ""
+    words = PageWords(
+        title=f"{experiment.title}: {case.label}",
+        watch=f"{experiment.source}, run 1 of {experiment.runs}.",
+        command=f"flockscope export{shown} --paper {name}",
+    )
+    return flock_of(case, 1), words

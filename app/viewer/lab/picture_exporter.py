@@ -1,4 +1,5 @@
-"""What a page gives to take along: what a browser sees, as a picture or a film, with what it means.
+"""What a page gives to take along: what a browser sees, as a picture or a film, with what it means;
+or the flock as a page that runs by itself.
 
 A browser asks by HTTP, with a name that only its own connection was told; what is made for it comes
 through that connection.
@@ -8,6 +9,7 @@ from __future__ import annotations
 
 import re
 import secrets
+import subprocess
 import tempfile
 import threading
 import time
@@ -27,6 +29,8 @@ from app.front.client_addresses import RateLimit
 from app.front.http_server import Request, text_response
 from app.front.renders import MOST, RenderCamera
 from app.front.server import front_of, renders_of
+from app.processes import ChildProcess
+from app.viewer.lab.flock_page import PageWriter
 from app.viewer.panels.sending import ExportPermit
 from app.viewer.pictures import key
 from app.viewer.pictures.browser import SeenSheet, as_png
@@ -52,6 +56,8 @@ LARGEST = 48_000_000
 GAP = 5.0
 """Seconds at most that a picture stays where the browser draws no other."""
 PAGE = ".html"
+TIMEOUT = 600.0
+"""Seconds that a page may take: on a busy machine it is compiled for minutes."""
 
 
 class FilmSource(Protocol):
@@ -195,7 +201,7 @@ class ExportClient:
     client: viser.ClientHandle
     asks: RateLimit = field(default_factory=lambda: RateLimit(*ASKS))
     is_busy: bool = False
-    """Whether a picture is being made for it."""
+    """Whether a picture or a page is being made for it."""
     filming: FilmRecorder | None = None
     dark: bool = False
     dots: float = 1.0
@@ -253,8 +259,10 @@ class PictureExporter:
                 visit.filming.stop(is_wanted=what == "stop")
         elif what in ("picture", "film"):
             self.begin(visit, what, asked)
+        elif what == "page":
+            self.begin_page(visit)
         elif what:
-            raise InputError(f"do = {what!r} is not one of picture, film, stop, discard")
+            raise InputError(f"do = {what[:20]!r} is not one of picture, film, page, stop, discard")
 
     def begin(self, visit: ExportClient, what: str, asked: dict[str, str]) -> None:
         """Begin to make a picture or a film. Raises InputError."""
@@ -267,12 +275,7 @@ class PictureExporter:
         if what == "film":
             self.allowed.demand_film()
         size = pixels(asked.get("size", ""), MOST_DOTS if what == "picture" else MOST_OF_FILM)
-        if visit.is_busy or visit.filming is not None:
-            raise InputError("one thing at a time: it is being made")
-        busy = sum(one.is_busy or one.filming is not None for one in list(self.visits.values()))
-        if busy >= AT_ONCE or not visit.asks.take():
-            raise InputError("others are being made: try again in a few seconds")
-        self.allowed.demand_file()
+        self.demand_free(visit)
         eyes = BrowserCapture(self.laboratory, visit)
         shot = eyes.shot()
         if kind in VECTORS:
@@ -287,6 +290,38 @@ class PictureExporter:
             threading.Thread(
                 target=self.take, args=(visit, eyes, shot, kind, size), name="picture", daemon=True
             ).start()
+
+    def demand_free(self, visit: ExportClient) -> None:
+        """Refuse what comes too often, or too much at once. Raises InputError."""
+        if visit.is_busy or visit.filming is not None:
+            raise InputError("one thing at a time: it is being made")
+        busy = sum(one.is_busy or one.filming is not None for one in list(self.visits.values()))
+        if busy >= AT_ONCE or not visit.asks.take():
+            raise InputError("others are being made: try again in a few seconds")
+        self.allowed.demand_file()
+
+    def begin_page(self, visit: ExportClient) -> None:
+        """Begin to write the page of the flock. Raises InputError."""
+        self.allowed.demand_page()
+        if self.laboratory.simulation.state.models[1] is not None:
+            raise InputError("a page runs one flock: close the one beside it")
+        self.demand_free(visit)
+        visit.said, visit.is_busy = "", True
+        threading.Thread(target=self.take_page, args=(visit,), name="page", daemon=True).start()
+
+    def take_page(self, visit: ExportClient) -> None:
+        """Write the page of the flock, and send it."""
+        try:
+            spec = self.laboratory.simulation.spec().result(TIMEOUT).decode()
+            with ChildProcess(PageWriter, stderr=subprocess.DEVNULL) as child:
+                page: str = child.ask("write", spec, timeout=TIMEOUT).result()
+            visit.client.send_file_download(self.name(PAGE), page.encode(), save_immediately=True)
+        except InputError as refusal:
+            visit.said = str(refusal)
+        except Exception as error:
+            visit.said = f"the page cannot be made: {type(error).__name__}"
+        finally:
+            visit.is_busy = False
 
     def film(
         self, visit: ExportClient, eyes: BrowserCapture, kind: str, size: tuple[int, int]

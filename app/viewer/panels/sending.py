@@ -42,6 +42,13 @@ class ExportPermit:
         if self.allowance is not None and not self.allowance.films:
             raise InputError("a class makes no films: `flockscope lab` on your own machine does")
 
+    def demand_page(self) -> None:
+        """Raise InputError where there are no pages that run: to compile one takes long."""
+        if self.allowance is not None:
+            raise InputError(
+                "a class makes no pages that run: `flockscope lab` on your own machine does"
+            )
+
     @contextmanager
     def take_turn(self) -> Iterator[None]:
         """Within it a file is made: with an allowance one after the other, of all pages."""

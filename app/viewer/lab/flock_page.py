@@ -12,8 +12,10 @@ import html
 import json
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import pairwise
+from pathlib import Path
 from string import Template
 from typing import Any
 
@@ -21,24 +23,54 @@ import numpy as np
 import shapely
 
 from agents.flock import Flock
-from agents.spec import CompleteSpec
-from agents.web_program import web_program
+from agents.spec import CompleteSpec, Spec
+from agents.web_program import sliders, web_program
 from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene, command_line
 from app.viewer.panels.dials import plain_symbol
+from worlds.file_writer import demand_writable, write_text
 from worlds.world import World
 
 FOLDER = STATIC / "export"
+ENDINGS = (".html", ".htm")
 SCRIPTS = ("kernel.js", "runner.js", "view.js", "page.js")
-LIVELY = 30.0
-"""Ticks a second at which a page begins."""
+LIVELY, FASTEST = 30.0, 1000.0
+"""Ticks a second at which a page begins, and at most."""
+MANY = 1000
+"""After all charts that are named."""
 CORNERS = 48
 """Corners of an outline from which on it is drawn without upright edges."""
 CIRCLE = np.linspace(0.0, 2.0 * math.pi, 49)
 
 
-def flock_page(flock: Flock, title: str = "") -> str:
-    """The page of a flock that stands at its start, titled as its model is unless `title` says.
+@dataclass(frozen=True)
+class PageWords:
+    """What a page says of its flock, beside what its model declares."""
+
+    title: str = ""
+    """Empty: the model's."""
+    watch: str = ""
+    """What one should see; empty: what the rule does."""
+    tries: str = ""
+    """What to try first."""
+    speed: float | None = None
+    """Ticks a second at first; None: `LIVELY`."""
+    plots: tuple[str, ...] = ()
+    """Observables whose charts come first."""
+    command: str = ""
+    """What makes the page; empty: found from the flock's spec."""
+
+    @classmethod
+    def of_scene(cls, scene: SavedScene, command: str) -> PageWords:
+        """Those of a scene."""
+        return cls(scene.title, scene.watch, scene.tries, scene.speed, scene.plots, command)
+
+
+PLAIN_WORDS = PageWords()
+
+
+def flock_page(flock: Flock, words: PageWords = PLAIN_WORDS) -> str:
+    """The page of a flock, which goes on from where it stands.
 
     Raises InputError for what no page can do yet.
     """
@@ -46,19 +78,24 @@ def flock_page(flock: Flock, title: str = "") -> str:
     rule = flock.model.rule
     triangles, lines = drawn_obstacles(flock.world)
     manifest = program.manifest | {"triangles": triangles, "lines": lines}
+    manifest["tries"] = steps_to_try(flock, words)
+    manifest["measures"].sort(
+        key=lambda one: words.plots.index(one["name"]) if one["name"] in words.plots else MANY
+    )
     for parameter in manifest["parameters"]:
         parameter["symbol"] = plain_symbol(parameter["symbol"])
     script = "'use strict';\n" + "\n".join((FOLDER / name).read_text("utf-8") for name in SCRIPTS)
     style = (FOLDER / "page.css").read_text("utf-8")
     texts = {
-        "title": title or rule.title,
+        "title": words.title or rule.title,
+        "watch": words.watch or rule.summary,
         "summary": rule.summary,
         "source": rule.source,
-        "command": export_command(flock.spec),
+        "command": words.command or export_command(flock.spec),
         "seed": str(flock.seed),
         "agents": str(len(flock.ids)),
         "version": version("flockscope"),
-        "speed": f"{math.log10(LIVELY):.2f}",
+        "speed": f"{math.log10(min(max(words.speed or LIVELY, 1.0), FASTEST)):.2f}",
         "policy": page_policy(script, style),
     }
     parts = {
@@ -70,6 +107,39 @@ def flock_page(flock: Flock, title: str = "") -> str:
     }
     template = Template((FOLDER / "page.html").read_text("utf-8"))
     return template.substitute({name: html.escape(text) for name, text in texts.items()} | parts)
+
+
+def write_flock_page(flock: Flock, path: Path, title: str = "", overwrite: bool = False) -> None:
+    """Write the page of a flock; nothing is left half-written. Raises InputError and OSError."""
+    demand_writable("path", path, overwrite, ENDINGS)
+    write_text("path", path, flock_page(flock, PageWords(title)), overwrite, ENDINGS)
+
+
+def steps_to_try(flock: Flock, words: PageWords) -> list[dict[str, Any]]:
+    """What a page proposes to try: in words, what sliders it sets, and what one then sees.
+
+    Of what the model declares, the steps that change nothing but sliders; they were found in the
+    model's own world.
+    """
+    steps: list[dict[str, Any]] = []
+    if words.tries:
+        steps.append({"words": words.tries, "set": {}, "see": ""})
+    if flock.spec.world == flock.model.world:
+        moved = {slider.name for slider in sliders(flock)}
+        steps += [
+            {"words": step.words, "set": dict(step.set), "see": step.see}
+            for step in flock.model.to_try
+            if not step.anew and set(step.set) <= moved
+        ]
+    return steps
+
+
+class PageWriter:
+    """In a process of its own, as to compile takes many seconds: writes pages."""
+
+    def write(self, spec: str) -> str:
+        """The page of a flock at its start, of its spec as TOML. Raises InputError."""
+        return flock_page(Flock(Spec.from_toml(spec, "the run")))
 
 
 def export_command(spec: CompleteSpec) -> str:
