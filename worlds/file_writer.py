@@ -135,6 +135,13 @@ def write_text(
         raise InputError(
             f"{thing} {str(path)!r} cannot be written: {letter!r} is no character of UTF-8"
         ) from None
+    write_bytes(thing, path, data, overwrite, endings)
+
+
+def write_bytes(
+    thing: str, path: str | Path, data: bytes, overwrite: bool = True, endings: Collection[str] = ()
+) -> None:
+    """Write a file, whole or not at all. Raises InputError as `writing`."""
     with writing(thing, path, overwrite, endings) as file:
         file.write(data)
 

@@ -13,7 +13,14 @@ function rounded(most, least) {
 const spoken = (name) => name[0].toUpperCase() + name.slice(1).replaceAll("-", " ");
 const dark = matchMedia("(prefers-color-scheme: dark)");
 
+// Of a page of one file it stands in the page; of a page in a folder, in a file beside it.
 async function unpack(id) {
+  const { file } = $(id).dataset;
+  if (file) {
+    const answer = await fetch(file);
+    if (!answer.ok) throw new Error(`${file} is not there`);
+    return new Uint8Array(await answer.arrayBuffer());
+  }
   const packed = Uint8Array.from(atob($(id).textContent), (letter) => letter.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Uint8Array(await new Response(stream).arrayBuffer());

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import functools
+import http.server
+import threading
 from contextlib import contextmanager
 
 import numpy as np
 import pytest
 
 from agents.flock import Flock
-from app.viewer.lab.flock_page import PageWords, flock_page
+from app.viewer.lab.flock_page import PageWords, flock_page, page_files
 from tests.viewer.waiting import until
 
 
@@ -193,3 +196,29 @@ def test_words_of_a_world_are_text():
     title = "<script>globalThis.owned = 1</script>"
     page_text = flock_page(Flock("vem", agents=5, rng=1), PageWords(title))
     assert title not in page_text
+
+
+def test_a_page_of_a_folder_runs_from_a_web_server(chromium, tmp_path):
+    for name, content in page_files(Flock("vem", agents=30, rng=3), "vem").items():
+        (tmp_path / name).write_bytes(content)
+    flock = Flock("vem", agents=30, rng=3)
+    flock.run(20)
+    handler = functools.partial(QuietHandler, directory=str(tmp_path))
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        page = chromium.new_page()
+        try:
+            page.goto(f"http://127.0.0.1:{server.server_port}/vem.html")
+            until(lambda: page.evaluate("'page' in globalThis"), 60, "the flock to be there")
+            there = positions(page, 20, flock.position.shape)
+        finally:
+            page.close()
+            server.shutdown()
+    assert there == pytest.approx(flock.position, abs=1e-9)
+
+
+class QuietHandler(http.server.SimpleHTTPRequestHandler):
+    """Serves files without a word."""
+
+    def log_message(self, *_: object) -> None:
+        pass

@@ -80,3 +80,24 @@ def test_the_words_of_a_scenes_file_are_on_its_page(tmp_path):
     page = out.read_text("utf-8")
     assert "<h1>Mine &lt;b&gt;</h1><p>See it.</p>" in page
     assert "Turn it." in page
+
+
+def test_pages_of_a_folder_share_what_shows_them(tmp_path):
+    folder = tmp_path / "site"
+    given = ("--folder", folder, "--agents", "9", "--quiet")
+    done = call("export", "vem", *given, "--out", "one.html", "--json")
+    told = json.loads(done.stdout)
+    assert told["bytes"] == sum(file.stat().st_size for file in folder.iterdir())
+    shared = {name: (folder / name).read_bytes() for name in ("viewer.js", "viewer.css")}
+    call("export", "vem", *given, "--out", "two.html", "--set", "eta=1")
+    assert {file.name for file in folder.iterdir()} == {
+        *("one.html", "one.wasm", "one.bin", "two.html", "two.wasm", "two.bin"),
+        *shared,
+    }
+    assert "two.html' exists already" in refusal("export", "vem", *given, "--out", "two.html")
+    (folder / "viewer.js").write_text("of another version")
+    assert "viewer.js' exists already" in refusal("export", "vem", *given, "--out", "three.html")
+    assert not (folder / "three.html").exists()
+    call("export", "vem", *given, "--out", "two.html", "--overwrite")
+    assert (folder / "viewer.js").read_bytes() == shared["viewer.js"]
+    assert "NAME.html" in refusal("export", "vem", *given, "--out", "a/b.html")

@@ -22,7 +22,7 @@ from app.cli.terminal.usage import (
     first_of,
     model_name,
 )
-from worlds.file_writer import demand_writable, write_text
+from worlds.file_writer import demand_writable, write_bytes
 from worlds.input_error import InputError, unknown
 
 if TYPE_CHECKING:
@@ -53,6 +53,13 @@ def export(
     settings: Settings = None,
     title: Annotated[str, typer.Option(help="Title of the page. \\[default: the model's]")] = "",
     out: Annotated[Path, typer.Option(help="HTML file.")] = Path("flock.html"),
+    folder: Annotated[
+        Path | None,
+        typer.Option(
+            help="Write the page and its parts into this folder of a web site; what shows them is "
+            "there once for all pages. The page is called as --out."
+        ),
+    ] = None,
     overwrite: Overwrite = False,
     json_asked: PrintJson = False,
     quiet: Quiet = False,
@@ -63,13 +70,18 @@ def export(
     the start that the seed gives. What a page cannot do yet, as a random order of turns or wind, is
     refused. What `flockscope run` takes to say which run it is, this takes too.
     """
-    demand_writable("--out", out, overwrite, ENDINGS)
+    if folder is None:
+        demand_writable("--out", out, overwrite, ENDINGS)
+    elif out.name != str(out) or out.suffix.lower() not in ENDINGS:
+        raise InputError(f"--out {str(out)!r} is not allowed: of a --folder it is NAME.html")
+    elif folder.exists():
+        demand_writable("--folder", folder / out.name, overwrite)
     if is_recording(model):
         raise InputError(f"{model} is a recording: a page runs a flock from its start")
     spec = Path(model) if model is not None and Path(model).suffix.lower() == ".toml" else None
     from agents import Flock
     from app.cli.run import build_flock
-    from app.viewer.lab.flock_page import PageWords, flock_page
+    from app.viewer.lab.flock_page import PageWords, flock_page, page_files
 
     named = {"--scene": scene, "--lesson": lesson, "--paper": paper}
     chosen = [option for option, value in named.items() if value is not None]
@@ -91,12 +103,47 @@ def export(
         words = replace(words, title=title)
     if not quiet:
         print_stderr(f"flockscope: compiling {flock.model.name} for the page takes some seconds")
-    page = flock_page(flock, words)
-    write_text("--out", out, page, overwrite, ENDINGS)
+    if folder is None:
+        page = flock_page(flock, words).encode()
+        sizes = {out: len(page)}
+        write_bytes("--out", out, page, overwrite, ENDINGS)
+    else:
+        files = page_files(flock, out.stem, words)
+        out = folder / out.name
+        sizes = write_folder(folder, files, overwrite)
     if json_asked:
-        typer.echo(as_json({"page": str(out), "model": flock.model.name, "bytes": len(page)}))
+        told = {"page": str(out), "model": flock.model.name, "bytes": sum(sizes.values())}
+        if folder is not None:
+            told["files"] = {path.name: size for path, size in sizes.items()}
+        typer.echo(as_json(told))
     if not quiet:
-        print_written_files(out)
+        print_written_files(*sizes)
+
+
+def write_folder(folder: Path, files: dict[str, bytes], overwrite: bool) -> dict[Path, int]:
+    """Write a page's files into a folder; their sizes in bytes. What shows pages is the same for
+    all of one version: only where it is another one is `overwrite` needed. Raises InputError."""
+    from app.viewer.lab.flock_page import VIEWER_FILES
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"--folder {folder} cannot be made: {error.strerror}") from None
+    new = {
+        folder / name: content
+        for name, content in files.items()
+        if name not in VIEWER_FILES or not is_same(folder / name, content)
+    }
+    for path in new:
+        demand_writable("--folder", path, overwrite)
+    for path, content in new.items():
+        write_bytes("--folder", path, content, overwrite)
+    return {folder / name: len(content) for name, content in files.items()}
+
+
+def is_same(path: Path, content: bytes) -> bool:
+    """Whether a file is there and has this content."""
+    return path.is_file() and path.read_bytes() == content
 
 
 def demand_nothing_else(

@@ -24,7 +24,7 @@ import shapely
 
 from agents.flock import Flock
 from agents.spec import CompleteSpec, Spec
-from agents.web_program import sliders, web_program
+from agents.web_program import WebProgram, sliders, web_program
 from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene, command_line
 from app.viewer.panels.dials import plain_symbol
@@ -70,10 +70,66 @@ PLAIN_WORDS = PageWords()
 
 
 def flock_page(flock: Flock, words: PageWords = PLAIN_WORDS) -> str:
-    """The page of a flock, which goes on from where it stands.
+    """The page of a flock, which goes on from where it stands, as one file.
 
     Raises InputError for what no page can do yet.
     """
+    page, script, style = page_parts(flock, words)
+    return page.filled(
+        policy=page_policy(script, style),
+        style=f"<style>{style}</style>",
+        module=f'<script type="text/plain" id="module">{packed(page.program.module)}</script>',
+        memory=f'<script type="text/plain" id="memory">{packed(page.program.memory)}</script>',
+        script=f"<script>{script}</script>",
+    )
+
+
+VIEWER_FILES = ("viewer.js", "viewer.css")
+"""What all pages of a folder share."""
+
+
+def page_files(flock: Flock, name: str, words: PageWords = PLAIN_WORDS) -> dict[str, bytes]:
+    """The same as files of a folder on a web server: its page, which is called `name`, what runs,
+    and what all pages of the folder share. Raises InputError."""
+    page, script, style = page_parts(flock, words)
+    script_file, style_file = VIEWER_FILES
+    module, memory = f"{name}.wasm", f"{name}.bin"
+    text = page.filled(
+        policy="default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src blob:; "
+        "style-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'",
+        style=f'<link rel="stylesheet" href="{style_file}">',
+        module=f'<script type="text/plain" id="module" data-file="{module}"></script>',
+        memory=f'<script type="text/plain" id="memory" data-file="{memory}"></script>',
+        script=f'<script src="{script_file}"></script>',
+    )
+    return {
+        f"{name}.html": text.encode(),
+        module: page.program.module,
+        memory: page.program.memory,
+        script_file: script.encode(),
+        style_file: style.encode(),
+    }
+
+
+@dataclass(frozen=True)
+class PageText:
+    """A page that lacks but what differs between one file and a folder."""
+
+    program: WebProgram
+    texts: dict[str, str]
+    manifest: str
+
+    def filled(self, policy: str, **parts: str) -> str:
+        """The page with its policy, and with its parts as HTML."""
+        escaped = {name: html.escape(text) for name, text in self.texts.items()}
+        template = Template((FOLDER / "page.html").read_text("utf-8"))
+        return template.substitute(
+            escaped | parts | {"manifest": self.manifest, "policy": html.escape(policy)}
+        )
+
+
+def page_parts(flock: Flock, words: PageWords) -> tuple[PageText, str, str]:
+    """The page of a flock, its script and its style. Raises InputError."""
     program = web_program(flock)
     rule = flock.model.rule
     triangles, lines = drawn_obstacles(flock.world)
@@ -96,17 +152,9 @@ def flock_page(flock: Flock, words: PageWords = PLAIN_WORDS) -> str:
         "agents": str(len(flock.ids)),
         "version": version("flockscope"),
         "speed": f"{math.log10(min(max(words.speed or LIVELY, 1.0), FASTEST)):.2f}",
-        "policy": page_policy(script, style),
     }
-    parts = {
-        "manifest": json.dumps(manifest, separators=(",", ":")).replace("<", "\\u003c"),
-        "module": packed(program.module),
-        "memory": packed(program.memory),
-        "script": script,
-        "style": style,
-    }
-    template = Template((FOLDER / "page.html").read_text("utf-8"))
-    return template.substitute({name: html.escape(text) for name, text in texts.items()} | parts)
+    as_json = json.dumps(manifest, separators=(",", ":")).replace("<", "\\u003c")
+    return PageText(program, texts, as_json), script, style
 
 
 def write_flock_page(flock: Flock, path: Path, title: str = "", overwrite: bool = False) -> None:
