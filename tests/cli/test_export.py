@@ -6,7 +6,10 @@ import json
 
 import pytest
 
+from app.cli.take import page_gallery
+from app.viewer.gallery.scene_collection import cards
 from tests.cli.calling import call, refusal
+from worlds.input_error import InputError
 
 
 def test_a_page_is_written_and_its_size_printed(tmp_path):
@@ -101,3 +104,24 @@ def test_pages_of_a_folder_share_what_shows_them(tmp_path):
     call("export", "vem", *given, "--out", "two.html", "--overwrite")
     assert (folder / "viewer.js").read_bytes() == shared["viewer.js"]
     assert "NAME.html" in refusal("export", "vem", *given, "--out", "a/b.html")
+
+
+def test_a_gallery_has_a_page_of_each_and_says_what_has_none(tmp_path, monkeypatch, capsys):
+    some = [card for card in cards() if card.name in ("beside", "model:vem")]
+    monkeypatch.setattr(page_gallery, "cards", lambda: tuple(some))
+    told = page_gallery.write_gallery(tmp_path / "site", overwrite=False, quiet=False)
+    assert set(told["refused"]) == {"beside"}
+    assert "beside has no page: two models beside each other" in capsys.readouterr().err
+    index = (tmp_path / "site" / "index.html").read_text("utf-8")
+    assert 'href="model-vem.html"' in index
+    files = {file.name for file in (tmp_path / "site").iterdir()}
+    assert files == {*told["files"], "index.html"}
+    with pytest.raises(InputError, match="exists already"):
+        page_gallery.write_gallery(tmp_path / "site", overwrite=False, quiet=True)
+
+
+def test_all_pages_go_into_a_folder_and_are_of_no_run(tmp_path):
+    assert "--all needs --folder" in refusal("export", "--all")
+    given = ("export", "--all", "--folder", tmp_path / "site")
+    assert "it cannot be given with MODEL" in refusal(*given, "vem")
+    assert "it cannot be given with --agents" in refusal(*given, "--agents", "4")

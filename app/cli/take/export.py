@@ -60,6 +60,13 @@ def export(
             "there once for all pages. The page is called as --out."
         ),
     ] = None,
+    everything: Annotated[
+        bool,
+        typer.Option(
+            "--all",
+            help="Write a page of every scene and model into --folder, and index.html with them.",
+        ),
+    ] = False,
     overwrite: Overwrite = False,
     json_asked: PrintJson = False,
     quiet: Quiet = False,
@@ -70,6 +77,16 @@ def export(
     the start that the seed gives. What a page cannot do yet, as a random order of turns or wind, is
     refused. What `flockscope run` takes to say which run it is, this takes too.
     """
+    if everything:
+        demand_nothing_else("--all", model or scene or lesson or paper, rule, options, settings)
+        if folder is None:
+            raise InputError("--all needs --folder: it writes many pages")
+        from app.cli.take.page_gallery import write_gallery
+
+        told = write_gallery(folder, overwrite, quiet)
+        if json_asked:
+            typer.echo(as_json(told))
+        return
     if folder is None:
         demand_writable("--out", out, overwrite, ENDINGS)
     elif out.name != str(out) or out.suffix.lower() not in ENDINGS:
@@ -81,6 +98,7 @@ def export(
     spec = Path(model) if model is not None and Path(model).suffix.lower() == ".toml" else None
     from agents import Flock
     from app.cli.run import build_flock
+    from app.cli.take.page_gallery import write_folder
     from app.viewer.lab.flock_page import PageWords, flock_page, page_files
 
     named = {"--scene": scene, "--lesson": lesson, "--paper": paper}
@@ -118,32 +136,6 @@ def export(
         typer.echo(as_json(told))
     if not quiet:
         print_written_files(*sizes)
-
-
-def write_folder(folder: Path, files: dict[str, bytes], overwrite: bool) -> dict[Path, int]:
-    """Write a page's files into a folder; their sizes in bytes. What shows pages is the same for
-    all of one version: only where it is another one is `overwrite` needed. Raises InputError."""
-    from app.viewer.lab.flock_page import VIEWER_FILES
-
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"--folder {folder} cannot be made: {error.strerror}") from None
-    new = {
-        folder / name: content
-        for name, content in files.items()
-        if name not in VIEWER_FILES or not is_same(folder / name, content)
-    }
-    for path in new:
-        demand_writable("--folder", path, overwrite)
-    for path, content in new.items():
-        write_bytes("--folder", path, content, overwrite)
-    return {folder / name: len(content) for name, content in files.items()}
-
-
-def is_same(path: Path, content: bytes) -> bool:
-    """Whether a file is there and has this content."""
-    return path.is_file() and path.read_bytes() == content
 
 
 def demand_nothing_else(
