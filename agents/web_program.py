@@ -8,7 +8,10 @@ from __future__ import annotations
 
 import inspect
 from dataclasses import dataclass
+from types import FunctionType
 from typing import Any, NoReturn
+
+from numba.core.errors import NumbaError
 
 from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.runner import SynchronousEngine
@@ -18,7 +21,7 @@ from agents.models.model import NUMBER
 from agents.observables.catalogue import OBSERVABLES, telling_observables
 from agents.observables.observable import Range
 from agents.observables.of_rows import empty_cells
-from worlds.compilation import entry
+from worlds.compilation import compiled, entry
 from worlds.input_error import InputError
 from worlds.web_assembly import FIRST_FREE, LinkedCode, MemoryImage, linked_code, web_module
 
@@ -277,5 +280,31 @@ def slope(flock: Flock, name: str, radius: Any, base: float) -> float:
 
 def reach_code(flock: Flock, name: str) -> LinkedCode:
     """The code of a reach that follows from several parameters."""
-    compute = getattr(type(flock.parameters), name).fget
-    return linked_code(entry(compute), (flock.context.parameters,))
+    compute = with_callees(getattr(type(flock.parameters), name).fget)
+    try:
+        return linked_code(entry(compute), (flock.context.parameters,), takes_text=True)
+    except NumbaError:
+        raise InputError(
+            f"a page cannot compute {name!r} of model {flock.model.name!r} when a slider is moved: "
+            "numba does not compile it"
+        ) from None
+
+
+def with_callees(function: FunctionType, callers: tuple[FunctionType, ...] = ()) -> FunctionType:
+    """A plain function whose callees are plain, too, as numba takes it: it calls them compiled.
+
+    One that calls itself stays as it is, which numba refuses.
+    """
+    known, callers = function.__globals__, (*callers, function)
+    callees = {
+        name: compiled(with_callees(callee, callers), takes_text=True)
+        for name in function.__code__.co_names
+        if isinstance(callee := known.get(name), FunctionType) and callee not in callers
+    }
+    return FunctionType(
+        function.__code__,
+        known | callees,
+        function.__name__,
+        function.__defaults__,
+        function.__closure__,
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 
 import pytest
 from pydantic import model_validator
@@ -11,8 +12,10 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.models.declare import Zone
 from agents.models.model import Model
-from agents.web_program import sliders, web_program
+from agents.web_program import reach_code, sliders, web_program
+from tests.worlds.test_web_assembly import Running
 from worlds.input_error import InputError
+from worlds.web_assembly import MemoryImage, web_module
 
 COUZIN = MODELS["couzin"]
 
@@ -23,6 +26,34 @@ class CheckedParameters(COUZIN.rule.parameters):
     @model_validator(mode="after")
     def _fit(self):
         return self
+
+
+def longest(p, times=2.0):
+    """The reach of some parameters, by a plain function that calls another."""
+    return times * outermost(p) + getattr(p, "length_of_nobody", 0.25)
+
+
+def outermost(p):
+    """The outer radius of the last zone."""
+    return p.r_r + p.dr_o + p.dr_a
+
+
+class HelpedParameters(COUZIN.rule.parameters):
+    """Parameters whose reach is computed by functions of its own."""
+
+    @property
+    def range(self) -> float:
+        """How far agents notice each other."""
+        return longest(self)
+
+
+class TextParameters(COUZIN.rule.parameters):
+    """Parameters whose reach is nothing that numba compiles."""
+
+    @property
+    def range(self) -> float:
+        """How far agents notice each other."""
+        return float(re.sub("x", "", f"x{self.r_r}")) + 20.0
 
 
 def flock_of(monkeypatch, **changes) -> Flock:
@@ -65,3 +96,21 @@ def test_how_many_are_neighbours_has_a_slider_only_where_it_counts():
     assert "k" not in [one.name for one in sliders(Flock("vem", agents=5, rng=1))]
     nearest = Flock("vem", agents=5, rng=1, neighbours="nearest")
     assert "k" in [one.name for one in sliders(nearest)]
+
+
+def test_a_reach_may_call_plain_functions(monkeypatch):
+    flock = flock_of(monkeypatch, parameters=HelpedParameters)
+    image = MemoryImage()
+    image.add("parameters", flock.context.parameters)
+    image.finish()
+    module = web_module({"reach": reach_code(flock, "range")})
+    running = Running(module.content, image)
+    running.call("reach", image)
+    assert running.read(image.answer, "<d")[0] == pytest.approx(flock.reach, rel=1e-15)
+
+
+def test_a_reach_that_cannot_be_compiled_is_refused_in_a_line(monkeypatch):
+    flock = flock_of(monkeypatch, parameters=TextParameters)
+    with pytest.raises(InputError, match="a page cannot compute 'range'") as caught:
+        reach_code(flock, "range")
+    assert "\n" not in str(caught.value)

@@ -119,13 +119,17 @@ class PartDispatcher(LoopDispatcher):
         return entry_of_part(self.py_func)
 
 
-def compiled(function: Callable) -> Any:
+def compiled(function: Callable, takes_text: bool = False) -> Any:
     """Compile a rule, a body or a part of the engine; it becomes part of the loop that calls it.
+
+    One that `takes_text`, as `getattr` takes a name, is only compiled if it may count references;
+    of a name that is known while it is compiled nothing is left in the code.
 
     Such a function is never cached by itself: the loop is, under a name made from everything it
     reaches (see `agents.engine.cache`).
     """
-    return PartDispatcher(function, targetoptions=INLINED, pipeline_class=PARTS)
+    options = INLINED | {"_nrt": takes_text}
+    return PartDispatcher(function, targetoptions=options, pipeline_class=PARTS)
 
 
 def entry(function: Callable) -> Any:
@@ -133,9 +137,10 @@ def entry(function: Callable) -> Any:
     return LoopDispatcher(function, targetoptions=OPTIONS, pipeline_class=LOOPS)
 
 
-def ir_dispatcher(function: Callable) -> Any:
+def ir_dispatcher(function: Callable, takes_text: bool = False) -> Any:
     """Compiles a function no further than to LLVM code: see `code_libraries.IrReady`."""
-    return LoopDispatcher(function, targetoptions=OPTIONS, pipeline_class=IR)
+    options = OPTIONS | {"_nrt": takes_text}
+    return LoopDispatcher(function, targetoptions=options, pipeline_class=IR)
 
 
 entry_of_part: Callable[[Callable], Any] = entry

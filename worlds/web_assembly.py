@@ -69,10 +69,13 @@ class LinkedCode:
     text: str
 
 
-def linked_code(function: Callable, arguments: Sequence[object]) -> LinkedCode:
+def linked_code(
+    function: Callable, arguments: Sequence[object], takes_text: bool = False
+) -> LinkedCode:
     """The LLVM code of a compiled function for arguments such as these.
 
-    `function` is made by `compilation.entry` or `compilation.compiled`. Raises InputError with a
+    `function` is made by `compilation.entry` or `compilation.compiled`. `takes_text`: it reads
+    attributes by `getattr` with a name (see `compilation.compiled`). Raises InputError with a
     version of numba that this was not tried with.
     """
     if not numba.__version__.startswith(TRIED):
@@ -80,7 +83,7 @@ def linked_code(function: Callable, arguments: Sequence[object]) -> LinkedCode:
         raise InputError(f"numba {numba.__version__} is not supported here: {tried} is needed")
     python = getattr(function, "py_func", function)
     try:
-        ir_dispatcher(python).compile(tuple(numba.typeof(value) for value in arguments))
+        ir_dispatcher(python, takes_text).compile(tuple(numba.typeof(value) for value in arguments))
     except IrReady as ready:
         return LinkedCode(python.__name__, ready.text)
     raise AssertionError(f"{python.__name__} was compiled without its LLVM code")

@@ -309,12 +309,15 @@ class GuardedZones(Zones):
         return max(self.Q, largest_ball_radius(self) + SKIN) + 0.5 * getattr(self, "body", 0.0)
 
 
+plain_spiral, plain_turn = spiral.py_func, turn_of.py_func
+"""As Python calls them."""
+
+
 def largest_ball_radius(p: Any) -> float:
     """The radius of an agent's largest reserved ball, that at its largest speed; length."""
     if not hasattr(p, "v_max"):
         return 0.0
-    change, theta = p.a_max * p.tau, turn_of.py_func(p)
-    return spiral.py_func(p.v_max, p.v_min, change, theta, p.tau).radius
+    return plain_spiral(p.v_max, p.v_min, p.a_max * p.tau, plain_turn(p), p.tau).radius
 
 
 @compiled
