@@ -23,12 +23,26 @@ from agents.observables.observable import Range
 from agents.observables.of_rows import empty_cells
 from worlds.compilation import compiled, entry
 from worlds.input_error import InputError
-from worlds.web_assembly import FIRST_FREE, LinkedCode, MemoryImage, linked_code, web_module
+from worlds.web_assembly import (
+    FIRST_FREE,
+    LinkedCode,
+    MemoryImage,
+    imported_functions,
+    linked_code,
+    web_module,
+)
 
 REACH, DURATION = "context.reach", "context.lasts"
 OWN = ("parameters", "unbounded")
 """Where the loop has its parameters in the context: of the second, the radius that does not count
 where the nearest are neighbours is infinite."""
+
+KNOWN = {
+    "sched_yield", "fmod", "pow", "exp", "expm1", "log", "log1p", "log2", "log10", "sqrt",
+    "cbrt", "hypot", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh",
+    "tanh", "asinh", "acosh", "atanh",
+}  # fmt: skip
+"""Functions that a page has for the loop: JavaScript's `Math` has most, and `round` otherwise."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +95,12 @@ def web_program(flock: Flock) -> WebProgram:
             compute, [arguments[name] for name in inspect.signature(compute.py_func).parameters]
         )
     module = web_module(code)
+    unknown = sorted(set(imported_functions(module.content)) - KNOWN)
+    if unknown:
+        raise InputError(
+            f"model {flock.model.name!r} calls {', '.join(unknown)}: "
+            "a browser has no function that gives the same"
+        )
     manifest = {
         "model": flock.model.name,
         "title": flock.model.rule.title,

@@ -294,11 +294,13 @@ def hide_all_but(module: llvm.ModuleRef, name: str) -> None:
 
 # The binary format of a module: sections of a number, a length and a body.
 
-CUSTOM, EXPORTS = 0, 7
+CUSTOM, IMPORTS, EXPORTS = 0, 2, 7
 SYMBOL_TABLE = 8
 """A part of the custom section `linking`."""
 FUNCTION, DATA, GLOBAL, SECTION, EVENT, TABLE = range(6)
 """What a symbol may be."""
+OF_FUNCTION, OF_TABLE, OF_MEMORY, OF_GLOBAL = range(4)
+"""What an import may be."""
 UNDEFINED, NAMED = 0x10, 0x40
 """Flags of a symbol: it is imported; it has a name of its own all the same."""
 
@@ -347,6 +349,30 @@ class BinaryReader:
         size = self.number()
         self.place += size
         return self.content[self.place - size : self.place]
+
+
+def imported_functions(content: bytes) -> list[str]:
+    """The names of the functions that a module asks of whoever runs it."""
+    reader = BinaryReader(content, place=8)
+    names = []
+    while reader:
+        section, body = reader.byte(), BinaryReader(reader.block())
+        if section != IMPORTS:
+            continue
+        for _ in range(body.number()):
+            body.block()  # `env`
+            name, kind = body.block().decode(), body.byte()
+            if kind == OF_FUNCTION:
+                names.append(name)
+                body.number()
+            elif kind == OF_GLOBAL:
+                body.place += 2
+            else:
+                body.place += kind == OF_TABLE
+                has_maximum = body.byte() & 1
+                for _ in range(1 + has_maximum):
+                    body.number()
+    return names
 
 
 def function_numbers(linking: bytes) -> dict[str, int]:

@@ -15,6 +15,7 @@ from worlds.compilation import compiled, entry
 from worlds.web_assembly import (
     FIRST_FREE,
     MemoryImage,
+    imported_functions,
     linked_code,
     to_leb128,
     web_module,
@@ -154,6 +155,19 @@ def test_one_module_has_several_functions():
     running.call("add", image)
     assert running.read(image.answer, "<d")[0] == pytest.approx(total(*values), 1e-15)
     assert set(module.slots) == {"add", "move"}
+
+
+@entry
+def rare(x):
+    return math.erf(x) + math.exp(x)
+
+
+def test_what_a_module_asks_for_is_read_from_it():
+    module = web_module({"go": linked_code(rare, (0.5,))})
+    asked = wasmtime.Module(wasmtime.Engine(), module.content).imports
+    functions = [one.name for one in asked if isinstance(one.type, wasmtime.FuncType)]
+    assert imported_functions(module.content) == functions
+    assert sorted(functions) == ["erf", "exp"]
 
 
 def test_the_same_array_stands_there_once_and_members_of_tuples_have_paths():
