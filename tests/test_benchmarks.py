@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import shutil
 import subprocess
 import sys
@@ -14,11 +15,14 @@ import pytest
 from oracles import vicsek_family as family
 
 ROOT = Path(__file__).parents[1]
-sys.path += [str(ROOT / "benchmarks" / folder) for folder in ("engine", "studies")]
+sys.path += [str(ROOT / "benchmarks" / folder) for folder in ("engine", "pages", "studies")]
 from batch_run import run_as_sweep, run_with_mesa  # noqa: E402
 from reference import COMPILER, reference  # noqa: E402
+from web import line, verdicts  # noqa: E402
 
 compiler = pytest.mark.skipif(shutil.which(COMPILER) is None, reason=f"no {COMPILER}")
+CHROMIUM = os.environ.get("FLOCKSCOPE_CHROMIUM") or shutil.which("chromium")
+browser = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium")
 
 
 def printed(name, *arguments):
@@ -146,3 +150,44 @@ def test_the_store_of_sweeps_gives_back_what_it_took():
     lines = printed("sweep_store.py", "--rows", "2000").splitlines()
     assert lines[0].startswith("2000 runs written in ")
     assert lines[1].startswith("2000 of them counted")
+
+
+@browser
+def test_a_flock_as_a_web_page_is_measured():
+    said = json.loads(printed("web.py", "vem", "--quick", "--json"))
+    (row,) = said["rows"]
+    assert (row["model"], row["agents"], row["faults"]) == ("vem", 100, [])
+    assert row["difference_20"] < 1e-9
+    assert row["module_bytes"] < row["page_gzipped_bytes"] < row["page_bytes"]
+    assert row["ratio"] == pytest.approx(row["chromium_ms"] / row["native_ms"])
+    assert min(row["made_s"], row["first_tick_s"]) > 0
+    assert {"pow", "atan2"} <= set(row["imports"])
+    assert len(row["sha256"]) >= 1 + (shutil.which("node") is not None)
+    assert said["verdicts"][0] == "pages: 1 of 1 models; refused: none"
+
+
+def test_verdicts_of_web_pages_follow_from_the_rows():
+    numbers = {"agents": 9, "made_s": 1.0, "page_gzipped_bytes": 1, "module_bytes": 1}
+    numbers |= {"first_tick_s": 0.1, "native_ms": 1.0, "chromium_ms": 2.0, "imports": ["pow"]}
+    rows = [
+        numbers
+        | {"model": "small", "page_bytes": 9_000, "ratio": 2.0, "difference_20": 1e-12}
+        | {"difference_100": math.nan, "sha256": {"Chromium": "aa", "node": "aa"}, "faults": []},
+        numbers
+        | {"model": "large", "page_bytes": 400_000, "ratio": 3.0, "difference_20": 1e-3}
+        | {"difference_100": 1.0, "sha256": {"Chromium": "aa", "node": "ab"}, "faults": ["slow"]},
+        {"model": "windy", "refused": "it is windy"},
+    ]
+    assert line(rows[2]).split() == ["windy", "refused:", "it", "is", "windy"]
+    assert " aa aa " in line(rows[0])
+    assert " aa ab " in line(rows[1])
+    assert verdicts(rows) == [
+        "pages: 2 of 3 models; refused: windy",
+        "the same bits after 100 ticks in Chromium, node: 1 of 2; not: large",
+        "further than 1e-09 from native after 20 ticks: large",
+        "further than 1e-09 from native after 100 ticks: small, large",
+        "largest page: large, 400.0 kB, 0.0 kB by gzip",
+        "larger than 300 kB: large",
+        "Chromium over native, ms per tick: median 2.50, largest 3.00 (large)",
+        "runtimes that did not run a flock: 1",
+    ]

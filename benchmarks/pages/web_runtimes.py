@@ -23,7 +23,8 @@ from typing import Any
 
 STATIC = Path(__file__).parents[2] / "static" / "export"
 SOURCE = "\n".join(
-    path.read_text("utf-8") for path in (STATIC / "kernel.js", Path(__file__).parent / "web_flight.js")
+    path.read_text("utf-8")
+    for path in (STATIC / "kernel.js", Path(__file__).parent / "web_flight.js")
 )
 ARGUMENTS = (
     "--no-sandbox",
@@ -54,6 +55,8 @@ IN_FIREFOX = """
   }
 })();
 """
+PAGE = f"<!doctype html><meta charset='utf-8'><script>{SOURCE}{IN_FIREFOX}</script>"
+"""What Firefox opens."""
 
 type Positions = list[bytes]
 """The bits of all positions, after each number of ticks that was asked for."""
@@ -91,7 +94,9 @@ class Chromium:
         """A page that holds a flock as `kernel`."""
         page = self.open()
         page.add_script_tag(content=SOURCE)
-        page.evaluate("async (program) => { globalThis.kernel = await kernelOf(program); }", program)
+        page.evaluate(
+            "async (program) => { globalThis.kernel = await kernelOf(program); }", program
+        )
         return page
 
     def close(self) -> None:
@@ -157,8 +162,7 @@ class Firefox:
                 if self.path == "/next":
                     self.send(asked.get(), "application/json")
                 else:
-                    page = f"<!doctype html><meta charset='utf-8'><script>{SOURCE}{IN_FIREFOX}</script>"
-                    self.send(page.encode() if self.path == "/" else b"", "text/html")
+                    self.send(PAGE.encode() if self.path == "/" else b"", "text/html")
 
             def do_POST(self) -> None:
                 found.put(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
