@@ -57,7 +57,7 @@ QUICK = {"rounds": 2, "turn": 0.01, "openings": 1}
 CHILD = """
 import base64, json, sys, time
 from pathlib import Path
-import app.web.flock_page as pages
+import app.viewer.lab.flock_page as pages
 from agents.flock import Flock
 from worlds.input_error import InputError
 
