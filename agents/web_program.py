@@ -108,6 +108,7 @@ def web_program(flock: Flock) -> WebProgram:
         "agents": len(flock.ids),
         "size": [float(side) for side in flock.world.size],
         "low": [float(edge) for edge in flock.world.low],
+        "images": [bool(axis) for axis in flock.world.images],
         "dt": flock.dt,
         "seed": flock.seed,
         "tick": flock.tick,

@@ -11,7 +11,6 @@ function rounded(most, least) {
   return [Math.floor(least / step) * step, Math.max(Math.ceil(most / step) * step, Math.floor(least / step) * step + step)];
 }
 const spoken = (name) => name[0].toUpperCase() + name.slice(1).replaceAll("-", " ");
-const dark = matchMedia("(prefers-color-scheme: dark)");
 
 // Of a page of one file it stands in the page; of a page in a folder, in a file beside it.
 async function unpack(id) {
@@ -120,8 +119,6 @@ class Page {
     $("reset").onclick = () => this.reset();
     $("save").onclick = () => this.save();
     document.addEventListener("keydown", (event) => this.key(event));
-    dark.addEventListener("change", () => this.show());
-    addEventListener("resize", () => this.show());
   }
 
   async begin() {
@@ -258,7 +255,7 @@ class Page {
 
   show() {
     if (!this.state) return;
-    this.view.draw(this.state, dark.matches);
+    this.view.draw(this.state, isDark());
     $("tick").textContent = grouped(this.state.tick);
     $("time").textContent = text(this.state.time, 1);
     const behind = this.going && this.rate < 0.8 * this.speed() ? `${Math.round(this.rate)} of ` : "";
@@ -284,7 +281,7 @@ class Page {
   }
 
   key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("input, summary")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("input, select, summary")) return;
     if (event.key === " " && !event.target.matches("button")) { event.preventDefault(); this.go(!this.going); }
     if (event.key === "s") $("step").click();
     if (event.key === "r") this.reset();

@@ -54,7 +54,7 @@ class Runner {
     return {
       tick: kernel.tick, time: kernel.tick * kernel.read("context.lasts"),
       position: copy("position"), heading: copy("heading"), speed: copy("speed"),
-      ids: copy("ids"), informed: copy("informed"),
+      ids: copy("ids"), informed: copy("informed"), leg: copy("leg"),
       crashed: crashed && Uint8Array.from({ length: record[0] }, (_, row) => crashed[row * record[1]] >= 0 ? 1 : 0),
       reach: kernel.read("context.reach"), nearest: kernel.read("context.nearest"),
     };

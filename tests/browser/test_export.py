@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import http.server
 import threading
-from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -13,33 +12,6 @@ import pytest
 from agents.flock import Flock
 from app.viewer.lab.flock_page import PageWords, flock_page, page_files
 from tests.viewer.waiting import until
-
-
-@pytest.fixture
-def opened(chromium, tmp_path):
-    """Opens the page of a flock from its file; notes what it asks of any network, and errors."""
-    asked: list[str] = []
-    errors: list[str] = []
-
-    @contextmanager
-    def opens(flock: Flock, without: str = "", **options):
-        file = tmp_path / "flock.html"
-        file.write_text(flock_page(flock), encoding="utf-8")
-        page = chromium.new_page(**{"viewport": {"width": 1100, "height": 720}} | options)
-        if without:
-            page.add_init_script(f"delete globalThis.{without}")
-        page.on("request", lambda request: asked.append(request.url))
-        page.on("pageerror", lambda error: errors.append(str(error)))
-        page.goto(file.as_uri())
-        until(lambda: page.evaluate("'page' in globalThis"), 60, "the flock to be there")
-        try:
-            yield page
-            assert errors == []
-            assert {url.partition(":")[0] for url in asked} <= {"file", "data", "blob"}
-        finally:
-            page.close()
-
-    return opens
 
 
 def positions(page, ticks: int, shape: tuple[int, int]) -> np.ndarray:

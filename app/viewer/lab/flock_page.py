@@ -28,12 +28,13 @@ from agents.web_program import WebProgram, sliders, web_program
 from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene, command_line
 from app.viewer.panels.dials import plain_symbol
+from app.viewer.scene.shown import palette
 from worlds.file_writer import demand_writable, write_text
 from worlds.world import World
 
 FOLDER = STATIC / "export"
 ENDINGS = (".html", ".htm")
-SCRIPTS = ("kernel.js", "runner.js", "view.js", "page.js")
+SCRIPTS = ("kernel.js", "runner.js", "view.js", "look.js", "page.js")
 LIVELY, FASTEST = 30.0, 1000.0
 """Ticks a second at which a page begins, and at most."""
 MANY = 1000
@@ -133,14 +134,15 @@ def page_parts(flock: Flock, words: PageWords) -> tuple[PageText, str, str]:
     program = web_program(flock)
     rule = flock.model.rule
     triangles, lines = drawn_obstacles(flock.world)
-    manifest = program.manifest | {"triangles": triangles, "lines": lines}
+    shapes = {"triangles": triangles, "lines": lines}
+    manifest = program.manifest | shapes | {"palette": page_palette(flock.world.dim)}
     manifest["tries"] = steps_to_try(flock, words)
     manifest["measures"].sort(
         key=lambda one: words.plots.index(one["name"]) if one["name"] in words.plots else MANY
     )
     for parameter in manifest["parameters"]:
         parameter["symbol"] = plain_symbol(parameter["symbol"])
-    script = "'use strict';\n" + "\n".join((FOLDER / name).read_text("utf-8") for name in SCRIPTS)
+    script = "'use strict';\n" + "\n".join(short_script(name) for name in SCRIPTS)
     style = (FOLDER / "page.css").read_text("utf-8")
     texts = {
         "title": words.title or rule.title,
@@ -213,6 +215,36 @@ def page_policy(script: str, style: str) -> str:
         f"default-src 'none'; script-src {hashed(script)} 'wasm-unsafe-eval'; "
         f"worker-src blob:; style-src {hashed(style)}; base-uri 'none'; form-action 'none'"
     )
+
+
+def short_script(name: str) -> str:
+    """A script without its comments and its indentation, which a page needs not carry."""
+    lines = map(str.strip, (FOLDER / name).read_text("utf-8").splitlines())
+    return "\n".join(line for line in lines if line and not line.startswith("//"))
+
+
+def page_palette(dim: int) -> dict[str, Any]:
+    """The laboratory's colours, six hexadecimal digits each, as few as a page can blend again.
+
+    Those of headings are rows from diving to climbing, one in the plane; each row goes round from
+    the azimuth 0 to itself, every 10 degrees.
+    """
+    rises = len(palette.HEADINGS)
+    levels = [rises // 2] if dim == 2 else range(0, rises, rises // 8)
+    hues = np.arange(0, 361, 10) % palette.HEADINGS.shape[1]
+    return {
+        "heading": [digits(palette.HEADINGS[level, hues]) for level in levels],
+        "number": digits(palette.SPEEDS[::17]),
+        "plain": digits(palette.PLAIN[None]),
+        "informed": digits(palette.LEADER[None]),
+        "crashed": digits(palette.CRASHED[None]),
+        "unknown": digits(palette.UNKNOWN[None]),
+    }
+
+
+def digits(colours: np.ndarray) -> str:
+    """Colours (K, 3) as one string of hexadecimal digits."""
+    return "".join(palette.css(colour)[1:] for colour in colours)
 
 
 def drawn_obstacles(world: World) -> tuple[list[Any], list[Any]]:
