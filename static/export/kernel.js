@@ -102,7 +102,8 @@ class Kernel {
   }
 
   refuse(row) {
-    throw new Error(`agent ${this.view("flock.ids")[row]} has no place at tick ${this.tick}: its position is no number`);
+    const id = this.view("flock.ids")[row];
+    throw new Error(`agent ${id} has no place at tick ${this.tick}: its position is no number`);
   }
 
   run(ticks) {
@@ -166,7 +167,8 @@ class Kernel {
 
   // The number that a function gives of some of the arguments, which are copied side by side.
   compute(name, paths) {
-    this.scratch ??= this.allot(Kernel.SLOT * (2 + Math.max(...Object.values(this.arguments).map((one) => one.slot)) + 16));
+    const last = Math.max(...Object.values(this.arguments).map((one) => one.slot));
+    this.scratch ??= this.allot(Kernel.SLOT * (last + 18)); // an array of the last takes at most 11
     const bytes = new Uint8Array(this.memory.buffer), { block } = this.manifest;
     bytes.copyWithin(this.scratch, block, block + 2 * Kernel.SLOT);
     let place = this.scratch + 2 * Kernel.SLOT;

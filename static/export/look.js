@@ -79,7 +79,7 @@ class Look {
 
   // Colours of all agents, four bytes each; the last is 0.
   colours(frame) {
-    const { informed, leg, heading } = frame, count = leg.length, inks = new Uint8Array(4 * count);
+    const { informed, crashed, heading } = frame, count = crashed.length, inks = new Uint8Array(4 * count);
     let colour = this.select.value;
     const values = colour === "speed" ? frame.speed : frame.values, isRole = colour === "role";
     if (!isRole && !values) colour = "heading";
@@ -91,7 +91,7 @@ class Look {
     const span = high - low > 1e-9 * Math.abs(high) ? high - low : 0, { dim } = this;
     for (let row = 0; row < count; row++) {
       let ink = informed[row] ? this.informed : this.plain;
-      if (leg[row] < 0) ink = this.crashed;
+      if (crashed[row]) ink = this.crashed;
       else if (isNumber) {
         const share = span ? (values[row] - low) / span : 0;
         ink = this.numbers[Math.round(255 * Math.min(1, Math.max(0, share)))] || this.unknown;
@@ -153,6 +153,6 @@ class Look {
     if (dim === 3) facts.push(`climb ${figures(degrees(Math.asin(Math.min(1, Math.max(-1, uz)))))}°`);
     facts.push(`speed ${figures(frame.speed[row])}`, `${neighbours} neighbour${neighbours === 1 ? "" : "s"}`);
     const who = `Agent ${id}${frame.informed[row] ? ", information agent" : ""}`;
-    this.words.textContent = `${who}: ${frame.leg[row] < 0 ? "crashed" : facts.join(", ")}`;
+    this.words.textContent = `${who}: ${frame.crashed[row] ? "crashed" : facts.join(", ")}`;
   }
 }

@@ -4,11 +4,11 @@ const THIN = "\u2009";
 const text = (value, digits) => Number(value).toFixed(digits).replace(/^-0(\.0*)?$/, "0$1").replace("-", "\u2212");
 const grouped = (value) => String(value).replace(/\B(?=(\d{3})+$)/g, THIN);
 // A number in few digits, as on an axis.
-const plain = (value, digits) => digits === undefined ? text(value, 6).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "").slice(0, 7) : text(value, digits);
+const plain = (value) => text(value, 6).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "").slice(0, 7);
 // The ends of an axis that begins at 0 where all is above it, in round numbers.
 function rounded(most, least) {
-  const step = 10 ** Math.floor(Math.log10(Math.max(most - least, 1e-9))) / 2;
-  return [Math.floor(least / step) * step, Math.max(Math.ceil(most / step) * step, Math.floor(least / step) * step + step)];
+  const step = 10 ** Math.floor(Math.log10(Math.max(most - least, 1e-9))) / 2, low = Math.floor(least / step) * step;
+  return [low, Math.max(Math.ceil(most / step) * step, low + step)];
 }
 const spoken = (name) => name[0].toUpperCase() + name.slice(1).replaceAll("-", " ");
 
@@ -31,7 +31,8 @@ class Chart {
     const row = $("chart").content.firstElementChild.cloneNode(true), [choice] = row.getElementsByTagName("select");
     this.number = row.querySelector("output");
     this.canvas = row.querySelector("canvas");
-    for (const one of page.manifest.measures) choice.add(new Option(spoken(one.name), one.name, false, one === measure));
+    for (const one of page.manifest.measures)
+      choice.add(new Option(spoken(one.name), one.name, false, one === measure));
     choice.onchange = () => {
       this.show(page.manifest.measures.find((one) => one.name === choice.value));
       page.ask({});
@@ -64,9 +65,11 @@ class Chart {
     canvas.height = Math.round(canvas.clientHeight * scale);
     const { name, unit, share } = this.measure, known = this.points.filter(([, value]) => Number.isFinite(value));
     const shown = this.points.length ? this.points.at(-1)[1] : NaN, kind = unit === "1" ? "" : ` ${unit}`;
-    this.number.textContent = Number.isFinite(shown) ? `${plain(shown, share ? 3 : undefined)}${kind}` : "none";
+    this.number.textContent = Number.isFinite(shown) ? `${share ? text(shown, 3) : plain(shown)}${kind}` : "none";
     canvas.setAttribute("aria-label", `${spoken(name)}: ${this.number.textContent} at tick ${end}`);
-    const [low, high] = share ? [0, 1] : rounded(known.reduce((most, [, value]) => Math.max(most, value), 0), known.reduce((least, [, value]) => Math.min(least, value), 0));
+    const most = known.reduce((found, [, value]) => Math.max(found, value), 0);
+    const least = known.reduce((found, [, value]) => Math.min(found, value), 0);
+    const [low, high] = share ? [0, 1] : rounded(most, least);
     const marks = [low, (low + high) / 2, high].map((value) => [value, plain(value)]);
     const style = getComputedStyle(document.documentElement), colour = (name) => style.getPropertyValue(name);
     pen.font = `${11 * scale}px system-ui, sans-serif`;
@@ -134,7 +137,8 @@ class Page {
     told.hidden = true;
     if (Object.keys(set).length) box.append(button, told);
     button.onclick = () => {
-      for (const [name, value] of Object.entries(set)) this.set(this.manifest.parameters.find((one) => one.name === name), value);
+      for (const parameter of this.manifest.parameters)
+        if (parameter.name in set) this.set(parameter, set[parameter.name]);
       told.hidden = false;
       this.go(true);
     };
@@ -174,8 +178,9 @@ class Page {
   set(parameter, value) {
     const before = this.values[parameter.name];
     this.values[parameter.name] = value;
-    const radii = this.manifest.zones.map((zone) => zone.reduce((sum, [name, times]) => sum + times * this.values[name], 0));
-    if (radii.some((radius, k) => k && radius < radii[k - 1] - 1e-12)) {
+    const radius = (zone) => zone.reduce((sum, [name, times]) => sum + times * this.values[name], 0);
+    const radii = this.manifest.zones.map(radius);
+    if (radii.some((one, k) => k && one < radii[k - 1] - 1e-12)) {
       this.values[parameter.name] = before;
       this.say(`${parameter.words} stops at ${text(before, 2)}: zones keep their order.`);
     } else {
@@ -192,7 +197,8 @@ class Page {
     this.pending = {};
     this.busy = true;
     try {
-      const answer = await this.requests.ask({ ...request, set: [...(request.set ?? []), ...set], shown: this.charts.map((one) => one.measure.name) });
+      const shown = this.charts.map((one) => one.measure.name);
+      const answer = await this.requests.ask({ ...request, set: [...(request.set ?? []), ...set], shown });
       this.take(answer);
       return answer;
     } catch (error) {
@@ -227,7 +233,11 @@ class Page {
     const began = going && !this.going;
     this.going = going;
     $("go").textContent = going ? "Pause" : "Go";
-    if (began) { this.rate = this.speed(); this.last = performance.now(); this.owed = 0; requestAnimationFrame((now) => this.frame(now)); }
+    if (!began) return;
+    this.rate = this.speed();
+    this.last = performance.now();
+    this.owed = 0;
+    requestAnimationFrame((now) => this.frame(now));
   }
 
   // Between two pictures: what is owed by the time that has passed, as far as the flock comes.

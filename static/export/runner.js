@@ -9,7 +9,7 @@ class Runner {
     this.rows = [];
   }
 
-  // What `requests` of a page ask for, in order.
+  // Do what is asked for, in the order of these names; `budget` is the most time to run in, ms.
   answer({ ticks = 0, budget = Infinity, set = [], reset = false, shown }) {
     const { kernel } = this;
     let error = "";
@@ -18,7 +18,8 @@ class Runner {
       const parameter = this.manifest.parameters.find((one) => one.name === name);
       if (parameter.slots.length) kernel.set(parameter, value);
     }
-    if (shown) this.shown = shown.map((name) => this.manifest.measures.find((one) => one.name === name)).filter(Boolean);
+    const { measures } = this.manifest;
+    if (shown) this.shown = shown.map((name) => measures.find((one) => one.name === name)).filter(Boolean);
     this.rows = [];
     const until = performance.now() + budget;
     let ran = 0;
@@ -31,15 +32,16 @@ class Runner {
     } catch (stopped) {
       error = stopped.message;
     }
-    this.measure(false);
+    this.measure(false, budget < Infinity);
     return { ...this.state(), ran, error, rows: this.rows };
   }
 
-  // A row of what is shown. What takes long is left out between pictures, and rests four times as long.
-  measure(between) {
+  // A row of what is shown. What takes long is left out between pictures, and while the flock goes on
+  // it rests four times as long.
+  measure(between, rests) {
     const row = this.shown.map((measure) => {
       const now = performance.now();
-      if (!measure.quick && (between || now < (this.rest[measure.name] ?? 0))) return null;
+      if (!measure.quick && (between || (rests && now < (this.rest[measure.name] ?? 0)))) return null;
       const value = this.kernel.measure(measure);
       this.rest[measure.name] = performance.now() + 4 * (performance.now() - now);
       return value;
@@ -50,12 +52,13 @@ class Runner {
   // Copies: the kernel's own arrays move as its memory grows.
   state() {
     const { kernel } = this, copy = (name) => kernel.view(`flock.${name}`).slice();
-    const record = kernel.arguments["flock.crash_record"].shape, crashed = record[0] ? kernel.view("flock.crash_record") : null;
+    const [rows, columns] = kernel.arguments["flock.crash_record"].shape, record = kernel.view("flock.crash_record");
+    const hasCrashed = (_, row) => rows && record[row * columns] >= 0;
     return {
       tick: kernel.tick, time: kernel.tick * kernel.read("context.lasts"),
       position: copy("position"), heading: copy("heading"), speed: copy("speed"),
-      ids: copy("ids"), informed: copy("informed"), leg: copy("leg"),
-      crashed: crashed && Uint8Array.from({ length: record[0] }, (_, row) => crashed[row * record[1]] >= 0 ? 1 : 0),
+      ids: copy("ids"), informed: copy("informed"),
+      crashed: Uint8Array.from({ length: this.manifest.agents }, hasCrashed),
       reach: kernel.read("context.reach"), nearest: kernel.read("context.nearest"),
     };
   }

@@ -412,16 +412,16 @@ class View {
 
   // Around whom an agent finds: rows, and vectors to their nearest images. Who has crashed has no neighbours.
   neighbours(frame, row) {
-    const { dim, size, images } = this.manifest, { position, leg, reach, nearest } = frame, found = [];
-    if (leg[row] < 0) return found;
-    for (let other = 0; other < leg.length; other++) {
+    const { dim, size, images } = this.manifest, { position, crashed, reach, nearest } = frame, found = [];
+    if (crashed[row]) return found;
+    for (let other = 0; other < crashed.length; other++) {
       const vector = [0, 0, 0];
       for (let axis = 0; axis < dim; axis++) {
         const apart = position[dim * other + axis] - position[dim * row + axis];
         vector[axis] = images[axis] ? apart - size[axis] * Math.round(apart / size[axis]) : apart;
       }
       const far = Math.hypot(...vector);
-      if (far > 0 && leg[other] >= 0 && (nearest || far <= reach)) found.push({ row: other, vector, far });
+      if (far > 0 && !crashed[other] && (nearest || far <= reach)) found.push({ row: other, vector, far });
     }
     return nearest ? found.sort((a, b) => a.far - b.far).slice(0, nearest) : found;
   }
