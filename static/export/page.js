@@ -72,7 +72,7 @@ class Chart {
     const [low, high] = share ? [0, 1] : rounded(most, least);
     const marks = [low, (low + high) / 2, high].map((value) => [value, plain(value)]);
     const style = getComputedStyle(document.documentElement), colour = (name) => style.getPropertyValue(name);
-    pen.font = `${11 * scale}px system-ui, sans-serif`;
+    pen.font = `${0.73 * parseFloat(style.fontSize) * scale}px system-ui, sans-serif`;
     const left = Math.max(...marks.map(([, words]) => pen.measureText(words).width)) + 12 * scale;
     const right = 8 * scale, top = 8 * scale, bottom = 18 * scale;
     const width = canvas.width - left - right, height = canvas.height - top - bottom, last = Math.max(10, end);
