@@ -5,7 +5,7 @@ Each takes arrays of the engine by the names of its arguments, `flock`, `space`,
 
     together    the distance within which agents are of one group, length
     converges   whether the rule leads the flock to the information agent's heading
-    cells       room for cell lists, `Cells`
+    cells       room for cell lists, `CellLists`
 
 Rows of agents that have crashed are left out. A value is that of the observable of the same name,
 which is written in NumPy: tests hold one against the other.
@@ -24,7 +24,7 @@ from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import set_goal
 
 
-class Cells(NamedTuple):
+class CellLists(NamedTuple):
     """Room for lists of the agents of each cell; nothing of it is kept from call to call."""
 
     head: np.ndarray
@@ -41,9 +41,9 @@ class Cells(NamedTuple):
     """Cells along each axis, int64 (3,)."""
 
 
-def empty_cells(agents: int) -> Cells:
+def empty_cells(agents: int) -> CellLists:
     """Room for the cells of so many agents."""
-    return Cells(
+    return CellLists(
         np.zeros(2 * agents + 8, np.int32),
         np.zeros(agents, np.int32),
         np.zeros(agents, np.int32),
