@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import inspect
 from dataclasses import dataclass
+from functools import partial
 from types import FunctionType
 from typing import Any, NoReturn
 
@@ -21,6 +22,7 @@ from agents.models.model import NUMBER
 from agents.observables.catalogue import OBSERVABLES, telling_observables
 from agents.observables.observable import Range
 from agents.observables.of_rows import empty_cells
+from agents.web_math import FUNCTIONS, page_function
 from worlds.compilation import compiled, entry
 from worlds.input_error import InputError
 from worlds.web_assembly import (
@@ -38,11 +40,11 @@ OWN = ("parameters", "unbounded")
 where the nearest are neighbours is infinite."""
 
 KNOWN = {
-    "sched_yield", "fmod", "pow", "exp", "expm1", "log", "log1p", "log2", "log10", "sqrt",
-    "cbrt", "hypot", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh",
-    "tanh", "asinh", "acosh", "atanh",
+    "sched_yield", "fmod", "expm1", "log1p", "log2", "log10", "cbrt", "sinh", "cosh", "tanh",
+    "asinh", "acosh", "atanh",
 }  # fmt: skip
-"""Functions that a page has for the loop: JavaScript's `Math` has most, and `round` otherwise."""
+"""Functions that a page has for the loop beside those of `agents.web_math`: JavaScript's `Math` has
+most, with other last bits in other browsers. It has `round` too, which is another one."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,8 @@ def web_program(flock: Flock) -> WebProgram:
         code[measure["export"]] = linked_code(
             compute, [arguments[name] for name in inspect.signature(compute.py_func).parameters]
         )
-    module = web_module(code)
+    own = {name: partial(page_function, name) for name in FUNCTIONS}
+    module = web_module(code, own)
     unknown = sorted(set(imported_functions(module.content)) - KNOWN)
     if unknown:
         raise InputError(

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import llvmlite.binding as llvm
@@ -57,7 +57,29 @@ define double @numba_frexp(double %x, ptr %exponent) {
   ret double %result
 }
 """
-"""`frexp` as numba calls it, so that a page need not bring it."""
+LDEXP = """
+define double @numba_ldexp(double %x, i32 %exponent) {
+  %is_small = icmp slt i32 %exponent, -2000
+  %least = select i1 %is_small, i32 -2000, i32 %exponent
+  %is_large = icmp sgt i32 %least, 2000
+  %e = select i1 %is_large, i32 2000, i32 %least
+  %half = ashr i32 %e, 1
+  %rest = sub i32 %e, %half
+  %half_biased = add i32 %half, 1023
+  %rest_biased = add i32 %rest, 1023
+  %half_long = zext i32 %half_biased to i64
+  %rest_long = zext i32 %rest_biased to i64
+  %half_bits = shl i64 %half_long, 52
+  %rest_bits = shl i64 %rest_long, 52
+  %half_power = bitcast i64 %half_bits to double
+  %rest_power = bitcast i64 %rest_bits to double
+  %scaled = fmul double %x, %half_power
+  %result = fmul double %scaled, %rest_power
+  ret double %result
+}
+"""
+OF_NUMBA = {"numba_frexp": FREXP, "numba_ldexp": LDEXP}
+"""Functions of numba's own library, so that a page need not bring them."""
 
 
 @dataclass(frozen=True)
@@ -192,22 +214,28 @@ class WebModule:
     and that of an exception, then its arguments."""
 
 
-def web_module(functions: dict[str, LinkedCode]) -> WebModule:
+def web_module(
+    functions: dict[str, LinkedCode], own: Mapping[str, Callable[[], LinkedCode]] | None = None
+) -> WebModule:
     """One module that exports these functions by their keys; a page calls `key(block)`.
 
-    It answers 0, or another number where numba would raise an exception.
+    It answers 0, or another number where numba would raise an exception. `own`: what makes the code
+    of functions of doubles that are taken in place of a library's of the same names.
     """
     machine = target_machine()
     whole, slots = None, {}
+    own = own or {}
+    needed: set[str] = set()
     for name, code in functions.items():
-        module = for_the_web(code.text, machine)
+        text, names = with_own(code.text, own)
+        needed |= names
+        module = for_the_web(text, machine)
         symbol = entry_symbol(module, code.name)
         kinds = [str(argument.type) for argument in module.get_function(symbol).arguments]
         slots[name] = tuple(KINDS[kind] for kind in kinds)
         hide_all_but(module, symbol)
         module.link_in(parsed(block_caller(symbol, kinds, name), machine))
-        if any(function.name == "numba_frexp" for function in module.functions):
-            module.link_in(parsed(FREXP, machine))
+        link_helpers(module, machine)
         hide_all_but(module, name)
         if whole is None:
             whole = module
@@ -215,11 +243,73 @@ def web_module(functions: dict[str, LinkedCode]) -> WebModule:
             whole.link_in(module)
     if whole is None:
         raise ValueError("a module needs a function")
+    for name in sorted(needed):
+        whole.link_in(own_function(name, own[name](), machine))
+        whole.get_function(OWN.format(name)).linkage = "internal"
     tuning = llvm.create_pipeline_tuning_options(speed_level=3)
     tuning.loop_vectorization = tuning.slp_vectorization = True
     builder = llvm.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(whole, builder)
     return WebModule(with_exports(machine.emit_object(whole), tuple(functions)), slots)
+
+
+def link_helpers(module: llvm.ModuleRef, machine: llvm.TargetMachine) -> None:
+    """Link in what a module calls of numba's own library."""
+    called = {function.name for function in module.functions if function.is_declaration}
+    for name in called & OF_NUMBA.keys():
+        module.link_in(parsed(OF_NUMBA[name], machine))
+
+
+OWN = "own_{}"
+"""What a library's function is called where it is one of ours."""
+
+
+def with_own(text: str, own: Mapping[str, object]) -> tuple[str, set[str]]:
+    """LLVM code that calls functions of ours in place of a library's, and which of them."""
+    if not own:
+        return text, set()
+    names = "|".join(own)
+    found = set()
+
+    def renamed(match: re.Match[str]) -> str:
+        found.add(match[1])
+        return f"@{OWN.format(match[1])}("
+
+    text = re.sub(rf"@(?:llvm\.)?({names})(?:\.f64)?\(", renamed, text)
+    lines, declared = [], set()
+    for line in text.split("\n"):  # the library's and LLVM's own name may both be declared
+        match = re.match(r"declare double @(own_\w+)\(", line)
+        if match is None or match[1] not in declared:
+            lines.append(line)
+        if match is not None:
+            declared.add(match[1])
+    return "\n".join(lines), found
+
+
+def own_function(name: str, code: LinkedCode, machine: llvm.TargetMachine) -> llvm.ModuleRef:
+    """A function of doubles as C has it, of the compiled one."""
+    module = for_the_web(code.text, machine)
+    symbol = entry_symbol(module, code.name)
+    count = len(list(module.get_function(symbol).arguments)) - 2
+    given = ", ".join(f"double %x{k}" for k in range(count))
+    caller = "\n".join(
+        (
+            f'declare i32 @"{symbol}"(ptr, ptr{", double" * count})',
+            f"define double @{OWN.format(name)}({given}) {{",
+            "  %answer = alloca double",
+            "  %raised = alloca ptr",
+            f'  %status = call i32 @"{symbol}"(ptr %answer, ptr %raised, {given})',
+            "  %value = load double, ptr %answer",
+            "  ret double %value",
+            "}",
+            "",
+        )
+    )
+    hide_all_but(module, symbol)
+    module.link_in(parsed(caller, machine))
+    link_helpers(module, machine)
+    hide_all_but(module, OWN.format(name))
+    return module
 
 
 def target_machine() -> llvm.TargetMachine:

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import base64
 import functools
 import http.server
+import math
+import struct
 import threading
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from agents.flock import Flock
-from app.viewer.lab.flock_page import PageWords, flock_page, page_files
+from agents.web_program import web_program
+from app.viewer.lab.flock_page import FOLDER, PageWords, flock_page, page_files
 from tests.viewer.waiting import until
+from tests.worlds.test_web_assembly import Running
+from worlds.web_assembly import SLOT
 
 
 def positions(page, ticks: int, shape: tuple[int, int]) -> np.ndarray:
@@ -79,6 +86,41 @@ def test_it_goes_and_pauses_and_shows_what_it_measures(opened):
         assert shown == pytest.approx(flock.observe("polarisation"), abs=6e-4)
         page.keyboard.press("s")
         until(lambda: page.evaluate("page.state.tick") == tick + 1, 60, "a tick more")
+
+
+def test_another_engine_gives_the_same_bits(chromium):
+    """Of a rule that takes cosines, lengths and powers: its page brings its own."""
+    program = web_program(Flock("reynolds", rng=3))
+    manifest, ticks = program.manifest, 50
+    running = Running(program.module, SimpleNamespace(content=program.memory))
+    slot, _, _, _ = manifest["arguments"]["ticks"]
+    place = manifest["block"] + SLOT * slot
+    running.memory.write(running.store, struct.pack("<q", ticks), place)
+    assert running.exports["advance"](running.store, manifest["block"]) == 0
+    assert running.read(manifest["answer"], "<q") == (ticks,)
+    _, _, address, shape = manifest["arguments"]["flock.position"]
+    here = running.memory.read(running.store, address, address + 8 * math.prod(shape))
+    page = chromium.new_page()
+    try:
+        page.add_script_tag(content=(FOLDER / "kernel.js").read_text("utf-8"))
+        found = page.evaluate(
+            """async ({ module, manifest, image, ticks }) => {
+              const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+              const compiled = await WebAssembly.compile(bytes(module));
+              const kernel = new Kernel(compiled, manifest, bytes(image));
+              kernel.run(ticks);
+              return [...kernel.view("flock.position")];
+            }""",
+            {
+                "module": base64.b64encode(program.module).decode(),
+                "manifest": manifest,
+                "image": base64.b64encode(program.memory).decode(),
+                "ticks": ticks,
+            },
+        )
+    finally:
+        page.close()
+    assert np.array(found).tobytes() == bytes(here)
 
 
 MEASURED = {
