@@ -98,10 +98,11 @@ def make_page(model: str, folder: Path) -> dict[str, Any]:
     done = subprocess.run(
         [sys.executable, "-c", CHILD, model, str(SEED), str(folder)],
         env=os.environ | {"FLOCKSCOPE_CACHE": str(cache), "PYTHONPATH": str(ROOT)},
-        stdout=subprocess.PIPE,
+        capture_output=True,
         text=True,
-        check=True,
     )
+    if done.returncode:
+        return {"refused": f"making it fails: {done.stderr.strip().splitlines()[-1]}"}
     return json.loads(done.stdout.splitlines()[-1])
 
 
