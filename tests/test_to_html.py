@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from app.viewer.lab.flock_page import drawn_obstacles
 from flockscope import Flock, InputError
 
 
@@ -27,3 +28,15 @@ def test_what_cannot_be_written_is_refused(tmp_path):
     with pytest.raises(InputError, match="exists already"):
         flock.to_html(tmp_path / "flock.html")
     assert (tmp_path / "flock.html").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("model", "lines"), [("hwvem-nav", None), ("olfati-saber", 2), ("squashing", 72), ("vem", 0)]
+)
+def test_a_missions_path_or_goal_is_drawn(model, lines):
+    world = Flock(model, agents=3, rng=1).world
+    _, ends = drawn_obstacles(world)
+    if lines is None:
+        lines = len(world.mission.path.waypoints) - 1
+        assert [*world.mission.path.waypoints[0], 0.0] == ends[0]
+    assert len(ends) == 2 * lines

@@ -256,9 +256,40 @@ def drawn_obstacles(world: World) -> tuple[list[Any], list[Any]]:
         outline = shapely.union_all([one.footprint() for one in world.obstacles])
         filled = shapely.get_parts(shapely.constrained_delaunay_triangles(outline))
         corners = [corner for triangle in filled for corner in triangle.exterior.coords[:3]]
-        return [rounded((x, y, 0.0)) for x, y in corners], []
+        triangles = [rounded((x, y, 0.0)) for x, y in corners]
+        return triangles, [rounded(end) for end in mission_lines(world)]
     ends = [end for one in world.obstacles for end in edges(one, world)]
-    return [], [rounded(end) for end in ends]
+    return [], [rounded(end) for end in (*ends, *mission_lines(world))]
+
+
+GOAL_SIZE = 0.02
+"""Half the size of the cross at the goal, of the world's largest side."""
+
+
+def mission_lines(world: World) -> Iterator[tuple[float, float, float]]:
+    """The ends of what shows a mission, two by two: its path, the way of a goal that moves, or a
+    cross at one that does not."""
+    mission = world.mission
+    if mission is None:
+        return
+    path, goal = mission.path, mission.goal
+    ways = [(path.waypoints, path.closed)] if path is not None else []
+    ways += [(goal.route, goal.closed)] if goal is not None else []
+    for way, is_closed in ways:
+        for start, end in pairwise((*way, way[0]) if is_closed else way):
+            yield from (in_space(start), in_space(end))
+    if goal is not None and len(goal.route) == 1:
+        arm = GOAL_SIZE * max(world.size)
+        for axis in range(world.dim):
+            for sign in (-1.0, 1.0):
+                moved = (x + sign * arm * (k == axis) for k, x in enumerate(goal.route[0]))
+                yield in_space(tuple(moved))
+
+
+def in_space(place: tuple[float, ...]) -> tuple[float, float, float]:
+    """A place of two or three coordinates with three."""
+    x, y, z = (*place, 0.0)[:3]
+    return x, y, z
 
 
 def edges(obstacle: Any, world: World) -> Iterator[tuple[float, float, float]]:
