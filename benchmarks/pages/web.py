@@ -23,6 +23,7 @@ import gzip
 import hashlib
 import json
 import os
+import signal
 import statistics
 import subprocess
 import sys
@@ -286,6 +287,7 @@ def main() -> None:
     options = arguments.parse_args()
     if options.quick:
         vars(options).update(QUICK)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # browsers are ended all the same
     chromium, others = Chromium(), other_runtimes()
     rows = []
     try:
