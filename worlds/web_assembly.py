@@ -11,10 +11,12 @@ order of the call, arrays and tuples flattened (see `MemoryImage`). It imports i
 
 from __future__ import annotations
 
+import functools
 import re
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import llvmlite.binding as llvm
 import numba
@@ -104,8 +106,14 @@ def linked_code(
         tried = " or ".join(f"{version}x" for version in TRIED)
         raise InputError(f"numba {numba.__version__} is not supported here: {tried} is needed")
     python = getattr(function, "py_func", function)
+    return code_of(python, tuple(numba.typeof(value) for value in arguments), takes_text)
+
+
+@functools.lru_cache(maxsize=24)  # some of them are megabytes
+def code_of(python: Callable, kinds: tuple[Any, ...], takes_text: bool) -> LinkedCode:
+    """The LLVM code of a function for arguments of some of numba's types."""
     try:
-        ir_dispatcher(python, takes_text).compile(tuple(numba.typeof(value) for value in arguments))
+        ir_dispatcher(python, takes_text).compile(kinds)
     except IrReady as ready:
         return LinkedCode(python.__name__, ready.text)
     raise AssertionError(f"{python.__name__} was compiled without its LLVM code")
