@@ -42,6 +42,8 @@ SERIAL = (
     "tests/live/test_while_driving.py",
 )
 """What is run test by test after the rest, with nothing beside it."""
+EXPORTED = "tests/browser/test_export"
+"""What opens pages that run by themselves, most of whose time is compiled away: not serial."""
 INSTALLED = HERE / "installed"
 QUICK = ("flight", "oracles", "worlds")
 """Folders of tests that are quick, beside the files of this one."""
@@ -116,6 +118,7 @@ BEGAN = time.monotonic()
 FEW = 8
 """Examples that hypothesis draws at most for a test, if what is quick is run."""
 DEAR = (
+    EXPORTED,
     "tests/test_solid_walls.py",
     "tests/test_engine_neighbours.py",
     "tests/test_guarded.py",
@@ -152,6 +155,11 @@ settings.register_profile("ci", deadline=None, max_examples=50, print_blob=True)
 settings.load_profile("ci" if os.environ.get("CI") else "dev")
 
 
+def is_serial(file: str) -> bool:
+    """Whether a file is run when the rest has ended."""
+    return file.startswith(SERIAL) and not file.startswith(EXPORTED)
+
+
 class FilesThenSerial(LoadFileScheduling):
     """Hands out whole files; `SERIAL` to the process that is left when the others have ended."""
 
@@ -161,7 +169,7 @@ class FilesThenSerial(LoadFileScheduling):
             return nodeid
         if file.startswith("tests/installed"):
             return "installed in 3.13" if "[3.13]" in nodeid else "installed"
-        if file.startswith(SERIAL):
+        if is_serial(file):
             return "serial"
         return "live" if file.startswith(LIVE) else file
 
@@ -334,7 +342,7 @@ def marks(path: Path) -> list[str]:
 @functools.cache
 def place(file: str) -> int:
     """Where a file stands: live and first, among the dear ones, late, or serial and last."""
-    if file.startswith(SERIAL):
+    if is_serial(file):
         return len(DEAR) + 2
     if file.startswith(LIVE):
         return -1
