@@ -16,7 +16,11 @@ def test_a_page_is_written_and_its_size_printed(tmp_path):
     out = tmp_path / "vem.html"
     done = call("export", "vem", "--agents", "20", "--out", out, "--json", "--quiet")
     page = out.read_text("utf-8")
-    assert json.loads(done.stdout) == {"page": str(out), "model": "vem", "bytes": len(page)}
+    assert json.loads(done.stdout) == {
+        "page": str(out),
+        "model": "vem",
+        "bytes": len(page.encode()),
+    }
     assert "flockscope export vem --agents 20" in page
     assert len(page) < 150_000
     assert done.stderr == ""

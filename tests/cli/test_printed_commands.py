@@ -60,6 +60,10 @@ VISITED = {
 }
 """The same of those that serve a page: it is there."""
 PARSED = {
+    "flockscope export --scene {card.name}": "export --scene mill",
+    "flockscope export {chosen[0]} {scene or lesson}": "export --lesson who-leads",
+    "flockscope export {shlex.quote(path.name)}": "export {scene}",
+    "flockscope export{shown} --paper {name}": "export vem --paper liu2021-table1",
     "flockscope sweep stop {folder}": "sweep stop weights",
     "flockscope sweep stop {going}": "sweep stop weights",
     "flockscope sensitivity {folder}": "sensitivity weights",
