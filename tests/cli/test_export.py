@@ -66,6 +66,7 @@ SOURCES = {
 }
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("source", SOURCES)
 def test_a_page_says_what_it_was_made_of(tmp_path, source):
     given, name = SOURCES[source]
@@ -89,6 +90,7 @@ def test_the_words_of_a_scenes_file_are_on_its_page(tmp_path):
     assert "Turn it." in page
 
 
+@pytest.mark.exhaustive
 def test_pages_of_a_folder_share_what_shows_them(tmp_path):
     folder = tmp_path / "site"
     given = ("--folder", folder, "--agents", "9", "--quiet")
@@ -110,6 +112,7 @@ def test_pages_of_a_folder_share_what_shows_them(tmp_path):
     assert "NAME.html" in refusal("export", "vem", *given, "--out", "a/b.html")
 
 
+@pytest.mark.exhaustive
 def test_a_gallery_has_a_page_of_each_and_says_what_has_none(tmp_path, monkeypatch, capsys):
     some = [card for card in cards() if card.name in ("beside", "model:vem")]
     monkeypatch.setattr(page_gallery, "cards", lambda: tuple(some))
