@@ -29,12 +29,12 @@ from worlds.web_assembly import (
     FIRST_FREE,
     LinkedCode,
     MemoryImage,
-    imported_functions,
     linked_code,
     web_module,
 )
+from worlds.web_binary import imported_functions
 
-REACH, DURATION = "context.reach", "context.lasts"
+DURATION = "context.lasts"
 OWN = ("parameters", "unbounded")
 """Where the loop has its parameters in the context: of the second, the radius that does not count
 where the nearest are neighbours is infinite."""
@@ -112,7 +112,7 @@ def web_program(flock: Flock) -> WebProgram:
         "size": [float(side) for side in flock.world.size],
         "low": [float(edge) for edge in flock.world.low],
         "images": [bool(axis) for axis in flock.world.images],
-        "dt": flock.dt,
+        "time_unit": flock.model.body.unit,
         "seed": flock.seed,
         "tick": flock.tick,
         "runner": runner_kind(flock),

@@ -3,8 +3,9 @@ const $ = (id) => document.getElementById(id);
 const THIN = "\u2009";
 const text = (value, digits) => Number(value).toFixed(digits).replace(/^-0(\.0*)?$/, "0$1").replace("-", "\u2212");
 const grouped = (value) => String(value).replace(/\B(?=(\d{3})+$)/g, THIN);
-// A number in few digits, as on an axis.
-const plain = (value) => text(value, 6).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "").slice(0, 7);
+// A number in four figures, or whole.
+const plain = (value) => Math.abs(value) < 1000
+  ? String(+value.toPrecision(4)).replace("-", "\u2212") : grouped(text(value, 0));
 // The ends of an axis that begins at 0 where all is above it, in round numbers.
 function rounded(most, least) {
   const step = 10 ** Math.floor(Math.log10(Math.max(most - least, 1e-9))) / 2, low = Math.floor(least / step) * step;
@@ -96,8 +97,14 @@ class Chart {
     pen.strokeStyle = colour("--accent");
     pen.lineWidth = 2 * scale;
     pen.beginPath();
-    const every = Math.ceil(known.length / 2000); // more points than the plot has pixels
-    for (let k = 0; k < known.length; k += every) pen.lineTo(x(known[k][0]), y(known[k][1]));
+    // Of more points than the plot has pixels the least and the greatest of each few: no peak is left out.
+    const few = Math.ceil(known.length / 1000);
+    for (let k = 0; k < known.length; k += few) {
+      const part = known.slice(k, k + few);
+      const least = part.reduce((found, one) => one[1] < found[1] ? one : found);
+      const most = part.reduce((found, one) => one[1] > found[1] ? one : found);
+      for (const [tick, value] of least[0] < most[0] ? [least, most] : [most, least]) pen.lineTo(x(tick), y(value));
+    }
     pen.stroke();
   }
 }
@@ -112,8 +119,8 @@ class Page {
     this.shown = {}; // shows a value of each parameter
     this.pending = {};
     this.going = false;
-    this.busy = false;
-    this.owed = 0;
+    this.busy = 0; // requests that are not answered yet
+    this.run = 0; // since which Reset
     this.charts = manifest.measures.slice(0, 2).map((measure) => new Chart(this, measure));
     for (const parameter of manifest.parameters) this.addSlider(parameter);
     for (const step of manifest.tries) this.addStep(step);
@@ -194,24 +201,28 @@ class Page {
   // Have the flock do something, after what the sliders say by now; its answer is shown.
   async ask(request) {
     const set = Object.entries(this.pending);
+    const { run } = this;
     this.pending = {};
-    this.busy = true;
+    this.busy += 1;
     try {
       const shown = this.charts.map((one) => one.measure.name);
       const answer = await this.requests.ask({ ...request, set: [...(request.set ?? []), ...set], shown });
-      this.take(answer);
+      if (run === this.run) this.take(answer); // what was asked for before a Reset is of another run
       return answer;
     } catch (error) {
       this.stop(error.message);
     } finally {
-      this.busy = false;
+      this.busy -= 1;
+      if (!this.going && !this.busy && Object.keys(this.pending).length) this.ask({});
     }
-    if (!this.going && Object.keys(this.pending).length) return this.ask({});
   }
 
   take(answer) {
     this.state = answer;
-    for (const row of answer.rows) this.charts.forEach((chart, k) => chart.add(row[0], row[1 + k]));
+    // A chart may show another measure by now.
+    this.charts.forEach((chart, k) => {
+      if (answer.shown[k] === chart.measure.name) for (const row of answer.rows) chart.add(row[0], row[1 + k]);
+    });
     if (answer.error) this.stop(answer.error);
     this.show();
   }
@@ -226,33 +237,34 @@ class Page {
     for (const chart of this.charts) chart.clear();
     this.say("");
     this.pending = {};
+    this.run += 1;
     return this.ask({ reset: true, set: Object.entries(this.values) });
   }
 
   go(going) {
-    const began = going && !this.going;
+    if (going === this.going) return;
     this.going = going;
     $("go").textContent = going ? "Pause" : "Go";
-    if (!began) return;
-    this.rate = this.speed();
-    this.last = performance.now();
-    this.owed = 0;
-    requestAnimationFrame((now) => this.frame(now));
+    if (!going) return;
+    this.flight = { rate: this.speed(), last: performance.now(), owed: 0 };
+    this.next(this.flight);
+  }
+
+  next(flight) {
+    requestAnimationFrame((now) => this.frame(now, flight));
   }
 
   // Between two pictures: what is owed by the time that has passed, as far as the flock comes.
-  async frame(now) {
-    if (!this.going) return;
-    const spent = Math.max(1, now - this.last) / 1000;
-    this.owed += Math.min(0.25, spent) * this.speed();
-    this.last = now;
-    const ticks = Math.floor(this.owed), before = this.state.tick;
-    if (ticks) {
-      const answer = await this.ask({ ticks, budget: 25 });
-      this.owed = Math.min(1, this.owed - (answer?.ran ?? 0));
-    }
-    this.rate += 0.1 * ((this.state.tick - before) / spent - this.rate);
-    requestAnimationFrame((next) => this.frame(next));
+  async frame(now, flight) {
+    if (!this.going || flight !== this.flight) return; // paused, and perhaps gone on since
+    const spent = Math.max(1, now - flight.last) / 1000;
+    flight.owed += Math.min(0.25, spent) * this.speed();
+    flight.last = now;
+    const ticks = Math.floor(flight.owed);
+    const ran = ticks ? (await this.ask({ ticks, budget: 25 }))?.ran ?? 0 : 0;
+    flight.owed = Math.min(1, flight.owed - ran);
+    flight.rate += 0.1 * (ran / spent - flight.rate);
+    this.next(flight);
   }
 
   speed() {
@@ -267,8 +279,9 @@ class Page {
     if (!this.state) return;
     this.view.draw(this.state, isDark());
     $("tick").textContent = grouped(this.state.tick);
-    $("time").textContent = text(this.state.time, 1);
-    const behind = this.going && this.rate < 0.8 * this.speed() ? `${Math.round(this.rate)} of ` : "";
+    $("time").textContent = `${text(this.state.time, 1)} ${this.manifest.time_unit}`;
+    const isBehind = this.going && this.flight.rate < 0.8 * this.speed();
+    const behind = isBehind ? `${Math.round(this.flight.rate)} of ` : "";
     $("pace").textContent = `${behind}${this.speed()} ticks a second`;
     for (const chart of this.charts) chart.draw(this.state.tick);
   }

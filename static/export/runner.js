@@ -33,7 +33,7 @@ class Runner {
       error = stopped.message;
     }
     this.measure(false, budget < Infinity);
-    return { ...this.state(), ran, error, rows: this.rows };
+    return { ...this.state(), ran, error, shown: this.shown.map((one) => one.name), rows: this.rows };
   }
 
   // A row of what is shown. What takes long is left out between pictures, and while the flock goes on

@@ -146,6 +146,60 @@ def test_it_measures_what_the_observables_of_the_same_names_give(opened, model):
             assert row[1] == pytest.approx(flock.observe(name), rel=1e-7, abs=1e-7), name
 
 
+def test_a_chart_that_is_changed_meanwhile_has_no_values_of_the_one_before(opened):
+    with opened(Flock("vem", agents=30, rng=3)) as page:
+        page.evaluate("page.ask({ticks: 3})")
+        found = page.evaluate(
+            """async () => {
+              const [chart] = page.charts, running = page.ask({ ticks: 5 });
+              chart.show(page.manifest.measures.find((one) => one.name === "mean-neighbours"));
+              await running;
+              return chart.points.length;
+            }"""
+        )
+        assert found == 0
+
+
+def test_what_is_asked_for_before_a_reset_is_not_in_the_new_curve(opened):
+    with opened(Flock("vem", agents=30, rng=3)) as page:
+        ticks = page.evaluate(
+            """async () => {
+              const running = page.ask({ ticks: 5 }), again = page.reset();
+              await running;
+              await again;
+              return page.charts[0].points.map(([tick]) => tick);
+            }"""
+        )
+        assert ticks == [0]
+
+
+def test_gone_on_at_once_after_a_pause_it_keeps_its_pace(opened):
+    """One loop of pictures goes on, not that of before as well: one asks for ticks at a time."""
+    with opened(Flock("vem", agents=30, rng=3)) as page:
+        page.evaluate(
+            """() => {
+              globalThis.most = 0;
+              const ask = page.ask.bind(page);
+              page.ask = (request) => {
+                most = Math.max(most, page.busy + 1);
+                return ask(request);
+              };
+              page.speed = () => 1000;
+              for (const going of [true, false, true]) page.go(going);
+            }"""
+        )
+        until(lambda: page.evaluate("page.state.tick > 20"), 60, "some ticks")
+        assert page.evaluate("most") == 1
+
+
+def test_a_slider_that_is_moved_while_something_is_asked_for_counts_at_once(opened):
+    with opened(Flock("vem", agents=30, rng=3)) as page:
+        page.evaluate("page.ask({})")
+        moved(page, "eta", 1.0)
+        moved(page, "eta", 2.0)
+        until(lambda: page.evaluate("Object.keys(page.pending).length === 0"), 60, "the slider")
+
+
 def test_its_curves_as_a_table_have_a_row_for_each_tick(opened):
     with opened(Flock("vem", agents=30, rng=3)) as page:
         for _ in range(3):
