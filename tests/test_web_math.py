@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from agents.web_math import FUNCTIONS, page_function
 from tests.worlds.test_web_assembly import Running
-from worlds.web_assembly import SLOT, MemoryImage, imported_functions, web_module
+from worlds.web_assembly import SLOT, MemoryImage, web_module
+from worlds.web_binary import imported_functions
 
 UNITS = {"tan": 8.0, "acos": 6.0, "asin": 6.0}
 """Units in the last place by which a function may differ; else 4."""

@@ -328,7 +328,6 @@ def list_cells(flock, space, cells, least, most):
             cell = cell_of(flock, space, cells, i)
             cells.after[i] = cells.head[cell]
             cells.head[cell] = i
-    return total
 
 
 @compiled

@@ -15,11 +15,10 @@ from worlds.compilation import compiled, entry
 from worlds.web_assembly import (
     FIRST_FREE,
     MemoryImage,
-    imported_functions,
     linked_code,
-    to_leb128,
     web_module,
 )
+from worlds.web_binary import imported_functions, to_leb128
 
 PAGE = 65536
 """Bytes of WebAssembly's unit of memory."""
