@@ -11,6 +11,8 @@ import pytest
 
 from agents import Flock, catalogue
 from agents.catalogue import MODELS, from_file
+from app.processes import ChildProcess
+from app.viewer.lab.flock_page import PageWriter
 from cli.calling import call, refusal
 from worlds.input_error import InputError
 
@@ -128,3 +130,11 @@ def test_an_edited_file_replaces_its_rule_and_the_same_one_stays(mine):
 def test_a_name_in_a_spec_or_from_a_browser_is_never_run_as_a_file(mine):
     with pytest.raises(InputError, match="unknown model"):
         Flock(str(mine))
+
+
+def test_the_page_of_its_flock_is_written_in_a_process_of_its_own(mine):
+    """As the laboratory does, which tells that process the files that it knows."""
+    spec = Flock(from_file(str(mine)).name, agents=6, rng=1).spec.to_toml()
+    with ChildProcess(PageWriter, [str(mine)]) as child:
+        page = child.ask("write", spec, timeout=300.0).result()
+    assert "Fading Vicsek model" in page

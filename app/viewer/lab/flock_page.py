@@ -11,7 +11,7 @@ import hashlib
 import html
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import pairwise
@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from agents.catalogue import from_file
 from agents.flock import Flock
 from agents.spec import CompleteSpec, Spec
 from agents.web_program import WebProgram, sliders, web_program
@@ -29,16 +30,13 @@ from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene, command_line
 from app.viewer.panels.dials import plain_symbol
 from app.viewer.scene.shown import palette
-from worlds.file_writer import demand_writable, write_text
+from worlds.file_writer import PAGES, demand_writable, write_text
 from worlds.world import World
 
 FOLDER = STATIC / "export"
-ENDINGS = (".html", ".htm")
 SCRIPTS = ("kernel.js", "runner.js", "view.js", "look.js", "page.js")
 LIVELY, FASTEST = 30.0, 1000.0
 """Ticks a second at which a page begins, and at most."""
-MANY = 1000
-"""After all charts that are named."""
 CORNERS = 48
 """Corners of an outline from which on it is drawn without upright edges."""
 CIRCLE = np.linspace(0.0, 2.0 * math.pi, 49)
@@ -137,9 +135,8 @@ def page_parts(flock: Flock, words: PageWords) -> tuple[PageText, str, str]:
     shapes = {"triangles": triangles, "lines": lines}
     manifest = program.manifest | shapes | {"palette": page_palette(flock.world.dim)}
     manifest["tries"] = steps_to_try(flock, words)
-    manifest["measures"].sort(
-        key=lambda one: words.plots.index(one["name"]) if one["name"] in words.plots else MANY
-    )
+    first = {name: place for place, name in enumerate(words.plots)}
+    manifest["measures"].sort(key=lambda one: first.get(one["name"], len(first)))
     for parameter in manifest["parameters"]:
         parameter["symbol"] = plain_symbol(parameter["symbol"])
     script = "'use strict';\n" + "\n".join(short_script(name) for name in SCRIPTS)
@@ -161,31 +158,37 @@ def page_parts(flock: Flock, words: PageWords) -> tuple[PageText, str, str]:
 
 def write_flock_page(flock: Flock, path: Path, title: str = "", overwrite: bool = False) -> None:
     """Write the page of a flock; nothing is left half-written. Raises InputError and OSError."""
-    demand_writable("path", path, overwrite, ENDINGS)
-    write_text("path", path, flock_page(flock, PageWords(title)), overwrite, ENDINGS)
+    demand_writable("path", path, overwrite, PAGES)
+    write_text("path", path, flock_page(flock, PageWords(title)), overwrite, PAGES)
 
 
 def steps_to_try(flock: Flock, words: PageWords) -> list[dict[str, Any]]:
     """What a page proposes to try: in words, what sliders it sets, and what one then sees.
 
-    Of what the model declares, the steps that change nothing but sliders; they were found in the
-    model's own world.
+    Of what the model declares, the steps that change nothing but sliders, where the flock is as it
+    was when they were found: in the model's own world, of as many agents, and nothing changed.
     """
     steps: list[dict[str, Any]] = []
     if words.tries:
         steps.append({"words": words.tries, "set": {}, "see": ""})
-    if flock.spec.world == flock.model.world:
+    model, spec = flock.model, flock.spec
+    if spec == Flock(Spec(model.name, seed=spec.seed)).spec:
         moved = {slider.name for slider in sliders(flock)}
         steps += [
             {"words": step.words, "set": dict(step.set), "see": step.see}
-            for step in flock.model.to_try
+            for step in model.to_try
             if not step.anew and set(step.set) <= moved
         ]
     return steps
 
 
 class PageWriter:
-    """In a process of its own, as to compile takes many seconds: writes pages."""
+    """In a process of its own, as to compile takes many seconds: writes pages of the models that
+    there are, and of those of files of rules."""
+
+    def __init__(self, files: Sequence[str]):
+        for path in files:
+            from_file(path)
 
     def write(self, spec: str) -> str:
         """The page of a flock at its start, of its spec as TOML. Raises InputError."""

@@ -13,7 +13,8 @@ import subprocess
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -24,7 +25,7 @@ import viser
 from aiohttp import web
 from PIL import Image
 
-from agents.catalogue import MODELS
+from agents.catalogue import FILES, MODELS
 from app.front.client_addresses import RateLimit
 from app.front.http_server import Request, text_response
 from app.front.renders import MOST, RenderCamera
@@ -311,15 +312,22 @@ class PictureExporter:
 
     def take_page(self, visit: ExportClient) -> None:
         """Write the page of the flock, and send it."""
-        try:
+        with self.delivering(visit, "page"):
             spec = self.laboratory.simulation.spec().result(TIMEOUT).decode()
-            with ChildProcess(PageWriter, stderr=subprocess.DEVNULL) as child:
+            files = [str(file) for file in FILES.values()]
+            with ChildProcess(PageWriter, files, stderr=subprocess.DEVNULL) as child:
                 page: str = child.ask("write", spec, timeout=TIMEOUT).result()
             visit.client.send_file_download(self.name(PAGE), page.encode(), save_immediately=True)
+
+    @contextmanager
+    def delivering(self, visit: ExportClient, what: str) -> Iterator[None]:
+        """Within it a file is made for a browser, which is told why where there is none."""
+        try:
+            yield
         except InputError as refusal:
             visit.said = str(refusal)
         except Exception as error:
-            visit.said = f"the page cannot be made: {type(error).__name__}"
+            visit.said = f"the {what} cannot be made: {type(error).__name__}"
         finally:
             visit.is_busy = False
 
@@ -350,7 +358,7 @@ class PictureExporter:
         size: tuple[int, int],
     ) -> None:
         """Make a picture and send it."""
-        try:
+        with self.delivering(visit, "picture"):
             with self.allowed.take_turn():
                 if kind in VECTORS:
                     made = Sheet(shot, size).as_bytes(kind)
@@ -359,12 +367,6 @@ class PictureExporter:
                     sheet = SeenSheet(shot, size, eyes.aspect(), eye)
                     made = as_png(eyes.picture(sheet, shot))
             visit.client.send_file_download(self.name(kind, shot), made, save_immediately=True)
-        except InputError as refusal:
-            visit.said = str(refusal)
-        except Exception as error:
-            visit.said = f"the picture cannot be made: {type(error).__name__}"
-        finally:
-            visit.is_busy = False
 
     def told(self, visit: ExportClient) -> dict[str, Any]:
         """How it stands with a browser."""
