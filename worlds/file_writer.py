@@ -31,6 +31,10 @@ NEW = 0o666
 """Rights of a new file, before the process's umask."""
 
 
+PAGES = (".html", ".htm")
+"""Endings of web pages."""
+
+
 def demand_writable(
     thing: str,
     path: str | Path,

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import json
+import re
 
 import pytest
 
+from agents.flock import Flock
+from app.classroom.lessons.lessons import lesson_names
 from app.cli.take import page_gallery
+from app.cli.take.export import lesson_to_export
 from app.viewer.gallery.scene_collection import cards
+from app.viewer.lab.flock_page import PageWords, steps_to_try
 from tests.cli.calling import call, refusal
 from worlds.input_error import InputError
 
@@ -38,9 +43,10 @@ def test_a_page_is_written_and_its_size_printed(tmp_path):
         (["vem", "--agents", "0"], "agents"),
         (["--scene", "no-such"], "no-such"),
         (["--scene", "beside"], "has a model beside another"),
-        (["--scene", "mill", "--agents", "5"], "--scene has a run of its own"),
+        (["--scene", "mill", "--agents", "5"], "--agents 5 cannot be given with --scene"),
+        (["--scene", "mill", "--agents", "0"], "--agents 0 cannot be given with --scene"),
         (["--scene", "mill", "--lesson", "who-leads"], "--scene cannot be given with --lesson"),
-        (["vem", "--lesson", "who-leads"], "cannot be given with MODEL"),
+        (["vem", "--lesson", "who-leads"], "MODEL vem cannot be given with --lesson"),
         (["--lesson", "no-such"], "no-such"),
         (["--paper", "no-such"], "no-such"),
         (["no-such", "--paper", "liu2021-table1"], "no-such"),
@@ -130,5 +136,20 @@ def test_a_gallery_has_a_page_of_each_and_says_what_has_none(tmp_path, monkeypat
 def test_all_pages_go_into_a_folder_and_are_of_no_run(tmp_path):
     assert "--all needs --folder" in refusal("export", "--all")
     given = ("export", "--all", "--folder", tmp_path / "site")
-    assert "it cannot be given with MODEL" in refusal(*given, "vem")
-    assert "it cannot be given with --agents" in refusal(*given, "--agents", "4")
+    assert "MODEL vem cannot be given with --all" in refusal(*given, "vem")
+    assert "--agents 4 cannot be given with --all" in refusal(*given, "--agents", "4")
+    assert "--lesson x cannot be given with --all" in refusal(*given, "--lesson", "x")
+
+
+@pytest.mark.parametrize("name", lesson_names())
+def test_a_lesson_for_one_does_not_speak_of_the_class(name):
+    lesson = lesson_to_export(name)
+    assert lesson.tries
+    assert not re.search("class|hand", lesson.tries)
+
+
+def test_what_to_try_is_what_was_found_so():
+    found = steps_to_try(Flock("vem", rng=5), PageWords())
+    assert [step["set"] for step in found] == [{"eta": 5.5}]
+    assert steps_to_try(Flock("vem", rng=5, agents=90), PageWords()) == []
+    assert steps_to_try(Flock("vem", rng=5, eta=1.0), PageWords()) == []

@@ -34,7 +34,9 @@ class Otherwise:
 
 
 OTHERWISE = (
-    Otherwise("export --all", None, "takes ten minutes: tests/cli/test_export.py writes two of it"),
+    Otherwise(
+        "export --all", None, "takes many minutes: tests/cli/test_export.py writes two of it"
+    ),
     Otherwise("film", "--renderer plain", "tests/browser/test_take.py has a browser draw"),
     Otherwise("picture", "--renderer plain", "tests/browser/test_take.py has a browser draw"),
     Otherwise(

@@ -225,9 +225,9 @@ def scene_run(path: Path, text: str) -> dict[str, Any]:
 
 
 def demand_alone(name: str, others: dict[str, Any]) -> None:
-    """Raise InputError if anything else says, beside a file, which run it is."""
+    """Raise InputError if anything else says which run it is, beside what says it already."""
     for option, value in others.items():
-        if value:
+        if value is not None and value != []:
             raise InputError(f"{option} {value} cannot be given with {name}, which says it already")
 
 

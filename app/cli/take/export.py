@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import tomllib
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.options.run_arguments import GivenOptions, is_file, option_name, with_options
+from app.cli.options.run_arguments import (
+    GivenOptions,
+    demand_alone,
+    is_file,
+    option_name,
+    with_options,
+)
 from app.cli.take.source import is_recording
 from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
 from app.cli.terminal.usage import (
@@ -22,15 +29,13 @@ from app.cli.terminal.usage import (
     first_of,
     model_name,
 )
-from worlds.file_writer import demand_writable, write_bytes
+from worlds.file_writer import PAGES, demand_writable, write_bytes
 from worlds.input_error import InputError, unknown
 
 if TYPE_CHECKING:
     from agents import Flock
     from app.viewer.gallery.saved_scene import SavedScene
     from app.viewer.lab.flock_page import PageWords
-
-ENDINGS = (".html", ".htm")
 
 
 @with_options
@@ -77,8 +82,11 @@ def export(
     the start that the seed gives. What a page cannot do yet, as a random order of turns or wind, is
     refused. What `flockscope run` takes to say which run it is, this takes too.
     """
+    others = {"MODEL": model, "--rule": rule, "--set": settings} | {
+        option_name(name): value for name, value in options.items()
+    }
     if everything:
-        demand_nothing_else("--all", model or scene or lesson or paper, rule, options, settings)
+        demand_alone("--all", {"--scene": scene, "--lesson": lesson, "--paper": paper, **others})
         if folder is None:
             raise InputError("--all needs --folder: it writes many pages")
         from app.cli.take.page_gallery import write_gallery
@@ -88,8 +96,8 @@ def export(
             typer.echo(as_json(told))
         return
     if folder is None:
-        demand_writable("--out", out, overwrite, ENDINGS)
-    elif out.name != str(out) or out.suffix.lower() not in ENDINGS:
+        demand_writable("--out", out, overwrite, PAGES)
+    elif out.name != str(out) or out.suffix.lower() not in PAGES:
         raise InputError(f"--out {str(out)!r} is not allowed: of a --folder it is NAME.html")
     elif folder.exists():
         demand_writable("--folder", folder / out.name, overwrite)
@@ -106,10 +114,10 @@ def export(
     if len(chosen) > 1:
         raise InputError(f"{chosen[0]} cannot be given with {chosen[1]}: a page has one flock")
     if paper is not None:
-        demand_nothing_else("--paper", None, rule, options, settings)
+        demand_alone("--paper", others | {"MODEL": None})
         flock, words = flock_of_paper(paper, model)
     elif scene is not None or lesson is not None:
-        demand_nothing_else(chosen[0], model, rule, options, settings)
+        demand_alone(chosen[0], others)
         opened = scene_to_export(scene) if scene is not None else lesson_to_export(lesson or "")
         flock = Flock(opened.spec)
         words = PageWords.of_scene(opened, f"flockscope export {chosen[0]} {scene or lesson}")
@@ -124,7 +132,7 @@ def export(
     if folder is None:
         page = flock_page(flock, words).encode()
         sizes = {out: len(page)}
-        write_bytes("--out", out, page, overwrite, ENDINGS)
+        write_bytes("--out", out, page, overwrite, PAGES)
     else:
         files = page_files(flock, out.stem, words)
         out = folder / out.name
@@ -136,18 +144,6 @@ def export(
         typer.echo(as_json(told))
     if not quiet:
         print_written_files(*sizes)
-
-
-def demand_nothing_else(
-    option: str, model: str | None, rule: Any, options: GivenOptions, settings: list[str] | None
-) -> None:
-    """Refuse what says which run it is beside an option that has a run. Raises InputError."""
-    given = {**options, "rule": rule, "set": settings or None}
-    others = [option_name(name) for name, value in given.items() if value is not None]
-    if model is not None:
-        others.insert(0, "MODEL")
-    if others:
-        raise InputError(f"{option} has a run of its own: it cannot be given with {others[0]}")
 
 
 def scene_to_export(name: str) -> SavedScene:
@@ -174,12 +170,14 @@ def words_of_file(path: Path) -> PageWords:
 
 
 def lesson_to_export(name: str) -> SavedScene:
-    """A lesson. Raises InputError."""
+    """A lesson, for who is alone with it: of what to try the first sentence, as what follows speaks
+    of a class. Raises InputError."""
     from app.classroom.lessons.lessons import find_lesson, lesson_names
 
     if name not in lesson_names():
         raise unknown("lesson", name, lesson_names())
-    return find_lesson(name)
+    lesson = find_lesson(name)
+    return replace(lesson, tries=re.split(r"(?<=\.) ", lesson.tries)[0])
 
 
 def flock_of_paper(name: str, label: str | None) -> tuple[Flock, PageWords]:
