@@ -121,6 +121,7 @@ class Page {
     this.going = false;
     this.busy = 0; // requests that are not answered yet
     this.run = 0; // since which Reset
+    $("time").parentElement.hidden = manifest.time_unit === "ticks"; // which stand beside it
     this.charts = manifest.measures.slice(0, 2).map((measure) => new Chart(this, measure));
     for (const parameter of manifest.parameters) this.addSlider(parameter);
     for (const step of manifest.tries) this.addStep(step);
