@@ -35,6 +35,8 @@ from worlds.web_assembly import (
 from worlds.web_binary import imported_functions
 
 DURATION = "context.lasts"
+UNNAMED = ("grid", "slots", "notes")
+"""Arguments that a page's script neither writes nor measures of: it is not told where they are."""
 OWN = ("parameters", "unbounded")
 """Where the loop has its parameters in the context: of the second, the radius that does not count
 where the nearest are neighbours is infinite."""
@@ -122,6 +124,7 @@ def web_program(flock: Flock) -> WebProgram:
         "arguments": {
             path: [one.slot, one.kind, one.address, list(one.shape)]
             for path, one in image.arguments.items()
+            if path.partition(".")[0] not in UNNAMED
         },
         "parameters": slider_parameters(flock, image),
         "zones": zone_sums,

@@ -304,7 +304,7 @@ def own_function(name: str, code: LinkedCode, machine: llvm.TargetMachine) -> ll
     caller = "\n".join(
         (
             f'declare i32 @"{symbol}"(ptr, ptr{", double" * count})',
-            f"define double @{OWN.format(name)}({given}) {{",
+            f"define double @{OWN.format(name)}({given}) noinline {{",
             "  %answer = alloca double",
             "  %raised = alloca ptr",
             f'  %status = call i32 @"{symbol}"(ptr %answer, ptr %raised, {given})',

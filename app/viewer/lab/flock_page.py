@@ -11,6 +11,7 @@ import hashlib
 import html
 import json
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -222,8 +223,9 @@ def page_policy(script: str, style: str) -> str:
 
 def short_script(name: str) -> str:
     """A script without its comments and its indentation, which a page needs not carry."""
-    lines = map(str.strip, (FOLDER / name).read_text("utf-8").splitlines())
-    return "\n".join(line for line in lines if line and not line.startswith("//"))
+    lines = (FOLDER / name).read_text("utf-8").splitlines()
+    bare = (re.sub(r"(^|(?<=[;,{])) *// .*", "", line).strip() for line in lines)
+    return "\n".join(line for line in bare if line)
 
 
 def page_palette(dim: int) -> dict[str, Any]:
