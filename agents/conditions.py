@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from agents.engine.message_past import MessageDelays
-from agents.engine.noise import NO_WIND
+from agents.engine.noise import GUSTS, NO_WIND, uniform_numbers
 from agents.option import between, option
 from worlds.input_error import InputError
 
@@ -24,8 +24,6 @@ UNHEARD = 1e-6
 """Share of the messages that are older than the past reaches back, at most: they are not heard."""
 MOST_TICKS = 10_000
 """How far the past reaches back at most."""
-STREAM = 7_919
-"""Tells the gusts' random numbers apart from others that are drawn from the run's seed."""
 
 
 class Conditions(BaseModel):
@@ -179,6 +177,12 @@ def ticks_back(conditions: Conditions, dt: float) -> int:
     return ages
 
 
+def gust_noise(seed: int, first: int, end: int) -> np.ndarray:
+    """Normal numbers of deviation 1 along each axis for the ticks [first, end), (ticks, 3)."""
+    chance = uniform_numbers(seed, GUSTS, np.arange(first, end), 6)
+    return np.sqrt(-2.0 * np.log(1.0 - chance[:, 0::2])) * np.cos(2.0 * np.pi * chance[:, 1::2])
+
+
 class Wind:
     """The wind of a run, the same for all agents, as displacements for each tick.
 
@@ -199,9 +203,8 @@ class Wind:
 
     def _reset_gusts(self) -> None:
         """The gusts as they are before tick 0."""
-        self.rng = np.random.default_rng([self.seed, STREAM])
         self.next_tick = 0
-        self.last = self.rng.standard_normal(3)
+        self.last = gust_noise(self.seed, 0, 1)[0]
 
     def displacements(self, tick: int, ticks: int) -> np.ndarray:
         """Displacement of agents in each of `ticks` ticks from `tick` on, length, (ticks, 3)."""
@@ -227,7 +230,7 @@ class Wind:
 
         if tick < self.next_tick:
             self._reset_gusts()
-        noise = self.rng.standard_normal((tick + ticks - self.next_tick, 3))
+        noise = gust_noise(self.seed, self.next_tick + 1, tick + ticks + 1)
         spread = math.sqrt(1.0 - self.persistence**2)
         process, _ = lfilter(
             [spread], [1.0, -self.persistence], noise, axis=0, zi=self.persistence * self.last[None]

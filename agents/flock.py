@@ -12,6 +12,7 @@ import mesa
 import numpy as np
 
 from agents import catalogue
+from agents.engine.noise import uniform_numbers
 from agents.flock_world import complete_spec, find_world, is_built_in
 from agents.inspection import Inspection, compile_inspection, inspect
 from agents.mesa_interface import FlockSpace, Member, TickClock
@@ -31,7 +32,16 @@ from agents.state.agent_rows import (
     select_rows,
     start_arrays,
 )
-from agents.state.start import Start, free_positions, given_start, random_headings, random_start
+from agents.state.start import (
+    FIRST,
+    SPEED,
+    Start,
+    free_positions,
+    given_start,
+    random_headings,
+    random_start,
+    start_gap,
+)
 from worlds.input_error import InputError, unknown
 
 MOST_THREADS = 1024
@@ -155,32 +165,31 @@ class Flock(TickClock, Motion):
         """A random start, with the speeds that the body begins with. Raises InputError."""
         run = self.options
         begin = random_start(
-            self.world, run.agents, run.informed, self.rng, run.spacing, self._start_gap
+            self.world, run.agents, run.informed, self.seed, run.spacing, self._start_gap
         )
         return self._with_start_speeds(begin, bool(begin.speed.any()))
 
-    def _start_from_arrays(self, start: Mapping[str, Any]) -> Start:
+    def _start_from_arrays(self, start: Mapping[str, Any], first_id: int = 1) -> Start:
         """A start from arrays; without speeds with those that the body begins with. Or
         InputError."""
         begin = given_start(self.world, start, bool(self.model.passing(self.parameters)))
-        return self._with_start_speeds(begin, "speed" in start)
+        return self._with_start_speeds(begin, "speed" in start, first_id)
 
     @property
     def _start_gap(self) -> float:
         """How far from what is solid agents start at least, length."""
-        body = self.model.body
-        if body.stride is not None:
-            return float(body.stride(self.parameters))
-        return 0.5 * float(getattr(self.parameters, body.size)) if body.size else 0.0
+        gap = start_gap(self.model.body)
+        return 0.0 if gap is None else float(gap(self.parameters))
 
-    def _with_start_speeds(self, begin: Start, with_speeds: bool) -> Start:
+    def _with_start_speeds(self, begin: Start, with_speeds: bool, first_id: int = 1) -> Start:
         """The start with the one speed of the body, or, without speeds, those it begins with."""
         body, n = self.model.body, len(begin.speed)
         if body.speed is not None:
             return replace(begin, speed=np.full(n, float(body.speed(self.parameters))))
         if with_speeds or body.begins is None:
             return begin
-        return replace(begin, speed=body.begins(self.parameters, self.rng, n))
+        chance = uniform_numbers(self.seed, FIRST, first_id + begin.number, 1, SPEED)[:, 0]
+        return replace(begin, speed=body.begins(self.parameters, chance))
 
     def _make_arrays(self, begin: Start) -> None:
         """Make the arrays and the engine that runs over them."""
@@ -296,13 +305,13 @@ class Flock(TickClock, Motion):
         """
         self._end_tick()
         members = self.members
-        dim = self.world.dim
+        dim, identity = self.world.dim, np.array([self.next_id])
         if position is None:
-            position = free_positions(self.world, 1, self.rng, gap=self._start_gap)[0]
+            position = free_positions(self.world, identity, self.seed, gap=self._start_gap)[0]
         if heading is None:
-            heading = random_headings(self.rng, 1, dim)[0]
+            heading = random_headings(self.seed, identity, dim)[0]
         new = self._start_from_arrays(
-            {"position": [position], "heading": [heading], "informed": [informed]}
+            {"position": [position], "heading": [heading], "informed": [informed]}, self.next_id
         )
         ages = self.arrays.past.shape[1]
         new_arrays = resize_past(

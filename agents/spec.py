@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeGuard, get_args
@@ -284,7 +284,27 @@ def input_error_of(fault: Any) -> InputError:
     return InputError(f"{key} = {shorten(fault['input'])} is not allowed: {needed(fault)}")
 
 
+RANDOM_NUMBERS = "2"
+"""What a seed gives: another number where the same seed gives another run. 2: hashes give starts,
+random orders and gusts; 1: NumPy's generator did."""
+
+
 def versions() -> dict[str, str]:
     """Versions of what the numbers depend on."""
     packages = {name: version(name) for name in ("flockscope", "mesa", "numba", "numpy")}
-    return {"python": platform.python_version(), **packages}
+    return {"python": platform.python_version(), **packages, "random-numbers": RANDOM_NUMBERS}
+
+
+def changed_versions(
+    written: Mapping[str, str], now: Mapping[str, str]
+) -> Iterator[tuple[str, str, str]]:
+    """The name of each version that is not as it was written, what it was, and what it is now.
+
+    What was written before there were versions of random numbers has their first. What is not
+    written, as in a spec made by hand, has not changed.
+    """
+    if written:
+        written = {"random-numbers": "1"} | dict(written)
+    for name, before in written.items():
+        if name in now and now[name] != before:
+            yield name, before, now[name]

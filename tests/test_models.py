@@ -119,7 +119,7 @@ def test_a_model_that_declares_what_cannot_be_measured_is_refused():
 
 @pytest.mark.parametrize("name", ["vem", "vicsek1995", "hwvem", "couzin", "hwvem-nav"])
 def test_a_body_of_one_speed_has_it_from_tick_0_on(name):
-    flock = Flock(name, agents=20, rng=1)
+    flock = Flock(name, agents=20, rng=5)
     before = flock.speed.copy()
     assert (before == flock.model.body.speed(flock.parameters)).all()
     assert (before > 0.0).all()

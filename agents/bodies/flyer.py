@@ -8,8 +8,6 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-import numpy as np
-
 from agents.bodies.turning import turn_towards
 from agents.bodies.upwash import drag_saving
 from agents.engine.block import BodyMove
@@ -206,9 +204,10 @@ def measure(me, near, p, out):
     out[0] = drag_saving(me, near, p.b)
 
 
-def begins(parameters: Flyer, rng: np.random.Generator, n: int) -> np.ndarray:
-    """Random speeds (n,), uniform from the least to the cruise speed (thesis, section 4.1)."""
-    return rng.uniform(min(parameters.v_min, parameters.v0), parameters.v0, n)
+def begins(p, chance):
+    """A random speed, uniform from the least to the cruise speed (thesis, section 4.1)."""
+    slowest = min(p.v_min, p.v0)
+    return slowest + (p.v0 - slowest) * chance
 
 
 @compiled

@@ -69,11 +69,9 @@ class PointMass(Parameters):
     )
 
 
-def begins(p: PointMass, rng: np.random.Generator, n: int) -> np.ndarray:
-    """Speeds (n,) of velocities that are uniform in the disc of radius v_start, m/s."""
-    if p.v_start == 0.0:
-        return np.zeros(n)
-    return p.v_start * np.sqrt(rng.uniform(0.0, 1.0, n))
+def begins(p, chance):
+    """The speed of a velocity that is uniform in the disc of radius v_start, m/s."""
+    return p.v_start * np.sqrt(chance)
 
 
 @compiled

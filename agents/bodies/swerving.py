@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from agents.engine.block import BodyMove
 from agents.engine.vector_lanes import where
 from agents.models.declare import Body, Parameters, parameter
@@ -57,9 +55,9 @@ def move(me, near, surroundings, want, p, out):
     )
 
 
-def begins(parameters: SwervingBody, rng: np.random.Generator, n: int) -> np.ndarray:
-    """The speeds (n,), all v_0."""
-    return np.full(n, parameters.v0)
+def begins(p, chance):
+    """The speed, v_0."""
+    return p.v0 + 0.0 * chance
 
 
 BODY = Body(

@@ -20,7 +20,7 @@ from agents.engine.vector_lanes import (
     power_of_two,
     where,
 )
-from worlds.compilation import compiled
+from worlds.compilation import compiled, plain_python
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 M1 = np.uint64(0xBF58476D1CE4E5B9)
@@ -29,6 +29,14 @@ S27, S30, S31, S11 = np.uint64(27), np.uint64(30), np.uint64(31), np.uint64(11)
 ONE = np.uint64(1)
 DRAWS = np.uint64(16)
 """Draws reserved for each agent and tick: 0 to 3 are the engine's, 4 to 15 a rule's own."""
+
+BEYOND = 2**60
+"""No run comes to this tick. From it on ticks stand for what is drawn beside the ticks of a run, so
+that no number is drawn twice: see `ORDERS`, `GUSTS` and `agents.state.start.FIRST`."""
+ORDERS = BEYOND
+"""The first of the ticks of random orders, one for each tick of a run."""
+GUSTS = 2 * BEYOND
+"""The tick of all gusts; the tick at which a gust blows stands in place of an agent."""
 
 ANGULAR, VECTORIAL = 0, 1
 """Kinds of noise: turn the wanted heading by an angle, or add a random vector to the mean."""
@@ -59,6 +67,16 @@ def uniform(key, agent, draw):
     """A number uniform in [0, 1) for this tick's key, agent id and draw (0 to 15)."""
     counter = as_unsigned(agent) * DRAWS + np.uint64(draw)
     return as_float(mix(key + counter * GOLDEN) >> S11) * 2.0**-53
+
+
+def uniform_numbers(
+    seed: int, tick: int, ids: np.ndarray, draws: int, first: int = 0
+) -> np.ndarray:
+    """What `uniform` gives for agents (N,) and the draws from `first` on, (N, draws)."""
+    with plain_python():
+        draw = np.arange(first, first + draws, dtype=np.uint64)
+        counter = ids.astype(np.uint64)[:, None] * DRAWS + draw
+        return (mix(tick_key(seed, tick) + counter * GOLDEN) >> S11) * 2.0**-53
 
 
 @compiled

@@ -34,6 +34,7 @@ from agents.engine.arrays import (
     empty_workspace,
 )
 from agents.engine.message_past import MessageDelays
+from agents.engine.noise import ORDERS, uniform_numbers
 
 # The threads that share a tick, with as little overhead as Python allows.
 
@@ -340,10 +341,10 @@ class SequentialEngine(Engine):
 
     def order(self, tick: int) -> np.ndarray:
         """The rows in the order in which they act: by identity, or shuffled by seed and tick."""
-        n = len(self.arrays.position)
-        if not self.shuffled:
-            return np.argsort(self.arrays.ids, kind="stable")
-        return np.random.default_rng([self.seed, tick]).permutation(n)
+        keys = self.arrays.ids
+        if self.shuffled:
+            keys = uniform_numbers(self.seed, ORDERS + tick, keys, 1)[:, 0]
+        return np.argsort(keys, kind="stable")
 
     def open(self, context: Context, tick: int) -> None:
         """Begin a tick in which agents are called one by one."""

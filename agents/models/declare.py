@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, Literal, get_args, get_origin
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.fields import FieldInfo
 
@@ -398,8 +397,9 @@ class Body:
     """Units of its signals and of what is measured, as those of a rule."""
     words: Mapping[str, str] = field(default_factory=dict)
     """What people call these."""
-    begins: Callable[[Any, np.random.Generator, int], np.ndarray] | None = None
-    """Speeds (n,) at the start, from the parameters; None: 0."""
+    begins: Callable[[Any, Any], Any] | None = None
+    """(p, chance) -> an agent's speed at the start, from a number uniform in [0, 1); of an array
+    those of many. None: 0."""
     speed: Callable[[Any], float] | None = None
     """The speed at which all its agents go while nothing is in their way, from the parameters: they
     have it from tick 0 on, whatever speeds a start hands them. None: speeds are free."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from agents.engine.noise import BEYOND, uniform_numbers
 from worlds.checks import demand_free, demand_in_box
 from worlds.input_error import InputError, unknown
 from worlds.mission import Mission, StartRegion
@@ -35,13 +36,29 @@ class Start:
     """0 to N - 1, each once: the identities that the rows are given, from the first on."""
 
 
-def random_headings(rng: np.random.Generator, n: int, dim: int) -> np.ndarray:
-    """n unit vectors, uniform on the circle or the sphere, (n, dim)."""
+FIRST = 3 * BEYOND
+"""The tick of the headings and speeds at a start; those behind it are of the places, one for each
+try (see `agents.engine.noise.BEYOND`)."""
+SPEED = 4
+"""The first draw of the speeds; before it are those of the headings."""
+
+
+def start_gap(body: Any) -> Callable[[Any], float] | None:
+    """How far from what is solid agents of a `Body` start at least, from its parameters, length;
+    None where that is 0."""
+    name = body.size
+    return body.stride or ((lambda p: 0.5 * getattr(p, name)) if name else None)
+
+
+def random_headings(seed: int, ids: np.ndarray, dim: int) -> np.ndarray:
+    """Unit vectors of agents (N,), uniform on the circle or the sphere, (N, dim)."""
+    chance = uniform_numbers(seed, FIRST, ids, dim - 1)
+    angle = 2.0 * np.pi * chance[:, 0]
+    flat = np.column_stack([np.cos(angle), np.sin(angle)])
     if dim == 2:
-        theta = rng.uniform(0.0, 2.0 * np.pi, n)
-        return np.column_stack([np.cos(theta), np.sin(theta)])
-    vector = rng.normal(size=(n, 3))
-    return vector / np.linalg.norm(vector, axis=1, keepdims=True)
+        return flat
+    z = 2.0 * chance[:, 1:] - 1.0
+    return np.hstack([np.sqrt(1.0 - z * z) * flat, z])
 
 
 def goal_heading(dim: int) -> np.ndarray:
@@ -55,78 +72,89 @@ def random_start(
     world: World,
     agents: int,
     informed: int,
-    rng: np.random.Generator,
+    seed: int,
     spacing: float | None = None,
     gap: float = 0.0,
 ) -> Start:
     """`agents` ordinary and `informed` information agents, as Liu et al. 2021, section 3.1.
 
     Positions are uniform in the box and headings uniform; the first information agent is in the
-    corner (0, 0), and all of them head for theta^d. Rows follow space, so that agents near each
-    other start near each other in memory; identities are drawn at random, so that agents that act
-    one after another do so all over the box. The information agents come first in both. No agent
-    starts inside an obstacle, or nearer than `gap` to one; with `spacing`, ordinary agents keep
-    that distance to each other and to what is solid. A world with a mission may have a start region
-    of its own, where all are spread alike. Raises InputError where there is no room.
+    corner (0, 0), and all of them head for theta^d. What an agent draws follows from the seed and
+    its identity alone. Rows follow space, so that agents near each other start near each other in
+    memory, while those that act one after another do so all over the box. The information agents
+    come first in both. No agent starts inside an obstacle, or nearer than `gap` to one; with
+    `spacing`, ordinary agents keep that distance to each other and to what is solid. A world with a
+    mission may have a start region of its own, where all are spread alike. Raises InputError where
+    there is no room.
     """
-    n = agents + informed
-    mission = world.mission
-    if mission is not None and mission.start is not None:
-        return mission_start(world, mission, mission.start, n, informed, rng, spacing, gap)
-    position = free_positions(world, agents, rng, spacing or 0.0, gap)
-    heading = random_headings(rng, agents, world.dim)
-    position = position[along_space(position, np.array(world.size))]
-    first = free_positions(world, informed, rng)
-    if not world.is_solid:
-        first[:1] = 0.0
-    know = np.repeat(goal_heading(world.dim)[None], informed, axis=0)
-    return Start(
-        np.concatenate([first, position]),
-        np.concatenate([know, heading]),
-        np.arange(n) < informed,
-        np.zeros(n),
-        numbers(n, informed, rng),
-    )
+    mission, n = world.mission, agents + informed
+    ids = np.arange(1, n + 1)
+    heading, speed = random_headings(seed, ids, world.dim), np.zeros(n)
+    if mission is None or mission.start is None:
+        low, size = np.array(world.low), np.array(world.size)
+        first = free_positions(world, ids[:informed], seed)
+        if not world.is_solid:
+            first[:1] = 0.0
+        others = free_positions(world, ids[informed:], seed, spacing or 0.0, gap)
+        position = np.concatenate([first, others])
+        heading[:informed] = goal_heading(world.dim)
+    else:
+        region = mission.start
+        low, size = start_box(region, n)
+        if spacing is None:
+            spacing = region.spacing
+        else:
+            gap = max(gap, spacing)
+        position = spread(world, low, size, ids, spacing, seed, gap)
+        if region.speed_low is not None and region.speed_high is not None:
+            chance = uniform_numbers(seed, FIRST, ids, world.dim, SPEED)
+            slow, fast = np.array(region.speed_low), np.array(region.speed_high)
+            velocity = chance * (fast - slow) + slow
+            speed = np.linalg.norm(velocity, axis=1)
+            moves = speed > 0.0
+            heading[moves] = velocity[moves] / speed[moves, None]
+        heading[:informed] = mission_headings(mission, position[:informed])
+    order = np.arange(n)
+    order[informed:] = informed + along_space(position[informed:] - low, size)
+    is_informed = np.arange(n) < informed
+    return Start(position[order], heading[order], is_informed, speed[order], order)
 
 
-def numbers(n: int, informed: int, rng: np.random.Generator) -> np.ndarray:
-    """0 to n - 1 in random order behind the first `informed`, (n,); draws nothing from `rng`."""
-    number = np.arange(n)
-    rng.spawn(1)[0].shuffle(number[informed:])
-    return number
+def mission_headings(mission: Mission, position: np.ndarray) -> np.ndarray:
+    """Unit vectors in which information agents at places (N, dim) start: for the first waypoint."""
+    if mission.path is None:
+        return np.tile(goal_heading(position.shape[1]), (len(position), 1))
+    direction = np.array(mission.path.waypoints[0]) - position
+    return direction / np.linalg.norm(direction, axis=1, keepdims=True)
 
 
 def free_positions(
-    world: World, n: int, rng: np.random.Generator, spacing: float = 0.0, gap: float = 0.0
+    world: World, ids: np.ndarray, seed: int, spacing: float = 0.0, gap: float = 0.0
 ) -> np.ndarray:
-    """n positions uniform in the box where nothing is solid, (n, dim).
+    """Positions of agents (N,), uniform in the box where nothing is solid, (N, dim).
 
     They keep at least `spacing` to each other and to what is solid, and `gap` to the latter. Raises
     InputError.
     """
     low, size = np.array(world.low), np.array(world.size)
-    return spread(world, low, size, n, spacing, rng, max(gap, spacing))
+    return spread(world, low, size, ids, spacing, seed, max(gap, spacing))
 
 
 def spread(
-    world: World, low, size, n: int, spacing: float, rng: np.random.Generator, gap: float = 0.0
+    world: World, low, size, ids: np.ndarray, spacing: float, seed: int, gap: float = 0.0
 ) -> np.ndarray:
-    """n positions uniform in the box [low, low + size), clear of what is solid, (n, dim).
+    """Positions of agents uniform in the box [low, low + size), clear of what is solid, (N, dim).
 
     They keep at least `spacing` to each other and `gap` to what is solid. Raises InputError if they
     do not fit, with the number that does.
     """
-    if not world.is_solid and spacing == 0.0:
-        return rng.uniform(0.0, 1.0, (n, world.dim)) * size + low
-    state = rng.bit_generator.state
-    position, fit = try_positions(world, low, size, n, spacing, rng, gap)
+    n = len(ids)
+    position, fit = try_positions(world, low, size, ids, spacing, seed, gap)
     if fit == n:
         return position
-    generator = np.random.Generator(type(rng.bit_generator)())
     count = -1
     while fit and count != fit:
-        generator.bit_generator.state = state
-        count, fit = fit, try_positions(world, low, size, fit, spacing, generator, gap)[1]
+        count, fit = fit, try_positions(world, low, size, ids[:fit], spacing, seed, gap)[1]
     distance_text = f", {spacing:g} from each other," if spacing > 0.0 else ""
     off = f", {gap:g} from them" if gap > 0.0 else ""
     fits = f"{fit} fit" if fit > 1 else ("1 fits" if fit else "not even one fits")
@@ -137,21 +165,22 @@ def spread(
 
 
 def try_positions(
-    world: World, low, size, n: int, spacing: float, rng: np.random.Generator, gap: float
+    world: World, low, size, ids: np.ndarray, spacing: float, seed: int, gap: float
 ) -> tuple[np.ndarray, int]:
-    """Positions as `spread` asks for them, (n, dim), and how many of the last ones are good."""
-    position = rng.uniform(0.0, 1.0, (n, world.dim)) * size + low
-    is_bad = np.zeros(n, bool)
-    for _ in range(TRIES):
-        is_bad = np.zeros(n, bool)
+    """Positions as `spread` asks for them, (N, dim), and how many of the last ones are good."""
+    is_bad = np.ones(len(ids), bool)
+    position = np.zeros((len(ids), world.dim))
+    for attempt in range(1, TRIES + 2):
+        chance = uniform_numbers(seed, FIRST + attempt, ids[is_bad], world.dim)
+        position[is_bad] = chance * size + low
+        is_bad = np.zeros(len(ids), bool)
         if world.is_solid:
             is_bad |= clearance(world, position) <= gap
         if spacing > 0.0:
             is_bad |= is_too_close(world, position, spacing)
         if not is_bad.any():
             break
-        position[is_bad] = rng.uniform(0.0, 1.0, (int(is_bad.sum()), world.dim)) * size + low
-    return position, n - int(is_bad.sum())
+    return position, len(ids) - int(is_bad.sum())
 
 
 def is_too_close(world: World, position: np.ndarray, spacing: float) -> np.ndarray:
@@ -174,42 +203,6 @@ def start_box(region: StartRegion, n: int) -> tuple[np.ndarray, np.ndarray]:
     if region.density is None:
         return low, np.array(region.high) - low
     return low, np.full(len(low), (n / region.density) ** (1.0 / len(low)))
-
-
-def mission_start(
-    world: World,
-    mission: Mission,
-    region: StartRegion,
-    n: int,
-    informed: int,
-    rng: np.random.Generator,
-    spacing: float | None = None,
-    gap: float = 0.0,
-) -> Start:
-    """A start from a mission's region; the first `informed` agents head for the first waypoint.
-
-    The region's spacing holds unless `spacing` is given. Raises InputError where there is no room.
-    """
-    low, size = start_box(region, n)
-    if spacing is None:
-        position = spread(world, low, size, n, region.spacing, rng, gap)
-    else:
-        position = spread(world, low, size, n, spacing, rng, max(gap, spacing))
-    position[informed:] = position[informed:][along_space(position[informed:] - low, size)]
-    speed = np.zeros(n)
-    heading = random_headings(rng, n, world.dim)
-    if region.speed_low is not None and region.speed_high is not None:
-        velocity = rng.uniform(region.speed_low, region.speed_high, (n, world.dim))
-        speed = np.linalg.norm(velocity, axis=1)
-        moves = speed > 0.0
-        heading[moves] = velocity[moves] / speed[moves, None]
-    if mission.path is not None:
-        direction = np.array(mission.path.waypoints[0]) - position[:informed]
-        heading[:informed] = direction / np.linalg.norm(direction, axis=1, keepdims=True)
-    else:
-        heading[:informed] = goal_heading(world.dim)
-    number = numbers(n, informed, rng)
-    return Start(position, heading, np.arange(n) < informed, speed, number)
 
 
 def along_space(position: np.ndarray, size: np.ndarray) -> np.ndarray:

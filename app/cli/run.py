@@ -230,6 +230,7 @@ def build_flock(
 ) -> Flock:
     """The flock of a spec and options. Raises InputError."""
     from agents import Flock
+    from agents.spec import changed_versions
 
     spec, origins = requested_run(model, options, settings, file)
     beside = None if file is None else compared_model(file)
@@ -237,8 +238,8 @@ def build_flock(
         print_stderr(f"flockscope: {beside}, which {file} shows beside it, is not run")
     with origins.naming_origins():
         flock = Flock(spec, threads=threads, interpret=interpret)
-    now = flock.spec.versions
-    other = [f"{k} {v}, here {now[k]}" for k, v in spec.versions.items() if now.get(k, v) != v]
+    changed = changed_versions(spec.versions, flock.spec.versions)
+    other = [f"{name} {before}, here {now}" for name, before, now in changed]
     if other and not quiet:
         print_stderr(f"flockscope: the spec was written with {'; '.join(other)}")
     return flock

@@ -136,6 +136,7 @@ def test_a_spec_of_other_versions_is_told(tmp_path):
     result = call("run", "--spec", spec, "--ticks", 1, "--json")
     assert result.exit_code == 0
     assert "numba 0.1, here" in result.stderr
+    assert "random-numbers 1, here 2" in result.stderr, "what was written before they had versions"
     json.loads(result.stdout)
 
 

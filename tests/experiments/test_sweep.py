@@ -175,7 +175,8 @@ def test_precision_asks_for_more_where_it_is_wide_and_the_same_again(tmp_path):
 @pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(("p2", "mean"), [(5.0, 11.78), (100.0, 8.93)])
 def test_the_time_to_consistency_is_that_of_the_reading(tmp_path, p2, mean):
-    """Mean k_con of HWVEM on the plain torus over the seeds 1 to 100, found apart from this."""
+    """Mean k_con of HWVEM on the plain torus over 100 seeds, found apart from this, from other
+    starts: one run is 2.4 ticks off the mean, so the difference of two such means 0.34."""
     text = """
 [run]
 model = "hwvem"
@@ -191,7 +192,9 @@ hold = 60
 count = 100
 """
     carry_out(read(tmp_path, text=text.replace("P2", str(p2))), tmp_path / "a")
-    assert np.mean(wide_table(StoreReader(tmp_path / "a"))["k"]) == pytest.approx(mean, abs=0.03)
+    assert np.mean(wide_table(StoreReader(tmp_path / "a"))["k"]) == pytest.approx(
+        mean, abs=3 * 0.34
+    )
 
 
 @pytest.mark.usefixtures("here")

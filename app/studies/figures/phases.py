@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from pydantic import Field
 
-from agents.state.start import random_headings
 from app.studies.charts.boxes import draw_key
 from app.studies.charts.mean_line import INTERVAL_WORDS, draw_mean_bars
 from app.studies.experiment import Case
@@ -120,7 +119,8 @@ def place_in_sight(flock: Flock) -> None:
             return
         n = int(alone.sum())
         flock.position[alone] = low + flock.rng.uniform(0.0, 1.0, (n, len(low))) * size
-        flock.heading[alone] = random_headings(flock.rng, n, len(low))
+        direction = flock.rng.normal(size=(n, len(low)))
+        flock.heading[alone] = direction / np.linalg.norm(direction, axis=1, keepdims=True)
     raise InputError(
         f"agents = {len(flock.ids)} cannot be placed in {size.tolist()} so that each detects "
         f"another within {flock.reach:g}"

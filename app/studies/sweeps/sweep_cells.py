@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from agents.flock import Flock
-from agents.spec import OPTIONS, Spec, versions
+from agents.spec import OPTIONS, Spec, changed_versions, versions
 from app.strict_table import Value
 from app.studies.runs.store import canonical
 from app.studies.sweeps.sweep_job import SweepJob
@@ -128,12 +128,8 @@ def changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     ['numpy 1, now 2', 'rule has changed']
     """
     lines: list[str] = []
-    before, now = old.get("versions", {}), new.get("versions", {})
-    lines += [
-        f"{name} {before[name]}, now {now[name]}"
-        for name in now
-        if name in before and before[name] != now[name]
-    ]
+    changed = changed_versions(old.get("versions", {}), new.get("versions", {}))
+    lines += [f"{name} {before}, now {now}" for name, before, now in changed]
     lines += [
         f"{name} has changed"
         for name in new
