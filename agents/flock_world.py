@@ -43,21 +43,26 @@ def complete_spec(spec: Spec, model: Model) -> CompleteSpec:
     return CompleteSpec(**{**dict(spec), "world": world, "dim": dim, "seed": seed, **choices})
 
 
+def world_of_any_seed(spec: CompleteSpec, model: Model) -> World:
+    """The world of a run before its random obstacles are drawn. Raises InputError.
+
+    By default it has room for the agents.
+    """
+    if isinstance(spec.world, World):
+        return spec.world
+    if spec.layout is not None:
+        return world_from_layout(spec.layout, spec.world, spec.dim, spec.size)
+    return build_world(
+        spec.world, spec.dim, spec.size, lambda dim: (spec.count / model.density) ** (1.0 / dim)
+    )
+
+
 def find_world(spec: CompleteSpec, model: Model) -> World:
     """The world of a run, in the dimensions in which the model is defined.
 
-    By default it has room for the agents. Obstacles that it leaves to chance are drawn from the
-    seed. Raises InputError.
+    Obstacles that it leaves to chance are drawn from the seed. Raises InputError.
     """
-    if isinstance(spec.world, World):
-        world = spec.world
-    elif spec.layout is not None:
-        world = world_from_layout(spec.layout, spec.world, spec.dim, spec.size)
-    else:
-        world = build_world(
-            spec.world, spec.dim, spec.size, lambda dim: (spec.count / model.density) ** (1.0 / dim)
-        )
-    world = draw_obstacles(world, spec.seed)
+    world = draw_obstacles(world_of_any_seed(spec, model), spec.seed)
     if world.dim not in model.dimensions:
         allowed = " and ".join(f"{d}-D" for d in model.dimensions)
         raise InputError(

@@ -7,11 +7,13 @@ values of its sliders into the slots of the loop's arguments, which the manifest
 from __future__ import annotations
 
 import inspect
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import FunctionType
 from typing import Any, NoReturn
 
+import numpy as np
 from numba.core.errors import NumbaError
 
 from agents.engine.pairs.pair_runner import PairEngine
@@ -22,6 +24,15 @@ from agents.models.model import NUMBER
 from agents.observables.catalogue import OBSERVABLES, telling_observables
 from agents.observables.observable import Range
 from agents.observables.of_rows import empty_cells
+from agents.web_draws import (
+    DRAWS,
+    can_begin_anew,
+    draws,
+    of_parameters,
+    start_task,
+    start_words,
+    wind_task,
+)
 from agents.web_math import FUNCTIONS, page_function
 from worlds.compilation import compiled, entry
 from worlds.input_error import InputError
@@ -78,19 +89,22 @@ def web_program(flock: Flock) -> WebProgram:
     zone_sums = zones(flock)
     survey_for_sliders(flock)
     call = first_call(flock)
-    names = inspect.signature(call.function.py_func).parameters
-    arguments = dict(zip(names, call.arguments, strict=True)) | {
-        "cells": empty_cells(len(flock.ids)),
-        "converges": bool(flock.model.rule.converges),
-    }
-    image = MemoryImage()
-    for name, value in arguments.items():
-        image.add(name, value)
-    image.finish()
+    arguments = page_arguments(flock, call)
+    image = memory_image(arguments)
+    grows = growth(flock)
     code = {"advance": linked_code(call.function, call.arguments)}
+    calls: dict[str, tuple[str, ...]] = {}
     reach = flock.model.rule.reach
     if reach not in type(flock.parameters).model_fields:
-        code["reach"] = reach_code(flock, reach)
+        compute = getattr(type(flock.parameters), reach).fget
+        code["reach"] = parameter_code(flock, reach, compute)
+    for name in draws(flock):
+        function, calls[name] = DRAWS[name]
+        code[name] = linked_code(function, [arguments[path] for path in calls[name]])
+    if can_begin_anew(flock):
+        for name, (function, paths) in of_parameters(flock).items():
+            calls[name] = paths
+            code[name] = parameter_code(flock, name, function, *(0.5 for _ in paths[1:]))
     measures = web_measures(flock)
     arguments["together"] = flock.together
     for measure in measures:
@@ -115,7 +129,7 @@ def web_program(flock: Flock) -> WebProgram:
         "low": [float(edge) for edge in flock.world.low],
         "images": [bool(axis) for axis in flock.world.images],
         "time_unit": flock.model.body.unit,
-        "seed": flock.seed,
+        "seed": str(flock.seed),
         "tick": flock.tick,
         "runner": runner_kind(flock),
         "base": FIRST_FREE,
@@ -124,14 +138,75 @@ def web_program(flock: Flock) -> WebProgram:
         "arguments": {
             path: [one.slot, one.kind, one.address, list(one.shape)]
             for path, one in image.arguments.items()
-            if path.partition(".")[0] not in UNNAMED
+            if path.partition(".")[0] not in UNNAMED or path in grows
         },
+        "grows": grows,
+        "calls": calls,
+        "start": start_words(flock) if can_begin_anew(flock) else None,
         "parameters": slider_parameters(flock, image),
         "zones": zone_sums,
         "measures": measures,
         "reach": reach if "reach" not in code else None,
     }
     return WebProgram(module.content, bytes(image.content), manifest)
+
+
+def page_arguments(flock: Flock, call: CallStopped) -> dict[str, Any]:
+    """The arguments of all functions of a page, by their names: those of the loop's call first."""
+    names = inspect.signature(call.function.py_func).parameters
+    return dict(zip(names, call.arguments, strict=True)) | {
+        "cells": empty_cells(len(flock.ids)),
+        "converges": bool(flock.model.rule.converges),
+        "start": start_task(flock),
+        "chance": 0.0,
+        "keys": np.zeros(len(flock.ids)),
+        "air": wind_task(flock),
+    }
+
+
+def memory_image(arguments: Mapping[str, Any]) -> MemoryImage:
+    """The memory that these arguments stand in."""
+    image = MemoryImage()
+    for name, value in arguments.items():
+        image.add(name, value)
+    image.finish()
+    return image
+
+
+FEWER, MORE = 512, 1024
+"""Numbers of agents by which a page is told what grows with them."""
+
+
+def growth(flock: Flock) -> dict[str, list[list[int]]]:
+    """The arguments that grow with the number of agents: of each, for every axis, how many items an
+    agent adds and how many there are besides; of a whole number the same."""
+    if not can_begin_anew(flock):
+        return {}
+    fewer, more = (
+        memory_image(page_arguments(other, first_call(other)))
+        for other in (with_agents(flock, FEWER), with_agents(flock, MORE))
+    )
+    found = {}
+    for path, one in fewer.arguments.items():
+        sizes = one.shape, more.arguments[path].shape
+        if not one.shape:
+            (kind, a), (_, b) = fewer.slots[one.slot], more.slots[one.slot]
+            sizes = ((int(a),), (int(b),)) if kind == "l" else ((), ())
+        if sizes[0] != sizes[1]:
+            each = [(b - a) // (MORE - FEWER) for a, b in zip(*sizes, strict=True)]
+            found[path] = [[k, a - FEWER * k] for k, a in zip(each, sizes[0], strict=True)]
+    return found
+
+
+def with_agents(flock: Flock, count: int) -> Flock:
+    """A flock as this one of so many agents, which stand anywhere."""
+    shape = count, flock.world.dim
+    start = {
+        "position": np.resize(flock.position, shape),
+        "heading": np.resize(flock.heading, shape),
+        "informed": np.zeros(count, bool),
+    }
+    return Flock(flock.spec, start=start)
 
 
 def web_measures(flock: Flock) -> list[dict[str, Any]]:
@@ -165,13 +240,6 @@ def web_measures(flock: Flock) -> list[dict[str, Any]]:
 
 def demand_possible(flock: Flock) -> None:
     """Raise InputError for what a page cannot do yet."""
-    if flock.options.activation == "random":
-        raise InputError(
-            "activation = random cannot run in a page: the order is drawn by NumPy; "
-            "take sequential or synchronous"
-        )
-    if flock.options.is_windy:
-        raise InputError("wind and gusts cannot run in a page: they are drawn by NumPy")
     checks = type(flock.parameters).__pydantic_decorators__
     if checks.model_validators or checks.field_validators:
         raise InputError(
@@ -305,11 +373,12 @@ def slope(flock: Flock, name: str, radius: Any, base: float) -> float:
     return round(radius(flock.parameters.model_copy(update={name: value + 1.0})) - base, 9)
 
 
-def reach_code(flock: Flock, name: str) -> LinkedCode:
-    """The code of a reach that follows from several parameters."""
-    compute = with_callees(getattr(type(flock.parameters), name).fget)
+def parameter_code(flock: Flock, name: str, function: Any, *more: float) -> LinkedCode:
+    """The code of what follows from the parameters, and of more numbers."""
+    compute = with_callees(function)
+    compute.__name__ = compute.__qualname__ = name
     try:
-        return linked_code(entry(compute), (flock.context.parameters,), takes_text=True)
+        return linked_code(entry(compute), (flock.context.parameters, *more), takes_text=True)
     except NumbaError:
         raise InputError(
             f"a page cannot compute {name!r} of model {flock.model.name!r} when a slider is moved: "

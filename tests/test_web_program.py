@@ -12,7 +12,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.models.declare import Zone
 from agents.models.model import Model
-from agents.web_program import reach_code, sliders, web_program
+from agents.web_program import parameter_code, sliders, web_program
 from tests.worlds.test_web_assembly import Running
 from worlds.input_error import InputError
 from worlds.web_assembly import MemoryImage, web_module
@@ -80,18 +80,6 @@ def test_what_a_page_could_not_keep_to_is_refused(monkeypatch, changes, why):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("words", "why"),
-    [
-        ({"activation": "random"}, "activation = random cannot run in a page"),
-        ({"wind": 0.1}, "wind and gusts cannot run in a page"),
-    ],
-)
-def test_what_numpy_draws_is_refused(words, why):
-    with pytest.raises(InputError, match=why):
-        web_program(Flock("vem", agents=5, rng=1, **words))
-
-
 def test_how_many_are_neighbours_has_a_slider_only_where_it_counts():
     assert "k" not in [one.name for one in sliders(Flock("vem", agents=5, rng=1))]
     nearest = Flock("vem", agents=5, rng=1, neighbours="nearest")
@@ -103,16 +91,16 @@ def test_a_reach_may_call_plain_functions(monkeypatch):
     image = MemoryImage()
     image.add("parameters", flock.context.parameters)
     image.finish()
-    module = web_module({"reach": reach_code(flock, "range")})
+    module = web_module({"range": parameter_code(flock, "range", HelpedParameters.range.fget)})
     running = Running(module.content, image)
-    running.call("reach", image)
+    running.call("range", image)
     assert running.read(image.answer, "<d")[0] == pytest.approx(flock.reach, rel=1e-15)
 
 
 def test_a_reach_that_cannot_be_compiled_is_refused_in_a_line(monkeypatch):
     flock = flock_of(monkeypatch, parameters=TextParameters)
     with pytest.raises(InputError, match="a page cannot compute 'range'") as caught:
-        reach_code(flock, "range")
+        parameter_code(flock, "range", TextParameters.range.fget)
     assert "\n" not in str(caught.value)
 
 

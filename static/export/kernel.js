@@ -27,7 +27,7 @@ class Kernel {
     this.reset();
   }
 
-  // The flock at its start. What is written to slots before (the sliders) is lost.
+  // The flock as the page was made. What is written to slots before (the sliders) is lost.
   reset() {
     this.tick = this.manifest.tick;
     this.scratch = undefined;
@@ -107,8 +107,14 @@ class Kernel {
   }
 
   run(ticks) {
-    if (this.manifest.runner === "turns") for (let k = 0; k < ticks; k++) this.turns();
-    else this.together(ticks);
+    const { runner, calls } = this.manifest;
+    if (runner !== "turns" && !calls.blow) this.together(ticks);
+    else for (let k = 0; k < ticks; k++) {
+      this.write("tick", this.tick);
+      if (calls.blow) this.draw("blow");
+      if (runner !== "turns") this.together(1);
+      else this.turns();
+    }
   }
 
   together(ticks) {
@@ -127,8 +133,17 @@ class Kernel {
     }
   }
 
+  // Agents act by identity, or in a random order, another in each tick.
+  setOrder() {
+    const isRandom = "draw_order" in this.manifest.calls;
+    if (isRandom) this.draw("draw_order");
+    const keys = this.view(isRandom ? "keys" : "flock.ids");
+    const rows = [...keys.keys()].sort((a, b) => keys[a] < keys[b] ? -1 : 1);
+    this.view("order").set(rows.map(BigInt));
+  }
+
   turns() {
-    this.write("tick", this.tick);
+    if (this.manifest.calls.draw_order) this.setOrder();
     this.write("context.since", this.tick);
     const rows = this.arguments.order.shape[0];
     for (let first = 0, opens = 1; ; opens = 0) {
@@ -167,8 +182,9 @@ class Kernel {
 
   // The number that a function gives of some of the arguments, which are copied side by side.
   compute(name, paths) {
-    const last = Math.max(...Object.values(this.arguments).map((one) => one.slot));
-    this.scratch ??= this.allot(Kernel.SLOT * (last + 18)); // an array of the last takes at most 11
+    // An array of the last takes at most 11.
+    const last = () => Math.max(...Object.values(this.arguments).map((one) => one.slot));
+    this.scratch ??= this.allot(Kernel.SLOT * (last() + 18));
     const bytes = new Uint8Array(this.memory.buffer), { block } = this.manifest;
     bytes.copyWithin(this.scratch, block, block + 2 * Kernel.SLOT);
     let place = this.scratch + 2 * Kernel.SLOT;
@@ -180,6 +196,11 @@ class Kernel {
     const status = this.exports[name](this.scratch);
     if (status) throw new Error(`${name} ends with ${status}`);
     return new Float64Array(this.memory.buffer, this.manifest.answer, 1)[0];
+  }
+
+  // What the flock draws by itself: see agents/web_draws.py.
+  draw(name) {
+    return this.compute(name, this.manifest.calls[name]);
   }
 
   // One of the manifest's measures, as the observable of that name.

@@ -18,9 +18,8 @@ function isDark() {
 
 class Look {
   constructor(view) {
-    const { palette, dim, agents } = view.manifest, $ = (id) => document.getElementById(id);
+    const { palette, dim } = view.manifest, $ = (id) => document.getElementById(id);
     this.view = view;
-    this.agents = agents;
     this.dim = dim;
     // From diving to climbing; in the plane there is one row.
     const rows = palette.heading.map((row) => stretch(unhex(row), 361));
@@ -109,7 +108,7 @@ class Look {
 
   // The legend, anew only where it says something else.
   explain(colour, range) {
-    const ends = range.map(figures), said = [colour, ...ends].join();
+    const ends = range.map(figures), said = [this.view.ids.length, colour, ...ends].join();
     if (said === this.said) return;
     this.said = said;
     const css = (ink) => `rgb(${ink.map(Math.round).join()})`;
@@ -121,7 +120,7 @@ class Look {
       this.legend.append(part);
     };
     this.legend.replaceChildren();
-    this.view.canvas.setAttribute("aria-label", `${this.agents} agents, coloured by ${colour}`);
+    this.view.canvas.setAttribute("aria-label", `${this.view.ids.length} agents, coloured by ${colour}`);
     if (colour === "heading") {
       const row = this.headings[this.headings.length >> 1], parts = [];
       for (let turn = 360; turn >= 0; turn -= 10) parts.push(css(row.slice(3 * turn, 3 * turn + 3)));

@@ -1,6 +1,6 @@
 // The page of one flock: buttons, sliders, what is measured, and its charts.
 const $ = (id) => document.getElementById(id);
-const THIN = "\u2009";
+const THIN = "\u2009", MOST_AGENTS = 20000;
 const text = (value, digits) => Number(value).toFixed(digits).replace(/^-0(\.0*)?$/, "0$1").replace("-", "\u2212");
 const grouped = (value) => String(value).replace(/\B(?=(\d{3})+$)/g, THIN);
 // A number in four figures, or whole.
@@ -128,12 +128,20 @@ class Page {
     $("go").onclick = () => this.go(!this.going);
     $("step").onclick = () => { this.go(false); this.ask({ ticks: 1 }); };
     $("reset").onclick = () => this.reset();
+    this.agents = manifest.agents - (manifest.start?.informed ?? 0);
+    this.seed = manifest.seed;
+    $("anew").hidden = !manifest.start;
+    $("stays").hidden = !manifest.start?.stays;
+    $("agents").onchange = $("seed").onchange = () => this.beginAnew($("agents").value, $("seed").value);
+    $("another").onclick = () => this.beginAnew($("agents").value, String(Math.floor(1e6 * Math.random())));
     $("save").onclick = () => this.save();
     document.addEventListener("keydown", (event) => this.key(event));
   }
 
   async begin() {
-    await this.reset();
+    const said = new URLSearchParams(location.hash.slice(1));
+    if (!said.has("agents") && !said.has("seed")) await this.reset();
+    else await this.beginAnew(said.get("agents") ?? this.agents, said.get("seed") ?? this.seed);
     for (const name of ["go", "step", "reset", "save"]) $(name).disabled = false;
   }
 
@@ -239,7 +247,35 @@ class Page {
     this.say("");
     this.pending = {};
     this.run += 1;
-    return this.ask({ reset: true, set: Object.entries(this.values) });
+    this.view.clear();
+    const { manifest, agents, seed } = this, first = manifest.agents - (manifest.start?.informed ?? 0);
+    Object.assign($("agents"), { value: agents });
+    Object.assign($("seed"), { value: seed });
+    // At tick 0 what sliders say may count: how fast agents begin, and how far from what is solid.
+    const isMoved = !manifest.tick && manifest.parameters.some((one) => this.values[one.name] !== one.value);
+    const anew = manifest.start && (agents !== first || seed !== manifest.seed || isMoved);
+    return this.ask({ reset: true, set: Object.entries(this.values), start: anew ? [seed, agents] : undefined });
+  }
+
+  // The flock from another start; where there is none, the one before.
+  async beginAnew(agents, seed) {
+    const before = [this.agents, this.seed];
+    const fault = !/^[1-9]\d{0,4}$/.test(agents) || agents > MOST_AGENTS ? `Agents: 1 to ${grouped(MOST_AGENTS)}.`
+      : !/^\d{1,18}$/.test(seed) ? "Seed: a whole number of at most 18 digits." : "";
+    if (!fault && this.manifest.start) [this.agents, this.seed] = [+agents, String(BigInt(seed))];
+    const refused = fault || (await this.reset())?.error;
+    if (!refused) return this.remember();
+    [this.agents, this.seed] = before;
+    await this.reset();
+    this.say(refused);
+  }
+
+  // What begins a run stands in the address.
+  remember() {
+    const said = new URLSearchParams(location.hash.slice(1));
+    said.set("agents", this.agents);
+    said.set("seed", this.seed);
+    try { history.replaceState(null, "", `#${said}`); } catch { /* a frame may forbid it */ }
   }
 
   go(going) {

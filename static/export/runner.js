@@ -3,6 +3,7 @@
 class Runner {
   constructor(module, manifest, image) {
     this.kernel = new Kernel(module, manifest, image);
+    this.starter = new Starter(this.kernel);
     this.manifest = manifest;
     this.shown = [];
     this.rest = {};
@@ -10,7 +11,7 @@ class Runner {
   }
 
   // Do what is asked for, in the order of these names; `budget` is the most time to run in, ms.
-  answer({ ticks = 0, budget = Infinity, set = [], reset = false, shown }) {
+  answer({ ticks = 0, budget = Infinity, set = [], reset = false, start, shown }) {
     const { kernel } = this;
     let error = "";
     if (reset) kernel.reset();
@@ -24,6 +25,7 @@ class Runner {
     const until = performance.now() + budget;
     let ran = 0;
     try {
+      if (start) this.starter.begin(...start);
       while (ran < ticks && (!ran || performance.now() < until)) {
         kernel.run(1);
         ran += 1;
@@ -58,7 +60,7 @@ class Runner {
       tick: kernel.tick, time: kernel.tick * kernel.read("context.lasts"),
       position: copy("position"), heading: copy("heading"), speed: copy("speed"),
       ids: copy("ids"), informed: copy("informed"),
-      crashed: Uint8Array.from({ length: this.manifest.agents }, hasCrashed),
+      crashed: Uint8Array.from({ length: kernel.arguments["flock.ids"].shape[0] }, hasCrashed),
       reach: kernel.read("context.reach"), nearest: kernel.read("context.nearest"),
     };
   }
@@ -67,7 +69,7 @@ class Runner {
 // Asks a runner for its answers: one at a time, as a page draws no more.
 class Requests {
   constructor(module, manifest, image) {
-    const source = `"use strict";\n${Kernel}\n${Runner}\nlet runner;
+    const source = `"use strict";\n${Kernel}\n${Starter}\n${Runner}\nlet runner;
       onmessage = ({ data: { begin, number, request } }) => {
         try {
           if (begin) runner = new Runner(...begin);

@@ -42,6 +42,24 @@ CASES = {
     "among obstacles": ("hwvem-nav", {}, ("eta", 0.3), ("p2", 3.0)),
     "in turn": ("hwvem", {"agents": 40, "activation": "sequential"}, ("eta", 0.3), ("r", 1.2)),
     "late": ("hwvem", {"agents": 40, "delay": 3.0}, ("eta", 0.3), ("p1", 0.5)),
+    "in random order": (
+        "hwvem",
+        {"agents": 40, "activation": "random"},
+        ("eta", 0.3),
+        ("r", 1.2),
+    ),
+    "in gusts and a pulse": (
+        "boundary-points",
+        {"agents": 12, "wind": 0.5, "gusts": 0.4, "pulse": 1.0, "pulse_at": 0.5, "delay": 0.2},
+        ("r", 5.0),
+        ("c1a", 2.0),
+    ),
+    "in wind, in space": (
+        "couzin",
+        {"agents": 12, "wind": 0.5, "wind_up": -0.2, "gusts": 0.3, "wind_heading": 40.0},
+        ("dr_o", 4.0),
+        ("dr_a", 12.0),
+    ),
 }
 
 

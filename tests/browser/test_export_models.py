@@ -1,4 +1,4 @@
-"""Every model as the program of a page: it flies as here, or is refused in a line."""
+"""Every model as the program of a page: it flies as here, also from another start."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from agents.flock import Flock
 from agents.web_program import web_program
 from worlds.input_error import InputError
 
-KERNEL = Path(__file__).parents[2] / "static" / "export" / "kernel.js"
+FOLDER = Path(__file__).parents[2] / "static" / "export"
 REFUSED: dict[str, str] = {}
 """Models that no page can run, and what stands in the reason."""
 TICKS, AFTER = 20, 5
@@ -23,14 +23,20 @@ moved, where agents push each other hard, a difference grows 100 000 times.
 """
 SHARE = 0.1
 """How far towards its end a slider is moved."""
-FLY = """async ({ module, manifest, image, changes, ticks, after }) => {
+OTHER_SEED = 11
+MORE_AGENTS = 3
+FLY = """async ({ module, manifest, image, changes, ticks, after, start }) => {
   const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   const kernel = new Kernel(await WebAssembly.compile(bytes(module)), manifest, bytes(image));
   const positions = (count) => { kernel.run(count); return [...kernel.view("flock.position")]; };
   const before = positions(ticks);
   for (const [name, value] of changes)
     kernel.set(manifest.parameters.find((one) => one.name === name), value);
-  return [before, positions(after)];
+  const later = positions(after);
+  kernel.reset();
+  new Starter(kernel).begin(...start);
+  const ids = [...kernel.view("flock.ids")].map(Number);
+  return [before, later, positions(0), positions(ticks), ids];
 }"""
 
 
@@ -38,7 +44,8 @@ FLY = """async ({ module, manifest, image, changes, ticks, after }) => {
 def page(chromium):
     """A page that has the class Kernel."""
     page = chromium.new_page()
-    page.add_script_tag(content=KERNEL.read_text("utf-8"))
+    for name in ("kernel.js", "start.js"):
+        page.add_script_tag(content=(FOLDER / name).read_text("utf-8"))
     yield page
     page.close()
 
@@ -80,7 +87,17 @@ def test_a_page_flies_every_model_as_here(page, model, monkeypatch):
         "changes": changes,
         "ticks": TICKS,
         "after": AFTER,
+        "start": [str(OTHER_SEED), flock.options.agents + MORE_AGENTS],
     }
-    for there, expected in zip(page.evaluate(FLY, request), here, strict=True):
+    first = Flock(model, rng=3).spec
+    # Where obstacles are drawn by the seed, too, a page keeps those that it has.
+    changes_of_start = {"agents": first.agents + MORE_AGENTS, "seed": OTHER_SEED}
+    anew = Flock(first.but(**changes_of_start, world=flock.world, size=None, layout=None))
+    here.append(anew.position.copy())
+    anew.run(TICKS)
+    here.append(anew.position)
+    *places, ids = page.evaluate(FLY, request)
+    for there, expected in zip(places, here, strict=True):
         assert np.reshape(there, expected.shape) == pytest.approx(expected, abs=1e-9)
+    assert ids == anew.ids.tolist()
     assert changes

@@ -34,8 +34,6 @@ def test_a_page_is_written_and_its_size_printed(tmp_path):
 @pytest.mark.parametrize(
     ("given", "why"),
     [
-        (["vem", "--activation", "random"], "activation = random cannot run in a page"),
-        (["vem", "--wind", "0.1"], "wind and gusts cannot run in a page"),
         (["vem", "--out", "flock.txt"], ".html"),
         (["no-such-model"], "no-such-model"),
         (["missing.toml"], "No such file"),

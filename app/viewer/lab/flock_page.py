@@ -35,7 +35,7 @@ from worlds.file_writer import PAGES, demand_writable, write_text
 from worlds.world import World
 
 FOLDER = STATIC / "export"
-SCRIPTS = ("kernel.js", "runner.js", "view.js", "look.js", "page.js")
+SCRIPTS = ("kernel.js", "start.js", "runner.js", "view.js", "look.js", "page.js")
 LIVELY, FASTEST = 30.0, 1000.0
 """Ticks a second at which a page begins, and at most."""
 CORNERS = 48
