@@ -11,6 +11,14 @@ function rounded(most, least) {
   const step = 10 ** Math.floor(Math.log10(Math.max(most - least, 1e-9))) / 2, low = Math.floor(least / step) * step;
   return [low, Math.max(Math.ceil(most / step) * step, low + step)];
 }
+// Of some points the least and the greatest, as they came; where none has a number, the first.
+function extremes(points) {
+  const known = points.filter(([, value]) => Number.isFinite(value)), some = known.length ? known : points;
+  const least = some.reduce((found, one) => one[1] < found[1] ? one : found);
+  const most = some.reduce((found, one) => one[1] > found[1] ? one : found);
+  return least === most ? [least] : least[0] < most[0] ? [least, most] : [most, least];
+}
+const MOST = 4000; // points that a chart keeps: an hour at 1000 ticks a second is 3.6 million
 const spoken = (name) => name[0].toUpperCase() + name.slice(1).replaceAll("-", " ");
 
 // Of a page of one file it stands in the page; of a page in a folder, in a file beside it.
@@ -51,13 +59,26 @@ class Chart {
 
   clear() {
     this.points = [];
+    this.each = 2; // of so many ticks the least and the greatest are kept: of two, all
     this.number.textContent = "";
   }
 
   add(tick, value) {
     if (value === null || value === undefined) return;
-    if (this.points.length && this.points.at(-1)[0] === tick) this.points.pop();
-    this.points.push([tick, value]);
+    if (this.points.at(-1)?.[0] === tick) this.points.pop();
+    this.keep([tick, value]);
+    if (this.points.length <= MOST) return;
+    const points = this.points;
+    this.points = [];
+    this.each *= 2;
+    for (const point of points) this.keep(point);
+  }
+
+  // The newest is kept as it is; where three before it are of the same few ticks, their extremes are.
+  keep(point) {
+    const { points, each } = this, few = (k) => Math.floor(points.at(k)?.[0] / each);
+    if (few(-1) === few(-3)) points.push(...extremes(points.splice(-3)));
+    points.push(point);
   }
 
   draw(end) {
@@ -99,12 +120,8 @@ class Chart {
     pen.beginPath();
     // Of more points than the plot has pixels the least and the greatest of each few: no peak is left out.
     const few = Math.ceil(known.length / 1000);
-    for (let k = 0; k < known.length; k += few) {
-      const part = known.slice(k, k + few);
-      const least = part.reduce((found, one) => one[1] < found[1] ? one : found);
-      const most = part.reduce((found, one) => one[1] > found[1] ? one : found);
-      for (const [tick, value] of least[0] < most[0] ? [least, most] : [most, least]) pen.lineTo(x(tick), y(value));
-    }
+    for (let k = 0; k < known.length; k += few)
+      for (const [tick, value] of extremes(known.slice(k, k + few))) pen.lineTo(x(tick), y(value));
     pen.stroke();
   }
 }
@@ -285,11 +302,19 @@ class Page {
     const behind = isBehind ? `${Math.round(this.flight.rate)} of ` : "";
     $("pace").textContent = `${behind}${this.speed()} ticks a second`;
     for (const chart of this.charts) chart.draw(this.state.tick);
+    const each = this.each();
+    $("kept").textContent = each > 2
+      ? `Of this long run the curves keep the least and the greatest value of every ${grouped(each)} ticks.` : "";
   }
 
-  // All curves in one table: a tick at which one was not measured has no value of it.
+  each() {
+    return Math.max(...this.charts.map((chart) => chart.each));
+  }
+
+  // All curves in one table: a tick at which one was not measured has no value of it. A table that does not
+  // have them all says so in its name, which stays with it.
   save() {
-    const names = this.charts.map((chart) => chart.measure.name), table = new Map();
+    const names = this.charts.map((chart) => chart.measure.name), table = new Map(), each = this.each();
     this.charts.forEach((chart, k) => {
       for (const [tick, value] of chart.points) {
         if (!table.has(tick)) table.set(tick, names.map(() => ""));
@@ -299,7 +324,7 @@ class Page {
     const rows = [...table].sort(([a], [b]) => a - b).map(([tick, values]) => [tick, ...values].join(","));
     const link = Object.assign(document.createElement("a"), {
       href: `data:text/csv;charset=utf-8,${encodeURIComponent([["tick", ...names].join(","), ...rows, ""].join("\n"))}`,
-      download: `${this.manifest.model}-${names.join("-")}.csv`,
+      download: `${this.manifest.model}-${names.join("-")}${each > 2 ? `-extremes-of-${each}-ticks` : ""}.csv`,
     });
     link.click();
   }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import re
 
 import numpy as np
@@ -333,4 +334,6 @@ def test_all_is_in_reach_and_nothing_scrolls_sideways(opened, width, height):
 
 
 def test_a_page_is_small():
-    assert len(flock_page(Flock("vem", rng=3)).encode()) < 95_000
+    page = flock_page(Flock("vem", rng=3)).encode()
+    assert len(page) < 105_000
+    assert len(gzip.compress(page)) <= 55_000
