@@ -19,6 +19,20 @@ function extremes(points) {
   return least === most ? [least] : least[0] < most[0] ? [least, most] : [most, least];
 }
 const MOST = 4000; // points that a chart keeps: an hour at 1000 ticks a second is 3.6 million
+// The page's colours and letters, as somebody has chosen them.
+const style = getComputedStyle(document.documentElement);
+const colour = (name) => style.getPropertyValue(name);
+const letters = (times) => `${times * parseFloat(style.fontSize)}px system-ui, sans-serif`;
+// A canvas to save, and its pen.
+function sheet(width, height, ground) {
+  const canvas = Object.assign(document.createElement("canvas"), { width, height }), pen = canvas.getContext("2d");
+  pen.fillStyle = colour(ground);
+  pen.fillRect(0, 0, width, height);
+  return [canvas, pen];
+}
+function download(href, name) {
+  Object.assign(document.createElement("a"), { href, download: name }).click();
+}
 const spoken = (name) => name[0].toUpperCase() + name.slice(1).replaceAll("-", " ");
 
 // Of a page of one file it stands in the page; of a page in a folder, in a file beside it.
@@ -82,26 +96,36 @@ class Chart {
   }
 
   draw(end) {
-    const canvas = this.canvas, scale = Math.min(devicePixelRatio || 1, 2), pen = canvas.getContext("2d");
-    canvas.width = Math.round(canvas.clientWidth * scale);
-    canvas.height = Math.round(canvas.clientHeight * scale);
-    const { name, unit, share } = this.measure, known = this.points.filter(([, value]) => Number.isFinite(value));
-    const shown = this.points.length ? this.points.at(-1)[1] : NaN, kind = unit === "1" ? "" : ` ${unit}`;
-    this.number.textContent = Number.isFinite(shown) ? `${share ? text(shown, 3) : plain(shown)}${kind}` : "none";
-    canvas.setAttribute("aria-label", `${spoken(name)}: ${this.number.textContent} at tick ${end}`);
+    const { canvas } = this, { clientWidth, clientHeight } = canvas, scale = Math.min(devicePixelRatio || 1, 2);
+    canvas.width = Math.round(clientWidth * scale);
+    canvas.height = Math.round(clientHeight * scale);
+    const pen = canvas.getContext("2d"), shown = this.points.length ? this.points.at(-1)[1] : NaN;
+    const number = this.measure.share ? text(shown, 3) : plain(shown);
+    this.number.textContent = Number.isFinite(shown) ? `${number}${this.unit(" ")}` : "none";
+    canvas.setAttribute("aria-label", `${spoken(this.measure.name)}: ${this.number.textContent} at tick ${end}`);
+    pen.scale(scale, scale);
+    this.paint(pen, clientWidth, clientHeight, end);
+  }
+
+  // What stands behind a number or a name.
+  unit(before) {
+    return this.measure.unit === "1" ? "" : before + this.measure.unit;
+  }
+
+  // The axes and the curve.
+  paint(pen, wide, tall, end) {
+    const { share } = this.measure, known = this.points.filter(([, value]) => Number.isFinite(value));
     const most = known.reduce((found, [, value]) => Math.max(found, value), 0);
     const least = known.reduce((found, [, value]) => Math.min(found, value), 0);
     const [low, high] = share ? [0, 1] : rounded(most, least);
     const marks = [low, (low + high) / 2, high].map((value) => [value, plain(value)]);
-    const style = getComputedStyle(document.documentElement), colour = (name) => style.getPropertyValue(name);
-    pen.font = `${0.73 * parseFloat(style.fontSize) * scale}px system-ui, sans-serif`;
-    const left = Math.max(...marks.map(([, words]) => pen.measureText(words).width)) + 12 * scale;
-    const right = 8 * scale, top = 8 * scale, bottom = 18 * scale;
-    const width = canvas.width - left - right, height = canvas.height - top - bottom, last = Math.max(10, end);
+    pen.font = letters(0.73);
+    const left = Math.max(...marks.map(([, words]) => pen.measureText(words).width)) + 12;
+    const width = wide - left - 8, top = 8, height = tall - top - 18, last = Math.max(10, end);
     const x = (tick) => left + tick / last * width, y = (value) => top + (high - value) / (high - low) * height;
     pen.fillStyle = colour("--soft");
     pen.strokeStyle = colour("--line");
-    pen.lineWidth = scale;
+    pen.lineWidth = 1;
     pen.textBaseline = "middle";
     pen.textAlign = "right";
     for (const [value, words] of marks) {
@@ -109,14 +133,14 @@ class Chart {
       pen.moveTo(left, y(value));
       pen.lineTo(left + width, y(value));
       pen.stroke();
-      pen.fillText(words, left - 6 * scale, y(value));
+      pen.fillText(words, left - 6, y(value));
     }
     pen.textBaseline = "alphabetic";
-    pen.fillText(`tick ${grouped(last)}`, left + width, canvas.height - 4 * scale);
+    pen.fillText(`tick ${grouped(last)}`, left + width, tall - 4);
     pen.textAlign = "left";
-    pen.fillText("0", left, canvas.height - 4 * scale);
+    pen.fillText("0", left, tall - 4);
     pen.strokeStyle = colour("--accent");
-    pen.lineWidth = 2 * scale;
+    pen.lineWidth = 2;
     pen.beginPath();
     // Of more points than the plot has pixels the least and the greatest of each few: no peak is left out.
     const few = Math.ceil(known.length / 1000);
@@ -146,12 +170,14 @@ class Page {
     $("step").onclick = () => { this.go(false); this.ask({ ticks: 1 }); };
     $("reset").onclick = () => this.reset();
     $("save").onclick = () => this.save();
+    $("save-charts").onclick = () => this.saveCharts();
+    $("save-picture").onclick = () => this.savePicture();
     document.addEventListener("keydown", (event) => this.key(event));
   }
 
   async begin() {
     await this.reset();
-    for (const name of ["go", "step", "reset", "save"]) $(name).disabled = false;
+    for (const name of ["go", "step", "reset", "save", "save-charts", "save-picture"]) $(name).disabled = false;
   }
 
   // Something to try: a button that sets the sliders, and what one sees once it is pressed.
@@ -322,11 +348,40 @@ class Page {
       }
     });
     const rows = [...table].sort(([a], [b]) => a - b).map(([tick, values]) => [tick, ...values].join(","));
-    const link = Object.assign(document.createElement("a"), {
-      href: `data:text/csv;charset=utf-8,${encodeURIComponent([["tick", ...names].join(","), ...rows, ""].join("\n"))}`,
-      download: `${this.manifest.model}-${names.join("-")}${each > 2 ? `-extremes-of-${each}-ticks` : ""}.csv`,
-    });
-    link.click();
+    const content = encodeURIComponent([["tick", ...names].join(","), ...rows, ""].join("\n"));
+    const kept = each > 2 ? `-extremes-of-${each}-ticks` : "";
+    download(`data:text/csv;charset=utf-8,${content}`, `${this.manifest.model}-${names.join("-")}${kept}.csv`);
+  }
+
+  // Both charts, twice as fine as they are here.
+  saveCharts() {
+    const { model, agents, seed } = this.manifest, { tick } = this.state, wide = 640, tall = 240, head = 60;
+    const [canvas, pen] = sheet(2 * wide, 2 * (head + this.charts.length * tall), "--card");
+    const write = (words, down, times, ink) => {
+      pen.font = letters(times);
+      pen.fillStyle = colour(ink);
+      pen.fillText(words, 16, down, wide - 32);
+    };
+    pen.scale(2, 2);
+    write(document.title, 30, 1.2, "--ink");
+    write(`${agents} agents, seed ${seed}, tick ${grouped(tick)}`, 50, 0.87, "--soft");
+    for (const chart of this.charts) {
+      pen.translate(0, head);
+      write(spoken(chart.measure.name) + chart.unit(", "), 26, 0.95, "--ink");
+      pen.translate(8, 34);
+      chart.paint(pen, wide - 16, tall - 40, tick);
+      pen.translate(-8, tall - 34 - head);
+    }
+    download(canvas.toDataURL(), `${model}-${this.charts.map((chart) => chart.measure.name).join("-")}.png`);
+  }
+
+  // The picture as it is shown. WebGL forgets it once it is: so it is drawn again, and taken at once.
+  savePicture() {
+    this.show();
+    const { canvas: shown, marks } = this.view, [canvas, pen] = sheet(shown.width, shown.height, "--picture");
+    pen.drawImage(shown, 0, 0);
+    pen.drawImage(marks, 0, 0);
+    download(canvas.toDataURL(), `${this.manifest.model}-tick-${this.state.tick}.png`);
   }
 
   key(event) {
