@@ -166,7 +166,8 @@ class Page {
     this.charts = manifest.measures.slice(0, 2).map((measure) => new Chart(this, measure));
     for (const parameter of manifest.parameters) this.addSlider(parameter);
     for (const step of manifest.tries) this.addStep(step);
-    $("go").onclick = () => this.go(!this.going);
+    $("colour").addEventListener("change", () => { if ($("colour").value in manifest.labels) this.ask({}); });
+    $("go").onclick = () => this.toggle();
     $("step").onclick = () => { this.go(false); this.ask({ ticks: 1 }); };
     $("reset").onclick = () => this.reset();
     $("save").onclick = () => this.save();
@@ -250,7 +251,8 @@ class Page {
     this.busy += 1;
     try {
       const shown = this.charts.map((one) => one.measure.name);
-      const answer = await this.requests.ask({ ...request, set: [...(request.set ?? []), ...set], shown });
+      const colour = $("colour").value;
+      const answer = await this.requests.ask({ ...request, set: [...(request.set ?? []), ...set], shown, colour });
       if (run === this.run) this.take(answer); // what was asked for before a Reset is of another run
       return answer;
     } catch (error) {
@@ -292,6 +294,12 @@ class Page {
     if (!going) return;
     this.flight = { rate: this.speed(), last: performance.now(), owed: 0 };
     this.next(this.flight);
+  }
+
+  // Once it pauses, what rested is measured of what is shown.
+  toggle() {
+    this.go(!this.going);
+    if (!this.going) this.ask({});
   }
 
   next(flight) {
@@ -386,7 +394,7 @@ class Page {
 
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("input, select, summary")) return;
-    if (event.key === " " && !event.target.matches("button")) { event.preventDefault(); this.go(!this.going); }
+    if (event.key === " " && !event.target.matches("button")) { event.preventDefault(); this.toggle(); }
     if (event.key === "s") $("step").click();
     if (event.key === "r") this.reset();
   }
