@@ -128,6 +128,7 @@ def web_program(flock: Flock) -> WebProgram:
         },
         "parameters": slider_parameters(flock, image),
         "zones": zone_sums,
+        "steered": steered_agents(flock),
         "measures": measures,
         "labels": {name: loop_call(flock, compute) for name, compute in labels.items()},
         "reach": reach if "reach" not in code else None,
@@ -215,6 +216,13 @@ def first_call(flock: Flock) -> CallStopped:
     finally:
         engine.called = called
     raise AssertionError("a tick calls the compiled loop")
+
+
+def steered_agents(flock: Flock) -> int:
+    """How many agents keep the heading that a person gives them: information agents, where no path
+    tells them theirs."""
+    mission = flock.world.mission
+    return int(flock.informed.sum()) if mission is None or mission.path is None else 0
 
 
 def runner_kind(flock: Flock) -> str:

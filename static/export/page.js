@@ -6,6 +6,11 @@ const grouped = (value) => String(value).replace(/\B(?=(\d{3})+$)/g, THIN);
 // A number in four figures, or whole.
 const plain = (value) => Math.abs(value) < 1000
   ? String(+value.toPrecision(4)).replace("-", "\u2212") : grouped(text(value, 0));
+// The unit vector of an azimuth, and of a climb in space, in degrees.
+function headingOf(angles) {
+  const [azimuth, climb = 0] = angles.map((angle) => angle * Math.PI / 180), level = Math.cos(climb);
+  return [level * Math.cos(azimuth), level * Math.sin(azimuth), Math.sin(climb)].slice(0, angles.length + 1);
+}
 // The ends of an axis that begins at 0 where all is above it, in round numbers.
 function rounded(most, least) {
   const step = 10 ** Math.floor(Math.log10(Math.max(most - least, 1e-9))) / 2, low = Math.floor(least / step) * step;
@@ -165,6 +170,8 @@ class Page {
     $("time").parentElement.hidden = manifest.time_unit === "ticks"; // which stand beside it
     this.charts = manifest.measures.slice(0, 2).map((measure) => new Chart(this, measure));
     for (const parameter of manifest.parameters) this.addSlider(parameter);
+    const angles = ["Heading", "Climb"].slice(0, manifest.steered ? manifest.dim - 1 : 0);
+    this.angles = angles.map((name) => this.addAngle(name));
     for (const step of manifest.tries) this.addStep(step);
     $("colour").addEventListener("change", () => { if ($("colour").value in manifest.labels) this.ask({}); });
     $("go").onclick = () => this.toggle();
@@ -226,6 +233,39 @@ class Page {
     shown(value);
   }
 
+  // A slider that turns the information agents, in degrees.
+  addAngle(name) {
+    const row = $("slider").content.firstElementChild.cloneNode(true), input = row.querySelector("input");
+    const words = `${name} of the information agent${this.manifest.steered > 1 ? "s" : ""}`;
+    row.querySelector(".words").textContent = words;
+    row.querySelector("small").textContent = "deg";
+    row.title = "An information agent listens to nobody: it keeps this heading.";
+    Object.assign(input, name === "Climb" ? { min: -90, max: 90 } : { min: 0, max: 359 });
+    input.setAttribute("aria-label", `${words}, deg`);
+    input.oninput = () => this.steer(headingOf(this.angles.map((one) => +one.input.value)));
+    row.ondblclick = () => this.steer(this.start);
+    $("sliders").append(row);
+    return { input, output: row.querySelector("output") };
+  }
+
+  steer(heading) {
+    this.turn = heading;
+    if (!this.going && !this.busy) this.ask({});
+  }
+
+  // What the sliders of the heading say: what it is by now, unless somebody has just moved them.
+  showAngles({ informed, heading }) {
+    const { dim } = this.manifest, at = dim * informed.indexOf(1), now = heading.slice(at, at + dim);
+    this.start ??= now;
+    if (this.turn) return;
+    this.angles.forEach(({ input, output }, k) => {
+      const turn = k ? Math.asin(Math.min(1, Math.max(-1, now[2]))) : Math.atan2(now[1], now[0]);
+      const angle = Math.round(turn * 180 / Math.PI);
+      input.value = k ? angle : (angle + 360) % 360;
+      output.textContent = text(input.value, 0);
+    });
+  }
+
   // Zones that would be out of order are refused, as the laboratory does.
   set(parameter, value) {
     const before = this.values[parameter.name];
@@ -245,21 +285,22 @@ class Page {
 
   // Have the flock do something, after what the sliders say by now; its answer is shown.
   async ask(request) {
-    const set = Object.entries(this.pending);
+    const set = Object.entries(this.pending), heading = this.turn;
     const { run } = this;
     this.pending = {};
+    this.turn = undefined;
     this.busy += 1;
     try {
       const shown = this.charts.map((one) => one.measure.name);
       const colour = $("colour").value;
-      const answer = await this.requests.ask({ ...request, set: [...(request.set ?? []), ...set], shown, colour });
+      const answer = await this.requests.ask({ ...request, set: [...(request.set ?? []), ...set], shown, colour, heading });
       if (run === this.run) this.take(answer); // what was asked for before a Reset is of another run
       return answer;
     } catch (error) {
       this.stop(error.message);
     } finally {
       this.busy -= 1;
-      if (!this.going && !this.busy && Object.keys(this.pending).length) this.ask({});
+      if (!this.going && !this.busy && (this.turn || Object.keys(this.pending).length)) this.ask({});
     }
   }
 
@@ -270,6 +311,7 @@ class Page {
       if (answer.shown[k] === chart.measure.name) for (const row of answer.rows) chart.add(row[0], row[1 + k]);
     });
     if (answer.error) this.stop(answer.error);
+    if (this.angles.length) this.showAngles(answer);
     this.show();
   }
 
@@ -283,6 +325,7 @@ class Page {
     for (const chart of this.charts) chart.clear();
     this.say("");
     this.pending = {};
+    this.turn = undefined;
     this.run += 1;
     return this.ask({ reset: true, set: Object.entries(this.values) });
   }

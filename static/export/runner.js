@@ -11,7 +11,7 @@ class Runner {
   }
 
   // Do what is asked for, in the order of these names; `budget` is the most time to run in, ms.
-  answer({ ticks = 0, budget = Infinity, set = [], reset = false, shown, colour }) {
+  answer({ ticks = 0, budget = Infinity, set = [], reset = false, shown, colour, heading }) {
     const { kernel } = this;
     let error = "";
     if (reset) kernel.reset();
@@ -19,6 +19,7 @@ class Runner {
       const parameter = this.manifest.parameters.find((one) => one.name === name);
       if (parameter.slots.length) kernel.set(parameter, value);
     }
+    if (heading) this.steer(heading);
     const { measures } = this.manifest;
     if (shown) this.shown = shown.map((name) => measures.find((one) => one.name === name)).filter(Boolean);
     this.rows = [];
@@ -36,6 +37,14 @@ class Runner {
     this.measure(false, budget < Infinity);
     const labels = colour in this.manifest.labels ? this.labels(colour, budget < Infinity) : null;
     return { ...this.state(), colour, labels, ran, error, shown: this.shown.map((one) => one.name), rows: this.rows };
+  }
+
+  // Turn the information agents: they keep a heading that they have.
+  steer(heading) {
+    const headings = this.kernel.view("flock.heading");
+    this.kernel.view("flock.informed").forEach((informed, row) => {
+      if (informed) headings.set(heading, heading.length * row);
+    });
   }
 
   // A row of what is shown. What takes long is left out between pictures, and while the flock goes on
