@@ -109,13 +109,13 @@ class Look {
       }
       inks.set(ink, 4 * row);
     }
-    this.explain(colour, isNumber ? [low, span ? high : low] : []);
+    this.explain(colour, isNumber ? [low, span ? high : low] : [], crashed.includes(1));
     return inks;
   }
 
   // The legend, anew only where it says something else.
-  explain(colour, range) {
-    const ends = range.map(figures), said = [colour, ...ends].join();
+  explain(colour, range, isCrashed) {
+    const ends = range.map(figures), said = [colour, isCrashed, ...ends].join();
     if (said === this.said) return;
     this.said = said;
     const css = (ink) => `rgb(${ink.map(Math.round).join()})`;
@@ -143,7 +143,7 @@ class Look {
       const parts = inks.map((ink, k) => `${ink} ${k * share}% ${(k + 1) * share}%`);
       add("", isLayer ? "layer 1" : "largest");
       add("ramp", "", `linear-gradient(90deg, ${parts.join()})`);
-      add("", isLayer ? `${inks.length} or more` : "small groups");
+      add("", isLayer ? `${inks.length}+` : "small groups");
       if (isLayer) {
         add("dot", "", css(this.unknown));
         add("", "none");
@@ -153,6 +153,10 @@ class Look {
       add("", single ? `all ${ends[0] ?? ""}` : ends[0]);
       add(single ? "dot" : "ramp", "", single ? parts[0] : `linear-gradient(90deg, ${parts.join()})`);
       if (!single) add("", ends[1]);
+    }
+    if (isCrashed) {
+      add("dot", "", css(this.crashed));
+      add("", "crashed");
     }
   }
 

@@ -38,6 +38,7 @@ function sheet(width, height, ground) {
 function download(href, name) {
   Object.assign(document.createElement("a"), { href, download: name }).click();
 }
+const element = (kind, textContent) => Object.assign(document.createElement(kind), { textContent });
 const spoken = (name) => name[0].toUpperCase() + name.slice(1).replaceAll("-", " ");
 
 // Of a page of one file it stands in the page; of a page in a folder, in a file beside it.
@@ -190,9 +191,8 @@ class Page {
 
   // Something to try: a button that sets the sliders, and what one sees once it is pressed.
   addStep({ words, set, see }) {
-    const part = (kind, text) => Object.assign(document.createElement(kind), { textContent: text });
-    const box = document.createElement("div"), button = part("button", "Do it"), told = part("p", see);
-    box.append(part("p", words));
+    const box = element("div", ""), button = element("button", "Do it"), told = element("p", see);
+    box.append(element("p", words));
     told.hidden = true;
     if (Object.keys(set).length) box.append(button, told);
     button.onclick = () => {
@@ -209,7 +209,11 @@ class Page {
     const { name, symbol, unit, words, description, low, high, step, value } = parameter;
     const row = $("slider").content.firstElementChild.cloneNode(true), input = row.querySelector("input");
     row.querySelector(".words").textContent = words;
-    row.querySelector("i").textContent = symbol;
+    // Letters that Unicode has no small ones for stand behind `_` and `^`.
+    for (const part of symbol.split(/([_^][^\s_^]+)/)) {
+      const kind = { _: "sub", "^": "sup" }[part[0]];
+      row.querySelector("i").append(kind ? element(kind, part.slice(1)) : part);
+    }
     row.querySelector("small").textContent = unit === "1" ? "" : unit;
     row.title = description;
     const logarithmic = low > 0 && high / low > 100;
@@ -238,7 +242,6 @@ class Page {
     const row = $("slider").content.firstElementChild.cloneNode(true), input = row.querySelector("input");
     const words = `${name} of the information agent${this.manifest.steered > 1 ? "s" : ""}`;
     row.querySelector(".words").textContent = words;
-    row.querySelector("small").textContent = "deg";
     row.title = "An information agent listens to nobody: it keeps this heading.";
     Object.assign(input, name === "Climb" ? { min: -90, max: 90 } : { min: 0, max: 359 });
     input.setAttribute("aria-label", `${words}, deg`);
@@ -262,7 +265,7 @@ class Page {
       const turn = k ? Math.asin(Math.min(1, Math.max(-1, now[2]))) : Math.atan2(now[1], now[0]);
       const angle = Math.round(turn * 180 / Math.PI);
       input.value = k ? angle : (angle + 360) % 360;
-      output.textContent = text(input.value, 0);
+      output.textContent = `${text(input.value, 0)}°`;
     });
   }
 
@@ -293,7 +296,9 @@ class Page {
     try {
       const shown = this.charts.map((one) => one.measure.name);
       const colour = $("colour").value;
-      const answer = await this.requests.ask({ ...request, set: [...(request.set ?? []), ...set], shown, colour, heading });
+      const answer = await this.requests.ask({
+        ...request, set: [...(request.set ?? []), ...set], shown, colour, heading,
+      });
       if (run === this.run) this.take(answer); // what was asked for before a Reset is of another run
       return answer;
     } catch (error) {

@@ -45,7 +45,7 @@ def test_a_page_steered_by_hand_flies_as_here(opened, case):
         flock.run(20)
         assert positions(page, 20, shape) == pytest.approx(flock.position, abs=1e-9)
         shown = page.evaluate("page.angles.map((one) => one.output.textContent)")
-        assert shown == ["135", "\u221220"][: dim - 1]
+        assert shown == ["135°", "\u221220°"][: dim - 1]
 
 
 def test_reset_and_a_double_click_put_the_heading_back(opened):
@@ -54,7 +54,7 @@ def test_reset_and_a_double_click_put_the_heading_back(opened):
         start = row.locator("output").inner_text()
         for back in ("page.reset()", "page.steer(page.start)"):
             page.evaluate(MOVE, [0, 250])
-            until(lambda: row.locator("output").inner_text() == "250", 60, "the turn")
+            until(lambda: row.locator("output").inner_text() == "250°", 60, "the turn")
             page.evaluate(back)
             until(lambda: row.locator("output").inner_text() == start, 60, "the heading")
         flock = Flock("hwvem", agents=30, rng=3)
@@ -66,7 +66,7 @@ def test_a_turn_counts_while_the_flock_goes_on(opened):
     with opened(Flock("hwvem", agents=30, rng=3)) as page:
         page.click("#go")
         page.evaluate(MOVE, [0, 200])
-        until(lambda: page.evaluate("page.angles[0].output.textContent") == "200", 60, "the turn")
+        until(lambda: page.evaluate("page.angles[0].output.textContent") == "200°", 60, "the turn")
         page.click("#go")
 
 

@@ -211,6 +211,14 @@ def test_the_legend_says_what_colours_mean(opened):
         assert page.locator("#legend .ramp").count() == 1
         ends = [float(one) for one in page.locator("#legend").inner_text().split()]
         assert ends == pytest.approx([min(speed), max(speed)], rel=5e-3)
+        page.evaluate("page.state.crashed[5] = 1; page.view.changed()")
+        assert page.locator("#legend").inner_text().split()[-1] == "crashed"
+
+
+def test_letters_of_a_symbol_stand_above_and_below(opened):
+    with opened(Flock("hwvem-nav", rng=3)) as page:
+        assert "align" in page.locator(".slider sup").all_inner_texts()
+        assert "avoid" in page.locator(".slider sub").all_inner_texts()
 
 
 def test_groups_are_coloured_while_the_flock_goes_on(opened):
