@@ -23,7 +23,7 @@ from agents.models.declare import NumberParameter, declared
 from agents.models.model import NUMBER
 from agents.observables.catalogue import OBSERVABLES, telling_observables
 from agents.observables.observable import Range
-from agents.observables.of_rows import empty_cells
+from agents.observables.of_rows import empty_cells, groups, layers
 from agents.web_draws import (
     DRAWS,
     can_begin_anew,
@@ -107,9 +107,9 @@ def web_program(flock: Flock) -> WebProgram:
             code[name] = parameter_code(flock, name, function, *(0.5 for _ in paths[1:]))
     measures = web_measures(flock)
     arguments["together"] = flock.together
-    for measure in measures:
-        compute = OBSERVABLES[measure["name"]].compiled
-        code[measure["export"]] = linked_code(
+    labels = web_labels(flock)
+    for compute in (*(OBSERVABLES[one["name"]].compiled for one in measures), *labels.values()):
+        code[export_name(compute)] = linked_code(
             compute, [arguments[name] for name in inspect.signature(compute.py_func).parameters]
         )
     own = {name: partial(page_function, name) for name in FUNCTIONS}
@@ -145,7 +145,9 @@ def web_program(flock: Flock) -> WebProgram:
         "start": start_words(flock) if can_begin_anew(flock) else None,
         "parameters": slider_parameters(flock, image),
         "zones": zone_sums,
+        "steered": steered_agents(flock),
         "measures": measures,
+        "labels": {name: loop_call(flock, compute) for name, compute in labels.items()},
         "reach": reach if "reach" not in code else None,
     }
     return WebProgram(module.content, bytes(image.content), manifest)
@@ -213,9 +215,6 @@ def web_measures(flock: Flock) -> list[dict[str, Any]]:
     """What a page can measure of a flock, what tells most of it first: of each its words, the
     function that it calls, and by what names or paths that finds its arguments."""
     telling = telling_observables(flock)
-    together = flock.model.rule.together or flock.model.rule.reach
-    is_parameter = together in type(flock.parameters).model_fields
-    paths = {"together": f"context.parameters.{together}" if is_parameter else "context.reach"}
     found = [
         observable
         for observable in OBSERVABLES.values()
@@ -229,13 +228,33 @@ def web_measures(flock: Flock) -> list[dict[str, Any]]:
             "unit": one.unit,
             "share": isinstance(one.range, Range) and one.range.is_share,
             "quick": one.quick,
-            "export": f"measure_{one.compiled.py_func.__name__}",
-            "arguments": [
-                paths.get(name, name) for name in inspect.signature(one.compiled.py_func).parameters
-            ],
         }
+        | loop_call(flock, one.compiled)
         for one in found
     ]
+
+
+def web_labels(flock: Flock) -> dict[str, Any]:
+    """The loops that leave a label of each agent in `cells.parent`, by what a label is.
+
+    Layers go by who is within reach: where the nearest are neighbours they would be others.
+    """
+    has_layers = bool(flock.informed.any()) and not flock.nearest
+    return {"group": groups} | ({"layer": layers} if has_layers else {})
+
+
+def loop_call(flock: Flock, compute: Any) -> dict[str, Any]:
+    """How a page calls a loop: its name, and those or the paths of its arguments."""
+    together = flock.model.rule.together or flock.model.rule.reach
+    is_parameter = together in type(flock.parameters).model_fields
+    paths = {"together": f"context.parameters.{together}" if is_parameter else "context.reach"}
+    names = inspect.signature(compute.py_func).parameters
+    return {"export": export_name(compute), "arguments": [paths.get(name, name) for name in names]}
+
+
+def export_name(compute: Any) -> str:
+    """What a page calls a loop."""
+    return f"measure_{compute.py_func.__name__}"
 
 
 def demand_possible(flock: Flock) -> None:
@@ -265,6 +284,13 @@ def first_call(flock: Flock) -> CallStopped:
     finally:
         engine.called = called
     raise AssertionError("a tick calls the compiled loop")
+
+
+def steered_agents(flock: Flock) -> int:
+    """How many agents keep the heading that a person gives them: information agents, where no path
+    tells them theirs."""
+    mission = flock.world.mission
+    return int(flock.informed.sum()) if mission is None or mission.path is None else 0
 
 
 def runner_kind(flock: Flock) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from hypothesis import strategies as st
 
 from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
-from agents.observables.of_rows import empty_cells
+from agents.observables.groups import rank_groups
+from agents.observables.of_rows import empty_cells, groups, layers
 from agents.web_program import first_call
 from worlds.compilation import plain_python
 
@@ -29,16 +31,21 @@ FLOCKS = {
 }
 
 
-def as_a_page_has_it(flock: Flock, name: str) -> float:
-    """The value of an observable by its loop over rows, as plain Python."""
+def loop_arguments(flock: Flock) -> dict[str, Any]:
+    """What a page has for its loops over rows."""
     call = first_call(flock)
     names = inspect.signature(call.function.py_func).parameters
-    given = dict(zip(names, call.arguments, strict=True)) | {
+    return dict(zip(names, call.arguments, strict=True)) | {
         "cells": empty_cells(len(flock.ids)),
         "converges": bool(flock.model.rule.converges),
         "together": flock.together,
         "tick": flock.tick,
     }
+
+
+def as_a_page_has_it(flock: Flock, name: str) -> float:
+    """The value of an observable by its loop over rows, as plain Python."""
+    given = loop_arguments(flock)
     compute = COMPILED[name].compiled.py_func
     with plain_python():
         return compute(*(given[name] for name in inspect.signature(compute).parameters))
@@ -76,6 +83,31 @@ def pieces(near: np.ndarray) -> list[int]:
     return sizes
 
 
+def hops(near: np.ndarray, informed: np.ndarray, agents: int) -> list[int]:
+    """The layer of each of those that are near each other, (N, N) bool; one more than all: none."""
+    layer, reached = np.where(informed, 1, agents + 1), informed
+    for depth in range(2, len(near) + 1):
+        reached = near @ reached & (layer > agents)
+        layer[reached] = depth
+    return layer.tolist()
+
+
+@pytest.mark.parametrize("case", ["in space", "to a goal", "led"])
+def test_labels_of_groups_and_layers_are_those_of_the_flock(case):
+    model, options = FLOCKS[case]
+    flock = Flock(model, rng=4, **options)
+    flock.run(15)
+    given = loop_arguments(flock)
+    cells = given["cells"]
+    with plain_python():
+        groups.py_func(*(given[one] for one in inspect.signature(groups.py_func).parameters))
+        for row, other in enumerate(cells.parent):  # of a row before, whose own is known
+            cells.parent[row] = cells.parent[other]
+        assert rank_groups(cells.parent).tolist() == flock.group_labels().tolist()
+        layers.py_func(*(given[one] for one in inspect.signature(layers.py_func).parameters))
+    assert cells.parent.tolist() == flock.layers().tolist()
+
+
 @settings(max_examples=100, deadline=None)
 @given(
     st.integers(0, 2**32 - 1),
@@ -90,7 +122,8 @@ def test_who_is_near_whom_is_found_however_they_stand(seed, dim, agents, reach):
     shape = rng.choice([1.0, 0.0, 1e-3], 3) * rng.choice([0.01, 1.0])
     position = (rng.uniform(-1.0, 1.0, (agents, 3)) * size * shape)[:, :dim]
     crash_record = np.where(rng.random((agents, 1)) < 0.2, 1.0, -1.0)
-    flock = SimpleNamespace(position=position, crash_record=crash_record)
+    informed = rng.random(agents) < 0.2
+    flock = SimpleNamespace(position=position, crash_record=crash_record, informed=informed)
     space = SimpleNamespace(size=size, images=images)
     there = position[crash_record[:, 0] < 0.0]
     closes = images[:dim].astype(bool)
@@ -98,13 +131,19 @@ def test_who_is_near_whom_is_found_however_they_stand(seed, dim, agents, reach):
     distance = distance.reshape(len(there), len(there))
     near = (distance > 0.0) & (distance <= reach)
     others = distance[~np.eye(len(there), dtype=bool)]
+    cells = empty_cells(agents)
     given = {
         "flock": flock,
         "space": space,
         "context": SimpleNamespace(reach=reach),
         "together": reach,
-        "cells": empty_cells(agents),
+        "cells": cells,
     }
+    with plain_python():
+        known = layers.py_func(flock, space, given["context"], cells)
+    active = crash_record[:, 0] < 0.0
+    assert cells.parent[active].tolist() == hops(near, informed[active], agents)
+    assert known == np.count_nonzero(cells.parent <= agents)
     expected = {
         "nearest-neighbour": min(others, default=np.inf),
         "mean-neighbours": near.sum() / len(there) if len(there) else 0.0,

@@ -32,7 +32,7 @@ class CellLists(NamedTuple):
     after: np.ndarray
     """The next agent of the same cell, int32 (N,); -1: none."""
     parent: np.ndarray
-    """An agent of the same group, int32 (N,)."""
+    """An agent of the same group, int32 (N,); or its layer."""
     low: np.ndarray
     """Lower corner of the first cell, (3,), length."""
     width: np.ndarray
@@ -363,8 +363,9 @@ def root(parent, i):
     return i
 
 
-NEAREST, COUNTED, JOINED = 0, 1, 2
-"""What is made of the pairs of two cells: the least distance, how many are near, one group."""
+NEAREST, COUNTED, JOINED, LAYERED = 0, 1, 2, 3
+"""What is made of the pairs of two cells: the least distance, how many are near, one group, or
+layers that are at most one apart; of these, how many pairs were not so."""
 
 
 @compiled
@@ -376,6 +377,12 @@ def take_pair(flock, space, cells, i, j, limit, what, found):
     if what == NEAREST:
         return min(found, squared)
     if 0.0 < squared <= limit:
+        if what == LAYERED:
+            below = min(cells.parent[i], cells.parent[j]) + 1
+            if max(cells.parent[i], cells.parent[j]) <= below:
+                return found
+            cells.parent[i] = min(cells.parent[i], below)
+            cells.parent[j] = min(cells.parent[j], below)
         found += 1.0
         if what == JOINED:
             a, b = root(cells.parent, i), root(cells.parent, j)
@@ -476,3 +483,22 @@ def largest_group(flock, space, together, cells):
             cells.after[of] += 1
             largest = max(largest, cells.after[of])
     return float(largest)
+
+
+@entry
+def layers(flock, space, context, cells):
+    """Have `cells.parent` tell the layer of each agent, 1 an information agent, N + 1 unknown.
+
+    See `agents.observables.neighbours.layers`. Returns how many agents have one.
+    """
+    agents = flock.position.shape[0]
+    for i in range(agents):
+        cells.parent[i] = 1 if flock.informed[i] and is_active(flock, i) else agents + 1
+    reach = context.reach
+    list_cells(flock, space, cells, reach, cells.head.shape[0])
+    while take_pairs(flock, space, cells, 1, reach * reach, LAYERED, 0.0) > 0.0:
+        pass
+    known = 0.0
+    for i in range(agents):
+        known += 1.0 if cells.parent[i] <= agents else 0.0
+    return known

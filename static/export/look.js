@@ -27,13 +27,14 @@ class Look {
     this.headings = dim === 2 ? flat : stretch(flat, 33);
     this.numbers = stretch(unhex(palette.number), 256);
     for (const name of ["plain", "informed", "crashed", "unknown"]) this[name] = unhex(palette[name])[0];
+    this.labels = { group: unhex(palette.group), layer: unhex(palette.layer) };
     this.select = $("colour");
     this.legend = $("legend");
     this.words = $("picked");
     this.size = $("size");
     this.theme = $("theme");
     this.note = $("trailed");
-    for (const colour of ["heading", "speed"]) this.offer(colour, colour);
+    for (const colour of ["heading", "speed", ...Object.keys(view.manifest.labels)]) this.offer(colour, colour);
     this.select.onchange = () => { view.clear(); view.changed(); };
     $("trails").disabled = !view.gl;
     $("trails").onchange = (event) => { this.trails = event.target.checked; view.changed(); };
@@ -81,8 +82,9 @@ class Look {
     const { informed, crashed, heading } = frame, count = crashed.length, inks = new Uint8Array(4 * count);
     let colour = this.select.value;
     const values = colour === "speed" ? frame.speed : frame.values, isRole = colour === "role";
-    if (!isRole && !values) colour = "heading";
-    const isNumber = !isRole && colour !== "heading";
+    const inksOf = this.labels[colour], labels = colour === frame.colour && frame.labels;
+    if (!isRole && !inksOf && !values) colour = "heading";
+    const isNumber = !isRole && !inksOf && colour !== "heading";
     let low = Infinity, high = -Infinity;
     if (isNumber)
       for (const value of values.filter(Number.isFinite)) { low = Math.min(low, value); high = Math.max(high, value); }
@@ -91,7 +93,11 @@ class Look {
     for (let row = 0; row < count; row++) {
       let ink = informed[row] ? this.informed : this.plain;
       if (crashed[row]) ink = this.crashed;
-      else if (isNumber) {
+      else if (inksOf) {
+        // Layers begin at 1; what is more than there are agents is unknown.
+        const at = colour === "layer" ? labels[row] - 1 : labels[row];
+        ink = at < count ? inksOf[Math.min(at, inksOf.length - 1)] : this.unknown;
+      } else if (isNumber) {
         const share = span ? (values[row] - low) / span : 0;
         ink = this.numbers[Math.round(255 * Math.min(1, Math.max(0, share)))] || this.unknown;
       } else if (!isRole) {
@@ -102,13 +108,13 @@ class Look {
       }
       inks.set(ink, 4 * row);
     }
-    this.explain(colour, isNumber ? [low, span ? high : low] : []);
+    this.explain(colour, isNumber ? [low, span ? high : low] : [], crashed.includes(1));
     return inks;
   }
 
   // The legend, anew only where it says something else.
-  explain(colour, range) {
-    const ends = range.map(figures), said = [this.view.ids.length, colour, ...ends].join();
+  explain(colour, range, isCrashed) {
+    const ends = range.map(figures), said = [this.view.ids.length, colour, isCrashed, ...ends].join();
     if (said === this.said) return;
     this.said = said;
     const css = (ink) => `rgb(${ink.map(Math.round).join()})`;
@@ -131,11 +137,25 @@ class Look {
       add("", "information agent");
       add("dot", "", css(this.plain));
       add("", "other");
+    } else if (this.labels[colour]) {
+      const inks = this.labels[colour].map(css), share = 100 / inks.length, isLayer = colour === "layer";
+      const parts = inks.map((ink, k) => `${ink} ${k * share}% ${(k + 1) * share}%`);
+      add("", isLayer ? "layer 1" : "largest");
+      add("ramp", "", `linear-gradient(90deg, ${parts.join()})`);
+      add("", isLayer ? `${inks.length}+` : "small groups");
+      if (isLayer) {
+        add("dot", "", css(this.unknown));
+        add("", "none");
+      }
     } else {
       const parts = this.numbers.filter((_, k) => k % 15 === 0).map(css), single = ends[0] === ends[1];
       add("", single ? `all ${ends[0] ?? ""}` : ends[0]);
       add(single ? "dot" : "ramp", "", single ? parts[0] : `linear-gradient(90deg, ${parts.join()})`);
       if (!single) add("", ends[1]);
+    }
+    if (isCrashed) {
+      add("dot", "", css(this.crashed));
+      add("", "crashed");
     }
   }
 

@@ -7,11 +7,12 @@ class Runner {
     this.manifest = manifest;
     this.shown = [];
     this.rest = {};
+    this.labelled = {};
     this.rows = [];
   }
 
   // Do what is asked for, in the order of these names; `budget` is the most time to run in, ms.
-  answer({ ticks = 0, budget = Infinity, set = [], reset = false, start, shown }) {
+  answer({ ticks = 0, budget = Infinity, set = [], reset = false, start, shown, colour, heading }) {
     const { kernel } = this;
     let error = "";
     if (reset) kernel.reset();
@@ -19,13 +20,17 @@ class Runner {
       const parameter = this.manifest.parameters.find((one) => one.name === name);
       if (parameter.slots.length) kernel.set(parameter, value);
     }
+    if (heading) this.steer(heading);
     const { measures } = this.manifest;
     if (shown) this.shown = shown.map((name) => measures.find((one) => one.name === name)).filter(Boolean);
     this.rows = [];
     const until = performance.now() + budget;
     let ran = 0;
     try {
-      if (start) this.starter.begin(...start);
+      if (start) {
+        this.rest = {};
+        this.starter.begin(...start);
+      }
       while (ran < ticks && (!ran || performance.now() < until)) {
         kernel.run(1);
         ran += 1;
@@ -35,7 +40,16 @@ class Runner {
       error = stopped.message;
     }
     this.measure(false, budget < Infinity);
-    return { ...this.state(), ran, error, shown: this.shown.map((one) => one.name), rows: this.rows };
+    const labels = colour in this.manifest.labels ? this.labels(colour, budget < Infinity) : null;
+    return { ...this.state(), colour, labels, ran, error, shown: this.shown.map((one) => one.name), rows: this.rows };
+  }
+
+  // Turn the information agents: they keep a heading that they have.
+  steer(heading) {
+    const headings = this.kernel.view("flock.heading");
+    this.kernel.view("flock.informed").forEach((informed, row) => {
+      if (informed) headings.set(heading, heading.length * row);
+    });
   }
 
   // A row of what is shown. What takes long is left out between pictures, and while the flock goes on
@@ -51,16 +65,39 @@ class Runner {
     if (!between || row.some((value) => value !== null)) this.rows.push([this.kernel.tick, ...row]);
   }
 
+  // The group of each agent, 0 the largest, or its layer: what agents are coloured by. It rests as measures do.
+  labels(kind, rests) {
+    const { kernel } = this, now = performance.now();
+    if (rests && now < (this.rest[kind] ?? 0)) return this.labelled[kind];
+    kernel.measure(this.manifest.labels[kind]);
+    const labels = kernel.view("cells.parent").slice();
+    if (kind === "group") {
+      const sizes = new Map();
+      labels.forEach((of, row) => {
+        of = labels[row] = labels[of]; // an agent of a row before, whose own is known
+        if (!this.hasCrashed(row)) sizes.set(of, (sizes.get(of) ?? 0) + 1);
+      });
+      const ranks = [...sizes].sort(([a, many], [b, few]) => few - many || a - b).map(([of], rank) => [of, rank]);
+      const rank = new Map(ranks);
+      labels.forEach((of, row) => { labels[row] = rank.get(of); });
+    }
+    this.rest[kind] = performance.now() + 4 * (performance.now() - now);
+    return this.labelled[kind] = labels;
+  }
+
+  hasCrashed(row) {
+    const [rows, columns] = this.kernel.arguments["flock.crash_record"].shape;
+    return rows > 0 && this.kernel.view("flock.crash_record")[row * columns] >= 0;
+  }
+
   // Copies: the kernel's own arrays move as its memory grows.
   state() {
     const { kernel } = this, copy = (name) => kernel.view(`flock.${name}`).slice();
-    const [rows, columns] = kernel.arguments["flock.crash_record"].shape, record = kernel.view("flock.crash_record");
-    const hasCrashed = (_, row) => rows && record[row * columns] >= 0;
     return {
       tick: kernel.tick, time: kernel.tick * kernel.read("context.lasts"),
       position: copy("position"), heading: copy("heading"), speed: copy("speed"),
       ids: copy("ids"), informed: copy("informed"),
-      crashed: Uint8Array.from({ length: kernel.arguments["flock.ids"].shape[0] }, hasCrashed),
+      crashed: Uint8Array.from({ length: kernel.arguments["flock.ids"].shape[0] }, (_, row) => this.hasCrashed(row)),
       reach: kernel.read("context.reach"), nearest: kernel.read("context.nearest"),
     };
   }

@@ -78,8 +78,16 @@ class View {
 
   // Forget where agents have been.
   clear() {
-    this.trail = null;
+    this.endTrail();
     this.begins = true;
+  }
+
+  // Its buffers are megabytes, which a browser may not notice that nobody needs.
+  endTrail() {
+    if (!this.trail) return;
+    for (const buffer of [this.trail.places, this.trail.inks]) this.gl.deleteBuffer(buffer);
+    this.gl.deleteVertexArray(this.trail.array);
+    this.trail = null;
   }
 
   program(vertex, fragment) {
@@ -330,7 +338,7 @@ class View {
       gl.depthMask(false); // darts are drawn over trails
       gl.drawArrays(gl.LINES, 0, 2 * lines * KEPT);
       gl.depthMask(true);
-    } else this.trail = null;
+    } else this.endTrail();
     use(this.darts, this.dartArray);
     [this.places, headings, inks].forEach((data, k) => {
       gl.bindBuffer(gl.ARRAY_BUFFER, this.agents[k]);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import re
 
 import numpy as np
@@ -181,11 +182,15 @@ def test_colours_are_those_of_the_laboratory(opened, model):
         expected = {
             "heading": palette.heading_colours(flock.heading),
             "speed": palette.number_colours(flock.speed),
+            "group": palette.group_colours(flock.group_labels()),
+            "layer": palette.layer_colours(flock.layers()),
             "role": np.where(flock.informed[:, None], palette.LEADER, palette.PLAIN),
         }
-        assert offered == ["heading", "speed", "role"][: 3 if flock.informed.any() else 2]
+        led = ["layer", "role"] if flock.informed.any() else []
+        assert offered == ["heading", "speed", "group", *led]
         for colour in offered:
             page.select_option("#colour", colour)
+            page.evaluate("page.ask({})")
             inks = np.array(page.evaluate(INKS)).reshape(-1, 4)[:, :3]
             # A page has every tenth hue of the laboratory's, and blends what lies between.
             apart = np.abs(inks - 255.0 * expected[colour][rows])
@@ -206,6 +211,32 @@ def test_the_legend_says_what_colours_mean(opened):
         assert page.locator("#legend .ramp").count() == 1
         ends = [float(one) for one in page.locator("#legend").inner_text().split()]
         assert ends == pytest.approx([min(speed), max(speed)], rel=5e-3)
+        page.evaluate("page.state.crashed[5] = 1; page.view.changed()")
+        assert page.locator("#legend").inner_text().split()[-1] == "crashed"
+
+
+def test_letters_of_a_symbol_stand_above_and_below(opened):
+    with opened(Flock("hwvem-nav", rng=3)) as page:
+        assert "align" in page.locator(".slider sup").all_inner_texts()
+        assert "avoid" in page.locator(".slider sub").all_inner_texts()
+
+
+def test_groups_are_coloured_while_the_flock_goes_on(opened):
+    """The labels come with the answers, only where they are shown."""
+    flock = Flock("vem", rng=3, eta=0.5)
+    with opened(Flock("vem", rng=3, eta=0.5)) as page:
+        assert page.evaluate("page.state.labels") is None
+        page.select_option("#colour", "group")
+        until(lambda: page.evaluate("page.state.colour") == "group", 60, "the groups")
+        ends = page.locator("#legend").inner_text().split("\n")
+        assert ends == ["largest", "small groups"]
+        page.evaluate("page.ask({ ticks: 30, budget: 1e6 })")
+        page.evaluate("page.ask({})")
+        flock.run(30)
+        assert page.evaluate("[...page.state.labels]") == flock.group_labels().tolist()
+        page.select_option("#colour", "heading")
+        page.evaluate("page.ask({})")
+        assert page.evaluate("page.state.labels") is None
 
 
 def test_agents_are_coloured_by_any_other_number(opened):
@@ -333,4 +364,6 @@ def test_all_is_in_reach_and_nothing_scrolls_sideways(opened, width, height):
 
 
 def test_a_page_is_small():
-    assert len(flock_page(Flock("vem", rng=3)).encode()) < 95_000
+    page = flock_page(Flock("vem", rng=3)).encode()
+    assert len(page) < 105_000
+    assert len(gzip.compress(page)) <= 55_000

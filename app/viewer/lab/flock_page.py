@@ -242,6 +242,8 @@ def page_palette(dim: int) -> dict[str, Any]:
         "number": digits(palette.SPEEDS[::17]),
         "plain": digits(palette.PLAIN[None]),
         "informed": digits(palette.LEADER[None]),
+        "group": digits(palette.GROUPS),
+        "layer": digits(palette.LAYERS),
         "crashed": digits(palette.CRASHED[None]),
         "unknown": digits(palette.UNKNOWN[None]),
     }
