@@ -200,7 +200,9 @@ def can_begin_anew(flock: Flock) -> bool:
 
 def draws(flock: Flock) -> list[str]:
     """What of DRAWS a page of a flock needs."""
+    words = start_words(flock)
     is_needed = {
+        "count_misplaced": can_begin_anew(flock) and (flock.world.is_solid or words["spacing"] > 0),
         "draw_order": flock.options.activation == "random",
         "blow": flock.options.is_windy,
     }

@@ -49,7 +49,7 @@ class Starter {
     for (let attempt = 1; lack && attempt <= this.words.tries; attempt++) {
       kernel.write("start.attempt", attempt);
       kernel.draw("draw_places");
-      lack = kernel.draw("count_misplaced");
+      lack = kernel.manifest.calls.count_misplaced ? kernel.draw("count_misplaced") : 0;
     }
     if (lack) throw new Error(`${end} agents do not fit: ${lack} found no free place`);
   }
