@@ -7,7 +7,7 @@ values of its sliders into the slots of the loop's arguments, which the manifest
 from __future__ import annotations
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import FunctionType
@@ -80,10 +80,14 @@ class CallStopped(Exception):
         self.function, self.arguments = function, arguments
 
 
-def web_program(flock: Flock) -> WebProgram:
+LOOP, PARTS = 0.45, 0.55
+"""Shares of the time that a program takes, by which the loop and all else is LLVM code."""
+
+
+def web_program(flock: Flock, update: Callable[[float], None] = lambda _: None) -> WebProgram:
     """The program of a flock, which goes on from where it stands; the flock stays as it is.
 
-    Raises InputError for what a page cannot do yet.
+    `update` hears the share that is done. Raises InputError for what a page cannot do yet.
     """
     demand_possible(flock)
     zone_sums = zones(flock)
@@ -93,6 +97,7 @@ def web_program(flock: Flock) -> WebProgram:
     image = memory_image(arguments)
     grows = growth(flock)
     code = {"advance": linked_code(call.function, call.arguments)}
+    update(LOOP)
     calls: dict[str, tuple[str, ...]] = {}
     reach = flock.model.rule.reach
     if reach not in type(flock.parameters).model_fields:
@@ -112,6 +117,7 @@ def web_program(flock: Flock) -> WebProgram:
         code[export_name(compute)] = linked_code(
             compute, [arguments[name] for name in inspect.signature(compute.py_func).parameters]
         )
+    update(PARTS)
     own = {name: partial(page_function, name) for name in FUNCTIONS}
     module = web_module(code, own)
     unknown = sorted(set(imported_functions(module.content)) - KNOWN)

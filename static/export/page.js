@@ -217,12 +217,12 @@ class Page {
     const { name, symbol, unit, words, description, low, high, step, value } = parameter;
     const row = $("slider").content.firstElementChild.cloneNode(true), input = row.querySelector("input");
     row.querySelector(".words").textContent = words;
-    // Letters that Unicode has no small ones for stand behind `_` and `^`.
-    for (const part of symbol.split(/([_^][^\s_^]+)/)) {
-      const kind = { _: "sub", "^": "sup" }[part[0]];
-      row.querySelector("i").append(kind ? element(kind, part.slice(1)) : part);
-    }
-    row.querySelector("small").textContent = unit === "1" ? "" : unit;
+    // Letters that Unicode has no small ones for stand behind `_` and `^`, as do powers of a unit.
+    for (const [place, said] of [["i", symbol], ["small", unit === "1" ? "" : unit]])
+      for (const part of said.split(/([_^][^\s_^/]+)/)) {
+        const kind = { _: "sub", "^": "sup" }[part[0]];
+        row.querySelector(place).append(kind ? element(kind, part.slice(1)) : part);
+      }
     row.title = description;
     const logarithmic = low > 0 && high / low > 100;
     const digits = Math.max(0, Math.min(6, Math.ceil(-Math.log10(step || (high - low) / 200) - 1e-9)));

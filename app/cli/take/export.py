@@ -20,6 +20,7 @@ from app.cli.options.run_arguments import (
 )
 from app.cli.take.source import is_recording
 from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
+from app.cli.terminal.progress import Progress
 from app.cli.terminal.usage import (
     Overwrite,
     PrintJson,
@@ -79,8 +80,8 @@ def export(
     """Write a flock as one web page that runs by itself: offline, on a phone, from a file.
 
     The page runs the same compiled rule as here, with a slider for each parameter. It begins at
-    the start that the seed gives. What a page cannot do yet, as a random order of turns or wind, is
-    refused. What `flockscope run` takes to say which run it is, this takes too.
+    the start that the seed gives. What a page cannot do is refused. What `flockscope run` takes to
+    say which run it is, this takes too.
     """
     others = {"MODEL": model, "--rule": rule, "--set": settings} | {
         option_name(name): value for name, value in options.items()
@@ -129,12 +130,15 @@ def export(
         words = replace(words, title=title)
     if not quiet:
         print_stderr(f"flockscope: compiling {flock.model.name} for the page takes some seconds")
+    with Progress(f"compiling {flock.model.name} for the page", quiet) as progress:
+        if folder is None:
+            page = flock_page(flock, words, progress.update).encode()
+        else:
+            files = page_files(flock, out.stem, words, progress.update)
     if folder is None:
-        page = flock_page(flock, words).encode()
         sizes = {out: len(page)}
         write_bytes("--out", out, page, overwrite, PAGES)
     else:
-        files = page_files(flock, out.stem, words)
         out = folder / out.name
         sizes = write_folder(folder, files, overwrite)
     if json_asked:

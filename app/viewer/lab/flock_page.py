@@ -12,7 +12,7 @@ import html
 import json
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import pairwise
@@ -69,12 +69,18 @@ class PageWords:
 PLAIN_WORDS = PageWords()
 
 
-def flock_page(flock: Flock, words: PageWords = PLAIN_WORDS) -> str:
+Update = Callable[[float], None]
+"""Hears the share that is done."""
+
+
+def flock_page(
+    flock: Flock, words: PageWords = PLAIN_WORDS, update: Update = lambda _: None
+) -> str:
     """The page of a flock, which goes on from where it stands, as one file.
 
     Raises InputError for what no page can do yet.
     """
-    page, script, style = page_parts(flock, words)
+    page, script, style = page_parts(flock, words, update)
     return page.filled(
         policy=page_policy(script, style),
         style=f"<style>{style}</style>",
@@ -88,10 +94,12 @@ VIEWER_FILES = ("viewer.js", "viewer.css")
 """What all pages of a folder share."""
 
 
-def page_files(flock: Flock, name: str, words: PageWords = PLAIN_WORDS) -> dict[str, bytes]:
+def page_files(
+    flock: Flock, name: str, words: PageWords = PLAIN_WORDS, update: Update = lambda _: None
+) -> dict[str, bytes]:
     """The same as files of a folder on a web server: its page, which is called `name`, what runs,
     and what all pages of the folder share. Raises InputError."""
-    page, script, style = page_parts(flock, words)
+    page, script, style = page_parts(flock, words, update)
     script_file, style_file = VIEWER_FILES
     module, memory = f"{name}.wasm", f"{name}.bin"
     text = page.filled(
@@ -128,9 +136,9 @@ class PageText:
         )
 
 
-def page_parts(flock: Flock, words: PageWords) -> tuple[PageText, str, str]:
+def page_parts(flock: Flock, words: PageWords, update: Update) -> tuple[PageText, str, str]:
     """The page of a flock, its script and its style. Raises InputError."""
-    program = web_program(flock)
+    program = web_program(flock, update)
     rule = flock.model.rule
     triangles, lines = drawn_obstacles(flock.world)
     shapes = {"triangles": triangles, "lines": lines}
