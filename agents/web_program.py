@@ -134,6 +134,7 @@ def web_program(flock: Flock, update: Callable[[float], None] = lambda _: None) 
         "size": [float(side) for side in flock.world.size],
         "low": [float(edge) for edge in flock.world.low],
         "images": [bool(axis) for axis in flock.world.images],
+        "car": car_sides(flock),
         "time_unit": flock.model.body.unit,
         "seed": str(flock.seed),
         "tick": flock.tick,
@@ -238,6 +239,17 @@ def web_measures(flock: Flock) -> list[dict[str, Any]]:
         | loop_call(flock, one.compiled)
         for one in found
     ]
+
+
+def car_sides(flock: Flock) -> dict[str, float] | None:
+    """Length and width of each agent where the flock is one of cars on a plane, else None."""
+    vehicle = flock.model.body.vehicle
+    if vehicle is None or flock.world.dim == 3:
+        return None
+    return {
+        name: float(getattr(flock.parameters, name, getattr(vehicle, name)))
+        for name in ("length", "width")
+    }
 
 
 def web_labels(flock: Flock) -> dict[str, Any]:

@@ -98,6 +98,10 @@ class Runner {
       position: copy("position"), heading: copy("heading"), speed: copy("speed"),
       ids: copy("ids"), informed: copy("informed"),
       crashed: Uint8Array.from({ length: kernel.arguments["flock.ids"].shape[0] }, (_, row) => this.hasCrashed(row)),
+      car: this.manifest.car && Object.entries(this.manifest.car).map(([name, side]) => {
+        const path = `context.parameters.${name}`;
+        return path in kernel.arguments ? kernel.read(path) : side;
+      }),
       reach: kernel.read("context.reach"), nearest: kernel.read("context.nearest"),
     };
   }

@@ -1,14 +1,14 @@
-// Draws agents as darts, in the plane and in space, where they have been, and what is in their world.
+// Draws agents as darts, in the plane and in space, or as cars true to scale, where they have been, and what is in their world.
 const VERTEX = `#version 300 es
 in vec3 corner; in vec3 place; in vec3 heading; in vec4 ink;
-uniform mat4 camera; uniform float size, space;
+uniform mat4 camera; uniform float size, space, slim; // slim: a car's width over its length, else 0
 out vec3 colour;
 void main() {
   vec3 ahead = normalize(heading), up = abs(ahead.z) > .95 ? vec3(1, 0, 0) : vec3(0, 0, 1);
   vec3 side = normalize(cross(up, ahead)), above = cross(ahead, side);
-  vec3 point = corner.x * ahead + corner.y * side + corner.z * above;
+  vec3 point = corner.x * ahead + corner.y * (slim > 0. ? slim : 1.) * side + corner.z * above;
   gl_Position = camera * vec4(place + size * (1. + ink.a) * point, 1); // the fourth byte makes larger
-  colour = ink.rgb * (space > 0. ? .86 + .5 * corner.z : 1.);
+  colour = ink.rgb * (space > 0. ? .86 + .5 * corner.z : slim * corner.z > 0. ? .35 : 1.);
 }`;
 const FRAGMENT = `#version 300 es
 precision mediump float; in vec3 colour; out vec4 pixel; void main() { pixel = vec4(colour, 1); }`;
@@ -34,6 +34,10 @@ const DART = [
   [1, 0, 0], [-0.75, 0, 0.3], [-0.75, 0.46, 0],
   [1, 0, 0], [-0.75, -0.46, 0], [-0.75, 0, 0.3],
 ];
+// A car seen from above, of length 1: its hull, and over it the cabin.
+const quad = (front, back, half, up) => [[front, half], [back, half], [back, -half], [front, half], [back, -half],
+  [front, -half]].map((corner) => [...corner, up]);
+const CAR = [...quad(0.5, -0.5, 0.5, 0), ...quad(0.22, -0.32, 0.38, 0.01)];
 const LENS = 2.15; // the box fills the picture, however it is turned
 const STILL = 6; // pixels that a finger may slip in a click
 const NEAR = 22; // pixels from an agent within which a click picks it
@@ -52,6 +56,7 @@ class View {
     this.canvas = canvas;
     this.marks = document.getElementById("marks");
     this.manifest = manifest;
+    this.form = manifest.car ? CAR : DART;
     this.gl = canvas.getContext("webgl2", { antialias: true });
     this.flat = this.gl ? null : canvas.getContext("2d");
     this.look = new Look(this);
@@ -122,7 +127,7 @@ class View {
   prepare() {
     this.darts = this.program(VERTEX, FRAGMENT);
     this.dartArray = this.array();
-    this.buffer(this.darts, "corner", 3, new Float32Array(DART.flat()));
+    this.buffer(this.darts, "corner", 3, new Float32Array(this.form.flat()));
     this.agents = ["place", "heading"].map((name) => this.buffer(this.darts, name, 3, null, 1));
     this.agents.push(this.buffer(this.darts, "ink", 4, null, 1, true));
     this.trails = this.program(TRAIL_VERTEX, TRAIL_FRAGMENT);
@@ -296,14 +301,15 @@ class View {
     const side = Math.max(...size), length = side / Math.min(130, Math.max(45, 4 * Math.sqrt(count)));
     // In a large world agents are close to each other: they are no larger than what they see.
     this.reach ??= frame.reach;
-    this.length = Math.max(side / 200, Math.min(length, 0.6 * this.reach));
+    this.length = frame.car ? frame.car[0] : Math.max(side / 200, Math.min(length, 0.6 * this.reach));
+    this.slim = frame.car ? frame.car[1] / frame.car[0] : 0;
     this.places = this.inSpace(frame.position, count);
     this.ids = frame.ids.slice(); // the memory behind it may be gone when somebody clicks
     const headings = this.inSpace(frame.heading, count), inks = this.look.colours(frame);
     const informed = frame.informed.reduce((sum, one) => sum + one, 0);
-    if (informed <= FEW_INFORMED)
+    if (informed <= FEW_INFORMED && !frame.car)
       for (let row = 0; row < count; row++) if (frame.informed[row]) inks[4 * row + 3] = dim === 2 ? 190 : 255;
-    if (this.flat) this.drawFlat(headings, inks, dark);
+    if (this.flat) this.drawFlat(frame, headings, inks, dark);
     else this.drawLit(headings, inks, frame.tick, dark);
     this.mark(frame, dark);
   }
@@ -346,7 +352,8 @@ class View {
     });
     gl.uniform1f(uniform(this.darts, "size"), this.length);
     gl.uniform1f(uniform(this.darts, "space"), this.manifest.dim === 3 ? 1 : 0);
-    gl.drawArraysInstanced(gl.TRIANGLES, 0, DART.length, this.ids.length);
+    gl.uniform1f(uniform(this.darts, "slim"), this.slim);
+    gl.drawArraysInstanced(gl.TRIANGLES, 0, this.form.length, this.ids.length);
   }
 
   // Add a picture to the trails: of each agent, the line from where it was.
@@ -385,8 +392,8 @@ class View {
     }
   }
 
-  // Without WebGL2: the same darts as triangles, and no trails.
-  drawFlat(headings, inks, dark) {
+  // Without WebGL2: the same darts as triangles, cars as rectangles, and no trails.
+  drawFlat(frame, headings, inks, dark) {
     const pen = this.flat, { width, height } = this.canvas, { triangles, lines } = this.manifest;
     const path = (corners, closed) => {
       pen.beginPath();
@@ -412,7 +419,8 @@ class View {
       const [x, y, z] = this.placeOf(row), [ux, uy, uz] = headings.subarray(3 * row, 3 * row + 3);
       const flat = Math.hypot(ux, uy) || 1, size = this.length * (1 + inks[4 * row + 3] / 255);
       pen.fillStyle = `rgb(${inks.subarray(4 * row, 4 * row + 3).join()})`;
-      path(DART.slice(0, 3).map(([ahead, side]) => this.project(
+      const outline = frame.car ? [0, 1, 2, 5].map((k) => [CAR[k][0], CAR[k][1] * this.slim]) : DART.slice(0, 3);
+      path(outline.map(([ahead, side]) => this.project(
         x + size * (ahead * ux - side * uy / flat), y + size * (ahead * uy + side * ux / flat), z + size * ahead * uz,
       )), true);
     }

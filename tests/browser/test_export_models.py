@@ -100,4 +100,6 @@ def test_a_page_flies_every_model_as_here(page, model, monkeypatch):
     for there, expected in zip(places, here, strict=True):
         assert np.reshape(there, expected.shape) == pytest.approx(expected, abs=1e-9)
     assert ids == anew.ids.tolist()
+    is_of_cars = MODELS[model].body.vehicle is not None
+    assert (program.manifest["car"] is not None) == is_of_cars
     assert changes

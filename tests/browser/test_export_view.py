@@ -363,6 +363,18 @@ def test_all_is_in_reach_and_nothing_scrolls_sideways(opened, width, height):
         assert 0 <= box["y"] <= height - box["height"]
 
 
+def test_cars_are_true_to_scale(opened):
+    # The page of a flock of cars compiles for long: here one of darts is told that they are cars.
+    with opened(Flock("vem", agents=30, rng=3)) as page:
+        drawn = page.evaluate(
+            "() => { page.view.draw({ ...page.state, car: [0.5, 0.25] }, false);"
+            " return [page.view.length, page.view.slim]; }"
+        )
+        assert drawn == [0.5, 0.5]
+        page.evaluate("page.show()")
+        assert page.evaluate("page.view.slim") == 0
+
+
 def test_a_page_is_small():
     page = flock_page(Flock("vem", rng=3)).encode()
     assert len(page) < 120_000
