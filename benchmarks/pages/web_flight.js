@@ -11,17 +11,31 @@ async function importsOf({ module }) {
   return all.filter((one) => one.kind === "function").map((one) => one.name);
 }
 
-// The bits of all positions, in base 64, after so many ticks from the start, and so many.
+// The bits of all positions, in base 64.
+function bitsOf(kernel) {
+  const { buffer, byteOffset, byteLength } = kernel.view("flock.position");
+  const letters = Array.from(new Uint8Array(buffer, byteOffset, byteLength), (byte) => String.fromCharCode(byte));
+  return btoa(letters.join(""));
+}
+
+// They after so many ticks from the start, and so many; and after the first of these from another start.
 function positionsAfter(kernel, ticks) {
   kernel.reset();
   let tick = 0;
-  return ticks.map((until) => {
+  const found = ticks.map((until) => {
     kernel.run(until - tick);
     tick = until;
-    const { buffer, byteOffset, byteLength } = kernel.view("flock.position");
-    const letters = Array.from(new Uint8Array(buffer, byteOffset, byteLength), (byte) => String.fromCharCode(byte));
-    return btoa(letters.join(""));
+    return bitsOf(kernel);
   });
+  const { agents, start } = kernel.manifest;
+  if (start) {
+    kernel.reset();
+    new Starter(kernel).begin("11", agents - start.informed + 3);
+    kernel.run(ticks[0]);
+    found.push(bitsOf(kernel));
+    kernel.reset();
+  }
+  return found;
 }
 
 // Seconds by the clock that so many ticks more take.

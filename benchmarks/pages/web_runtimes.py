@@ -24,7 +24,11 @@ from typing import Any
 STATIC = Path(__file__).parents[2] / "static" / "export"
 SOURCE = "\n".join(
     path.read_text("utf-8")
-    for path in (STATIC / "kernel.js", Path(__file__).parent / "web_flight.js")
+    for path in (
+        STATIC / "kernel.js",
+        STATIC / "start.js",
+        Path(__file__).parent / "web_flight.js",
+    )
 )
 ARGUMENTS = (
     "--no-sandbox",
