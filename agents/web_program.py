@@ -6,6 +6,7 @@ values of its sliders into the slots of the loop's arguments, which the manifest
 
 from __future__ import annotations
 
+import functools
 import inspect
 from dataclasses import dataclass
 from functools import partial
@@ -29,6 +30,7 @@ from worlds.web_assembly import (
     FIRST_FREE,
     LinkedCode,
     MemoryImage,
+    WebModule,
     linked_code,
     web_module,
 )
@@ -98,8 +100,7 @@ def web_program(flock: Flock) -> WebProgram:
         code[measure["export"]] = linked_code(
             compute, [arguments[name] for name in inspect.signature(compute.py_func).parameters]
         )
-    own = {name: partial(page_function, name) for name in FUNCTIONS}
-    module = web_module(code, own)
+    module = module_of(tuple(code.items()))
     unknown = sorted(set(imported_functions(module.content)) - KNOWN)
     if unknown:
         raise InputError(
@@ -132,6 +133,12 @@ def web_program(flock: Flock) -> WebProgram:
         "reach": reach if "reach" not in code else None,
     }
     return WebProgram(module.content, bytes(image.content), manifest)
+
+
+@functools.lru_cache(maxsize=4)  # their code is megabytes
+def module_of(code: tuple[tuple[str, LinkedCode], ...]) -> WebModule:
+    """The module of these functions: flocks that differ by seed and values alone share one."""
+    return web_module(dict(code), {name: partial(page_function, name) for name in FUNCTIONS})
 
 
 def web_measures(flock: Flock) -> list[dict[str, Any]]:
