@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeGuard, get_args
@@ -286,5 +287,10 @@ def input_error_of(fault: Any) -> InputError:
 
 def versions() -> dict[str, str]:
     """Versions of what the numbers depend on."""
-    packages = {name: version(name) for name in ("flockscope", "mesa", "numba", "numpy")}
-    return {"python": platform.python_version(), **packages}
+    return {"python": platform.python_version(), **package_versions()}
+
+
+@cache
+def package_versions() -> dict[str, str]:
+    """Versions of packages: to read them takes milliseconds each time."""
+    return {name: version(name) for name in ("flockscope", "mesa", "numba", "numpy")}

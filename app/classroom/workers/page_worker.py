@@ -109,7 +109,8 @@ class PageWorker:
         words = PageWords(opened.title, opened.watch, opened.tries, opened.speed, plots, COMMAND)
         page, script, style = page_parts(Flock(opened.spec), words)
         module = hashlib.sha256(page.program.module).hexdigest()[:32]
-        self.modules[module] = gzip.compress(page.program.module, mtime=0)
+        if module not in self.modules:
+            self.modules[module] = gzip.compress(page.program.module, mtime=0)
         movable = {one["name"] for one in page.program.manifest["parameters"] if one["slots"]}
         shown = tuple(name for name in named_sliders(opened, question) if name in movable)
         measured = [one["name"] for one in page.program.manifest["measures"]]

@@ -14,6 +14,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import version
 from itertools import pairwise
 from pathlib import Path
@@ -221,6 +222,7 @@ def page_policy(script: str, style: str) -> str:
     )
 
 
+@cache
 def short_script(name: str) -> str:
     """A script without its comments and its indentation, which a page needs not carry."""
     lines = (FOLDER / name).read_text("utf-8").splitlines()
