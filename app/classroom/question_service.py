@@ -7,6 +7,7 @@ curves by a third. So none of them waits for what another is at.
 from __future__ import annotations
 
 import asyncio
+import gzip
 import json
 from collections.abc import Coroutine
 from dataclasses import replace
@@ -52,7 +53,7 @@ class QuestionService:
         self.drawn: object = None
         """Of what the results below are."""
         self.results_json: dict[str, Any] = {}
-        self.plot_json = b""
+        self.packed_plot = b""
         self.drawings = 0
         self.counted: tuple[object, dict[str, list[int]]] = (None, {})
         self.handed: set[asyncio.Task[Point]] = set()
@@ -224,7 +225,8 @@ class QuestionService:
             self.drawn = now
             self.drawings += 1
             self.results_json = to_json(self.latest, self.curve)
-            self.plot_json = json.dumps(without_names(self.results_json)).encode()
+            plot = json.dumps(without_names(self.results_json), separators=(",", ":"))
+            self.packed_plot = gzip.compress(plot.encode(), 6, mtime=0)
         return self.results_json
 
     @property
@@ -248,11 +250,12 @@ class QuestionService:
         return self.counted[1].get(student, [])
 
     def plot(self) -> bytes:
-        """The results of the latest question as JSON, for students: nobody's name is in it."""
+        """The results of the latest question as JSON, packed by gzip, for students: nobody's name
+        is in it. Raises InputError where there is none."""
         if self.latest is None:
             raise InputError("no question has been asked")
         self.shown_now()
-        return self.plot_json
+        return self.packed_plot
 
     def csv(self) -> str:
         """The results of the latest question. Raises InputError."""

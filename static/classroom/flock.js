@@ -129,9 +129,9 @@ const classPage = (() => {
         plot.hidden = false;
         told.textContent = results.told;
         window.flockscopeChart(chart, results, null, mine);
-      } catch { /* the next change asks again */ }
+      } catch { /* it is asked for again below */ }
       waits = 0;
-      if (newest.version !== version || `${newest.mine}` !== `${mine}`) look(newest);
+      if (!ended) look(newest);
     }, Math.max(0, last + 1000 * apart - performance.now()));
   };
 

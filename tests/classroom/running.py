@@ -35,6 +35,10 @@ BUSY = 60.0
 """Seconds for what a busy machine takes its time to do."""
 
 
+COMPILES = 600.0
+"""Seconds for the page of students to be compiled there: ten of an idle core."""
+
+
 @dataclass
 class Answer:
     """What came back."""
@@ -217,6 +221,11 @@ def running(folder: Path, *options: str, scene: str | None = None):
 def roster(teacher: Person) -> dict:
     """What the teacher's page shows."""
     return teacher.told("/class/roster")
+
+
+def has_compiled(teacher: Person) -> None:
+    """Wait until students' page is compiled."""
+    until(lambda: not roster(teacher)["flocks"], COMPILES)
 
 
 def number_of(teacher: Person, name: str) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import csv
 import io
 import json
@@ -12,13 +13,26 @@ from cli.calling import refusal
 from websockets.exceptions import InvalidStatus
 
 from agents import Flock
+from app.classroom.browser_flocks import MOST_WATCHING, BrowserFlocks
+from app.classroom.classroom import Classroom
+from app.classroom.flocks import Flocks
 from app.classroom.lessons.lessons import find_lesson, lesson_names
+from app.classroom.student import Role
 from app.classroom.workers.page_worker import named_sliders
 from app.cli.classroom import FlockPlace, runs_in_browser
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.run.run_preset import preset_spec
-from tests.classroom.running import BUSY, SCENE, Person, number_of, roster, running
+from tests.classroom.running import (
+    BUSY,
+    SCENE,
+    Person,
+    has_compiled,
+    number_of,
+    roster,
+    running,
+)
 from tests.viewer.waiting import until
+from worlds.input_error import InputError
 
 QUESTION = {
     "title": "Order against noise",
@@ -42,7 +56,7 @@ def ours(tmp_path_factory):
 def teacher(ours):
     """Its teacher, once students' page is compiled."""
     found = ours.teacher()
-    until(lambda: not roster(found)["flocks"], BUSY)
+    has_compiled(found)
     return found
 
 
@@ -280,7 +294,7 @@ def test_a_class_that_is_stopped_goes_on_with_the_flocks_of_its_students(tmp_pat
     options = "--flocks", "in-browser"
     with running(tmp_path, *options, "--out", "kept.zip") as first:
         teacher = first.teacher()
-        until(lambda: not roster(teacher)["flocks"], BUSY)
+        has_compiled(teacher)
         teacher.do("ask", question=QUESTION)
         ned = first.student("Ned")
         before, seed = told(ned)["flock"], manifest(ned)["seed"]
@@ -293,7 +307,7 @@ def test_a_class_that_is_stopped_goes_on_with_the_flocks_of_its_students(tmp_pat
         }
         ned.port = second.port
         teacher = second.teacher()
-        until(lambda: not roster(teacher)["flocks"], BUSY)
+        has_compiled(teacher)
         assert ned.told("/class/mine")["flock"] != before
         page = manifest(ned)
         assert page["seed"] == seed
@@ -343,3 +357,56 @@ def test_a_lesson_names_one_or_two_sliders(lesson, sliders):
 def test_every_lesson_runs_in_browsers():
     for name in lesson_names():
         assert runs_in_browser(find_lesson(name), 500, None)
+
+
+@pytest.fixture
+def empty_class(monkeypatch, tmp_path):
+    """A class whose processes are never begun, and what is compiled for it."""
+    compiled: list[str] = []
+
+    async def compile_scene(_pages, scene):
+        compiled.append(scene.title)
+        if scene.title == "Impossible":
+            raise InputError("a browser has no function that gives the same")
+
+    monkeypatch.setattr(BrowserFlocks, "compile", compile_scene)
+    monkeypatch.setattr(
+        Flocks, "begin_workers", lambda flocks, count: setattr(flocks, "count", count)
+    )
+
+    def make(title):
+        scene = SavedScene(title, preset_spec("vem", agents=30))
+        return Classroom(scene, 500, 3, tmp_path, in_browser=True), compiled
+
+    return make
+
+
+def test_flocks_run_on_the_server_where_the_page_cannot_be_compiled(empty_class):
+    async def try_it():
+        room, _ = empty_class("Impossible")
+        ada, _ = room.admit(room.code, "Ada")
+        assert room.is_in_browser(ada)
+        await room.compile(room.pages)
+        assert room.flocks_note == (
+            "students' flocks run on the server: a browser has no function that gives the same"
+        )
+        assert (room.is_in_browser(ada), room.flocks.count) == (False, 3)
+        await room.close()
+
+    asyncio.run(try_it())
+
+
+def test_at_most_two_hundred_look_at_the_teachers_flock(empty_class):
+    async def try_it():
+        room, _ = empty_class("Plain")
+        for number in range(MOST_WATCHING + 1):
+            room.admit(room.code, f"Student {number}")
+        with pytest.raises(InputError, match=r"at most 200 students .*: these would be 201"):
+            room.give_role(Role.WATCHING)
+        assert all(one.role is Role.OWN for one in room.students.values())
+        room.give_role(Role.WATCHING, range(1, MOST_WATCHING + 1))
+        with pytest.raises(InputError, match="these would be 201"):
+            room.give_role(Role.WATCHING, [MOST_WATCHING + 1])
+        await room.close()
+
+    asyncio.run(try_it())

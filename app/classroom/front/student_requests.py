@@ -16,6 +16,7 @@ from app.classroom.front.class_request import (
     slider_values_in,
     values_of,
 )
+from app.classroom.front.student_pages import packed_response
 from app.classroom.student import Role, Student
 from app.front.http_server import READING, Request, secure
 
@@ -71,11 +72,6 @@ PLOT_APART, PLOTS = 2.0, 50.0
 """Seconds between two looks of a page at them at least, and looks a second of the whole class."""
 
 
-def json_response(content: bytes) -> web.Response:
-    """What is JSON already."""
-    return web.Response(body=content, content_type="application/json", charset="utf-8")
-
-
 class StudentRequests:
     """Answers them; `answer` gives None for what is the laboratory's."""
 
@@ -89,7 +85,7 @@ class StudentRequests:
         if request.path == "/class/mine" and request.method in READING:
             return await self.listen(request, student, limits)
         if request.path == PLOT and request.method in READING and self.classroom.pages is not None:
-            return json_response(self.classroom.asking.plot())
+            return packed_response(request, self.classroom.asking.plot(), "application/json", {})
         if request.method != "POST":
             if request.path.startswith("/class"):
                 raise web.HTTPForbidden(text="this page is the teacher's\n")
