@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeGuard, get_args
@@ -291,8 +292,14 @@ random orders and gusts; 1: NumPy's generator did."""
 
 def versions() -> dict[str, str]:
     """Versions of what the numbers depend on."""
-    packages = {name: version(name) for name in ("flockscope", "mesa", "numba", "numpy")}
-    return {"python": platform.python_version(), **packages, "random-numbers": RANDOM_NUMBERS}
+    own = {"python": platform.python_version(), "random-numbers": RANDOM_NUMBERS}
+    return own | package_versions()
+
+
+@cache
+def package_versions() -> dict[str, str]:
+    """Versions of packages: to read them takes milliseconds each time."""
+    return {name: version(name) for name in ("flockscope", "mesa", "numba", "numpy")}
 
 
 def changed_versions(

@@ -198,15 +198,15 @@ def can_begin_anew(flock: Flock) -> bool:
     return bool(flock.options.start == "random")
 
 
-def draws(flock: Flock) -> list[str]:
-    """What of DRAWS a page of a flock needs."""
-    words = start_words(flock)
+def draws(flock: Flock, is_anew: bool) -> list[str]:
+    """What of DRAWS a page of a flock needs, which begins anew or does not."""
+    is_crowded = flock.world.is_solid or start_words(flock)["spacing"] > 0
     is_needed = {
-        "count_misplaced": can_begin_anew(flock) and (flock.world.is_solid or words["spacing"] > 0),
+        "count_misplaced": is_anew and is_crowded,
         "draw_order": flock.options.activation == "random",
         "blow": flock.options.is_windy,
     }
-    return [name for name in DRAWS if is_needed.get(name, can_begin_anew(flock))]
+    return [name for name in DRAWS if is_needed.get(name, is_anew)]
 
 
 def start_task(flock: Flock) -> StartTask:

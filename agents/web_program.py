@@ -6,6 +6,7 @@ values of its sliders into the slots of the loop's arguments, which the manifest
 
 from __future__ import annotations
 
+import functools
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -40,6 +41,7 @@ from worlds.web_assembly import (
     FIRST_FREE,
     LinkedCode,
     MemoryImage,
+    WebModule,
     linked_code,
     web_module,
 )
@@ -84,10 +86,13 @@ LOOP, PARTS = 0.45, 0.55
 """Shares of the time that a program takes, by which the loop and all else is LLVM code."""
 
 
-def web_program(flock: Flock, update: Callable[[float], None] = lambda _: None) -> WebProgram:
+def web_program(
+    flock: Flock, update: Callable[[float], None] = lambda _: None, is_fixed: bool = False
+) -> WebProgram:
     """The program of a flock, which goes on from where it stands; the flock stays as it is.
 
-    `update` hears the share that is done. Raises InputError for what a page cannot do yet.
+    `update` hears the share that is done. With `is_fixed` sliders are all that a page can change:
+    it has no other start, and nobody steers. Raises InputError for what a page cannot do yet.
     """
     demand_possible(flock)
     zone_sums = zones(flock)
@@ -95,7 +100,8 @@ def web_program(flock: Flock, update: Callable[[float], None] = lambda _: None) 
     call = first_call(flock)
     arguments = page_arguments(flock, call)
     image = memory_image(arguments)
-    grows = growth(flock)
+    is_anew = can_begin_anew(flock) and not is_fixed
+    grows = growth(flock) if is_anew else {}
     code = {"advance": linked_code(call.function, call.arguments)}
     update(LOOP)
     calls: dict[str, tuple[str, ...]] = {}
@@ -103,10 +109,10 @@ def web_program(flock: Flock, update: Callable[[float], None] = lambda _: None) 
     if reach not in type(flock.parameters).model_fields:
         compute = getattr(type(flock.parameters), reach).fget
         code["reach"] = parameter_code(flock, reach, compute)
-    for name in draws(flock):
+    for name in draws(flock, is_anew):
         function, calls[name] = DRAWS[name]
         code[name] = linked_code(function, [arguments[path] for path in calls[name]])
-    if can_begin_anew(flock):
+    if is_anew:
         for name, (function, paths) in of_parameters(flock).items():
             calls[name] = paths
             code[name] = parameter_code(flock, name, function, *(0.5 for _ in paths[1:]))
@@ -118,8 +124,7 @@ def web_program(flock: Flock, update: Callable[[float], None] = lambda _: None) 
             compute, [arguments[name] for name in inspect.signature(compute.py_func).parameters]
         )
     update(PARTS)
-    own = {name: partial(page_function, name) for name in FUNCTIONS}
-    module = web_module(code, own)
+    module = module_of(tuple(code.items()))
     unknown = sorted(set(imported_functions(module.content)) - KNOWN)
     if unknown:
         raise InputError(
@@ -149,10 +154,10 @@ def web_program(flock: Flock, update: Callable[[float], None] = lambda _: None) 
         },
         "grows": grows,
         "calls": calls,
-        "start": start_words(flock) if can_begin_anew(flock) else None,
+        "start": start_words(flock) if is_anew else None,
         "parameters": slider_parameters(flock, image),
         "zones": zone_sums,
-        "steered": steered_agents(flock),
+        "steered": 0 if is_fixed else steered_agents(flock),
         "measures": measures,
         "labels": {name: loop_call(flock, compute) for name, compute in labels.items()},
         "reach": reach if "reach" not in code else None,
@@ -189,8 +194,6 @@ FEWER, MORE = 512, 1024
 def growth(flock: Flock) -> dict[str, list[list[int]]]:
     """The arguments that grow with the number of agents: of each, for every axis, how many items an
     agent adds and how many there are besides; of a whole number the same."""
-    if not can_begin_anew(flock):
-        return {}
     fewer, more = (
         memory_image(page_arguments(other, first_call(other)))
         for other in (with_agents(flock, FEWER), with_agents(flock, MORE))
@@ -216,6 +219,12 @@ def with_agents(flock: Flock, count: int) -> Flock:
         "informed": np.zeros(count, bool),
     }
     return Flock(flock.spec, start=start)
+
+
+@functools.lru_cache(maxsize=4)  # their code is megabytes
+def module_of(code: tuple[tuple[str, LinkedCode], ...]) -> WebModule:
+    """The module of these functions: flocks that differ by seed and values alone share one."""
+    return web_module(dict(code), {name: partial(page_function, name) for name in FUNCTIONS})
 
 
 def web_measures(flock: Flock) -> list[dict[str, Any]]:

@@ -12,7 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from app.classroom.class_file import ClassState, SavedStudent, load
+from app.classroom.class_file import ClassState, SavedStudent
 from app.classroom.class_keys import new_code, normalise_code
 from app.classroom.classroom import Classroom
 from app.classroom.student import Student
@@ -41,10 +41,12 @@ def state_of(classroom: Classroom) -> ClassState:
     )
 
 
-def restore_class(path: Path, workers: int, results: Path) -> Classroom:
-    """The class of a file, with those who are in it. Raises InputError."""
-    state = load(path)
-    classroom = Classroom(state.scene, state.seats, workers, results)
+def restore_class(
+    state: ClassState, path: Path, workers: int, results: Path, in_browser: bool = False
+) -> Classroom:
+    """The class of the file at `path`, whose content is `state`, with those who are in it. Raises
+    InputError."""
+    classroom = Classroom(state.scene, state.seats, workers, results, in_browser)
     classroom.title = state.title
     classroom.asking.take_over(state.questions, state.scene)
     said = read_keys(keys_of(path))

@@ -7,15 +7,17 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
+from app.classroom.browser_flocks import MOST_WATCHING, BrowserFlocks, moved_scene
 from app.classroom.class_keys import hash_key, is_same_text, new_code, new_key
 from app.classroom.flocks import Flocks, allowance
 from app.classroom.question_service import QuestionService
 from app.classroom.student import LaboratoryAddress, Role, Student, student_name, unique_name
+from app.classroom.workers.page_worker import StudentPage
 from app.classroom.workers.worker_process import WorkerProcess
 from app.results_folder import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
@@ -31,14 +33,20 @@ LOOK = 2.0
 """Seconds between two looks at all laboratories."""
 LONGEST_WORD = 200
 """Letters of a word to all."""
+IN_BROWSER = "this flock runs in its student's browser: press a result to open what was handed in"
 
 
 class Classroom:
     """One class. `seats`: students at most. `workers`: processes for their flocks. `results`: the
-    folder of sweeps."""
+    folder of sweeps. `in_browser`: whether students' flocks run in their browsers."""
 
     def __init__(
-        self, scene: SavedScene, seats: int = 40, workers: int = 2, results: Path = RESULTS
+        self,
+        scene: SavedScene,
+        seats: int = 40,
+        workers: int = 2,
+        results: Path = RESULTS,
+        in_browser: bool = False,
     ):
         self.title = scene.title
         self.scene = scene
@@ -53,10 +61,16 @@ class Classroom:
         """Hashes of the teacher's cookies."""
         self.students: dict[int, Student] = {}
         self.by_key: dict[str, Student] = {}
-        self.first_role = Role.WATCHING
+        self.pages = BrowserFlocks() if in_browser else None
+        """None: students' flocks run on the server."""
+        self.first_role = Role.OWN if in_browser else Role.WATCHING
         """What new students do."""
         self.asking = QuestionService(results)
-        self.flocks = Flocks(workers, allowance(scene, seats), self.moved)
+        self.flocks = Flocks(0 if in_browser else workers, allowance(scene, seats), self.moved)
+        self.workers = workers
+        self.flocks_note = ""
+        """Why students' flocks run on the server though they were to run in browsers."""
+        self.compiling: asyncio.Task[None] | None = None
         self.word = ""
         self.frozen = False
         self.is_over = False
@@ -68,14 +82,29 @@ class Classroom:
         """Begin the processes and the teacher's laboratory. Raises InputError."""
         await self.flocks.open(self.scene)
         self.looking = asyncio.create_task(self.look())
+        if self.pages is not None:
+            self.compiling = asyncio.create_task(self.compile(self.pages))
+
+    async def compile(self, pages: BrowserFlocks) -> None:
+        """Compile what students' browsers run; if none can run it, flocks run on the server."""
+        try:
+            await pages.compile(self.scene)
+        except InputError as refusal:
+            self.flocks_note = f"students' flocks run on the server: {refusal}"
+            self.pages = None
+            self.flocks.begin_workers(self.workers)
+            await pages.close()
+        self.tell()
 
     async def close(self) -> None:
         """End all processes."""
         self.is_over = True
         self.tell()
-        if self.looking is not None:
-            self.looking.cancel()
-        await asyncio.gather(self.asking.close(), self.flocks.close())
+        for task in (self.looking, self.compiling):
+            if task is not None:
+                task.cancel()
+        ends = [self.asking.close(), self.flocks.close()]
+        await asyncio.gather(*ends, *([] if self.pages is None else [self.pages.close()]))
 
     async def look(self) -> None:
         """Now and then: see how all laboratories stand, keep their scenes, close those left."""
@@ -181,7 +210,30 @@ class Classroom:
 
     async def place_of(self, student: Student) -> LaboratoryAddress:
         """The laboratory that a student sees; their own is opened if need be. Raises InputError."""
+        if self.is_in_browser(student):
+            raise InputError(IN_BROWSER)
         return await self.flocks.place_of(student, lambda: self.first_scene(student, self.scene))
+
+    def is_in_browser(self, student: Student) -> bool:
+        """Whether a student's page has the flock in it."""
+        return self.pages is not None and student.role is Role.OWN
+
+    async def page_of(self, student: Student) -> StudentPage:
+        """The page with a student's own flock in it. Raises InputError.
+
+        A scene of their own that no browser runs, of a class that is opened again, is left.
+        """
+        if self.pages is None:
+            raise InputError("students' flocks run on the server")
+        student.scene = student.scene or self.first_scene(student, self.scene)
+        question = None if self.asking.open is None else self.asking.open.question
+        try:
+            return await self.pages.page_of(student, question)
+        except InputError:
+            if student.begun or self.is_over:
+                raise
+            student.scene = self.first_scene(student, self.scene)
+            return await self.pages.page_of(student, question)
 
     def first_scene(self, student: Student, scene: SavedScene) -> str:
         """What a student begins with, TOML: a scene with a seed of their own.
@@ -198,6 +250,13 @@ class Classroom:
         """A page of a student's has connected."""
         student.lines += 1
         student.came = True
+        self.tell()
+
+    def listen(self, student: Student, more: int) -> None:
+        """A page of a student's listens to the class from now on (1), or no more (-1)."""
+        student.listening += more
+        student.came = True
+        student.left = time.monotonic()
         self.tell()
 
     def disconnect(self, student: Student) -> None:
@@ -229,9 +288,18 @@ class Classroom:
 
     def give_role(self, role: Role, numbers: Iterable[int] | None = None) -> None:
         """Let students watch, or have flocks of their own; new ones too if it is said of all."""
+        students = self.chosen(numbers)
+        if self.pages is not None and role is Role.WATCHING:
+            watching = {one.number for one in students}
+            watching |= {one.number for one in self.chosen(None) if one.role is Role.WATCHING}
+            if len(watching) > MOST_WATCHING:
+                raise InputError(
+                    f"at most {MOST_WATCHING} students can look at your flock at once: "
+                    f"these would be {len(watching)}"
+                )
         if numbers is None:
             self.first_role = role
-        for student in self.chosen(numbers):
+        for student in students:
             if student.role is not role:
                 student.role = role
                 self.move(student)
@@ -239,6 +307,8 @@ class Classroom:
     async def start_from(self, scene: SavedScene, numbers: Iterable[int] | None = None) -> None:
         """Have students begin with a scene, each with a seed of their own; a question is over."""
         self.flocks.allowance.demand(scene.spec, scene.beside, None)
+        if self.pages is not None:
+            await self.pages.compile(scene)
         if numbers is None:
             self.scene = scene
             self.asking.end()
@@ -255,6 +325,8 @@ class Classroom:
         """Have students begin with a scene, in flocks of their own."""
         for student in students:
             student.scene = self.first_scene(student, scene)
+            student.begun += 1
+            student.page = None
             if student.place is not None:
                 with suppress(InputError):  # it is opened when their page asks for it
                     await self.flocks.tell_own(student, "open", student.scene)
@@ -265,12 +337,21 @@ class Classroom:
                 self.move(student)
         self.tell()
 
-    async def hand_in(self, student: Student) -> str:
-        """Take a student's run as an answer; the result in a sentence. Raises InputError."""
+    async def hand_in(self, student: Student, values: Mapping[str, float]) -> str:
+        """Take a student's run as an answer; the result in a sentence. Raises InputError.
+
+        `values`: what the sliders of a page say that has the flock in it.
+        """
         if student.role is not Role.OWN:
             raise InputError("only who has a flock of their own hands in a result")
         question = self.asking.demand_turn(student.name).question
-        student.scene = ran = await self.flocks.tell_own(student, "scene")
+        if self.pages is None:
+            student.scene = ran = await self.flocks.tell_own(student, "scene")
+        elif student.frozen:
+            raise InputError("your flock is held by the teacher: hand in once it goes on")
+        else:
+            page = await self.page_of(student)
+            student.scene = ran = moved_scene(student, page, values)
         try:
             point = await self.asking.hand_in(student.name, ran)
         finally:

@@ -48,8 +48,9 @@ def allowance(scene: SavedScene, seats: int) -> Allowance:
 class Flocks:
     """Those of one class; on one event loop.
 
-    `count`: processes for students' flocks, of which each may take what `allowance` says. `ended`
-    is called when a process has died, and when the teacher's has been begun again.
+    `count`: processes for students' flocks, of which each may take what `allowance` says; none
+    where flocks run in browsers. `ended` is called when a process has died, and when the teacher's
+    has been begun again.
     """
 
     def __init__(self, count: int, allowance: Allowance, ended: Callable[[WorkerProcess], None]):
@@ -72,8 +73,12 @@ class Flocks:
     async def open(self, scene: SavedScene) -> None:
         """Begin the processes and the teacher's laboratory. Raises InputError."""
         self.first = scene.to_toml()
-        self.workers = [self.new_worker() for _ in range(self.count)]
+        self.begin_workers(self.count)
         await self.open_teacher()
+
+    def begin_workers(self, count: int) -> None:
+        """Begin so many processes for students' flocks."""
+        self.workers = [self.new_worker() for _ in range(count)]
 
     async def close(self) -> None:
         """End all processes."""

@@ -7,6 +7,8 @@ curves by a third. So none of them waits for what another is at.
 from __future__ import annotations
 
 import asyncio
+import gzip
+import json
 from collections.abc import Coroutine
 from dataclasses import replace
 from pathlib import Path
@@ -48,6 +50,12 @@ class QuestionService:
         self.runs = RunQueue()
         self.drawing = WorkerProcess(DrawWorker, niceness=DRAW_NICENESS, restarts=True)
         self.sweeping = WorkerProcess(CurveWorker, results, restarts=True)
+        self.drawn: object = None
+        """Of what the results below are."""
+        self.results_json: dict[str, Any] = {}
+        self.packed_plot = b""
+        self.drawings = 0
+        self.counted: tuple[object, dict[str, list[int]]] = (None, {})
         self.handed: set[asyncio.Task[Point]] = set()
         """What is being made, whether or not the page that handed it in still waits."""
         self.curves: asyncio.Task[None] | None = None
@@ -199,7 +207,7 @@ class QuestionService:
         """The latest question and its results, for the teacher's page."""
         if self.latest is None:
             return None
-        made = to_json(self.latest, self.curve)
+        made = self.shown_now()
         values = self.latest.question.values
         return {
             **made,
@@ -208,6 +216,46 @@ class QuestionService:
             "making": self.told,
             "asked": len(self.all),
         }
+
+    def shown_now(self) -> dict[str, Any]:
+        """The results of the latest question, made anew only where there is another one."""
+        assert self.latest is not None
+        now = (len(self.all), len(self.latest.points), self.curve)
+        if now != self.drawn:
+            self.drawn = now
+            self.drawings += 1
+            self.results_json = to_json(self.latest, self.curve)
+            plot = json.dumps(without_names(self.results_json), separators=(",", ":"))
+            self.packed_plot = gzip.compress(plot.encode(), 6, mtime=0)
+        return self.results_json
+
+    @property
+    def plot_version(self) -> int:
+        """Another one for other results; 0: no question has been asked."""
+        if self.latest is None:
+            return 0
+        self.shown_now()
+        return self.drawings
+
+    def results_of(self, student: str) -> list[int]:
+        """The numbers of a student's results of the latest question."""
+        if self.latest is None:
+            return []
+        points = self.latest.points
+        if self.counted[0] != (len(self.all), len(points)):
+            numbers: dict[str, list[int]] = {}
+            for number, point in enumerate(points):
+                numbers.setdefault(point.student, []).append(number)
+            self.counted = (len(self.all), len(points)), numbers
+        return self.counted[1].get(student, [])
+
+    def plot(self) -> bytes:
+        """The results of the latest question as JSON, packed by gzip, for students: nobody's name
+        is in it. Raises InputError where there is none."""
+        if self.latest is None:
+            raise InputError("no question has been asked")
+        self.shown_now()
+        return self.packed_plot
 
     def csv(self) -> str:
         """The results of the latest question. Raises InputError."""
@@ -230,6 +278,13 @@ class QuestionService:
         if self.latest is None:
             raise InputError("no question has been asked")
         return self.latest
+
+
+def without_names(results: dict[str, Any]) -> dict[str, Any]:
+    """Results as students see them: of no point whose it is."""
+    return results | {
+        "points": [[number, "", *rest] for number, _, *rest in results["points"]],
+    }
 
 
 async def finish[T](tasks: set[asyncio.Task[T]], work: Coroutine[Any, Any, T]) -> T:

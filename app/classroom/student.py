@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from app.classroom.workers.page_worker import StudentPage
 from app.classroom.workers.worker_process import WorkerProcess
 from worlds.input_error import InputError, shorten
 
@@ -145,8 +146,14 @@ class Student:
     """Where their own flock is, while it is anywhere."""
     worker: WorkerProcess | None = None
     """The process that has it, or is about to."""
+    page: StudentPage | None = None
+    """What their browser is given where their flock runs in it, once it is written."""
+    begun: int = 0
+    """Counts the times that their flock began anew."""
     lines: int = 0
-    """Pages that are connected."""
+    """Pages that are connected with a laboratory."""
+    listening: int = 0
+    """Pages with a flock in them that listen to the class."""
     left: float = field(default_factory=time.monotonic)
     """When the last page went, s."""
     came: bool = False
@@ -158,4 +165,4 @@ class Student:
     @property
     def is_here(self) -> bool:
         """Whether a page of theirs is connected."""
-        return self.lines > 0
+        return self.lines > 0 or self.listening > 0

@@ -6,6 +6,7 @@ import asyncio
 import time
 import webbrowser
 from datetime import datetime
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -24,14 +25,23 @@ if TYPE_CHECKING:
     from app.classroom.class_keeper import ClassKeeper
     from app.classroom.classroom import Classroom
     from app.classroom.front.serving import ClassFront
+    from app.viewer.gallery.saved_scene import SavedScene
 
 LOOK = 0.1
 """Seconds between two looks whether somebody asked it to stop."""
 FAREWELL = 1.0
 """Seconds that pages have to hear that a class is over."""
-MOST_STUDENTS = 200
+MOST_STUDENTS, MOST_ON_SERVER = 500, 200
+"""Where flocks run in browsers, and where they run on the server."""
 FILE = ".zip"
 """The ending of a class's file."""
+
+
+class FlockPlace(StrEnum):
+    """Where students' flocks run."""
+
+    IN_BROWSER = "in-browser"
+    ON_SERVER = "on-server"
 
 
 def classroom(
@@ -43,7 +53,20 @@ def classroom(
             show_default="order-against-noise",
         ),
     ] = None,
-    students: Annotated[int, typer.Option(min=1, max=MOST_STUDENTS, help="Students at most.")] = 40,
+    students: Annotated[
+        int,
+        typer.Option(
+            min=1,
+            max=MOST_STUDENTS,
+            help=f"Students at most; {MOST_ON_SERVER} where flocks run on the server.",
+        ),
+    ] = 40,
+    flocks: Annotated[
+        FlockPlace | None,
+        typer.Option(
+            help="Where students' flocks run.", show_default="in-browser where the scene can"
+        ),
+    ] = None,
     host: Host = "127.0.0.1",
     port: Port = 8080,
     allow_host: AllowHost = None,
@@ -58,7 +81,10 @@ def classroom(
     workers: Annotated[
         int | None,
         typer.Option(
-            min=1, max=64, help="Processes for students' flocks.", show_default="two a core"
+            min=1,
+            max=64,
+            help="Processes for students' flocks on the server.",
+            show_default="two a core",
         ),
     ] = None,
     open_browser: OpenBrowser = True,
@@ -79,7 +105,7 @@ def classroom(
     from app.classroom.class_keeper import ClassKeeper
     from app.classroom.front.serving import ClassFront
 
-    classroom = open_class(scene, students, workers or 2 * cores())
+    classroom = open_class(scene, students, workers or 2 * cores(), flocks)
     keeping = ClassKeeper(classroom, path)
     front = ClassFront(classroom, host, port, names, pair)
     with StopSignals() as stopping:
@@ -87,8 +113,11 @@ def classroom(
     exit_process()
 
 
-def open_class(name: str | None, seats: int, workers: int) -> Classroom:
+def open_class(
+    name: str | None, seats: int, workers: int, flocks: FlockPlace | None = None
+) -> Classroom:
     """The class of a lesson, a scene or a file. Raises InputError."""
+    from app.classroom.class_file import load
     from app.classroom.class_keeper import restore_class
     from app.classroom.classroom import Classroom
     from app.classroom.lessons.lessons import FIRST, find_lesson
@@ -97,11 +126,36 @@ def open_class(name: str | None, seats: int, workers: int) -> Classroom:
 
     name = name or FIRST
     if name.endswith(FILE):
-        return restore_class(Path(name), workers, RESULTS)
+        state = load(Path(name))
+        in_browser = runs_in_browser(state.scene, state.seats, flocks)
+        return restore_class(state, Path(name), workers, RESULTS, in_browser)
     scene = opened_file(name) if is_file(name) else find_lesson(name)
     if not isinstance(scene, SavedScene):
         raise InputError(f"{name} is no scene: a class begins with a scene or a spec (TOML)")
-    return Classroom(scene, seats, workers, RESULTS)
+    return Classroom(scene, seats, workers, RESULTS, runs_in_browser(scene, seats, flocks))
+
+
+def runs_in_browser(scene: SavedScene, seats: int, flocks: FlockPlace | None) -> bool:
+    """Whether students' flocks are to run in their browsers. Raises InputError."""
+    from app.classroom.workers.page_worker import demand_in_browser
+
+    is_chosen, reason = flocks is FlockPlace.IN_BROWSER, ""
+    if flocks is not FlockPlace.ON_SERVER:
+        try:
+            demand_in_browser(scene)
+            return True
+        except InputError as refusal:
+            if is_chosen:
+                raise
+            reason = str(refusal)
+    if seats > MOST_ON_SERVER:
+        raise InputError(
+            f"{seats} students are too many for flocks on the server: at most {MOST_ON_SERVER}"
+            + (f" ({reason})" if reason else "")
+        )
+    if reason:
+        typer.echo(f"students' flocks run on the server: {reason}", err=True)
+    return False
 
 
 def default_file() -> Path:
@@ -124,9 +178,12 @@ async def serve(
         if open_browser:
             loop = asyncio.get_running_loop()  # a browser may not return before it has the page
             loop.run_in_executor(None, webbrowser.open, front.opening_link)
-        due = time.monotonic() + EVERY
+        due, noted = time.monotonic() + EVERY, ""
         while not stopping.asked and not classroom.is_over:
             await asyncio.sleep(LOOK)
+            if classroom.flocks_note != noted:
+                noted = classroom.flocks_note
+                typer.echo(noted, err=True)
             if time.monotonic() >= due:
                 await save_regularly(keeping)
                 due = time.monotonic() + EVERY

@@ -1,4 +1,6 @@
-"""What a class costs: `python benchmarks/pages/classroom.py [--students 10 20 40] [--watch]`.
+"""What a class costs.
+
+    uv run python benchmarks/pages/classroom.py [--students 10 20 40] [--watch | --in-browser]
 
 Starts `flockscope class` with flocks of 300 agents (hwvem), and in a process of its own so many
 students that are programs, not browsers: they enter by the code, connect through the front, read
@@ -8,6 +10,11 @@ second of a flock that is not paused, what was sent, how soon a button was answe
 teacher's page was, processor time and memory of the class without its students, and what a
 laboratory costs at which nobody looks. With `--browsers N` so many students more are in browsers,
 at the size of a phone: what they get is printed too.
+
+With `--in-browser` flocks run in students' browsers: programs load the page and what runs in it,
+listen to the class, hand in within `--over` seconds, and fetch the results as they grow; the
+teacher's page listens too. Printed are processor time and bytes of each part of that, and the
+memory of the class: how soon a browser draws does not depend on it.
 """
 
 from __future__ import annotations
@@ -158,11 +165,13 @@ class Counted(ResponseHandler):
 class Class:
     """The command, from outside."""
 
-    def __init__(self, folder: str, agents: int, seats: int, output: Any = None):
+    def __init__(
+        self, folder: str, agents: int, seats: int, output: Any = None, flocks: str = "on-server"
+    ):
         (Path(folder) / "scene.toml").write_text(SCENE.format(agents=agents))
         command = [sys.executable, "-m", "flockscope", "class", "scene.toml", "--port", "0"]
         self.process = subprocess.Popen(
-            [*command, "--no-open", "--students", str(seats)],
+            [*command, "--no-open", "--students", str(seats), "--flocks", flocks],
             cwd=folder,
             stdout=subprocess.PIPE,
             stderr=output,
@@ -173,6 +182,10 @@ class Class:
         match = re.search(r"alone: (\S+)", lines[1])
         assert match is not None, lines
         self.teachers = match[1]
+        self.find_processes()
+
+    def find_processes(self) -> None:
+        """Find all processes that there are by now; the front's is the first."""
         self.all = [psutil.Process(self.process.pid)]
         self.all += self.all[0].children(recursive=True)
 
@@ -344,15 +357,23 @@ async def measure_empty_class(classroom: Class, count: int, idle: float) -> None
 def main() -> None:
     """Measure and print."""
     asking = argparse.ArgumentParser(description="What a class costs.")
-    asking.add_argument("--students", type=int, nargs="+", default=[10, 20, 40])
+    asking.add_argument("--students", type=int, nargs="+", help="10 20 40; 40 200 500 in browsers")
     asking.add_argument("--agents", type=int)
     asking.add_argument("--watch", action="store_true")
     asking.add_argument("--seconds", type=float, default=20.0)
     asking.add_argument("--idle", type=float, default=20.0, help="seconds, of nobody looking")
     asking.add_argument("--browsers", type=int, default=0, help="students more, in browsers")
+    asking.add_argument("--in-browser", action="store_true", help="flocks run in browsers")
+    asking.add_argument("--over", type=float, default=60.0, help="seconds in which all hand in")
     options = asking.parse_args()
+    if options.in_browser:
+        from class_in_browsers import measure_in_browsers
+
+        for count in options.students or (40, 200, 500):
+            asyncio.run(measure_in_browsers(count, options.over))
+        return
     agents = options.agents or (1000 if options.watch else 300)
-    for count in options.students:
+    for count in options.students or (10, 20, 40):
         asyncio.run(
             measure(count, agents, options.watch, options.seconds, options.idle, options.browsers)
         )

@@ -1,6 +1,7 @@
 /* The results of a class, as they come in: every result, mean and interval for each value, the curve
-   of a sweep behind them. A result can be pressed. `data` is what the class says of its question. */
-window.flockscopeChart = (place, data, press) => {
+   of a sweep behind them. A result can be pressed where `press` is given. `data` is what the class says
+   of its question; results whose numbers are in `mine` are marked. */
+window.flockscopeChart = (place, data, press, mine = []) => {
   const kind = "http://www.w3.org/2000/svg";
   const wide = Math.max(300, place.clientWidth), tall = Math.max(240, Math.min(420, wide * 0.5));
   const box = { left: 56, right: wide - 16, top: 16, bottom: tall - 28 };
@@ -50,9 +51,11 @@ window.flockscopeChart = (place, data, press) => {
   }
   for (const [number, name, value, result, counts, differs] of data.points) {
     const absent = result === null, at = absent ? box.bottom - 6 : y(result);
-    const style = `fs-point${differs ? " fs-differs" : ""}${counts ? "" : " fs-before"}${absent ? " fs-absent" : ""}`;
-    const dot = draw("circle", { cx: x(value), cy: at, r: 6, class: style, tabindex: 0, role: "button" }, svg);
-    const said = `${name}: ${data.x.symbol} = ${value}, ${absent ? "it did not happen" : result}${differs ? ` (${differs})` : ""}`;
+    const own = mine.includes(number);
+    const style = `fs-point${own ? " fs-own" : ""}${differs ? " fs-differs" : ""}${counts ? "" : " fs-before"}${absent ? " fs-absent" : ""}`;
+    const dot = draw("circle", { cx: x(value), cy: at, r: 6, class: style, ...(press ? { tabindex: 0, role: "button" } : {}) }, svg);
+    const said = `${own ? "yours" : name}: ${data.x.symbol} = ${value}, ${absent ? "it did not happen" : result}${differs ? ` (${differs})` : ""}`;
+    if (!press) continue;
     draw("title", {}, dot, `${said}. Press to open the run.`);
     dot.setAttribute("aria-label", said);
     dot.addEventListener("click", () => press(number));

@@ -88,22 +88,26 @@
     parts.card.classList.toggle("fs-away", !one.here);
     parts.name.textContent = parts.name.title = one.name;
     parts.card.setAttribute("aria-label", one.name);
-    parts.model.textContent = own ? one.seen ? one.seen.model : "own flock" : "watching";
+    const apart = own && known.browsers && one.number > 0; // in their browser, where nobody else looks
+    parts.model.textContent = apart ? "flock in their browser" : own ? one.seen ? one.seen.model : "own flock" : "watching";
     parts.stands.textContent = !one.here ? "not here" : !own ? "sees my flock" :
-      one.frozen ? `frozen, ${stands(one)}` : stands(one);
-    parts.numbers.textContent = own && one.seen ?
+      one.frozen ? `frozen${apart ? "" : `, ${stands(one)}`}` : apart ? "here" : stands(one);
+    parts.numbers.textContent = apart ? one.handed ? `${one.handed} handed in` : "" : own && one.seen ?
       one.seen.numbers.map(([title, value]) => `${title} ${few(value)}`).join("\n") : "";
     parts.note.textContent = one.note || "";
     parts.note.hidden = !one.note;
     parts.role.textContent = own ? "Watch mine" : "Own flock";
     parts.hold.textContent = one.frozen ? "Go on" : "Freeze";
-    parts.hold.hidden = parts.open.hidden = parts.canvas.hidden = !own;
-    if (own) drawn(parts.canvas, one.seen);
+    parts.hold.hidden = !own;
+    parts.open.hidden = parts.canvas.hidden = !own || apart;
+    if (own && !apart) drawn(parts.canvas, one.seen);
     return parts.card;
   };
   const shown = (text, line) => {
     known = JSON.parse(text);
     at("lost").hidden = true;
+    at("flocks").textContent = known.flocks;
+    at("flocks").hidden = !known.flocks;
     at("title").textContent = known.title;
     const here = known.students.filter((one) => one.here).length;
     at("count").textContent = `${here} here of ${known.students.length}, ${known.seats} seats`;

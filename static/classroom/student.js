@@ -38,6 +38,11 @@
       over("This class is over for you.");
       return;
     }
+    if (told.page === "flock") {
+      line.close();
+      location.reload(); // one's own flock runs in another page
+      return;
+    }
     root.dataset.role = told.role;
     root.dataset.held = String(told.frozen && told.role === "own");
     who.textContent = told.name;

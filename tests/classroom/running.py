@@ -35,6 +35,10 @@ BUSY = 60.0
 """Seconds for what a busy machine takes its time to do."""
 
 
+COMPILES = 600.0
+"""Seconds for the page of students to be compiled there: ten of an idle core."""
+
+
 @dataclass
 class Answer:
     """What came back."""
@@ -109,6 +113,19 @@ class Person:
             line.close()
         return json.loads(first.removeprefix("data: "))
 
+    @contextmanager
+    def listening(self, path: str):
+        """A stream that is open."""
+        line = http.client.HTTPConnection("localhost", self.port, timeout=BUSY)
+        line.request("GET", path, headers={"Cookie": self.cookie})
+        got = line.getresponse()
+        assert got.status == 200, got.status
+        try:
+            yield got
+        finally:
+            got.close()
+            line.close()
+
     def connect(self, path: str = "/", **headers: str) -> ClientConnection:
         """A websocket, as viser's page opens it, introduced."""
         line = connect(
@@ -171,12 +188,13 @@ class Running:
 
 @contextmanager
 def running(folder: Path, *options: str, scene: str | None = None):
-    """A class in a folder, stopped at the end."""
+    """A class in a folder, stopped at the end; flocks run on the server where no option says."""
     (folder / "scene.toml").write_text(SCENE)
     command = [sys.executable, "-P", "-m", "flockscope", "class", scene or "scene.toml"]
     port = () if "--port" in options else ("--port", "0")
+    flocks = () if "--flocks" in options else ("--flocks", "on-server")
     process = subprocess.Popen(
-        [*command, *port, "--no-open", *options],
+        [*command, *port, *flocks, "--no-open", *options],
         cwd=folder,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -203,6 +221,11 @@ def running(folder: Path, *options: str, scene: str | None = None):
 def roster(teacher: Person) -> dict:
     """What the teacher's page shows."""
     return teacher.told("/class/roster")
+
+
+def has_compiled(teacher: Person) -> None:
+    """Wait until students' page is compiled."""
+    until(lambda: not roster(teacher)["flocks"], COMPILES)
 
 
 def number_of(teacher: Person, name: str) -> int:

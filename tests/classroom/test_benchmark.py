@@ -46,3 +46,15 @@ def test_the_benchmark_of_an_attack_prints_how_long_the_honest_wait():
     assert re.search(r"attacked +\d+ results waited for +\S+ s", said)
     assert re.search(r"honest without a result +0\n", said)
     assert re.search(r"not kept +0\n", said)
+
+
+def test_the_benchmark_of_flocks_in_browsers_prints_what_each_part_takes():
+    command = [sys.executable, str(ROOT / "benchmarks" / "pages" / "classroom.py")]
+    few = ("--in-browser", "--students", "3", "--over", "1")
+    said = subprocess.run([*command, *few], check=True, capture_output=True, text=True).stdout
+    assert "3 students, flocks of 300 agents in their browsers" in said
+    for part in ("all come", "a question is asked", "all hand in", "nothing happens"):
+        took = r"cores \d+\.\d\d \(the front \d+\.\d\d\), sent \d+\.\d MB"
+        assert re.search(rf"{part} .*{took}", said)
+    assert re.search(r"results +3\n", said)
+    assert float(re.search(r"memory, MB +(\d+)", said)[1]) > 0

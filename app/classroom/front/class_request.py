@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
+from contextlib import suppress
 from typing import Any
 from urllib.parse import parse_qsl
 
@@ -13,7 +15,7 @@ from app.classroom.student import Student
 from app.front.client_addresses import ConnectionLimits, RateLimit
 from app.front.http_server import Request
 from app.front.message_filter import CAMERA, LARGEST, TOO_MUCH, UnusableMessage, kind_of
-from worlds.input_error import InputError
+from worlds.input_error import InputError, shorten
 
 # What one student's pages may send, however many they are.
 
@@ -146,6 +148,27 @@ def text_in(values: dict[str, Any], key: str, longest: int = 200) -> str:
     if not isinstance(found, str) or len(found) > longest:
         raise InputError(f"{key} is to be a text of at most {longest} letters")
     return found
+
+
+MOST_VALUES = 8
+"""Sliders of a page."""
+
+
+def slider_values_in(values: dict[str, Any], key: str) -> dict[str, float]:
+    """Finite numbers by name among the values; none if they are left out. Raises InputError."""
+    found = values.get(key, {})
+    if not isinstance(found, dict) or len(found) > MOST_VALUES:
+        raise InputError(f"{key} is to be a table of at most {MOST_VALUES} numbers")
+    return {name: finite_number(name, value) for name, value in found.items()}
+
+
+def finite_number(name: str, value: object) -> float:
+    """A number that a page sends. Raises InputError."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        with suppress(OverflowError):
+            if math.isfinite(value):
+                return float(value)
+    raise InputError(f"{shorten(name)} = {shorten(value)} is not a finite number")
 
 
 def numbers_in(values: dict[str, Any], key: str, most: int = 1000) -> list[int] | None:

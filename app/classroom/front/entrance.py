@@ -24,7 +24,7 @@ from worlds.input_error import InputError
 
 FOLDER = STATIC / "classroom"
 THEME = "classroom/theme.js"
-STYLES = ("page.css", "classroom/pages.css")
+STYLES = ("page.css", "classroom/pages.css", "classroom/chart.css")
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class ClassEntrance:
         self.classroom = classroom
         self.cookies = {who: f"flockscope-{who}-{port}" for who in ("teacher", "student")}
         self.strangers: dict[str, RateLimit] = {}
-        self.joins = RateLimit(*JOINS)
+        self.joins = RateLimit(JOINS[0], max(JOINS[1], classroom.seats))
 
     def is_teacher(self, request: Request) -> bool:
         """Whether the teacher asks."""

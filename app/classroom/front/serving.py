@@ -23,6 +23,7 @@ from app.classroom.front.class_request import (
     StudentMessages,
 )
 from app.classroom.front.entrance import ClassEntrance
+from app.classroom.front.student_pages import StudentPages
 from app.classroom.front.student_requests import StudentRequests
 from app.classroom.front.teacher_requests import TeacherRequests
 from app.classroom.student import LaboratoryAddress, Role, Student
@@ -88,6 +89,7 @@ class ClassFront:
         self.log = Log()
         self.http = HttpServer(self.sock, self.answer, LIMITS.silent, self.log, self.tls)
         self.student = StudentRequests(classroom)
+        self.pages = StudentPages(classroom)
         self.teacher = TeacherRequests(classroom, self.addresses(host))
 
     def addresses(self, host: str) -> list[str]:
@@ -184,7 +186,7 @@ class ClassFront:
         limits = self.limits[student.number]
         if not limits.requests.take():
             raise web.HTTPTooManyRequests(text="too many requests at once: wait a moment\n")
-        if is_websocket(request):
+        if is_websocket(request) and not self.classroom.is_in_browser(student):
             return await self.connect_student(request, student, limits)
         if limits.going >= MOST_AT_ONCE + limits.streams:
             raise web.HTTPTooManyRequests(text="too many requests at once: wait a moment\n")
@@ -204,6 +206,8 @@ class ClassFront:
             return found
         if MARK in request.headers and student.frozen and student.role is Role.OWN:
             raise web.HTTPForbidden(text="your flock is held by the teacher\n")
+        if self.classroom.is_in_browser(student) and request.path != ALIVE:
+            return await self.pages.answer(request, student)
         if request.path in (ALIVE, *PAGES):
             place = None
         else:

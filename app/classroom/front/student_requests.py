@@ -10,7 +10,13 @@ from typing import Any
 from aiohttp import web
 
 from app.classroom.classroom import Classroom
-from app.classroom.front.class_request import MOST_STREAMS, StudentLimits, values_of
+from app.classroom.front.class_request import (
+    MOST_STREAMS,
+    StudentLimits,
+    slider_values_in,
+    values_of,
+)
+from app.classroom.front.student_pages import packed_response
 from app.classroom.student import Role, Student
 from app.front.http_server import READING, Request, secure
 
@@ -60,6 +66,12 @@ async def stream(
     return response
 
 
+PLOT = "/class/plot.json"
+"""Where a page has the class's results from."""
+PLOT_APART, PLOTS = 2.0, 50.0
+"""Seconds between two looks of a page at them at least, and looks a second of the whole class."""
+
+
 class StudentRequests:
     """Answers them; `answer` gives None for what is the laboratory's."""
 
@@ -72,16 +84,19 @@ class StudentRequests:
         """What a student is answered."""
         if request.path == "/class/mine" and request.method in READING:
             return await self.listen(request, student, limits)
+        if request.path == PLOT and request.method in READING and self.classroom.pages is not None:
+            return packed_response(request, self.classroom.asking.plot(), "application/json", {})
         if request.method != "POST":
             if request.path.startswith("/class"):
                 raise web.HTTPForbidden(text="this page is the teacher's\n")
             return None
-        await values_of(request)
+        values = await values_of(request)
         if not limits.words.take():
             raise web.HTTPTooManyRequests(text="too much at once: wait a moment\n")
         if request.path != "/class/hand-in":
             raise web.HTTPForbidden(text="only the teacher may do that\n")
-        return web.Response(text=await self.classroom.hand_in(student))
+        sliders = slider_values_in(values, "values")
+        return web.Response(text=await self.classroom.hand_in(student, sliders))
 
     async def listen(
         self, request: Request, student: Student, limits: StudentLimits
@@ -90,10 +105,15 @@ class StudentRequests:
         if limits.streams >= MOST_STREAMS:
             raise web.HTTPTooManyRequests(text="too many pages of one student at once\n")
         limits.streams += 1
+        here = self.classroom.is_in_browser(student) and request.method != "HEAD"
+        if here:
+            self.classroom.listen(student, 1)
         try:
             return await stream(request, self.classroom, lambda: self.mine(student))
         finally:
             limits.streams -= 1
+            if here:
+                self.classroom.listen(student, -1)
 
     def mine(self, student: Student) -> dict[str, Any]:
         """What a student's page shows of the class; nothing any more to who is taken out of it."""
@@ -108,7 +128,20 @@ class StudentRequests:
             "word": self.classroom.word,
             "question": self.question(student),
             "over": self.classroom.is_over,
-        }
+        } | self.of_page(student)
+
+    def of_page(self, student: Student) -> dict[str, Any]:
+        """What a page is told that has, or could have, the flock in it."""
+        pages = self.classroom.pages
+        if pages is None:
+            return {"page": "laboratory"}
+        if not self.classroom.is_in_browser(student):
+            return {"page": "watching"}
+        apart = max(PLOT_APART, len(self.classroom.students) / PLOTS)
+        asking = self.classroom.asking
+        mine = asking.results_of(student.name)
+        plot = {"version": asking.plot_version, "apart": apart, "mine": mine}
+        return {"page": "flock", "flock": pages.flock_of(student), "plot": plot}
 
     def question(self, student: Student) -> dict[str, Any] | None:
         """What a student with a flock is asked, and has answered so far."""
@@ -123,5 +156,5 @@ class StudentRequests:
             "parameter": "agents" if one is None else one.words,
             "value": None if given.value is None else f"{given.value:g}{unit}",
             "measured": question.result_words,
-            "handed": sum(point.student == student.name for point in collection.points),
+            "handed": len(self.classroom.asking.results_of(student.name)),
         }

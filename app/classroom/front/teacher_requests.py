@@ -118,6 +118,8 @@ class TeacherRequests:
             "frozen": classroom.frozen,
             "first": classroom.first_role,
             "over": classroom.is_over,
+            "browsers": classroom.pages is not None,
+            "flocks": classroom.pages.progress if classroom.pages else classroom.flocks_note,
             "question": classroom.asking.shown(),
             "mine": None if mine is None else asdict(mine),
             "students": [self.student(one) for one in classroom.students.values()],
@@ -134,6 +136,7 @@ class TeacherRequests:
             "frozen": one.frozen,
             "note": self.classroom.asking.runs.note(one.name),
             "seen": None if seen is None else asdict(seen),
+            "handed": len(self.classroom.asking.results_of(one.name)),
         }
 
     # What the teacher does; each gives a line of what has been done.

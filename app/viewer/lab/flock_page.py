@@ -14,6 +14,7 @@ import math
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import version
 from itertools import pairwise
 from pathlib import Path
@@ -136,9 +137,11 @@ class PageText:
         )
 
 
-def page_parts(flock: Flock, words: PageWords, update: Update) -> tuple[PageText, str, str]:
-    """The page of a flock, its script and its style. Raises InputError."""
-    program = web_program(flock, update)
+def page_parts(
+    flock: Flock, words: PageWords, update: Update = lambda _: None, is_fixed: bool = False
+) -> tuple[PageText, str, str]:
+    """The page of a flock, its script and its style; see `web_program`. Raises InputError."""
+    program = web_program(flock, update, is_fixed)
     rule = flock.model.rule
     triangles, lines = drawn_obstacles(flock.world)
     shapes = {"triangles": triangles, "lines": lines}
@@ -229,6 +232,7 @@ def page_policy(script: str, style: str) -> str:
     )
 
 
+@cache
 def short_script(name: str) -> str:
     """A script without its comments and its indentation, which a page needs not carry."""
     lines = (FOLDER / name).read_text("utf-8").splitlines()

@@ -1,0 +1,177 @@
+"""What the process of students' pages does: it compiles a class's flock and writes pages of it.
+
+A page has its student's own start in it, some ten kilobytes. What runs is one WebAssembly module
+for all whose flocks differ by seed and values alone; it is served beside the pages.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import json
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from agents.flock import Flock
+from agents.web_program import demand_possible, sliders, zones
+from app.classroom.collect.question import Question
+from app.classroom.collect.question_choices import ready_for
+from app.classroom.lessons.lessons import lesson_of
+from app.package_files import STATIC
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.lab.flock_page import PageWords, packed, page_parts, short_script
+from app.viewer.lab.sweeps.sweep_request import AGENTS
+from worlds.input_error import InputError
+
+SCRIPTS = ("../classroom/chart.js", "../classroom/flock.js")
+"""Of a student's page, behind those that every page of a flock has."""
+STYLES = ("classroom/chart.css", "classroom/flock.css")
+MOST_SLIDERS = 2
+"""Where no question, and none that is ready, names any."""
+COMMAND = "flockscope class"
+MODULES = "flock/"
+"""Where a page finds its module, from its own address."""
+
+
+@dataclass(frozen=True)
+class StudentPage:
+    """The page of one student's flock."""
+
+    html: bytes
+    """Packed by gzip."""
+    policy: str
+    """What it may do (Content-Security-Policy)."""
+    module: str
+    """The name of its WebAssembly."""
+    sliders: tuple[str, ...]
+    """Parameters that the student may change."""
+
+
+def demand_in_browser(scene: SavedScene) -> None:
+    """Refuse a scene whose flock cannot run in students' browsers, as far as can be told before it
+    is compiled. Raises InputError."""
+    if scene.beside is not None:
+        raise InputError("two flocks beside each other cannot run in a student's page")
+    flock = Flock(scene.spec)
+    demand_possible(flock)
+    zones(flock)
+
+
+def named_sliders(scene: SavedScene, question: Question | None) -> tuple[str, ...]:
+    """The parameters that a class changes: those of the question, else of the first one that is
+    ready for the scene, else the first of the model."""
+    asked = question or first_question(scene)
+    known = [slider.name for slider in sliders(Flock(scene.spec))]
+    if asked is None:
+        return tuple(known[:MOST_SLIDERS])
+    return tuple(name for name in asked.open if name != AGENTS and name in known)
+
+
+def first_question(scene: SavedScene) -> Question | None:
+    """The question that is ready for a scene, that of its lesson first."""
+    ready = ready_for(scene.spec, lesson_of(scene))
+    return ready[0].question if ready else None
+
+
+class PageWorker:
+    """Compiles, which takes some ten seconds for each model and kind of world, and writes pages."""
+
+    def __init__(self) -> None:
+        self.modules: dict[str, bytes] = {}
+        """Packed by gzip, by their names."""
+
+    def compile(self, scene: str) -> str:
+        """Compile what the flock of a scene, TOML, runs; the name of its module. Raises
+        InputError."""
+        opened = SavedScene.from_toml(scene, "the class's scene")
+        demand_in_browser(opened)
+        return self.write(scene, None, {}).module
+
+    def module(self, name: str) -> bytes:
+        """A module, packed by gzip. Raises InputError."""
+        found = self.modules.get(name)
+        if found is None:
+            raise InputError("this flock is compiled anew: load the page again")
+        return found
+
+    def write(self, scene: str, question: Question | None, student: dict[str, Any]) -> StudentPage:
+        """The page of a student whose flock begins with a scene, TOML. Raises InputError.
+
+        `student`: what its script is told at first.
+        """
+        opened = SavedScene.from_toml(scene, "the student's flock")
+        demand_in_browser(opened)
+        asked = question or first_question(opened)
+        observable = "" if asked is None else asked.measure.observable
+        plots = (observable, *opened.plots) if observable else opened.plots
+        words = PageWords(opened.title, opened.watch, opened.tries, opened.speed, plots, COMMAND)
+        page, script, style = page_parts(Flock(opened.spec), words, is_fixed=True)
+        module = hashlib.sha256(page.program.module).hexdigest()[:32]
+        if module not in self.modules:
+            self.modules[module] = gzip.compress(page.program.module, mtime=0)
+        movable = {one["name"] for one in page.program.manifest["parameters"] if one["slots"]}
+        shown = tuple(name for name in named_sliders(opened, question) if name in movable)
+        measured = [one["name"] for one in page.program.manifest["measures"]]
+        told = student | {
+            "sliders": shown,
+            "measure": None if asked is None or observable not in measured else measure_of(asked),
+        }
+        script, style = "\n".join((script, class_script())), style + class_style()
+        policy = page_policy(script, style)
+        text = page.filled(
+            policy=policy,
+            style=f"<style>{style}</style>",
+            module=f'<script type="text/plain" id="module" data-file="{MODULES}{module}.wasm">'
+            "</script>",
+            memory=f'<script type="text/plain" id="memory">{packed(page.program.memory)}</script>',
+            script=f'<script type="application/json" id="class">{as_json(told)}</script>'
+            f"<script>{script}</script>",
+        )
+        return StudentPage(gzip.compress(text.encode(), 6, mtime=0), policy, module, shown)
+
+
+def measure_of(question: Question) -> dict[str, Any]:
+    """What a page measures of its run, as the question does: by `observable` alone, its mean over
+    so many ticks, or the tick from which a bound held."""
+    condition = question.measure.condition
+    return {
+        "observable": question.measure.observable,
+        "ticks": question.ticks,
+        "over": question.measure.over,
+        "until": None if condition is None else [condition.sign, condition.bound],
+        "hold": question.measure.hold,
+        "words": question.result_words,
+    }
+
+
+@cache
+def class_script() -> str:
+    """What a student's page has beside the scripts of every page of a flock."""
+    return "\n".join(short_script(name) for name in SCRIPTS)
+
+
+@cache
+def class_style() -> str:
+    """The styles of what a student's page has beside a flock."""
+    return "".join((STATIC / name).read_text("utf-8") for name in STYLES)
+
+
+def as_json(values: dict[str, Any]) -> str:
+    """Values as a script of a page can hold them."""
+    return json.dumps(values, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def page_policy(script: str, style: str) -> str:
+    """The Content-Security-Policy of a page with this script and this style: it connects with the
+    class alone."""
+    script_hash, style_hash = (
+        base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+        for text in (script, style)
+    )
+    return (
+        f"default-src 'none'; script-src 'sha256-{script_hash}' 'wasm-unsafe-eval'; "
+        f"worker-src blob:; style-src 'sha256-{style_hash}'; connect-src 'self'; "
+        "base-uri 'none'; form-action 'none'"
+    )

@@ -1,0 +1,171 @@
+// A student's page whose flock runs in it: what the class says, the sliders that it names, the number
+// that it asks for, and its results. It stands behind the scripts of every page of a flock.
+const classPage = (() => {
+  let current = null; // the page, once the flock is there
+  const { flock, name, sliders, measure } = JSON.parse($("class").textContent);
+  const root = document.documentElement, home = location.pathname.replace(/\/(index\.html)?$/, "");
+  const make = (kind, style, ...inner) => {
+    const made = document.createElement(kind);
+    made.className = style;
+    made.append(...inner);
+    return made;
+  };
+  const state = make("span", ""), word = make("p", "word"), number = make("output", "");
+  const title = make("h2", ""), task = make("p", ""), until = make("small", ""), answer = make("p", "answer");
+  const hand = make("button", "hand", "Hand in my run"), chart = make("div", "fs-chart"), told = make("small", "");
+  const live = make("div", "live", number, until);
+  const asked = make("div", "card asked", title, task, live, hand, answer);
+  const plot = make("div", "card plot", make("h2", "", "The class"), told, chart);
+  const more = make("details", "card more", make("summary", "", "More"), $("tries"), $("look"), $("charts"), $("saves"));
+  for (const one of [word, answer]) one.setAttribute("role", "status");
+  asked.hidden = plot.hidden = word.hidden = true;
+  document.querySelector("h1").after(make("p", "who", make("b", "", name), state));
+  document.querySelector("header").append(word);
+  $("sliders").after(asked, plot, more);
+  $("sliders").hidden = !sliders.length;
+  more.ontoggle = () => current?.show();
+
+  // What the class does not name has no slider, and nothing proposes to move it.
+  const { addSlider, addStep, go, set, key, reset, show, begin } = Page.prototype;
+  Object.assign(Page.prototype, {
+    addSlider(parameter) {
+      if (sliders.includes(parameter.name)) addSlider.call(this, parameter);
+      else this.shown[parameter.name] = () => {};
+    },
+    addStep(step) {
+      if (Object.keys(step.set).every((one) => sliders.includes(one))) addStep.call(this, step);
+    },
+    async begin() {
+      const first = this.charts[0];
+      if (measure && first?.measure.name === measure.observable)
+        live.before(first.canvas.closest(".chart"));
+      await begin.call(this);
+      current = this;
+      hold(held);
+      if (!held) this.go(true);
+    },
+    go(going) { go.call(this, going && !held); },
+    set(parameter, value) { if (!held) set.call(this, parameter, value); },
+    reset() { return held && current ? undefined : reset.call(this); },
+    key(event) { if (!held) key.call(this, event); },
+    show() { show.call(this); tell(this); },
+  });
+
+  // The number that is asked for, as far as the run is.
+  const HOLDS = { ">=": (a, b) => a >= b, "<=": (a, b) => a <= b, ">": (a, b) => a > b, "<": (a, b) => a < b };
+  function tell({ state: now, charts }) {
+    if (!measure || !now || !charts.length || charts[0].measure.name !== measure.observable) return;
+    const few = (value) => !Number.isFinite(value) ? "none" : charts[0].measure.share ? text(value, 3) : plain(value);
+    const points = charts[0].points.filter(([tick]) => tick <= measure.ticks);
+    if (!points.length) return;
+    if (measure.until) {
+      const [sign, bound] = measure.until, { hold: long } = measure;
+      let since = null;
+      for (const [tick, value] of points) {
+        if (!HOLDS[sign](value, bound)) since = null;
+        else if ((since ??= tick) <= tick - long + 1) break;
+      }
+      const last = points.at(-1)[0], held = since !== null && last - since >= long - 1;
+      number.textContent = held ? String(since) : "not yet";
+    } else {
+      const part = measure.over ? points.filter(([tick]) => tick > points.at(-1)[0] - measure.over) : points.slice(-1);
+      number.textContent = few(part.reduce((sum, [, value]) => sum + value, 0) / part.length);
+    }
+    until.textContent = `${measure.words}: tick ${grouped(Math.min(now.tick, measure.ticks))} of ${grouped(measure.ticks)}`;
+  }
+
+  let held = false, ended = false, before = "", drawn = "", waits = 0, last = -Infinity;
+  function hold(now) {
+    held = now;
+    root.dataset.held = String(held);
+    if (held) current?.go(false);
+    for (const one of document.querySelectorAll("#go, #step, #reset, #sliders input")) one.disabled = held || !current;
+    hand.disabled = held || busy || !current;
+    state.textContent = held ? "held by the teacher" : "";
+  }
+
+  // The run is made anew by the class: all that it is told is where the sliders stand.
+  let busy = false;
+  hand.onclick = async () => {
+    busy = hand.disabled = true;
+    answer.textContent = "Your run is made and measured …";
+    const { values } = current;
+    try {
+      const reply = await fetch(`${home}/class/hand-in`, {
+        method: "POST", cache: "no-store", credentials: "same-origin",
+        body: JSON.stringify({ values: Object.fromEntries(sliders.map((one) => [one, values[one]])) }),
+        headers: { "X-Flockscope": "class", "Content-Type": "application/json" },
+      });
+      answer.textContent = (await reply.text()).trim();
+    } catch { answer.textContent = "The class does not answer."; }
+    busy = false;
+    hold(held);
+  };
+
+  const ask = (question) => {
+    asked.hidden = !question && !measure;
+    hand.hidden = task.hidden = !question;
+    title.textContent = question ? question.title : "What to watch";
+    if (!question) return;
+    if (before !== question.title + question.value) answer.textContent = "";
+    before = question.title + question.value;
+    task.textContent = question.value === null ?
+      `Choose ${question.parameter.toLowerCase()} and watch ${question.measured}.` :
+      `Yours: ${question.parameter.toLowerCase()} ${question.value}. Watch ${question.measured}.`;
+    hand.textContent = question.handed ? `Hand in again (${question.handed})` : "Hand in my run";
+  };
+
+  // The class's results, as they grow: not more often than the class can bear.
+  const look = ({ version, apart, mine }) => {
+    const now = `${version} ${mine}`;
+    if (!version || now === drawn || waits) return;
+    waits = setTimeout(async () => {
+      last = performance.now();
+      try {
+        const reply = await fetch(`${home}/class/plot.json`, { cache: "no-store", credentials: "same-origin" });
+        if (!reply.ok) throw new Error("no results");
+        const results = await reply.json();
+        drawn = now;
+        plot.hidden = false;
+        told.textContent = results.told;
+        window.flockscopeChart(chart, results, null, mine);
+      } catch { /* it is asked for again below */ }
+      waits = 0;
+      if (!ended) look(newest);
+    }, Math.max(0, last + 1000 * apart - performance.now()));
+  };
+
+  let newest = null;
+  const shown = (text, line) => {
+    const now = JSON.parse(text);
+    if (now.over) {
+      ended = true;
+      line.close();
+      hold(true);
+      state.textContent = "This class is over for you.";
+      return;
+    }
+    if (now.page !== "flock" || (now.flock && now.flock !== flock)) {
+      line.close();
+      location.reload(); // another flock, or the teacher's
+      return;
+    }
+    word.textContent = now.word;
+    word.hidden = !now.word;
+    ask(now.question);
+    hold(now.frozen);
+    newest = now.plot;
+    look(newest);
+  };
+  const listen = () => {
+    const line = new EventSource(`${home}/class/mine`);
+    line.onmessage = (event) => shown(event.data, line);
+    line.onerror = () => {
+      if (ended) return;
+      state.textContent = "The class does not answer: trying again.";
+      if (line.readyState === EventSource.CLOSED) setTimeout(listen, 2000);
+    };
+  };
+  listen();
+  return { looking: () => drawn };
+})();

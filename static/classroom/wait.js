@@ -1,0 +1,14 @@
+/* Loads the page again once there is another flock for this student than the one it stands for. */
+document.addEventListener("DOMContentLoaded", () => {
+  const listen = () => {
+    const line = new EventSource("class/mine");
+    line.onmessage = (event) => {
+      const { page, flock, over } = JSON.parse(event.data);
+      if (over || (page === "flock" && (!flock || flock === document.body.dataset.flock))) return;
+      line.close();
+      location.reload();
+    };
+    line.onerror = () => { if (line.readyState === EventSource.CLOSED) setTimeout(listen, 2000); };
+  };
+  listen();
+});
