@@ -18,9 +18,10 @@ from app.classroom.classroom import Classroom
 from app.classroom.flocks import Flocks
 from app.classroom.lessons.lessons import find_lesson, lesson_names
 from app.classroom.student import Role
-from app.classroom.workers.page_worker import named_sliders
+from app.classroom.workers.page_worker import first_question, named_sliders
 from app.cli.classroom import FlockPlace, runs_in_browser
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.lab.sweeps.sweep_request import numbers
 from app.viewer.run.run_preset import preset_spec
 from tests.classroom.running import (
     BUSY,
@@ -351,7 +352,9 @@ def test_what_no_browser_can_run_is_one_line_at_the_start(tmp_path, monkeypatch,
     ],
 )
 def test_a_lesson_names_one_or_two_sliders(lesson, sliders):
-    assert named_sliders(find_lesson(lesson), None) == sliders
+    scene = find_lesson(lesson)
+    known = [one.name for one in numbers(scene.spec.model)]
+    assert named_sliders(first_question(scene), known) == sliders
 
 
 def test_every_lesson_runs_in_browsers():

@@ -10,19 +10,19 @@ import base64
 import gzip
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from agents.flock import Flock
-from agents.web_program import demand_possible, sliders, zones
+from agents.web_program import demand_possible, zones
 from app.classroom.collect.question import Question
 from app.classroom.collect.question_choices import ready_for
 from app.classroom.lessons.lessons import lesson_of
 from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.flock_page import PageWords, packed, page_parts, short_script
-from app.viewer.lab.sweeps.sweep_request import AGENTS
 from worlds.input_error import InputError
 
 SCRIPTS = ("../classroom/chart.js", "../classroom/flock.js")
@@ -52,21 +52,24 @@ class StudentPage:
 def demand_in_browser(scene: SavedScene) -> None:
     """Refuse a scene whose flock cannot run in students' browsers, as far as can be told before it
     is compiled. Raises InputError."""
-    if scene.beside is not None:
-        raise InputError("two flocks beside each other cannot run in a student's page")
+    demand_alone(scene)
     flock = Flock(scene.spec)
     demand_possible(flock)
     zones(flock)
 
 
-def named_sliders(scene: SavedScene, question: Question | None) -> tuple[str, ...]:
-    """The parameters that a class changes: those of the question, else of the first one that is
-    ready for the scene, else the first of the model."""
-    asked = question or first_question(scene)
-    known = [slider.name for slider in sliders(Flock(scene.spec))]
-    if asked is None:
+def demand_alone(scene: SavedScene) -> None:
+    """Refuse a scene with two flocks. Raises InputError."""
+    if scene.beside is not None:
+        raise InputError("two flocks beside each other cannot run in a student's page")
+
+
+def named_sliders(question: Question | None, known: Sequence[str]) -> tuple[str, ...]:
+    """The parameters that a class changes, of those that a page can: the question's, else the first
+    of the model."""
+    if question is None:
         return tuple(known[:MOST_SLIDERS])
-    return tuple(name for name in asked.open if name != AGENTS and name in known)
+    return tuple(name for name in question.open if name in known)
 
 
 def first_question(scene: SavedScene) -> Question | None:
@@ -102,7 +105,7 @@ class PageWorker:
         `student`: what its script is told at first.
         """
         opened = SavedScene.from_toml(scene, "the student's flock")
-        demand_in_browser(opened)
+        demand_alone(opened)
         asked = question or first_question(opened)
         observable = "" if asked is None else asked.measure.observable
         plots = (observable, *opened.plots) if observable else opened.plots
@@ -111,8 +114,8 @@ class PageWorker:
         module = hashlib.sha256(page.program.module).hexdigest()[:32]
         if module not in self.modules:
             self.modules[module] = gzip.compress(page.program.module, mtime=0)
-        movable = {one["name"] for one in page.program.manifest["parameters"] if one["slots"]}
-        shown = tuple(name for name in named_sliders(opened, question) if name in movable)
+        movable = [one["name"] for one in page.program.manifest["parameters"] if one["slots"]]
+        shown = named_sliders(asked, movable)
         measured = [one["name"] for one in page.program.manifest["measures"]]
         told = student | {
             "sliders": shown,
