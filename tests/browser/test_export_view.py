@@ -329,7 +329,7 @@ def test_without_webgl_it_draws_darts_and_obstacles(opened, model):
         assert page.locator("#trails").is_disabled()
         assert "WebGL2" in page.locator("#trailed").inner_text()
         place = pixel_of(page, 5)
-        assert page.evaluate(painted, place) == 255
+        assert page.evaluate(painted, place) > 127, "one that flies away is narrow"
         page.mouse.click(*place)
         assert words(page).startswith("Agent ")
         triangles = page.evaluate("page.manifest.triangles.slice(0, 3)")
