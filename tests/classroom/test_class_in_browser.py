@@ -7,6 +7,7 @@ import csv
 import io
 import json
 import re
+from dataclasses import replace
 
 import pytest
 from cli.calling import refusal
@@ -150,7 +151,7 @@ def test_a_run_that_is_handed_in_is_made_anew_with_its_sliders(ours, asked):
     ed = ours.student("Ed")
     mine = ed.told("/class/mine")["question"]
     assert mine["value"] in ("0 rad", "6 rad")
-    seed = manifest(ed)["seed"]
+    seed = int(manifest(ed)["seed"])
     assert hand_in(ed, eta=1.25).text.startswith(f"Ed, eta = 1.25 rad, seed {seed}: polarisation")
     rows = csv.DictReader(io.StringIO(asked.ask("/class/results.csv").text))
     row = next(one for one in rows if one["student"] == "Ed")
@@ -282,11 +283,12 @@ def test_all_begin_with_what_the_teacher_runs(ours, teacher):
 def test_what_no_browser_can_run_is_refused_and_all_go_on(ours, teacher):
     moe = ours.student("Moe")
     before = moe.told("/class/mine")["flock"]
-    spec = preset_spec("vem", agents=40, wind=0.01)
-    teacher_opens(teacher, SavedScene("Wind", spec))
+    spec = preset_spec("vem", agents=40)
+    beside = spec.but(model="couzin", parameters={})
+    teacher_opens(teacher, SavedScene("Two", spec, beside=beside))
     answer = teacher.do("start", students=[number_of(teacher, "Moe")])
     assert answer.status == 400
-    assert answer.text.startswith("wind and gusts cannot run in a page")
+    assert answer.text.startswith("two flocks beside each other cannot run")
     assert moe.told("/class/mine")["flock"] == before
     assert moe.ask("/").status == 200
 
@@ -319,27 +321,27 @@ def test_a_class_that_is_stopped_goes_on_with_the_flocks_of_its_students(tmp_pat
 
 def test_where_flocks_run_follows_from_the_scene(capsys):
     plain = SavedScene("Plain", preset_spec("vem", agents=30))
-    windy = SavedScene("Windy", preset_spec("vem", agents=30, wind=0.01))
+    two = replace(plain, beside=preset_spec("hwvem", agents=30))
     assert runs_in_browser(plain, 500, None)
     assert not runs_in_browser(plain, 200, FlockPlace.ON_SERVER)
     assert capsys.readouterr().err == ""
-    assert not runs_in_browser(windy, 40, None)
+    assert not runs_in_browser(two, 40, None)
     said = capsys.readouterr().err
-    assert said.startswith("students' flocks run on the server: wind and gusts cannot run")
+    assert said.startswith("students' flocks run on the server: two flocks beside each other")
     assert said.count("\n") == 1
 
 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--flocks", "in-browser"], "wind and gusts cannot run in a page"),
+        (["--flocks", "in-browser"], "two flocks beside each other cannot run"),
         (["--students", "300"], "300 students are too many for flocks on the server: at most 200"),
     ],
 )
 def test_what_no_browser_can_run_is_one_line_at_the_start(tmp_path, monkeypatch, options, said):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "windy.toml").write_text(SCENE.replace("seed = 1", "seed = 1\nwind = 0.01"))
-    assert said in refusal("class", "windy.toml", *options, "--port", 0, "--no-open")
+    (tmp_path / "two.toml").write_text(f'{SCENE}[beside]\nmodel = "hwvem"\n')
+    assert said in refusal("class", "two.toml", *options, "--port", 0, "--no-open")
 
 
 @pytest.mark.parametrize(
