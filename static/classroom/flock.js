@@ -58,6 +58,7 @@ const classPage = (() => {
     const few = (value) => !Number.isFinite(value) ? "none" : charts[0].measure.share ? text(value, 3) : plain(value);
     const points = charts[0].points.filter(([tick]) => tick <= measure.ticks);
     if (!points.length) return;
+    let so = "";
     if (measure.until) {
       const [sign, bound] = measure.until, { hold: long } = measure;
       let since = null;
@@ -65,13 +66,14 @@ const classPage = (() => {
         if (!HOLDS[sign](value, bound)) since = null;
         else if ((since ??= tick) <= tick - long + 1) break;
       }
-      const last = points.at(-1)[0], held = since !== null && last - since >= long - 1;
-      number.textContent = held ? String(since) : "not yet";
+      const holds = since === null ? 0 : points.at(-1)[0] - since + 1;
+      number.textContent = holds ? grouped(since) : "not yet";
+      if (holds && holds < long) so = `, it holds for ${holds} so far`;
     } else {
       const part = measure.over ? points.filter(([tick]) => tick > points.at(-1)[0] - measure.over) : points.slice(-1);
       number.textContent = few(part.reduce((sum, [, value]) => sum + value, 0) / part.length);
     }
-    until.textContent = `${measure.words}: tick ${grouped(Math.min(now.tick, measure.ticks))} of ${grouped(measure.ticks)}`;
+    until.textContent = `${measure.words}: tick ${grouped(Math.min(now.tick, measure.ticks))} of ${grouped(measure.ticks)}${so}`;
   }
 
   let held = false, ended = false, before = "", drawn = "", waits = 0, last = -Infinity;

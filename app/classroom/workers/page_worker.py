@@ -108,7 +108,7 @@ class PageWorker:
         demand_alone(opened)
         asked = question or first_question(opened)
         observable = "" if asked is None else asked.measure.observable
-        plots = (observable, *opened.plots) if observable else opened.plots
+        plots = plots_with(observable, opened.plots)
         words = PageWords(opened.title, opened.watch, opened.tries, opened.speed, plots, COMMAND)
         page, script, style = page_parts(Flock(opened.spec), words, is_fixed=True)
         module = hashlib.sha256(page.program.module).hexdigest()[:32]
@@ -133,6 +133,15 @@ class PageWorker:
             f"<script>{script}</script>",
         )
         return StudentPage(gzip.compress(text.encode(), 6, mtime=0), policy, module, shown)
+
+
+def plots_with(observable: str, plots: Sequence[str]) -> tuple[str, ...]:
+    """What a page plots: first what is asked for, each once.
+
+    >>> plots_with("consistency", ("polarisation", "consistency"))
+    ('consistency', 'polarisation')
+    """
+    return tuple(dict.fromkeys(name for name in (observable, *plots) if name))
 
 
 def measure_of(question: Question) -> dict[str, Any]:
