@@ -147,7 +147,7 @@ def page_parts(
     shapes = {"triangles": triangles, "lines": lines}
     manifest = program.manifest | shapes | {"palette": page_palette(flock.world.dim)}
     manifest["tries"] = steps_to_try(flock, words)
-    first = {name: place for place, name in enumerate(words.plots)}
+    first = {name: place for place, name in enumerate(dict.fromkeys(words.plots))}
     manifest["measures"].sort(key=lambda one: first.get(one["name"], len(first)))
     for parameter in manifest["parameters"]:
         parameter["symbol"] = plain_symbol(parameter["symbol"])
