@@ -188,6 +188,14 @@ class Page {
     $("save-charts").onclick = () => this.saveCharts();
     $("save-picture").onclick = () => this.savePicture();
     document.addEventListener("keydown", (event) => this.key(event));
+    // A page of two flocks, or a site that frames this one, may press its buttons.
+    addEventListener("message", ({ source, data }) => {
+      const presses = {
+        go: () => this.go(true), pause: () => this.go(false),
+        step: () => $("step").click(), reset: () => this.reset(),
+      };
+      if (source === parent && parent !== window && Object.hasOwn(presses, data?.press)) presses[data.press]();
+    });
   }
 
   async begin() {

@@ -40,7 +40,9 @@ def test_a_page_is_written_and_its_size_printed(tmp_path):
         (["state.parquet"], "state.parquet is a recording"),
         (["vem", "--agents", "0"], "agents"),
         (["--scene", "no-such"], "no-such"),
-        (["--scene", "beside"], "has a model beside another"),
+        (["--scene", "beside", "--folder", "site"], "one file: leave --folder out"),
+        (["vem", "--beside", "vem"], "beside = 'vem' is the model itself"),
+        (["--all", "--folder", "site", "--beside", "vem"], "--beside vem cannot be given with"),
         (["--scene", "mill", "--agents", "5"], "--agents 5 cannot be given with --scene"),
         (["--scene", "mill", "--agents", "0"], "--agents 0 cannot be given with --scene"),
         (["--scene", "mill", "--lesson", "who-leads"], "--scene cannot be given with --lesson"),
@@ -118,13 +120,24 @@ def test_pages_of_a_folder_share_what_shows_them(tmp_path):
 
 @pytest.mark.exhaustive
 def test_a_gallery_has_a_page_of_each_and_says_what_has_none(tmp_path, monkeypatch, capsys):
-    some = [card for card in cards() if card.name in ("beside", "model:vem")]
+    some = [card for card in cards() if card.name in ("beside", "model:vem", "model:couzin")]
     monkeypatch.setattr(page_gallery, "cards", lambda: tuple(some))
+    files_of = page_gallery.page_files
+
+    def refuses_couzin(flock, *given):
+        if flock.model.name == "couzin":
+            raise InputError("no browser can do it")
+        return files_of(flock, *given)
+
+    monkeypatch.setattr(page_gallery, "page_files", refuses_couzin)
     told = page_gallery.write_gallery(tmp_path / "site", overwrite=False, quiet=False)
-    assert set(told["refused"]) == {"beside"}
-    assert "beside has no page: two models beside each other" in capsys.readouterr().err
+    assert told["refused"] == {"model:couzin": "no browser can do it"}
+    assert "model:couzin has no page: no browser can do it" in capsys.readouterr().err
     index = (tmp_path / "site" / "index.html").read_text("utf-8")
     assert 'href="model-vem.html"' in index
+    assert 'href="beside.html"' in index
+    beside = (tmp_path / "site" / "beside.html").read_text("utf-8")
+    assert beside.count("<iframe") == 2
     files = {file.name for file in (tmp_path / "site").iterdir()}
     assert files == {*told["files"], "index.html"}
     with pytest.raises(InputError, match="exists already"):

@@ -6,7 +6,6 @@ for all whose flocks differ by seed and values alone; it is served beside the pa
 
 from __future__ import annotations
 
-import base64
 import gzip
 import hashlib
 import json
@@ -22,7 +21,7 @@ from app.classroom.collect.question_choices import ready_for
 from app.classroom.lessons.lessons import lesson_of
 from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.lab.flock_page import PageWords, packed, page_parts, short_script
+from app.viewer.lab.flock_page import PageWords, packed, page_parts, page_policy, short_script
 from worlds.input_error import InputError
 
 SCRIPTS = ("../classroom/chart.js", "../classroom/flock.js")
@@ -122,7 +121,7 @@ class PageWorker:
             "measure": None if asked is None or observable not in measured else measure_of(asked),
         }
         script, style = "\n".join((script, class_script())), style + class_style()
-        policy = page_policy(script, style)
+        policy = page_policy([script], [style], "connect-src 'self'; ")
         text = page.filled(
             policy=policy,
             style=f"<style>{style}</style>",
@@ -173,17 +172,3 @@ def class_style() -> str:
 def as_json(values: dict[str, Any]) -> str:
     """Values as a script of a page can hold them."""
     return json.dumps(values, separators=(",", ":")).replace("<", "\\u003c")
-
-
-def page_policy(script: str, style: str) -> str:
-    """The Content-Security-Policy of a page with this script and this style: it connects with the
-    class alone."""
-    script_hash, style_hash = (
-        base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
-        for text in (script, style)
-    )
-    return (
-        f"default-src 'none'; script-src 'sha256-{script_hash}' 'wasm-unsafe-eval'; "
-        f"worker-src blob:; style-src 'sha256-{style_hash}'; connect-src 'self'; "
-        "base-uri 'none'; form-action 'none'"
-    )

@@ -54,6 +54,10 @@ def export(
         str | None,
         typer.Option(help="An entry of `flockscope list papers`: its first run, or MODEL's."),
     ] = None,
+    beside: Annotated[
+        str | None,
+        typer.Option(help="A second model, beside it in the same world from the same start."),
+    ] = None,
     *,
     options: GivenOptions,
     settings: Settings = None,
@@ -87,7 +91,8 @@ def export(
         option_name(name): value for name, value in options.items()
     }
     if everything:
-        demand_alone("--all", {"--scene": scene, "--lesson": lesson, "--paper": paper, **others})
+        named = {"--scene": scene, "--lesson": lesson, "--paper": paper, "--beside": beside}
+        demand_alone("--all", named | others)
         if folder is None:
             raise InputError("--all needs --folder: it writes many pages")
         from app.cli.take.page_gallery import write_gallery
@@ -106,9 +111,11 @@ def export(
         raise InputError(f"{model} is a recording: a page runs a flock from its start")
     spec = Path(model) if model is not None and Path(model).suffix.lower() == ".toml" else None
     from agents import Flock
+    from agents.spec import Spec
     from app.cli.run import build_flock
     from app.cli.take.page_gallery import write_folder
-    from app.viewer.lab.flock_page import PageWords, flock_page, page_files
+    from app.viewer.lab.flock_page import PageWords, flock_page, page_files, pair_page
+    from app.viewer.run.paired_run import companion
 
     named = {"--scene": scene, "--lesson": lesson, "--paper": paper}
     chosen = [option for option, value in named.items() if value is not None]
@@ -117,21 +124,29 @@ def export(
     if paper is not None:
         demand_alone("--paper", others | {"MODEL": None})
         flock, words = flock_of_paper(paper, model)
+        second = None
     elif scene is not None or lesson is not None:
         demand_alone(chosen[0], others)
         opened = scene_to_export(scene) if scene is not None else lesson_to_export(lesson or "")
-        flock = Flock(opened.spec)
+        flock, second = Flock(opened.spec), opened.beside
         words = PageWords.of_scene(opened, f"flockscope export {chosen[0]} {scene or lesson}")
     else:
         name = None if spec else first_of(model_name(model), rule)
         flock = build_flock(spec, name, options, settings or [], 1, False, quiet)
         words = PageWords() if spec is None else words_of_file(spec)
+        second = None
+    if beside is not None:
+        second = Spec(beside)
+    if second is not None and folder is not None:
+        raise InputError("two flocks beside each other are one file: leave --folder out")
     if title:
         words = replace(words, title=title)
     if not quiet:
         print_stderr(f"flockscope: compiling {flock.model.name} for the page takes some seconds")
     with Progress(f"compiling {flock.model.name} for the page", quiet) as progress:
-        if folder is None:
+        if second is not None:
+            page = pair_page(flock, companion(flock, second), words, progress.update).encode()
+        elif folder is None:
             page = flock_page(flock, words, progress.update).encode()
         else:
             files = page_files(flock, out.stem, words, progress.update)
@@ -159,8 +174,6 @@ def scene_to_export(name: str) -> SavedScene:
     opened = opened_file(name) if is_file(name) else find_scene(name)
     if not isinstance(opened, SavedScene):
         raise InputError(f"{name} is a recording: a page runs a flock from its start")
-    if opened.beside is not None:
-        raise InputError(f"scene {name} has a model beside another: a page runs one flock")
     return opened
 
 

@@ -11,7 +11,8 @@ from agents import Flock
 from app.cli.terminal.outcome_table import print_stderr, print_written_files
 from app.cli.terminal.progress import Progress
 from app.viewer.gallery.scene_collection import WORLDS, GalleryCard, cards, find_scene, pictures
-from app.viewer.lab.flock_page import FOLDER, VIEWER_FILES, PageWords, page_files
+from app.viewer.lab.flock_page import FOLDER, VIEWER_FILES, PageWords, page_files, pair_page
+from app.viewer.run.paired_run import companion
 from worlds.file_writer import demand_writable, write_bytes
 from worlds.input_error import InputError
 
@@ -61,10 +62,13 @@ def write_gallery(folder: Path, overwrite: bool, quiet: bool) -> dict[str, Any]:
             name = card.name.replace(":", "-")
             try:
                 opened = find_scene(card.name)
-                if opened.beside is not None:
-                    raise InputError("two models beside each other: a page runs one flock")
                 words = PageWords.of_scene(opened, f"flockscope export --scene {card.name}")
-                files = page_files(Flock(opened.spec), name, words)
+                flock = Flock(opened.spec)
+                if opened.beside is None:
+                    files = page_files(flock, name, words)
+                else:
+                    page = pair_page(flock, companion(flock, opened.beside), words)
+                    files = {f"{name}.html": page.encode()}
             except InputError as refusal:
                 refused[card.name] = str(refusal)
                 continue

@@ -81,13 +81,51 @@ def flock_page(
 
     Raises InputError for what no page can do yet.
     """
-    page, script, style = page_parts(flock, words, update)
+    return one_file(*page_parts(flock, words, update))
+
+
+def one_file(page: PageText, script: str, style: str) -> str:
+    """A page with all its parts in it."""
     return page.filled(
-        policy=page_policy(script, style),
+        policy=page_policy([script], [style]),
         style=f"<style>{style}</style>",
         module=f'<script type="text/plain" id="module">{packed(page.program.module)}</script>',
         memory=f'<script type="text/plain" id="memory">{packed(page.program.memory)}</script>',
         script=f"<script>{script}</script>",
+    )
+
+
+def pair_page(
+    flock: Flock, beside: Flock, words: PageWords = PLAIN_WORDS, update: Update = lambda _: None
+) -> str:
+    """The page of two flocks beside each other: each is a page in a frame, from its one start.
+
+    Raises InputError for what no page can do.
+    """
+    command = words.command or f"{export_command(flock.spec)} --beside {beside.model.name}"
+    own = PageWords(speed=words.speed, plots=words.plots, command=command)
+    frames = []
+    script = style = ""
+    for number, one in enumerate((flock, beside)):
+
+        def half_of(share: float, number: int = number) -> None:
+            update(0.5 * (number + share))
+
+        page, script, style = page_parts(one, own, half_of, is_fixed=True)
+        text = html.escape(one_file(page, script, style))
+        name = html.escape(one.model.rule.title)
+        sandbox = "allow-scripts allow-downloads"
+        frames.append(f'<iframe sandbox="{sandbox}" title="{name}" srcdoc="{text}"></iframe>')
+    titles = " beside ".join(one.model.rule.title for one in (flock, beside))
+    buttons = short_script("pair.js")
+    return Template((FOLDER / "pair.html").read_text("utf-8")).substitute(
+        policy=html.escape(page_policy([buttons, script], [style])),
+        version=version("flockscope"),
+        title=html.escape(words.title or titles),
+        watch=html.escape(words.watch),
+        style=style,
+        frames="\n".join(frames),
+        script=buttons,
     )
 
 
@@ -219,16 +257,17 @@ def packed(content: bytes) -> str:
     return base64.b64encode(gzip.compress(content, mtime=0)).decode()
 
 
-def page_policy(script: str, style: str) -> str:
-    """The Content-Security-Policy of a page with this script and this style, and nothing more."""
+def page_policy(scripts: Sequence[str], styles: Sequence[str], more: str = "") -> str:
+    """The Content-Security-Policy of a page with these scripts and styles, and nothing more but
+    what `more` says."""
 
-    def hashed(text: str) -> str:
-        digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
-        return f"'sha256-{digest}'"
+    def hashed(texts: Sequence[str]) -> str:
+        digests = (hashlib.sha256(text.encode()).digest() for text in texts)
+        return " ".join(f"'sha256-{base64.b64encode(one).decode()}'" for one in digests)
 
     return (
-        f"default-src 'none'; script-src {hashed(script)} 'wasm-unsafe-eval'; "
-        f"worker-src blob:; style-src {hashed(style)}; base-uri 'none'; form-action 'none'"
+        f"default-src 'none'; script-src {hashed(scripts)} 'wasm-unsafe-eval'; "
+        f"worker-src blob:; style-src {hashed(styles)}; {more}base-uri 'none'; form-action 'none'"
     )
 
 
