@@ -70,6 +70,7 @@ EXHAUSTIVE = (
     "tests/papers",
     "tests/classroom/test_benchmark.py",
     "tests/classroom/test_class.py",
+    "tests/classroom/test_class_in_browser.py",
     "tests/classroom/test_class_tls.py",
     "tests/classroom/test_hand_in.py",
     "tests/classroom/test_run_queue.py",
