@@ -6,16 +6,13 @@ values of its sliders into the slots of the loop's arguments, which the manifest
 
 from __future__ import annotations
 
-import functools
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from types import FunctionType
 from typing import Any, NoReturn
 
 import numpy as np
-from numba.core.errors import NumbaError
 
 from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.runner import SynchronousEngine
@@ -34,17 +31,10 @@ from agents.web_draws import (
     start_words,
     wind_task,
 )
-from agents.web_math import FUNCTIONS, page_function
+from agents.web_modules import PageFunction, module_of
 from worlds.compilation import compiled, entry
 from worlds.input_error import InputError
-from worlds.web_assembly import (
-    FIRST_FREE,
-    LinkedCode,
-    MemoryImage,
-    WebModule,
-    linked_code,
-    web_module,
-)
+from worlds.web_assembly import FIRST_FREE, MemoryImage
 from worlds.web_binary import imported_functions
 
 DURATION = "context.lasts"
@@ -82,10 +72,6 @@ class CallStopped(Exception):
         self.function, self.arguments = function, arguments
 
 
-LOOP, PARTS = 0.45, 0.55
-"""Shares of the time that a program takes, by which the loop and all else is LLVM code."""
-
-
 def web_program(
     flock: Flock, update: Callable[[float], None] = lambda _: None, is_fixed: bool = False
 ) -> WebProgram:
@@ -102,30 +88,27 @@ def web_program(
     image = memory_image(arguments)
     is_anew = can_begin_anew(flock) and not is_fixed
     grows = growth(flock) if is_anew else {}
-    code = {"advance": linked_code(call.function, call.arguments)}
-    update(LOOP)
+    functions = {"advance": PageFunction(call.function, call.arguments)}
     calls: dict[str, tuple[str, ...]] = {}
     reach = flock.model.rule.reach
-    if reach not in type(flock.parameters).model_fields:
-        compute = getattr(type(flock.parameters), reach).fget
-        code["reach"] = parameter_code(flock, reach, compute)
+    is_computed = reach not in type(flock.parameters).model_fields
+    if is_computed:
+        functions["reach"] = of_slider(flock, getattr(type(flock.parameters), reach).fget, reach)
     for name in draws(flock, is_anew):
         function, calls[name] = DRAWS[name]
-        code[name] = linked_code(function, [arguments[path] for path in calls[name]])
+        functions[name] = PageFunction(function, [arguments[path] for path in calls[name]])
     if is_anew:
         for name, (function, paths) in of_parameters(flock).items():
             calls[name] = paths
-            code[name] = parameter_code(flock, name, function, *(0.5 for _ in paths[1:]))
+            functions[name] = of_slider(flock, function, name, *(0.5 for _ in paths[1:]))
     measures = web_measures(flock)
     arguments["together"] = flock.together
     labels = web_labels(flock)
     for compute in (*(OBSERVABLES[one["name"]].compiled for one in measures), *labels.values()):
-        code[export_name(compute)] = linked_code(
-            compute, [arguments[name] for name in inspect.signature(compute.py_func).parameters]
-        )
-    update(PARTS)
-    module = module_of(tuple(code.items()))
-    unknown = sorted(set(imported_functions(module.content)) - KNOWN)
+        names = inspect.signature(compute.py_func).parameters
+        functions[export_name(compute)] = PageFunction(compute, [arguments[name] for name in names])
+    module = module_of(functions, update)
+    unknown = sorted(set(imported_functions(module)) - KNOWN)
     if unknown:
         raise InputError(
             f"model {flock.model.name!r} calls {', '.join(unknown)}: "
@@ -160,9 +143,9 @@ def web_program(
         "steered": 0 if is_fixed else steered_agents(flock),
         "measures": measures,
         "labels": {name: loop_call(flock, compute) for name, compute in labels.items()},
-        "reach": reach if "reach" not in code else None,
+        "reach": None if is_computed else reach,
     }
-    return WebProgram(module.content, bytes(image.content), manifest)
+    return WebProgram(module, bytes(image.content), manifest)
 
 
 def page_arguments(flock: Flock, call: CallStopped) -> dict[str, Any]:
@@ -219,12 +202,6 @@ def with_agents(flock: Flock, count: int) -> Flock:
         "informed": np.zeros(count, bool),
     }
     return Flock(flock.spec, start=start)
-
-
-@functools.lru_cache(maxsize=4)  # their code is megabytes
-def module_of(code: tuple[tuple[str, LinkedCode], ...]) -> WebModule:
-    """The module of these functions: flocks that differ by seed and values alone share one."""
-    return web_module(dict(code), {name: partial(page_function, name) for name in FUNCTIONS})
 
 
 def web_measures(flock: Flock) -> list[dict[str, Any]]:
@@ -426,17 +403,11 @@ def slope(flock: Flock, name: str, radius: Any, base: float) -> float:
     return round(radius(flock.parameters.model_copy(update={name: value + 1.0})) - base, 9)
 
 
-def parameter_code(flock: Flock, name: str, function: Any, *more: float) -> LinkedCode:
-    """The code of what follows from the parameters, and of more numbers."""
+def of_slider(flock: Flock, function: Any, name: str, *more: float) -> PageFunction:
+    """A plain function of the parameters, and of more numbers, as a page calls it."""
     compute = with_callees(function)
     compute.__name__ = compute.__qualname__ = name
-    try:
-        return linked_code(entry(compute), (flock.context.parameters, *more), takes_text=True)
-    except NumbaError:
-        raise InputError(
-            f"a page cannot compute {name!r} of model {flock.model.name!r} when a slider is moved: "
-            "numba does not compile it"
-        ) from None
+    return PageFunction(entry(compute), (flock.context.parameters, *more), takes_text=True)
 
 
 def with_callees(function: FunctionType, callers: tuple[FunctionType, ...] = ()) -> FunctionType:

@@ -12,7 +12,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.models.declare import Zone
 from agents.models.model import Model
-from agents.web_program import parameter_code, sliders, web_program
+from agents.web_program import of_slider, sliders, web_program
 from tests.worlds.test_web_assembly import Running
 from worlds.input_error import InputError
 from worlds.web_assembly import MemoryImage, web_module
@@ -91,7 +91,9 @@ def test_a_reach_may_call_plain_functions(monkeypatch):
     image = MemoryImage()
     image.add("parameters", flock.context.parameters)
     image.finish()
-    module = web_module({"range": parameter_code(flock, "range", HelpedParameters.range.fget)})
+    module = web_module(
+        {"range": of_slider(flock, HelpedParameters.range.fget, "range").code("range")}
+    )
     running = Running(module.content, image)
     running.call("range", image)
     assert running.read(image.answer, "<d")[0] == pytest.approx(flock.reach, rel=1e-15)
@@ -100,7 +102,7 @@ def test_a_reach_may_call_plain_functions(monkeypatch):
 def test_a_reach_that_cannot_be_compiled_is_refused_in_a_line(monkeypatch):
     flock = flock_of(monkeypatch, parameters=TextParameters)
     with pytest.raises(InputError, match="a page cannot compute 'range'") as caught:
-        parameter_code(flock, "range", TextParameters.range.fget)
+        of_slider(flock, TextParameters.range.fget, "range").code("range")
     assert "\n" not in str(caught.value)
 
 
