@@ -66,8 +66,8 @@ from worlds.input_error import InputError
 model, seed, folder = sys.argv[1], int(sys.argv[2]), Path(sys.argv[3])
 make_program, programs = pages.web_program, []
 
-def keep_program(flock, update):
-    programs.append(make_program(flock, update))
+def keep_program(*given):
+    programs.append(make_program(*given))
     return programs[-1]
 
 pages.web_program = keep_program
