@@ -76,6 +76,14 @@ def test_a_page_flies_as_here_also_when_sliders_are_moved(opened, case):
             moved(page, name, value)
         flock.run(20)
         assert positions(page, 20, flock.position.shape) == pytest.approx(flock.position, abs=1e-9)
+        agents = flock.options.agents + 3
+        spec = flock.spec.but(agents=agents, seed=11, world=flock.world, size=None, layout=None)
+        anew = Flock(spec.but(parameters=flock.parameters.model_dump()))
+        page.evaluate("(agents) => page.beginAnew(String(agents), '11')", agents)
+        for ticks in (0, 20):
+            anew.run(ticks)
+            there = positions(page, ticks, anew.position.shape)
+            assert there == pytest.approx(anew.position, abs=1e-9)
 
 
 def test_it_begins_again_with_the_sliders_as_they_are(opened):
