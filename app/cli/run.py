@@ -42,6 +42,7 @@ from worlds.plug_ins import demand_parquet
 
 if TYPE_CHECKING:
     from agents import Flock
+    from agents.spec import Spec
 
 DEFAULT_TICKS = 100
 
@@ -127,7 +128,7 @@ def run(
     model = model if spec or state else first_of(model, rule)
     if state:
         flock = load_flock(
-            state, spec, {"model": model, **options}, settings or [], threads, interpret
+            state, spec, {"model": model, **options}, settings or [], threads, interpret, quiet
         )
     else:
         flock = build_flock(spec, model, options, settings or [], threads, interpret, quiet)
@@ -230,7 +231,6 @@ def build_flock(
 ) -> Flock:
     """The flock of a spec and options. Raises InputError."""
     from agents import Flock
-    from agents.spec import changed_versions
 
     spec, origins = requested_run(model, options, settings, file)
     beside = None if file is None else compared_model(file)
@@ -238,11 +238,19 @@ def build_flock(
         print_stderr(f"flockscope: {beside}, which {file} shows beside it, is not run")
     with origins.naming_origins():
         flock = Flock(spec, threads=threads, interpret=interpret)
+    if not quiet:
+        tell_versions("the spec was written", spec, flock)
+    return flock
+
+
+def tell_versions(what: str, spec: Spec, flock: Flock) -> None:
+    """Tell on stderr what a flock's numbers depend on that is not as it was for a spec."""
+    from agents.spec import changed_versions
+
     changed = changed_versions(spec.versions, flock.spec.versions)
     other = [f"{name} {before}, here {now}" for name, before, now in changed]
-    if other and not quiet:
-        print_stderr(f"flockscope: the spec was written with {'; '.join(other)}")
-    return flock
+    if other:
+        print_stderr(f"flockscope: {what} with {'; '.join(other)}")
 
 
 def load_flock(
@@ -252,6 +260,7 @@ def load_flock(
     settings: list[str],
     threads: int,
     interpret: bool,
+    quiet: bool,
 ) -> Flock:
     """The flock of a saved state, with `--set` changing its parameters. Raises InputError."""
     from agents import Flock
@@ -263,6 +272,8 @@ def load_flock(
             )
     parameters, origins = read_settings(settings)
     flock = Flock.load(state, threads=threads, interpret=interpret)
+    if not quiet:
+        tell_versions("the state was saved", flock.options, flock)
     with origins.naming_origins():
         flock.set(**parameters)
     return flock

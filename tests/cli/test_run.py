@@ -140,6 +140,17 @@ def test_a_spec_of_other_versions_is_told(tmp_path):
     json.loads(result.stdout)
 
 
+def test_a_state_of_other_random_numbers_is_told(tmp_path):
+    state = tmp_path / "state.parquet"
+    flock = Flock("vem", agents=5, rng=1)
+    saved = flock.spec.with_values(versions={"numba": "0.1"})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Flock, "spec", property(lambda _: saved))
+        flock.save(state)
+    said = call("run", state, "--ticks", 1).stderr
+    assert "the state was saved with random-numbers 1, here 2; numba 0.1, here" in said
+
+
 def test_a_state_goes_on_to_the_bit(tmp_path):
     state = tmp_path / "state.parquet"
     made_of = ("hwvem", "--agents", 50, "--seed", 4, "--set", "eta=0.3")
