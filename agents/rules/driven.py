@@ -23,7 +23,7 @@ OF_SQUASHING = (
         "Take the injected car's weight away, and have cars look ahead.",
         "With nobody to follow they stay together and drive about one another.",
         {"yields": True, "c_goal": 0.0},
-        LessonCheck("gyration-radius", "above", 0.45, 1500),
+        LessonCheck("gyration-radius", "above", 0.4, 1500),
         anew=True,
     ),
 )
@@ -55,7 +55,7 @@ OF_HWVEM = (
         "Let cars notice each other only within 1 m.",
         "Most hear nobody and drive on as they began: a dozen groups, and no common heading.",
         {"r": 1.0},
-        LessonCheck("polarisation", "below", 0.7, 1500),
+        LessonCheck("polarisation", "below", 0.8, 1500),
         anew=True,
     ),
     LessonStep(

@@ -362,7 +362,7 @@ ECHELON = Rule(
             "Let everybody miss its direction by half a radian.",
             "Nobody stays in the slot: most of the saving is lost.",
             {"sigma": 0.5},
-            LessonCheck("drag-saved", "below", 15, 600),
+            LessonCheck("drag-saved", "below", 20, 600),
             anew=True,
         ),
     ),

@@ -471,7 +471,7 @@ GUARDED = Rule(
             "Switch the guard off.",
             "Agents crash into each other and into the blocks; with it nobody does.",
             {"guard": False},
-            LessonCheck("crashes", "above", 4, 300),
+            LessonCheck("crashes", "above", 1, 300),
             anew=True,
         ),
         LessonStep(

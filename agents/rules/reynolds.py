@@ -364,7 +364,7 @@ REYNOLDS = Rule(
             "Boids stay together and keep clear of each other, but mill about like gnats: what "
             "each does no longer fits what the others do.",
             {"w_alignment": 0.0},
-            LessonCheck("velocity-spread", "above", 2.0, 400),
+            LessonCheck("velocity-spread", "above", 1.88, 400),
         ),
         LessonStep(
             "Take separation away.",
