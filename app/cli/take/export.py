@@ -139,13 +139,14 @@ def export(
         second = Spec(beside)
     if second is not None and folder is not None:
         raise InputError("two flocks beside each other are one file: leave --folder out")
+    other = None if second is None else companion(flock, second)
     if title:
         words = replace(words, title=title)
     if not quiet:
         print_stderr(f"flockscope: compiling {flock.model.name} for the page takes some seconds")
     with Progress(f"compiling {flock.model.name} for the page", quiet) as progress:
-        if second is not None:
-            page = pair_page(flock, companion(flock, second), words, progress.update).encode()
+        if other is not None:
+            page = pair_page(flock, other, words, progress.update).encode()
         elif folder is None:
             page = flock_page(flock, words, progress.update).encode()
         else:
