@@ -19,6 +19,7 @@ from agents.conditions import Wind
 from agents.engine.noise import GUSTS, ORDERS, normal, random_direction, tick_key, uniform
 from agents.flock import Flock
 from agents.flock_world import world_of_any_seed
+from agents.models.declare import NumberParameter, declared
 from agents.observables.of_rows import squared_distance
 from agents.state.start import FIRST, SPEED, TRIES, goal_heading, start_gap
 from worlds.compilation import compiled, entry
@@ -259,6 +260,21 @@ def start_words(flock: Flock) -> dict[str, Any]:
         "speeds": not math.isnan(start_task(flock).slow[0]) and flock.model.body.speed is None,
         "memory": [[NUMBERS.get(one, one), len(list(same))] for one, same in groupby(columns)],
     }
+
+
+def start_reach(flock: Flock) -> float:
+    """How far from what is solid a start keeps agents at most, wherever sliders stand, length."""
+    parameters, gap = flock.parameters, start_gap(flock.model.body)
+    if not flock.world.is_solid or not can_begin_anew(flock):
+        return 0.0
+    widest = parameters.model_copy(
+        update={
+            one.name: max(one.proposed[1], getattr(parameters, one.name))
+            for one in declared(type(parameters))
+            if isinstance(one, NumberParameter)
+        }
+    )
+    return max(start_words(flock)["apart"], 0.0 if gap is None else float(gap(widest)))
 
 
 def of_parameters(flock: Flock) -> dict[str, tuple[Callable, tuple[str, ...]]]:

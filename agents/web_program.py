@@ -22,11 +22,13 @@ from agents.models.model import NUMBER
 from agents.observables.catalogue import OBSERVABLES, telling_observables
 from agents.observables.observable import Range
 from agents.observables.of_rows import empty_cells, groups, layers
+from agents.state.start import free_positions
 from agents.web_draws import (
     DRAWS,
     can_begin_anew,
     draws,
     of_parameters,
+    start_reach,
     start_task,
     start_words,
     wind_task,
@@ -34,6 +36,7 @@ from agents.web_draws import (
 from agents.web_modules import PageFunction, module_of
 from worlds.compilation import compiled, entry
 from worlds.input_error import InputError
+from worlds.queries.survey import survey_world
 from worlds.web_assembly import FIRST_FREE, MemoryImage
 from worlds.web_binary import imported_functions
 
@@ -85,6 +88,8 @@ def web_program(
     survey_for_sliders(flock)
     call = first_call(flock)
     arguments = page_arguments(flock, call)
+    if start_reach(flock) > arguments[SEEN].reach:
+        arguments[WIDER] = survey_world(flock.world, start_reach(flock))
     image = memory_image(arguments)
     is_anew = can_begin_anew(flock) and not is_fixed
     grows = growth(flock) if is_anew else {}
@@ -95,7 +100,8 @@ def web_program(
     if is_computed:
         functions["reach"] = of_slider(flock, getattr(type(flock.parameters), reach).fget, reach)
     for name in draws(flock, is_anew):
-        function, calls[name] = DRAWS[name]
+        function, paths = DRAWS[name]
+        calls[name] = tuple(WIDER if WIDER in arguments and one == SEEN else one for one in paths)
         functions[name] = PageFunction(function, [arguments[path] for path in calls[name]])
     if is_anew:
         for name, (function, paths) in of_parameters(flock).items():
@@ -170,6 +176,8 @@ def memory_image(arguments: Mapping[str, Any]) -> MemoryImage:
     return image
 
 
+SEEN, WIDER = "surroundings", "wider"
+"""Arguments: what agents notice of the world, and a wider survey where starts need one."""
 FEWER, MORE = 512, 1024
 """Numbers of agents by which a page is told what grows with them."""
 
@@ -194,11 +202,12 @@ def growth(flock: Flock) -> dict[str, list[list[int]]]:
 
 
 def with_agents(flock: Flock, count: int) -> Flock:
-    """A flock as this one of so many agents, which stand anywhere."""
-    shape = count, flock.world.dim
+    """A flock as this one of so many agents, which all stand in one place."""
+    # Where the flock is by now, not all agents can begin: some may lie where they crashed.
+    place = free_positions(flock.world, np.ones(1, int), flock.seed)
     start = {
-        "position": np.resize(flock.position, shape),
-        "heading": np.resize(flock.heading, shape),
+        "position": np.repeat(place, count, axis=0),
+        "heading": np.repeat(flock.heading[:1], count, axis=0),
         "informed": np.zeros(count, bool),
     }
     return Flock(flock.spec, start=start)

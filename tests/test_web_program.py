@@ -12,7 +12,7 @@ from agents.catalogue import MODELS
 from agents.flock import Flock
 from agents.models.declare import Zone
 from agents.models.model import Model
-from agents.web_program import of_slider, sliders, web_program
+from agents.web_program import growth, of_slider, sliders, web_program
 from tests.worlds.test_web_assembly import Running
 from worlds.input_error import InputError
 from worlds.web_assembly import MemoryImage, web_module
@@ -112,3 +112,10 @@ def test_what_no_browser_computes_alike_is_refused_in_a_line(monkeypatch):
     with pytest.raises(InputError, match="model 'vem' calls sched_yield: a browser") as caught:
         web_program(Flock("vem", agents=5, rng=1))
     assert "\n" not in str(caught.value)
+
+
+def test_a_flock_whose_agents_are_where_none_can_begin_grows_all_the_same():
+    flock = Flock("vem", agents=5, rng=1, world="obstacles")
+    solid = flock.world.obstacles[0].footprint().representative_point()
+    flock.position[:] = solid.x, solid.y
+    assert growth(flock)["flock.position"] == [[1, 0], [0, 2]]

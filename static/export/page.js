@@ -361,9 +361,10 @@ class Page {
   // The flock from another start; where there is none, the one before.
   async beginAnew(agents, seed) {
     const before = [this.agents, this.seed];
-    const fault = !/^[1-9]\d{0,4}$/.test(agents) || agents > MOST_AGENTS ? `Agents: 1 to ${grouped(MOST_AGENTS)}.`
+    const fault = !this.manifest.start ? "This flock has no other start."
+      : !/^[1-9]\d{0,4}$/.test(agents) || agents > MOST_AGENTS ? `Agents: 1 to ${grouped(MOST_AGENTS)}.`
       : !/^\d{1,18}$/.test(seed) ? "Seed: a whole number of at most 18 digits." : "";
-    if (!fault && this.manifest.start) [this.agents, this.seed] = [+agents, String(BigInt(seed))];
+    if (!fault) [this.agents, this.seed] = [+agents, String(BigInt(seed))];
     const refused = fault || (await this.reset())?.error;
     if (!refused) return this.remember();
     [this.agents, this.seed] = before;

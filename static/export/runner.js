@@ -16,10 +16,7 @@ class Runner {
     const { kernel } = this;
     let error = "";
     if (reset) kernel.reset();
-    for (const [name, value] of set) {
-      const parameter = this.manifest.parameters.find((one) => one.name === name);
-      if (parameter.slots.length) kernel.set(parameter, value);
-    }
+    this.set(set);
     if (heading) this.steer(heading);
     const { measures } = this.manifest;
     if (shown) this.shown = shown.map((name) => measures.find((one) => one.name === name)).filter(Boolean);
@@ -27,10 +24,7 @@ class Runner {
     const until = performance.now() + budget;
     let ran = 0;
     try {
-      if (start) {
-        this.rest = {};
-        this.starter.begin(...start);
-      }
+      if (start) this.begin(start, set);
       while (ran < ticks && (!ran || performance.now() < until)) {
         kernel.run(1);
         ran += 1;
@@ -42,6 +36,25 @@ class Runner {
     this.measure(false, budget < Infinity);
     const labels = colour in this.manifest.labels ? this.labels(colour, budget < Infinity) : null;
     return { ...this.state(), colour, labels, ran, error, shown: this.shown.map((one) => one.name), rows: this.rows };
+  }
+
+  set(values) {
+    for (const [name, value] of values) {
+      const parameter = this.manifest.parameters.find((one) => one.name === name);
+      if (parameter.slots.length) this.kernel.set(parameter, value);
+    }
+  }
+
+  // Another start; where there is none, the flock stays as the page was made.
+  begin(start, set) {
+    this.rest = {};
+    try {
+      this.starter.begin(...start);
+    } catch (refusal) {
+      this.kernel.reset();
+      this.set(set);
+      throw refusal;
+    }
   }
 
   // Turn the information agents: they keep a heading that they have.

@@ -133,3 +133,35 @@ def test_where_obstacles_are_drawn_by_the_seed_the_page_says_that_they_stay(open
     with opened(Flock("guarded", agents=8, rng=3)) as page:
         assert page.locator("#stays").inner_text() == "The obstacles stay those of seed 3."
         assert page.locator("#stays").is_visible()
+
+
+def test_agents_keep_the_distance_that_is_asked_for_also_where_they_do_not_see_so_far(
+    opened, tmp_path
+):
+    layout = tmp_path / "hall.toml"
+    layout.write_text('edges = "solid"\nsize = [400.0, 400.0]\n', encoding="utf-8")
+    words = {"agents": 4, "world": str(layout), "spacing": 90.0}
+    with opened(Flock("boundary-points", rng=3, **words)) as page:
+        fill(page, seed="8")
+        expected = Flock("boundary-points", rng=8, **words).position
+        until(lambda: np.allclose(places(page), expected, atol=1e-9), 60, "seed 8")
+
+
+def test_an_address_asks_in_vain_for_another_start_where_there_is_none(opened):
+    start = {"position": np.array([[1.0, 1.0], [2.0, 2.0]]), "heading": np.eye(2)}
+    with opened(Flock("vem", start=start, size=5.0, rng=1)) as page:
+        page.goto(page.url + "#seed=7")
+        page.reload()
+        until(lambda: page.evaluate("'page' in globalThis"), 60, "the flock to be there")
+        assert told(page) == "This flock has no other start."
+        assert places(page) == pytest.approx(start["position"])
+
+
+def test_a_reset_that_finds_no_room_says_so_and_leaves_the_flock_as_it_was_made(opened):
+    flock = Flock("reynolds", agents=5, rng=3, spacing=3.0, world="wrap", size=12.0)
+    with opened(flock) as page:
+        answer = page.evaluate(
+            "page.ask({ reset: true, set: Object.entries(page.values), start: ['4', 500] })"
+        )
+        assert "500 agents do not fit" in answer["error"]
+        assert places(page) == pytest.approx(flock.position, abs=1e-12)
