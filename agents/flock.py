@@ -189,7 +189,8 @@ class Flock(TickClock, Motion):
         if with_speeds or body.begins is None:
             return begin
         chance = uniform_numbers(self.seed, FIRST, first_id + begin.number, 1, SPEED)[:, 0]
-        return replace(begin, speed=body.begins(self.parameters, chance))
+        speed = np.broadcast_to(body.begins(self.parameters, chance), n).copy()
+        return replace(begin, speed=speed)
 
     def _make_arrays(self, begin: Start) -> None:
         """Make the arrays and the engine that runs over them."""

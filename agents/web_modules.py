@@ -19,17 +19,15 @@ from numba.core.errors import NumbaError
 import worlds.web_assembly
 import worlds.web_binary
 from agents.engine.cache import (
-    CHECKSUM,
     base_digest,
     cache_base,
     fingerprint,
-    tell_once,
-    tell_unused,
+    read_checked,
     tell_unwritable,
+    write_checked,
 )
 from agents.web_math import FUNCTIONS, page_function
 from worlds.input_error import InputError
-from worlds.owned_files import NotOwned, read_owned, write_owned
 from worlds.web_assembly import LinkedCode, linked_code, web_module
 
 FOLDER = "pages"
@@ -37,8 +35,8 @@ FOLDER = "pages"
 MOST_AT_HAND = 8
 """Modules that a process has at hand."""
 AT_HAND: dict[str, bytes] = {}
-FIRST, CODE = 0.45, 0.55
-"""Shares of the time that a module takes, by which the first function and all are LLVM code."""
+LOOP_SHARE, CODE_SHARE = 0.45, 0.55
+"""Of the time that a module takes: until the loop is LLVM code, and until all functions are."""
 SOURCES = (worlds.web_assembly, worlds.web_binary)
 """What makes a module of LLVM code."""
 
@@ -101,40 +99,21 @@ def module_of(
     for name, one in (own | dict(functions)).items():
         digest.update(f"{name} {one.describe()}".encode())
     key = digest.hexdigest()[:32]
-    content = AT_HAND.get(key) or read_kept(key)
+    place = cache_base(), FOLDER, f"{key}.wasm"
+    content = AT_HAND.get(key) or read_checked(*place)
     if content is None:
         code = {}
         for name, one in functions.items():
             code[name] = one.code(name)
-            update(FIRST)
-        update(CODE)
+            update(LOOP_SHARE)
+        update(CODE_SHARE)
         own_code = {name: functools.partial(page_function, name) for name in FUNCTIONS}
         content = web_module(code, own_code).content
-        keep(key, content)
+        try:
+            write_checked(content, *place)
+        except OSError as error:
+            tell_unwritable(error)
     AT_HAND[key] = content
     for oldest in list(AT_HAND)[:-MOST_AT_HAND]:
         del AT_HAND[oldest]
     return content
-
-
-def read_kept(key: str) -> bytes | None:
-    """A module that is kept; None if there is none, or none that is sound."""
-    try:
-        content = read_owned(cache_base(), FOLDER, f"{key}.wasm")
-    except NotOwned as error:
-        tell_unused(error)
-        return None
-    except OSError:
-        return None
-    if hashlib.sha256(content[CHECKSUM:]).digest() == content[:CHECKSUM]:
-        return content[CHECKSUM:]
-    tell_once(f"what is kept in {cache_base()} is damaged: pages are compiled anew", "damaged page")
-    return None
-
-
-def keep(key: str, content: bytes) -> None:
-    """Keep a module, if that can be."""
-    try:
-        write_owned(hashlib.sha256(content).digest() + content, cache_base(), FOLDER, f"{key}.wasm")
-    except OSError as error:
-        tell_unwritable(error)

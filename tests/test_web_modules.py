@@ -70,7 +70,7 @@ def test_what_is_damaged_is_compiled_anew_and_told(compiled_modules, tmp_path, c
     AT_HAND.clear()
     agents.engine.cache.WARNED_OF.clear()
     assert module_of(function()) == first
-    assert "is damaged" in capsys.readouterr().err
+    assert "are damaged: they are compiled anew" in capsys.readouterr().err
     assert len(compiled_modules) == 2
 
 

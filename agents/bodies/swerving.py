@@ -57,7 +57,7 @@ def move(me, near, surroundings, want, p, out):
 
 def begins(p, chance):
     """The speed, v_0."""
-    return p.v0 + 0.0 * chance
+    return p.v0
 
 
 BODY = Body(

@@ -116,6 +116,26 @@ def tell_once(message: str, about: str) -> None:
         print(f"flockscope: {message}", file=sys.stderr)
 
 
+def read_checked(base: Path, *parts: str) -> bytes | None:
+    """A file's content behind its checksum, None if there is none, or none that is sound."""
+    try:
+        content = read_owned(base, *parts)
+    except NotOwned as error:
+        tell_unused(error)
+        return None
+    except OSError:
+        return None
+    if hashlib.sha256(content[CHECKSUM:]).digest() == content[:CHECKSUM]:
+        return content[CHECKSUM:]
+    tell_once(f"compiled kernels in {base} are damaged: they are compiled anew", "damaged")
+    return None
+
+
+def write_checked(content: bytes, base: Path, *parts: str) -> None:
+    """Write a file with its checksum. Raises OSError."""
+    write_owned(hashlib.sha256(content).digest() + content, base, *parts)
+
+
 class KernelFiles(IndexDataCacheFile):
     """The files of a kernel, each with a checksum; one that is damaged counts as not there."""
 
@@ -153,23 +173,10 @@ class KernelFiles(IndexDataCacheFile):
 
     def _read(self, name: str) -> bytes | None:
         """A file's content behind its checksum, None if there is none, or none that is sound."""
-        try:
-            content = read_owned(self.base, *self.parts, name)
-        except NotOwned as error:
-            tell_unused(error)
-            return None
-        except OSError:
-            return None
-        if hashlib.sha256(content[CHECKSUM:]).digest() == content[:CHECKSUM]:
-            return content[CHECKSUM:]
-        message = f"compiled kernels in {self.base} are damaged: they are compiled anew"
-        tell_once(message, "damaged")
-        return None
+        return read_checked(self.base, *self.parts, name)
 
     def _write(self, name: str, value: Any) -> None:
-        content = self._dump(value)
-        checksum = hashlib.sha256(content).digest()
-        write_owned(checksum + content, self.base, *self.parts, name)
+        write_checked(self._dump(value), self.base, *self.parts, name)
 
 
 def unpickled(content: bytes | None) -> Any:
