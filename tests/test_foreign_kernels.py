@@ -8,6 +8,7 @@ import pickle
 import shutil
 import subprocess
 import sys
+import zlib
 from pathlib import Path
 
 import pytest
@@ -30,7 +31,7 @@ print(is_kept(made[0]), made[0](3.0), made[1](3.0), sum(made[0].stats.cache_miss
 """
 STRANGER = 12345
 AS_ROOT = pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a file to another user")
-LEVELS = ["base", "kernels", "digest", "source", "index"]
+LEVELS = ["base", "kernels", "digest", "file"]
 """What there is from the cache down to a file that is unpickled."""
 
 
@@ -63,17 +64,17 @@ def start(script: Path, cache: Path) -> tuple[list[str], list[str]]:
 
 
 def poison(cache: Path, marker: Path) -> list[Path]:
-    """Replace every index by an attack with a right checksum; the indices."""
-    content = pickle.dumps(Attack(marker))
-    found = sorted(cache.rglob("*.nbi"))
+    """Replace every kernel by an attack with a right checksum; the files."""
+    content = zlib.compress(pickle.dumps(Attack(marker)))
+    found = sorted(cache.rglob("*.kernel"))
     for path in found:
         path.write_bytes(hashlib.sha256(content).digest() + content)
     return found
 
 
-def level(cache: Path, index: Path, name: str) -> Path:
-    """One of LEVELS on the way to an index."""
-    return [cache, *reversed(index.parents[:3]), index][LEVELS.index(name)]
+def level(cache: Path, kernel: Path, name: str) -> Path:
+    """One of LEVELS on the way to a kernel's file."""
+    return [cache, *reversed(kernel.parents[:2]), kernel][LEVELS.index(name)]
 
 
 def state(folder: Path) -> dict[str, object]:
@@ -94,11 +95,11 @@ def warm(tmp_path_factory) -> tuple[Path, Path]:
 
 @pytest.fixture
 def poisoned(warm, tmp_path: Path) -> list[Path]:
-    """The indices of such a cache that somebody has written to."""
+    """The kernels of such a cache that somebody has written to."""
     shutil.copytree(warm[1], tmp_path / "cache")
-    indices = poison(tmp_path / "cache", tmp_path / "attacked")
-    assert len(indices) == 2
-    return indices
+    kernels = poison(tmp_path / "cache", tmp_path / "attacked")
+    assert len(kernels) == 2
+    return kernels
 
 
 def demand_unread(script: Path, tmp_path: Path, name: str) -> None:
@@ -109,22 +110,22 @@ def demand_unread(script: Path, tmp_path: Path, name: str) -> None:
     assert len(told) == 1
     assert told[0].startswith(f"flockscope: compiled kernels in {tmp_path / 'cache'} are not used")
     assert not (tmp_path / "attacked").exists()
-    if name != "index":
+    if name != "file":
         assert state(tmp_path / "cache") == before
 
 
 def test_the_attack_is_one(tmp_path, poisoned):
     """What the other tests hold against would be executed in a cache of our own."""
-    pickle.loads(poisoned[0].read_bytes()[32:])
+    pickle.loads(zlib.decompress(poisoned[0].read_bytes()[32:]))
     assert (tmp_path / "attacked").exists()
 
 
 @pytest.mark.parametrize(
-    ("name", "bits"), [*((name, 0o020) for name in LEVELS), ("base", 0o002), ("index", 0o002)]
+    ("name", "bits"), [*((name, 0o020) for name in LEVELS), ("base", 0o002), ("file", 0o002)]
 )
 def test_what_others_may_write_to_is_not_executed(warm, tmp_path, poisoned, name, bits):
-    for index in poisoned:
-        path = level(tmp_path / "cache", index, name)
+    for kernel in poisoned:
+        path = level(tmp_path / "cache", kernel, name)
         path.chmod(path.stat().st_mode | bits)
     demand_unread(warm[0], tmp_path, name)
 
@@ -132,8 +133,8 @@ def test_what_others_may_write_to_is_not_executed(warm, tmp_path, poisoned, name
 @AS_ROOT
 @pytest.mark.parametrize("name", LEVELS)
 def test_what_another_user_owns_is_not_executed(warm, tmp_path, poisoned, name):
-    for index in poisoned:
-        os.chown(level(tmp_path / "cache", index, name), STRANGER, STRANGER)
+    for kernel in poisoned:
+        os.chown(level(tmp_path / "cache", kernel, name), STRANGER, STRANGER)
     demand_unread(warm[0], tmp_path, name)
 
 

@@ -68,4 +68,4 @@ def test_without_numba_all_of_it_is_plain_python(tmp_path):
     here = Flock("vem", agents=5, size=1.0, rng=1, eta=0.2, interpret=True)
     here.run(2)
     assert done.stdout.strip() == str(here.position.tolist())
-    assert not list(tmp_path.rglob("*.nbc"))
+    assert not list(tmp_path.rglob("*.kernel"))

@@ -180,9 +180,11 @@ print(is_kept(made[0]), made[0](3.0), made[1](3.0), sum(made[0].stats.cache_miss
 """
 
 
-def calls(folder: Path, cache: Path, most: int = 0) -> tuple[list[str], list[str]]:
+def calls(
+    folder: Path, cache: Path, most: int = 0, script: str = DOUBLED
+) -> tuple[list[str], list[str]]:
     """What calls of two kernels print, and what is told; files hold at most `most` bytes."""
-    (folder / "script.py").write_text(DOUBLED.format(most=most))
+    (folder / "script.py").write_text(script.replace("{most}", str(most)))
     environment = {**os.environ, "FLOCKSCOPE_CACHE": str(cache), "PYTHONPATH": os.getcwd()}
     done = subprocess.run(
         [sys.executable, str(folder / "script.py")],
@@ -200,7 +202,7 @@ def test_a_cache_that_cannot_be_written_is_told_once_and_done_without(tmp_path):
     assert printed == ["False", "6.0", "9.0", "1"]
     assert len(told) == 1
     assert told[0].startswith(f"flockscope: compiled kernels cannot be kept in {tmp_path}")
-    assert not list(tmp_path.rglob("*.nbi"))
+    assert not list(tmp_path.rglob("*.kernel"))
 
 
 def test_a_full_disk_is_told_once_and_done_without(tmp_path):
@@ -208,21 +210,50 @@ def test_a_full_disk_is_told_once_and_done_without(tmp_path):
     assert printed == ["False", "6.0", "9.0", "1"]
     assert len(told) == 1
     assert "cannot be kept" in told[0]
-    assert not [one for one in tmp_path.rglob("*.nb*") if one.is_file()]
+    assert not [one for one in tmp_path.rglob("*.kernel*") if one.is_file()]
 
 
-@pytest.mark.parametrize("kind", ["nbi", "nbc"])
 @pytest.mark.parametrize(
     "damage",
     [lambda whole: whole[:-20], lambda _: b"", lambda whole: whole[:80] + b"?" + whole[81:]],
     ids=["cut", "empty", "one byte"],
 )
-def test_what_is_damaged_is_told_once_and_compiled_anew(tmp_path, kind, damage):
+def test_what_is_damaged_is_told_once_and_compiled_anew(tmp_path, damage):
     assert calls(tmp_path, tmp_path / "cache") == (["False", "6.0", "9.0", "1"], [])
-    for path in tmp_path.rglob(f"*.{kind}"):
+    for path in tmp_path.rglob("*.kernel"):
         path.write_bytes(damage(path.read_bytes()))
     printed, told = calls(tmp_path, tmp_path / "cache")
     assert printed == ["False", "6.0", "9.0", "1"]
     assert len(told) == 1
     assert "are damaged: they are compiled anew" in told[0]
     assert calls(tmp_path, tmp_path / "cache") == (["True", "6.0", "9.0", "0"], [])
+
+
+def test_another_checkout_finds_what_this_one_has_compiled(tmp_path):
+    """Kernels are found by their code, not by the path of their files."""
+    for place in ("here", "there"):
+        (tmp_path / place).mkdir()
+    assert calls(tmp_path / "here", tmp_path / "cache") == (["False", "6.0", "9.0", "1"], [])
+    assert calls(tmp_path / "there", tmp_path / "cache") == (["True", "6.0", "9.0", "0"], [])
+
+
+BROUGHT = """
+from pathlib import Path
+from agents.engine import cache
+cache.SHIPPED = Path({shipped!r})
+"""
+
+
+def test_what_a_wheel_brings_is_taken_where_the_user_has_nothing(tmp_path):
+    """And is compiled anew where it is damaged, and no part of the user's own folder."""
+    calls(tmp_path, tmp_path / "wheel")
+    script = BROUGHT.format(shipped=str(tmp_path / "wheel")) + DOUBLED
+    assert calls(tmp_path, tmp_path / "cache", script=script) == (["True", "6.0", "9.0", "0"], [])
+    assert not list((tmp_path / "cache").rglob("*.kernel"))
+    for path in (tmp_path / "wheel").rglob("*.kernel"):
+        path.write_bytes(path.read_bytes()[:-1])
+    printed, told = calls(tmp_path, tmp_path / "cache", script=script)
+    assert printed == ["False", "6.0", "9.0", "1"]
+    assert told == [
+        f"flockscope: compiled kernels in {tmp_path / 'wheel'} are damaged: they are compiled anew"
+    ]

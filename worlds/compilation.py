@@ -12,12 +12,14 @@ from __future__ import annotations
 
 import functools
 import gc
+import platform
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
+import llvmlite.binding
 import numba
 import numpy as np
 from filelock import FileLock
@@ -38,6 +40,40 @@ INLINED = OPTIONS | {"forceinline": True, "no_cpython_wrapper": True}
 DISABLED = bool(vars(numba.config)["DISABLE_JIT"])
 """Whether all code runs as plain Python: NUMBA_DISABLE_JIT=1."""
 PLAIN: ContextVar[bool] = ContextVar("plain", default=DISABLED)
+
+
+V3 = ("avx2", "bmi", "bmi2", "cx16", "f16c", "fma", "lzcnt", "movbe", "popcnt", "sse4.2")
+LEVELS = {
+    "x86-64-v4": (*V3, "avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
+    "x86-64-v3": V3,
+}
+"""Levels of x86-64, the higher one first, and what a CPU of each has."""
+
+
+def levels_here() -> tuple[str, ...]:
+    """The levels that this CPU can run, the highest first; none where it is another kind."""
+    if platform.machine() not in ("x86_64", "AMD64"):
+        return ()
+    features = llvmlite.binding.get_host_cpu_features()
+    return tuple(
+        level for level, needs in LEVELS.items() if all(features.get(need) for need in needs)
+    )
+
+
+def choose_target() -> None:
+    """Compile for a level of x86-64 rather than for this very CPU, so that kernels fit others too.
+
+    Both levels give the same bits, since LLVM makes vectors of 256 bits of sums for either; for the
+    host's own CPU it may make wider ones, whose sums have other bits and were no faster. It holds
+    for the whole process: what others compile in it with numba is made for the level too. numba's
+    variables NUMBA_CPU_NAME and NUMBA_CPU_FEATURES choose another target.
+    """
+    levels = levels_here()
+    if levels and vars(numba.config)["CPU_NAME"] is None:
+        vars(numba.config).update(CPU_NAME=levels[0], CPU_FEATURES="")
+
+
+choose_target()
 
 
 @contextmanager

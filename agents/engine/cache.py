@@ -1,7 +1,10 @@
 """Keep compiled kernels on disk, under names made from their code, so that none is ever stale.
 
-numba does not notice an edit of a function that a kernel calls. So each kernel gets a cache folder
-named by a hash over the bytecode of every function that it reaches and the value of every constant.
+numba does not notice an edit of a function that a kernel calls, and finds a kernel by the path of
+its file. So each kernel gets a cache folder named by a hash over the bytecode of every function
+that it reaches and the value of every constant: another checkout, another environment of the same
+Python and numba finds it too. A wheel may bring a folder of kernels beside the code.
+
 What cannot be written is done without; what is damaged is compiled anew; what others own or may
 write to is neither read nor written (`worlds.owned_files`), since whoever wrote a kernel has its
 reader execute it. Each is told once.
@@ -9,33 +12,36 @@ reader execute it. Each is told once.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import importlib.metadata
-import itertools
 import os
 import pickle
 import sys
-import threading
 import types
+import zlib
 from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
 import platformdirs
-from numba.core.caching import (
-    CompileResultCacheImpl,
-    FunctionCache,
-    IndexDataCacheFile,
-    UserProvidedCacheLocator,
-)
+from numba.core.caching import _Cache
+from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
+from numba.core.registry import cpu_target
+from numba.core.serialize import dumps
 
 from worlds import compilation
-from worlds.compilation import entry
+from worlds.compilation import entry, levels_here
 from worlds.owned_files import NotOwned, open_in, owned_folder, read_owned, write_owned
 
-KEEPING = threading.Lock()
+SHIPPED = Path(__file__).parents[1]
+"""Where a wheel brings its folder of kernels: beside the code, and as trustworthy."""
+FOLDER, SUFFIX = "kernels", ".kernel"
+FORMAT = "a checksum, then what numba keeps, machine code alone, compressed"
+"""What a file holds: another format is another kernel."""
+ZLIB_LEVEL = 6
 IN_LLVM = ("flat.py", "vector_lanes.py", "pairs/thread_barrier.py", "pairs/term_sums.py")
 """Files of the engine that write LLVM's own words, which no function's bytecode shows."""
 CHECKSUM = hashlib.sha256().digest_size
@@ -98,8 +104,8 @@ def global_values(python: types.FunctionType) -> list:
 
 def base_digest():
     """A digest of what every kernel depends on."""
-    versions = numba.__version__, importlib.metadata.version("llvmlite"), sys.version_info[:3]
-    digest = hashlib.sha256(repr((*versions, CHECKSUM)).encode())
+    versions = numba.__version__, importlib.metadata.version("llvmlite"), sys.version_info[:2]
+    digest = hashlib.sha256(repr((*versions, FORMAT)).encode())
     for name in IN_LLVM:
         digest.update((Path(__file__).parent / name).read_bytes())
     return digest
@@ -119,12 +125,24 @@ def tell_once(message: str, about: str) -> None:
 def read_checked(base: Path, *parts: str) -> bytes | None:
     """A file's content behind its checksum, None if there is none, or none that is sound."""
     try:
-        content = read_owned(base, *parts)
+        return checked_content(read_owned(base, *parts), base)
     except NotOwned as error:
         tell_unused(error)
         return None
     except OSError:
         return None
+
+
+def read_shipped(*parts: str) -> bytes | None:
+    """The same of a file that the wheel brings: who installed the code has installed it too."""
+    try:
+        return checked_content(SHIPPED.joinpath(*parts).read_bytes(), SHIPPED)
+    except OSError:
+        return None
+
+
+def checked_content(content: bytes, base: Path) -> bytes | None:
+    """What stands behind its checksum, None where it is damaged."""
     if hashlib.sha256(content[CHECKSUM:]).digest() == content[:CHECKSUM]:
         return content[CHECKSUM:]
     tell_once(f"compiled kernels in {base} are damaged: they are compiled anew", "damaged")
@@ -136,91 +154,98 @@ def write_checked(content: bytes, base: Path, *parts: str) -> None:
     write_owned(hashlib.sha256(content).digest() + content, base, *parts)
 
 
-class KernelFiles(IndexDataCacheFile):
-    """The files of a kernel, each with a checksum; one that is damaged counts as not there."""
-
-    def __init__(self, base: Path, folder: str, name: str, stamp: Any):
-        super().__init__(folder, name, stamp)
-        self.base = base
-        self.parts = Path(folder).relative_to(base).parts
-
-    def save(self, key: Any, data: Any) -> None:
-        """Keep what was compiled for a key: first itself, then the index that names it."""
-        names = self._load_index()
-        used_names = set(names.values())
-        name = names.get(key) or next(
-            name for name in map(self._data_name, itertools.count(1)) if name not in used_names
-        )
-        self._save_data(name, data)
-        self._save_index(names | {key: name})
-
-    def is_intact(self) -> bool:
-        """Whether anything is kept, all of it undamaged."""
-        names = self._load_index().values()
-        return bool(names) and all(self._read(name) is not None for name in names)
-
-    def _load_index(self) -> dict:
-        return unpickled(self._read(self._index_name)) or {}
-
-    def _save_index(self, overloads: dict) -> None:
-        self._write(self._index_name, overloads)
-
-    def _load_data(self, name: str) -> Any:
-        return unpickled(self._read(name))
-
-    def _save_data(self, name: str, data: Any) -> None:
-        self._write(name, data)
-
-    def _read(self, name: str) -> bytes | None:
-        """A file's content behind its checksum, None if there is none, or none that is sound."""
-        return read_checked(self.base, *self.parts, name)
-
-    def _write(self, name: str, value: Any) -> None:
-        write_checked(self._dump(value), self.base, *self.parts, name)
-
-
 def unpickled(content: bytes | None) -> Any:
     """What was pickled; None where a module or a class that it names has moved: compile anew."""
-    # Unpickling runs code. Only `read_owned` brings content here: files of this user alone.
+    # Unpickling runs code. Only `read_owned` and the wheel bring content here.
     try:
-        return None if content is None else pickle.loads(content)
+        return None if content is None else pickle.loads(zlib.decompress(content))
     except (ImportError, AttributeError):
         return None
 
 
-class KernelLocator(UserProvidedCacheLocator):
-    """Where the files of a kernel are; its folder is made with them."""
-
-    def ensure_cache_path(self) -> None:
-        """Leave it to who writes there to make it, for this user alone."""
-
-
-NOWHERE_ELSE: list[Any] = [KernelLocator]
+@functools.cache
+def target_name() -> str:
+    """What this process compiles for: the CPU, and a hash of its features and of the system."""
+    system, cpu, features = cpu_target.target_context.codegen().magic_tuple()
+    return f"{cpu}-{hashlib.sha256(f'{system} {features}'.encode()).hexdigest()[:8]}"
 
 
-class KernelResults(CompileResultCacheImpl):
-    """How numba keeps what it compiles, in no other place than ours."""
+def runnable_targets() -> tuple[str, ...]:
+    """The target of this process, then lower levels: theirs run here with the same bits."""
+    cpu, _, system = target_name().rpartition("-")
+    levels = levels_here()
+    lower = levels[levels.index(cpu) + 1 :] if cpu in levels else ()
+    return target_name(), *(f"{level}-{system}" for level in lower)
 
-    _locator_classes = NOWHERE_ELSE
+
+def signature_name(signature: Any) -> str:
+    """The end of the name of a file: what a kernel's arguments are."""
+    return hashlib.sha256(repr(signature).encode()).hexdigest()[:16] + SUFFIX
 
 
-class KernelCache(FunctionCache):
-    """numba's cache of one function over such files; without what cannot be written."""
+class KernelCache(_Cache):
+    """Where numba finds what a function compiles to, and keeps it: a file for each signature.
 
-    _impl_class = KernelResults
-    _cache_file: KernelFiles
+    A kernel is found by its code and the CPU that it is made for, wherever the checkout stands.
+    What the wheel brings is taken where this user has nothing of his own.
+    """
 
-    def __init__(self, function: types.FunctionType, base: Path):
-        super().__init__(function)
-        stamp = self._impl.locator.get_source_stamp()
-        self._cache_file = KernelFiles(base, self._cache_path, self._impl.filename_base, stamp)
+    def __init__(self, base: Path, *parts: str):
+        self.base = base
+        self.parts = parts
+
+    @property
+    def cache_path(self) -> str:
+        """The folder of the files."""
+        return str(self.base.joinpath(*self.parts))
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """What was compiled for a signature, None if nothing sound is there."""
+        target_context.refresh()
+        payload = unpickled(self.read(signature_name(sig)))
+        return None if payload is None else CompileResult._rebuild(target_context, *payload)
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep what was compiled, if that can be."""
+        """Keep what was compiled for a signature, if that can be."""
+        if data.library.has_dynamic_globals:  # an address, which another process cannot use
+            return
+        content = zlib.compress(dumps(data._reduce()), ZLIB_LEVEL)
+        name = f"{target_name()}.{signature_name(sig)}"
         try:
-            super().save_overload(sig, data)
+            write_checked(content, self.base, *self.parts, name)
         except OSError as error:
             tell_unwritable(error)
+
+    def read(self, signature: str) -> bytes | None:
+        """A kernel's content, this user's or the wheel's; None if there is none that is sound."""
+        own = read_checked(self.base, *self.parts, f"{target_name()}.{signature}")
+        if own is not None:
+            return own
+        brought = (read_shipped(*self.parts, f"{one}.{signature}") for one in runnable_targets())
+        return next((content for content in brought if content is not None), None)
+
+    def is_intact(self) -> bool:
+        """Whether anything is kept for this CPU, all of it undamaged."""
+        own = self.base.joinpath(*self.parts).glob(f"{target_name()}.*{SUFFIX}")
+        names = [*own, *self.shipped_files()]
+        signatures = {path.name.partition(".")[2] for path in names}
+        return bool(signatures) and all(self.read(one) is not None for one in signatures)
+
+    def shipped_files(self) -> list[Path]:
+        """What the wheel brings of this function that runs here."""
+        folder = SHIPPED.joinpath(*self.parts)
+        return [
+            path for target in runnable_targets() for path in folder.glob(f"{target}.*{SUFFIX}")
+        ]
+
+    def enable(self) -> None:
+        """Always."""
+
+    def disable(self) -> None:
+        """Never."""
+
+    def flush(self) -> None:
+        """Leave what is kept: it is right for as long as its name is."""
 
 
 def tell_unwritable(error: OSError) -> None:
@@ -246,27 +271,33 @@ def tell_unused(error: NotOwned) -> None:
 
 def keep_on_disk(entry, digest) -> Path:
     """Keep what `entry` compiles to in a folder named by the digest; returns the folder."""
-    base, parts = cache_base(), ("kernels", digest.hexdigest()[:24])
+    base, parts = cache_base(), (FOLDER, digest.hexdigest()[:24])
     folder = base.joinpath(*parts)
     lock = folder / "lock"
+    entry._cache = KernelCache(base, *parts)
     try:
         with owned_folder(base, *parts, make=True) as folder_descriptor:
             os.close(open_in(folder_descriptor, lock, os.O_WRONLY | os.O_CREAT))
     except OSError as error:
         tell_unwritable(error)
         return folder
-    # numba reads the folder from a setting of the whole process as it makes a cache, so two threads
-    # would mix up their folders.
-    with KEEPING:
-        setattr(numba.config, "CACHE_DIR", str(folder))  # noqa: B010 - made at run time
-        entry._cache = KernelCache(entry.py_func, base)
     entry.lock = lock
     return folder
 
 
 def is_kept(entry) -> bool:
-    """Whether what `entry` compiles to is on disk, from this very checkout or installation."""
-    return isinstance(entry._cache, KernelCache) and entry._cache._cache_file.is_intact()
+    """Whether what `entry` compiles to is on disk, for this CPU."""
+    return isinstance(entry._cache, KernelCache) and entry._cache.is_intact()
+
+
+def count_kernels(base: Path) -> dict[str, tuple[int, int]]:
+    """How many kernels are kept below a folder, and their bytes, by the target of each."""
+    counts: dict[str, tuple[int, int]] = {}
+    for path in sorted(base.glob(f"{FOLDER}/*/*{SUFFIX}")):
+        target = path.name.partition(".")[0].rpartition("-")[0]
+        number, size = counts.get(target, (0, 0))
+        counts[target] = number + 1, size + path.stat().st_size
+    return counts
 
 
 def is_at_hand(entry) -> bool:
