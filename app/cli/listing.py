@@ -23,6 +23,7 @@ from app.cli.choices import (
     rows,
     show_tables,
 )
+from app.cli.model_commands import describe_kernels, list_kernels
 from app.cli.terminal.usage import PrintJson, Rules, model_name
 from app.cli.world import worlds
 from worlds.input_error import InputError, shorten, suggestion
@@ -33,13 +34,21 @@ def listing(
     what: Annotated[
         str | None,
         typer.Argument(
-            help=f"{', '.join(KINDS)}, or one name: a model, a world ...", callback=model_name
+            help=f"{', '.join(KINDS)}, kernels, or one name: a model, a world ...",
+            callback=model_name,
         ),
     ] = None,
     rule: Rules = None,
     as_json: PrintJson = False,
 ) -> None:
-    """List all names, one kind of things, or one thing in full."""
+    """List all names, one kind of things, or one thing in full.
+
+    `kernels` lists what is compiled on this machine, and for which CPUs.
+    """
+    if what == "kernels":
+        kernels = list_kernels()
+        typer.echo(json.dumps(kernels) if as_json else "\n".join(describe_kernels(kernels)))
+        return
     rows_by_kind = rows(has_rule_file=bool(rule))
     if what is None:
         typer.echo(json.dumps(rows_by_kind) if as_json else "\n".join(overview(rows_by_kind)))
@@ -96,7 +105,7 @@ def find_by_name(name: str, rows: dict[str, Rows]) -> dict[str, Any]:
         matches = {"model": model(name)}
     if not matches:
         every = [item_name for kind in known_names.values() for item_name in kind]
-        hint = suggestion(name, [*KINDS, *every])
+        hint = suggestion(name, [*KINDS, "kernels", *every])
         raise InputError(f"unknown name {shorten(name)}{hint} (`flockscope list` shows all)")
     return matches
 

@@ -1,17 +1,18 @@
-"""What the command line does with one model: `check` it, `warm` (compile) it, `cite` its papers."""
+"""What the command line does with models: `check`, `warm` (compile), `list kernels`, `cite`."""
 
 from __future__ import annotations
 
 import json
 import time
 from dataclasses import asdict
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from app.cli.terminal.console import REFUSED
 from app.cli.terminal.usage import PrintJson, Rules, first_of, model_name
 from worlds.input_error import InputError
+from worlds.number_text import counted
 
 
 def model_names(models: list[str] | None) -> list[str] | None:
@@ -74,6 +75,52 @@ def describe_warming(model: str, before: bool, seconds: float) -> str:
     'vem               compiled in 4.2 s'
     """
     return f"{model:16}  {'was compiled' if before else f'compiled in {seconds:.1f} s'}"
+
+
+def list_kernels() -> dict[str, Any]:
+    """Which kernels are on this machine, for which CPUs, and which models run without a wait."""
+    from agents.catalogue import MODELS
+    from agents.engine import cache
+    from agents.flock import Flock
+
+    own, shipped = cache.cache_base(), cache.SHIPPED
+    places = {
+        str(base / cache.FOLDER): {
+            target: {"kernels": number, "bytes": size}
+            for target, (number, size) in cache.count_kernels(base).items()
+        }
+        for base in (own, shipped)
+    }
+    loops = {name: Flock(name, agents=3, rng=0).loop.advance._cache for name in MODELS}
+    compiled = {
+        name: ("wheel" if loop.shipped_files() else "here") if loop.is_intact() else None
+        for name, loop in loops.items()
+    }
+    return {
+        "target": cache.target_name().rpartition("-")[0],
+        "places": places,
+        "models": [{"model": name, "compiled": place} for name, place in compiled.items()],
+    }
+
+
+def describe_kernels(listed: dict[str, Any]) -> list[str]:
+    """The same for people."""
+    lines = [f"compiled for {listed['target']} on this machine"]
+    for place, targets in listed["places"].items():
+        lines += [
+            f"{place}: {counted(of['kernels'], 'kernel')} for {target}, {of['bytes'] / 1e6:.1f} MB"
+            for target, of in targets.items()
+        ]
+    models = listed["models"]
+    for compiled, words in (
+        ("here", "compiled here"),
+        ("wheel", "compiled in the wheel"),
+        (None, "compiled at the first tick"),
+    ):
+        names = [row["model"] for row in models if row["compiled"] == compiled]
+        if names:
+            lines.append(f"{words} ({len(names)}): {', '.join(names)}")
+    return lines
 
 
 def check(
