@@ -1,7 +1,12 @@
-"""Puts one name, `flockscope`, into a wheel; see `one_name.py` beside this file."""
+"""Puts one name, `flockscope`, into a wheel; see `one_name.py` beside this file.
+
+The environment variable FLOCKSCOPE_KERNELS names a folder of compiled kernels, which come with it.
+Such a wheel is for the Python and the system of FLOCKSCOPE_WHEEL_TAG; `release.py` sets both.
+"""
 
 from __future__ import annotations
 
+import os
 import runpy
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,6 +29,12 @@ class OneName(BuildHookInterface):
         for file in one_name["files"](Path(self.folder.name)):
             place = file.relative_to(self.folder.name).as_posix()
             build_data["force_include"][str(file)] = f"flockscope/{place}"
+        kernels = os.environ.get("FLOCKSCOPE_KERNELS")
+        if kernels:
+            build_data["tag"] = os.environ["FLOCKSCOPE_WHEEL_TAG"]
+            for file in Path(kernels).glob("*/*.kernel"):
+                place = f"flockscope/_agents/kernels/{file.parent.name}/{file.name}"
+                build_data["force_include"][str(file)] = place
 
     def finalize(self, version: str, *_: object) -> None:
         """Take the folder away."""

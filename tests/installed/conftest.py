@@ -104,6 +104,17 @@ def installed(request, wheel, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def released(tmp_path_factory):
+    """The wheel of a release, which brings the kernels of vem, in an environment of its own."""
+    out = tmp_path_factory.mktemp("release")
+    script = "packing/release.py", "--python", NEEDED, "--models", "vem", "--out", out
+    line = uv("run", "python", *script)
+    [wheel] = out.glob("*.whl")
+    assert line.startswith(str(wheel))
+    return Installed(NEEDED, wheel, tmp_path_factory.mktemp("released-"))
+
+
+@pytest.fixture(scope="session")
 def part_of_the_tests(tmp_path_factory):
     """Tests, their imports written as those of the wheel are, away from the checkout."""
     folder = tmp_path_factory.mktemp("part")

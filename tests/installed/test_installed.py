@@ -9,14 +9,18 @@ import json
 import re
 import signal
 import urllib.request
+from pathlib import Path
 from zipfile import ZipFile
 
 import pytest
 from cli.calling import call
 
+from worlds.compilation import levels_here
+
 pytestmark = pytest.mark.installed
 
 RUN = ("run", "hwvem", "--agents", "30", "--ticks", "20", "--seed", "1", "--json", "--quiet")
+OF_VEM = ("run", "vem", "--ticks", "20", "--seed", "1", "--json", "--quiet")
 
 
 def test_a_wheel_holds_one_name(wheel):
@@ -85,3 +89,15 @@ def test_the_laboratory_serves_its_first_page(installed):
 def test_a_part_of_the_tests_passes_there(installed, part_of_the_tests):
     installed.run("python", "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests",
                   cwd=part_of_the_tests)  # fmt: skip
+
+
+@pytest.mark.skipif(not levels_here(), reason="kernels are made for x86-64-v3 and later")
+def test_a_release_brings_kernels_and_compiles_nothing(released):
+    """Nor does it write any: what is run is what the wheel brings."""
+    listed = json.loads(released.run("flockscope", "list", "kernels", "--json"))
+    compiled = {row["model"]: row["compiled"] for row in listed["models"]}
+    assert compiled["vem"] == "wheel"
+    assert set(compiled.values()) == {"wheel", None}
+    there = json.loads(released.run("flockscope", *OF_VEM))
+    assert not list(Path(released.environment["FLOCKSCOPE_CACHE"]).rglob("*.kernel"))
+    assert there["observables"] == json.loads(call(*OF_VEM).stdout)["observables"]
