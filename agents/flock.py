@@ -8,13 +8,13 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-import mesa
 import numpy as np
 
 from agents import catalogue
 from agents.engine.noise import uniform_numbers
 from agents.flock_world import complete_spec, find_world, is_built_in
 from agents.inspection import Inspection, compile_inspection, inspect
+from agents.mesa_import import mesa
 from agents.mesa_interface import FlockSpace, Member, TickClock
 from agents.models.declare import checked
 from agents.models.sources import cite

@@ -6,11 +6,9 @@ import math
 from random import Random
 from typing import Any, Protocol
 
-import mesa
 import numpy as np
-from mesa.agent import AgentSet
-from mesa.experimental.continuous_space import ContinuousSpace
 
+from agents.mesa_import import mesa
 from agents.observables.neighbours import separation
 from worlds.input_error import InputError, shorten
 from worlds.world import World
@@ -180,7 +178,7 @@ def vector(name: str, value: Any, dim: int) -> np.ndarray:
     return array
 
 
-class FlockSpace(ContinuousSpace):
+class FlockSpace(mesa.experimental.continuous_space.ContinuousSpace):
     """A `ContinuousSpace` whose positions are the flock's own array.
 
     Mesa's space keeps a second array and dictionaries; here `agent_positions` and `active_agents`
@@ -259,9 +257,9 @@ class FlockSpace(ContinuousSpace):
         """Do nothing: Mesa's methods assign, the flock's rows stand."""
 
     @property
-    def agents(self) -> AgentSet:
+    def agents(self) -> mesa.agent.AgentSet:
         """The flock's agents."""
-        return AgentSet(self.flock.members, random=self.random)
+        return mesa.agent.AgentSet(self.flock.members, random=self.random)
 
 
 # Its ticks as Mesa's time: `time`, `steps`, and events when they are due.

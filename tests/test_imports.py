@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,6 +16,7 @@ import pytest
 import agents
 import worlds
 
+ROOT = Path(__file__).parents[1]
 PACKAGES = ("app", "agents", "worlds")
 LAZY = {
     ("agents/recordings/parquet_table.py", "pyarrow"),  # as for those who record
@@ -22,6 +25,8 @@ LAZY = {
     # 0.2 s and 40 MB, for those who record or load a flock
     ("agents/recordings/recorder.py", "pyarrow"),
     ("agents/conditions.py", "scipy"),  # 0.2 s, for runs with gusts
+    ("agents/observables/groups.py", "scipy"),  # 0.1 s, for who counts groups
+    ("agents/observables/neighbours.py", "scipy"),  # the same, for layers
     ("agents/observables/formation.py", "scipy"),  # 0.2 s, for the best spacing alone
     ("worlds/generators/forest.py", "scipy"),  # 0.6 s, for forests alone
     ("worlds/readers/join.py", "scipy"),  # 0.3 s, for drawings whose lines are joined
@@ -76,6 +81,51 @@ def lazy_imports(tree: ast.AST) -> Iterator[str]:
                     yield from (one.name.partition(".")[0] for one in node.names)
                 if isinstance(node, ast.ImportFrom):
                     yield (node.module or "").partition(".")[0]
+
+
+LOADED = """
+import sys
+from flockscope import Flock
+Flock("vem", agents=30, rng=1).run(1)
+found = [name for name, module in sys.modules.items() if type(module).__name__ == "module"]
+print(*{name.partition(".")[0] for name in found})
+"""
+NOT_LOADED = (
+    *("pandas", "networkx", "pyarrow", "matplotlib", "sklearn", "dask", "IPython"),
+    *("viser", "aiohttp", "websockets", "typer", "rich", "ezdxf", "svgelements", "segno"),
+)
+"""Libraries, each of 20 to 500 ms, that no flock needs before something of them is asked for."""
+
+
+def test_a_first_flock_loads_no_library_that_it_does_not_need():
+    command = [sys.executable, "-c", LOADED]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    loaded = set(done.stdout.split())
+    assert {"mesa", "numba", "numpy"} <= loaded
+    assert loaded.isdisjoint(NOT_LOADED)
+
+
+DEFERRED = """
+import pickle, sys
+from agents.mesa_import import mesa
+assert type(sys.modules["pandas"]).__name__ == "DeferredModule"
+import pandas as pd
+import pandas.api.types
+import networkx as nx
+assert mesa.agent.pd.DataFrame is pd.DataFrame is pickle.loads(pickle.dumps(pd.DataFrame))
+assert pandas.api.types.is_number(1.0)
+graph = nx.path_graph(3)
+laid_out = mesa.discrete_space.network.nx.spring_layout(graph, seed=1)
+assert sorted(laid_out) == sorted(nx.spring_layout(graph, seed=1)) == [0, 1, 2]
+assert not hasattr(pd, "no_such_name")
+print(type(sys.modules["pandas"]).__name__)
+"""
+
+
+def test_what_mesa_puts_off_is_there_when_it_is_asked_for():
+    command = [sys.executable, "-c", DEFERRED]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    assert (done.stdout, done.stderr) == ("module\n", "")
 
 
 def test_only_slow_libraries_are_imported_inside_of_functions():

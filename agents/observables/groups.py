@@ -6,8 +6,6 @@ import math
 
 import numpy as np
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components, laplacian
-from scipy.sparse.linalg import eigsh
 
 from agents.observables.array_checks import (
     box,
@@ -43,6 +41,8 @@ def group_labels(n: int, links: np.ndarray) -> np.ndarray:
 
     `links` (M, 2) are undirected pairs of rows in [0, n). Raises InputError.
     """
+    from scipy.sparse.csgraph import connected_components
+
     links = pairs(links, n)
     return (
         rank_groups(connected_components(graph(n, links), directed=False)[1]) if n else np.arange(0)
@@ -85,6 +85,9 @@ def algebraic_connectivity(n: int, links: np.ndarray, dim: int = 2) -> float:
     neighbours is quickly factorised, in space or in a crowd that takes long and much memory, and
     iterating does not. Raises InputError.
     """
+    from scipy.sparse.csgraph import laplacian
+    from scipy.sparse.linalg import eigsh
+
     links = pairs(links, n)
     if n < 2 or group_labels(n, links).max() > 0:
         return 0.0

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from agents.engine.cache import compile_to_disk
@@ -303,6 +302,8 @@ def layers(links: np.ndarray, informed: np.ndarray) -> np.ndarray:
     `links` are undirected pairs of rows (M, 2), `informed` (N,) bool. Raises InputError.
     """
     informed = flags("informed", informed)
+    from scipy.sparse.csgraph import dijkstra
+
     links = pairs(links, len(informed))
     n = len(informed)
     source = np.flatnonzero(informed)
