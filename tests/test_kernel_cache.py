@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from agents.engine.cache import compile_to_disk
+from worlds.compilation import levels_here
 
 PLUGIN = """
 from flockscope import MODELS
@@ -257,3 +258,31 @@ def test_what_a_wheel_brings_is_taken_where_the_user_has_nothing(tmp_path):
     assert told == [
         f"flockscope: compiled kernels in {tmp_path / 'wheel'} are damaged: they are compiled anew"
     ]
+
+
+LEVEL = """
+import hashlib
+from agents import Flock
+for model in ("topological", "pedestrian"):
+    flock = Flock(model, rng=1)
+    flock.run(30)
+    print(hashlib.sha256(flock.position.tobytes()).hexdigest())
+"""
+
+
+@pytest.mark.skipif(len(levels_here()) < 2, reason="this CPU runs one level of x86-64 alone")
+def test_every_level_of_x86_64_gives_the_same_bits(tmp_path):
+    """These two had others when the compiler chose how many terms to add at once."""
+    bits = set()
+    for level in levels_here():
+        environment = {
+            **os.environ,
+            "FLOCKSCOPE_CACHE": str(tmp_path),
+            "NUMBA_CPU_NAME": level,
+            "NUMBA_CPU_FEATURES": "",
+        }
+        command = [sys.executable, "-c", LEVEL]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        bits.add(done.stdout)
+    assert len(bits) == 1
+    assert len({path.name.partition(".")[0] for path in tmp_path.rglob("*.kernel")}) == 2

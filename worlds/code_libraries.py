@@ -11,16 +11,44 @@ compiles in its own way.
 
 from __future__ import annotations
 
+import copy
+import functools
 from collections.abc import Callable
 from typing import Any
 
 import numba
-from llvmlite.binding import parse_assembly
+from llvmlite.binding import Target, get_process_triple, parse_assembly
 from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary
 from numba.core.compiler import Compiler
 
 TRIED = ("0.68.",)
 """Versions of numba that this was tried with, by how they begin."""
+
+
+LEVEL = "x86-64-v"
+"""How the names of the levels of x86-64 begin; loops are made for the third and higher ones."""
+
+
+@functools.cache
+def lowest_level() -> Any:
+    """The machine of the level x86-64-v3."""
+    target = Target.from_triple(get_process_triple())
+    return target.create_target_machine(cpu=f"{LEVEL}3", features="", opt=3)
+
+
+def optimise(module: Any, codegen: Any) -> None:
+    """Optimise a loop, for all levels of x86-64 as for the lowest.
+
+    How many terms of a sum are added at once is decided here, by the registers that there are. So
+    sums have the same bits on every level, while the machine code that is made of it uses the
+    registers of this one.
+    """
+    optimiser = codegen
+    if codegen._get_host_cpu_name().startswith(LEVEL):
+        optimiser = copy.copy(codegen)
+        optimiser._tm = lowest_level()
+    passes, builder = optimiser._module_pass_manager()
+    passes.run(module, builder)
 
 
 def take_in(library: CPUCodeLibrary, module: Any) -> None:
@@ -79,8 +107,7 @@ class LoopLibrary(JITCodeLibrary):
         callees = reached_libraries(self)
         for callee in callees:
             self._final_module.link_in(module_of(callee), preserve=True)
-        passes, builder = self._codegen._module_pass_manager()
-        passes.run(self._final_module, builder)
+        optimise(self._final_module, self._codegen)
         self._final_module.verify()
         self._finalize_final_module()
         variable_names = {variable.name for variable in self._final_module.global_variables}

@@ -63,10 +63,10 @@ def levels_here() -> tuple[str, ...]:
 def choose_target() -> None:
     """Compile for a level of x86-64 rather than for this very CPU, so that kernels fit others too.
 
-    Both levels give the same bits, since LLVM makes vectors of 256 bits of sums for either; for the
-    host's own CPU it may make wider ones, whose sums have other bits and were no faster. It holds
-    for the whole process: what others compile in it with numba is made for the level too. numba's
-    variables NUMBA_CPU_NAME and NUMBA_CPU_FEATURES choose another target.
+    Both levels give the same bits (`code_libraries.optimise`); the host's own CPU may give others,
+    and was no faster. It holds for the whole process: what others compile in it with numba is made
+    for the level too. numba's variables NUMBA_CPU_NAME and NUMBA_CPU_FEATURES choose another
+    target.
     """
     levels = levels_here()
     if levels and vars(numba.config)["CPU_NAME"] is None:

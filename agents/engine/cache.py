@@ -39,7 +39,7 @@ from worlds.owned_files import NotOwned, open_in, owned_folder, read_owned, writ
 SHIPPED = Path(__file__).parents[1]
 """Where a wheel brings its folder of kernels: beside the code, and as trustworthy."""
 FOLDER, SUFFIX = "kernels", ".kernel"
-FORMAT = "a checksum, then what numba keeps, machine code alone, compressed"
+FORMAT = "a checksum, then what numba keeps, machine code alone, compressed; sums as for x86-64-v3"
 """What a file holds: another format is another kernel."""
 ZLIB_LEVEL = 6
 IN_LLVM = ("flat.py", "vector_lanes.py", "pairs/thread_barrier.py", "pairs/term_sums.py")
