@@ -1,10 +1,12 @@
-"""Seconds from the command to a moving flock: `python benchmarks/pages/moving.py [MODEL ...]`.
+"""Seconds from the command to a moving flock: `python benchmarks/pages/moving.py [NAME ...]`.
 
-`flockscope lab MODEL` is started with an empty cache, and once more with what that has compiled. A
-program stands for the browser: it asks for the page until it is answered, and then reads what a
-browser is sent, until the places of agents have come twice and differ, and until the page no longer
-says that it waits for the compiler. Without models: all of them. "CPU": what the laboratory's own
-process has worked until the flock moved, which a busy machine does not change as much.
+`flockscope lab MODEL`, or `--scene NAME`, is started with an empty cache, and once more with what
+that has compiled. A program stands for the browser: it asks for the page until it is answered, and
+then reads what a browser is sent, until the places of agents have come twice and differ, and until
+the page no longer says that it waits for the compiler. Without names: every scene and every model.
+"CPU": what the laboratory's own process has worked until the flock moved, which a busy machine does
+not change as much. The last lines name the slowest, and those beyond what a page and a flock may
+take.
 """
 
 from __future__ import annotations
@@ -28,8 +30,11 @@ import zstandard
 from websockets.sync.client import connect
 
 from agents.catalogue import MODELS
+from app.viewer.gallery.scene_collection import scene_names
 from benchmarks.pages.stream import CAMERA
 
+PAGE, MOVING = 1.5, 3.0
+"""Longest time that a page, and a flock of which nothing is compiled, may take, s."""
 TIMEOUT = 300.0
 """Longest time until a run is compiled, s."""
 STATUS, WAITS = "fs-status", "fs-compiling"
@@ -47,13 +52,14 @@ class Start:
     compiled: float
 
 
-def start(model: str, cache: str) -> Start:
+def start(name: str, cache: str) -> Start:
     """Start the laboratory once, and watch it until its compiled run moves."""
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
+    what = ["--scene", name] if name in scene_names() else [name]
     started = time.monotonic()
     server = subprocess.Popen(
-        ["flockscope", "lab", model, "--no-open", "--port", str(port)],
+        ["flockscope", "lab", *what, "--no-open", "--port", str(port)],
         env=os.environ | {"FLOCKSCOPE_CACHE": cache},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
@@ -92,7 +98,7 @@ def watch(port: int, process: int, started: float, answered: float) -> Start:
         page.send(msgspec.msgpack.encode(CAMERA))
         while time.monotonic() < started + TIMEOUT:
             for name, updates in decode_changes(page.recv(timeout=TIMEOUT)):
-                places = updates.get("batched_positions")
+                places = updates.get("batched_positions") or updates.get("points")
                 if places and began.setdefault(name, places) != places and not moving:
                     moving, worked = time.monotonic() - started, cpu(process)
                 if STATUS in str(updates.get("content", "")):
@@ -122,17 +128,27 @@ def decode_changes(packet: Any) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def main() -> None:
-    """Print a line for each model."""
+    """Print a line for each scene and model."""
     print(f"{'s after the command':20}{'nothing compiled':^34}{'everything compiled':^34}")
     print(f"{'':20}" + 2 * f"{'page':>8}{'moving':>8}{'CPU':>8}{'compiled':>10}", flush=True)
-    for model in sys.argv[1:] or MODELS:
+    first: dict[str, Start] = {}
+    for name in sys.argv[1:] or (*scene_names(), *MODELS):
         with tempfile.TemporaryDirectory() as cache:
-            both = start(model, cache), start(model, cache)
+            both = start(name, cache), start(name, cache)
+        first[name] = both[0]
         row = "".join(
             f"{sample.page:8.1f}{sample.moving:8.1f}{sample.cpu:8.1f}{sample.compiled:10.1f}"
             for sample in both
         )
-        print(f"{model:20}{row}", flush=True)
+        print(f"{name:20}{row}", flush=True)
+    for what, most in (("page", PAGE), ("moving", MOVING)):
+        seconds = {name: getattr(sample, what) for name, sample in first.items()}
+        slowest = max(seconds, key=seconds.__getitem__)
+        late = [name for name, taken in seconds.items() if taken > most]
+        print(
+            f"{what}: at most {seconds[slowest]:.1f} s ({slowest}); beyond {most} s: "
+            f"{len(late)} of {len(first)} {' '.join(late)}"
+        )
 
 
 if __name__ == "__main__":

@@ -89,7 +89,12 @@ class StubFlock:
         self.together = 1.0
         self.tick = 0
         self.parameters = checked(Knobs, start.parameters)
-        self.spec = SimpleNamespace(to_toml=lambda: f"seed = {start.seed}\n")
+        self.spec = SimpleNamespace(
+            to_toml=lambda: f"seed = {start.seed}\n",
+            but=start.but,
+            agents=start.agents,
+            seed=start.seed,
+        )
         self.breaks_at, self.error, self.cost = breaks_at, error or ArithmeticError("NaN"), cost
 
     def advance(self, ticks: int) -> None:

@@ -117,7 +117,34 @@ def test_what_is_saved_is_only_ever_the_compiled_run(simulate):
     assert simulation.save().result(60) == b"saved"
 
 
-def test_a_flock_that_is_too_large_for_a_preview_stands_and_the_page_says_for_how_long(simulate):
+def test_of_a_large_flock_so_many_move_as_plain_python_can_and_the_page_says_how_many(
+    simulate, monkeypatch
+):
+    """They are the first ones; when it is compiled all are there, at the same tick."""
+    monkeypatch.setattr(
+        "app.viewer.run.simulation_thread.SimulationThread.measure_tick",
+        lambda _self, _spec, _beside, agents: 1e-3 * agents,
+    )
+    simulation = simulate(agents=1001, size=20.0, speed=200.0)
+    until(lambda: simulation.frame.tick > 5)
+    some = len(simulation.frame.position)
+    assert 100 < some < 1001
+    assert simulation.state.preview
+    assert f"Preview</b> of {some} of 1,001 agents until compiled" in status(simulation.state)
+    shown = simulation.state.run
+    simulation.compiling.ready.set_result(None)
+    until(lambda: len(simulation.frame.position) == 1001)
+    assert simulation.frame.run == simulation.state.run == shown + 1
+    assert simulation.frame.tick > 5
+    assert "agents until" not in status(simulation.state)
+
+
+def test_a_flock_of_which_not_a_few_can_move_stands_and_the_page_says_for_how_long(
+    simulate, monkeypatch
+):
+    monkeypatch.setattr(
+        "app.viewer.run.simulation_thread.SimulationThread.measure_tick", lambda *_: 9.0
+    )
     simulation = simulate(agents=301, size=20.0)
     assert not simulation.state.preview
     with pytest.raises(InputError, match=r"stands until it is compiled \(about 8 s more\)"):

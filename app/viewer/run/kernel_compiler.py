@@ -182,8 +182,11 @@ def remember(kinds: Sequence[str], seconds: float) -> None:
 
 # What moves on the page until a run is compiled: the same run as plain Python.
 
-MOST_AGENTS = 300
-"""A tick of more agents takes too long in plain Python."""
+FIRST, FEWEST, GROWTH = 32, 4, 8
+"""Agents that a preview is tried with first, those without which it is none, and the factor by
+which it is tried with more."""
+GOAL = 0.25
+"""CPU time that a tick of a preview may take, s: more agents would move too seldom."""
 SLOWEST, OFTEN = 0.4, 3
 """CPU time of a tick that is too long, s, as commands wait for it; and after how many such ticks a
 preview rather stands."""
@@ -191,9 +194,26 @@ LOOKS = 100
 """Times that the curves are measured on the way to where the preview is."""
 
 
-def is_quick(run: FlockRun) -> bool:
-    """Whether a run may be quick enough in plain Python to be watched."""
-    return sum(len(run.flock.ids) for run in run.both) <= MOST_AGENTS
+def preview_size(agents: int, tick_time: Callable[[int], float]) -> int:
+    """How many of so many agents move at a fair pace in plain Python; 0 if not even a few do.
+
+    `tick_time` measures what a tick of some agents takes, s of CPU.
+
+    >>> preview_size(1001, lambda agents: agents * 1e-4), preview_size(9, lambda _: 7.0)
+    (1001, 0)
+    >>> preview_size(50_000, lambda agents: agents * 1e-4 + agents**2 * 1e-7)
+    1191
+    """
+    size = min(agents, FIRST)
+    seconds = tick_time(size)
+    while size < agents and seconds < 0.6 * GOAL:
+        # A tick takes longer by the number of agents, and of the neighbours of each.
+        more = min(GROWTH, (GOAL / max(seconds, 1e-9)) ** 0.75)
+        size = min(agents, int(size * more))
+        seconds = tick_time(size)
+    if seconds > SLOWEST:
+        size = int(size * (GOAL / seconds) ** 0.75)
+    return size if size >= min(agents, FEWEST) else 0
 
 
 class Preview:

@@ -76,6 +76,8 @@ class SimulationState:
     """How long it may take until what the run calls is compiled; None: it is."""
     preview: bool = False
     """Whether the flock on screen is a preview meanwhile, the same run as plain Python."""
+    moving: int = 0
+    """Agents on screen: those of a preview may be the first of many."""
     error: str = ""
     """What stopped the run; Setup or Reset mends it."""
     speed: float = 15.0

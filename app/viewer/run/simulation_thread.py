@@ -10,6 +10,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from app.viewer.run.edits import Edits, free_place
 from app.viewer.run.flock_run import FlockRun, StrayAgentError, describe_error, zone_notice
 from app.viewer.run.flock_run_builder import FlockRunBuilder, Playback
 from app.viewer.run.frame_builder import FrameRequest
-from app.viewer.run.kernel_compiler import KernelCompiler, Preview, is_quick
+from app.viewer.run.kernel_compiler import KernelCompiler, Preview, preview_size
 from app.viewer.run.paired_run import companion
 from app.viewer.run.simulation_limits import SimulationLimits
 from app.viewer.run.simulation_state import ChangeNotifier, SimulationState
@@ -257,12 +258,8 @@ class SimulationThread:
             return
         self.run, self.preview = run, None
         self.compile_ahead(run)
-        if self.state.compiling is not None and is_quick(run):
-            twin = self.building.flock(spec.but(seed=flock.seed), stored, interpret=True)
-            self.preview = Preview(run)
-            self.run = self.new_run(twin, beside, stored)
-            for flock_run in self.run.both:
-                flock_run.measures = False
+        if self.state.compiling is not None:
+            self.begin_preview(run, spec, beside, stored)
         self.edits.take_over(self.run, spec)
         self.time_line.forget()
         self.pace.restart()
@@ -276,11 +273,44 @@ class SimulationThread:
             run=self.run.number,
             busy=False,
             preview=self.preview is not None,
+            moving=len(self.run.flock.ids),
             error="",
             agents=len(flock.ids),
             values=self.run.values,
             beside_values=self.run.beside_values,
         )
+
+    def begin_preview(
+        self, coming: FlockRun, spec: CompleteSpec, beside: Spec | None, stored: InitialState | None
+    ) -> None:
+        """Show as many agents of a run as plain Python moves well; of a stored one all, or none.
+
+        They are its first ones: where an agent begins depends on no other.
+        """
+        complete = coming.flock.spec
+        try:
+            size = preview_size(complete.agents, partial(self.measure_tick, complete, beside))
+        except InputError:  # so few agents are no such flock
+            return
+        if size == 0 or (stored is not None and size < complete.agents):
+            return
+        asked = complete.but(agents=size) if stored is None else spec.but(seed=complete.seed)
+        twin = self.building.flock(asked, stored, interpret=True)
+        self.preview = Preview(coming)
+        self.run = self.new_run(twin, beside, stored)
+        for flock_run in self.run.both:
+            flock_run.measures = False
+
+    def measure_tick(self, spec: CompleteSpec, beside: Spec | None, agents: int) -> float:
+        """What a tick of some agents of a run takes in plain Python, s of CPU."""
+        flock = self.building.flock(spec.but(agents=agents), None, interpret=True)
+        run = self.building.run(flock, beside, None, 0, FrameRequest(), frozenset())
+        for flock_run in run.both:
+            flock_run.measures = False
+        run.advance(1)
+        worked = time.thread_time()
+        run.advance(1)
+        return time.thread_time() - worked
 
     def new_run(self, flock: Flock, beside: Spec | None, stored: InitialState | None) -> FlockRun:
         """The run of a flock, and of the one beside it. Raises InputError."""
@@ -310,7 +340,10 @@ class SimulationThread:
             return
         compiling.ready.result()
         if self.preview is not None and run is not None:
-            self.run = self.preview.advance_compiled(run)
+            whole = self.preview.advance_compiled(run)
+            if len(whole.flock.ids) != len(run.flock.ids):
+                self.renumber(whole)  # whoever has drawn a part of it begins afresh
+            self.run = whole
             self.run.set_request(self.wanted)
             self.run.watch(self.watched)
             if self.run.is_compiled:
@@ -319,6 +352,13 @@ class SimulationThread:
         self.state = replace(self.state, compiling=None, preview=False)
         self.pace.restart()
         self.stale = True
+
+    def renumber(self, run: FlockRun) -> None:
+        """Make a run the next one: its frames have other agents than those before."""
+        number = self.state.run + 1
+        for flock_run in run.both:
+            flock_run.number = flock_run.camera.run = number
+        self.state = replace(self.state, run=number)
 
     @property
     def waits_for_compiler(self) -> bool:

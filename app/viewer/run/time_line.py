@@ -124,6 +124,7 @@ class TimeLineHost(Protocol):
         self, command: Callable[[], Any], key: str = "", runs: bool | None = None
     ) -> Future: ...
 
+    def renumber(self, run: FlockRun) -> None: ...
     def require_run(self) -> FlockRun: ...
 
     def begin(self, stored: InitialState) -> None: ...
@@ -193,16 +194,14 @@ class TimeLine:
                 raise InputError("this run has no earlier tick to go on from")
             self.present = None
             self.history.cut(then.tick)
-            number = host.state.run + 1
+            host.renumber(run)
             for flock_run, least in zip(run.both, then.least, strict=True):
-                flock_run.number = flock_run.camera.run = number
                 flock_run.readings.notes = True
                 flock_run.readings.cut(flock_run.flock.tick)
                 flock_run.readings.extremes.resume(least)
             host.edits.editor = then.editor
             host.state = replace(
                 host.state,
-                run=number,
                 spec=then.spec,
                 values=run.values,
                 beside_values=run.beside_values,

@@ -13,7 +13,6 @@ from app.front.controls import set_value
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.panels.shell import GREEN, GREY, ORANGE, VIOLET, block
-from app.viewer.run.kernel_compiler import CompileEstimate
 from app.viewer.run.run_preset import lively_speed
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.simulation_state import SimulationState, TimeLineState
@@ -113,7 +112,7 @@ def status(state: SimulationState, mend: str = "Press Setup.") -> str:
         colour, words = VIOLET, "looking back"
     if state.compiling is not None:
         colour, words = (VIOLET, "preview") if state.preview else (ORANGE, "waiting")
-        title += compile_bar(state.compiling, state.preview)
+        title += compile_bar(state)
     elif state.busy:
         colour, words = ORANGE, "setting up …"
     elif state.running:
@@ -131,12 +130,15 @@ def describe_scene(scene: SavedScene) -> str:
     return block(f'<div class="fs-story">{paragraphs}</div>') if paragraphs else ""
 
 
-def compile_bar(compiling: CompileEstimate, preview: bool) -> str:
-    """Over the picture: what the page waits for, and how far that is."""
-    now = time.monotonic()
-    kind = "Preview" if preview else "Waiting"
+def compile_bar(state: SimulationState) -> str:
+    """Over the picture: what the page waits for, how far that is, and what a preview leaves out."""
+    compiling, now = state.compiling, time.monotonic()
+    if compiling is None:
+        return ""
+    kind = "Preview" if state.preview else "Waiting"
+    part = f" of {state.moving:,} of {state.agents:,} agents" if state.moving < state.agents else ""
     return (
-        f'<div class="fs-compiling"><b>{kind}</b> until compiled: {compiling.describe(now)}'
+        f'<div class="fs-compiling"><b>{kind}</b>{part} until compiled: {compiling.describe(now)}'
         f'<i><i style="width:{100.0 * compiling.share(now):.0f}%"></i></i></div>'
     )
 
