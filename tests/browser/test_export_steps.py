@@ -58,6 +58,8 @@ def control(page, place: str) -> list[str]:
 def test_a_reader_goes_from_the_first_step_to_the_last(lesson):
     scene = find_lesson("who-leads")
     with lesson(scene) as page:
+        # What its first step says of colours is so.
+        assert page.locator("#colour").input_value() == scene.look["colour"] == "layer"
         names = sorted(control(page, "#sliders"))
         for number, step in enumerate(scene.steps, 1):
             assert page.locator("#step-place").inner_text() == f"Step {number} of 4"

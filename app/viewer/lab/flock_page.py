@@ -63,13 +63,22 @@ class PageWords:
     """What makes the page; empty: found from the flock's spec."""
     steps: tuple[SceneStep, ...] = ()
     """What a reader is led through; empty: the page has nothing of steps."""
+    colour: str = ""
+    """What colours stand for at first, where the page has that; empty: headings."""
 
     @classmethod
     def of_scene(cls, scene: SavedScene, command: str) -> PageWords:
         """Those of a scene. What it says to try is left to its steps, where it has any."""
-        tries = "" if scene.steps else scene.tries
-        plots, steps = scene.plots, scene.steps
-        return cls(scene.title, scene.watch, tries, scene.speed, plots, command, steps)
+        return cls(
+            scene.title,
+            scene.watch,
+            "" if scene.steps else scene.tries,
+            scene.speed,
+            scene.plots,
+            command,
+            scene.steps,
+            scene.look.get("colour", ""),
+        )
 
 
 PLAIN_WORDS = PageWords()
@@ -200,6 +209,8 @@ def page_parts(
     shapes = {"triangles": triangles, "lines": lines}
     manifest = program.manifest | shapes | {"palette": page_palette(flock.world.dim)}
     manifest["tries"] = steps_to_try(flock, words)
+    if words.colour:
+        manifest["colour"] = words.colour
     if words.steps:
         demand_in_page(words.steps, manifest, command)
         manifest["steps"] = [step.values() for step in words.steps]
