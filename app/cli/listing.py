@@ -199,6 +199,7 @@ def lesson(name: str) -> Thing:
         "asks": first.lesson,
         "measured": first.question.result_words,
         "values": first.question.values,
+        "steps": [step.values() for step in scene.steps],
     }
 
 
@@ -286,6 +287,8 @@ def describe_paper(thing: Thing) -> list[str]:
 
 def describe_lesson(thing: Thing) -> list[str]:
     """A lesson."""
+    from app.viewer.gallery.scene_steps import SceneStep
+
     lines = wrap_text(
         f"{thing['name']}: {thing['title']} ({thing['model']}, {thing['agents']} agents)"
     )
@@ -294,6 +297,9 @@ def describe_lesson(thing: Thing) -> list[str]:
     lines += wrap_text(f"question: {thing['question']}. {thing['asks']}", 2)
     values = f", values {cell(thing['values'])} in turn" if thing["values"] else ", students choose"
     lines += wrap_text(f"measured: {thing['measured']}{values}", 2)
+    for number, step in enumerate(thing["steps"], 1):
+        lines += wrap_text(f"step {number}: {SceneStep.model_validate(step).describe()}", 2)
+    lines.append(f"Write a page of its steps: flockscope export --lesson {thing['name']}")
     return [*lines, f"Open a class on it: flockscope class {thing['name']}"]
 
 

@@ -34,7 +34,9 @@ class Look {
     this.size = $("size");
     this.theme = $("theme");
     this.note = $("trailed");
-    for (const colour of ["heading", "speed", ...Object.keys(view.manifest.labels)]) this.offer(colour, colour);
+    const { labels, colour: first } = view.manifest, offered = ["heading", "speed", ...Object.keys(labels)];
+    for (const colour of offered) this.offer(colour, colour);
+    if (offered.includes(first)) this.select.value = first;
     this.select.onchange = () => { view.clear(); view.changed(); };
     $("trails").disabled = !view.gl;
     $("trails").onchange = (event) => { this.trails = event.target.checked; view.changed(); };

@@ -39,6 +39,11 @@ function download(href, name) {
   Object.assign(document.createElement("a"), { href, download: name }).click();
 }
 const element = (kind, textContent) => Object.assign(document.createElement(kind), { textContent });
+// Letters that Unicode has no small ones for stand behind `_` and `^`, as do powers of a unit.
+const withIndices = (words) => words.split(/([_^][^\s_^/]+)/).map((part) => {
+  const kind = { _: "sub", "^": "sup" }[part[0]];
+  return kind ? element(kind, part.slice(1)) : part;
+});
 const spoken = (name) => name[0].toUpperCase() + name.slice(1).replaceAll("-", " ");
 
 // Of a page of one file it stands in the page; of a page in a folder, in a file beside it.
@@ -225,12 +230,8 @@ class Page {
     const { name, symbol, unit, words, description, low, high, step, value } = parameter;
     const row = $("slider").content.firstElementChild.cloneNode(true), input = row.querySelector("input");
     row.querySelector(".words").textContent = words;
-    // Letters that Unicode has no small ones for stand behind `_` and `^`, as do powers of a unit.
-    for (const [place, said] of [["i", symbol], ["small", unit === "1" ? "" : unit]])
-      for (const part of said.split(/([_^][^\s_^/]+)/)) {
-        const kind = { _: "sub", "^": "sup" }[part[0]];
-        row.querySelector(place).append(kind ? element(kind, part.slice(1)) : part);
-      }
+    row.querySelector("i").append(...withIndices(symbol));
+    row.querySelector("small").append(...withIndices(unit === "1" ? "" : unit));
     row.title = description;
     const logarithmic = low > 0 && high / low > 100;
     const digits = Math.max(0, Math.min(6, Math.ceil(-Math.log10(step || (high - low) / 200) - 1e-9)));
@@ -313,7 +314,7 @@ class Page {
       const shown = this.charts.map((one) => one.measure.name);
       const colour = $("colour").value;
       const answer = await this.requests.ask({
-        ...request, set: [...(request.set ?? []), ...set], shown, colour, heading,
+        ...request, set: [...(request.set ?? []), ...set], shown, colour, heading, trial: this.trial,
       });
       if (run === this.run) this.take(answer); // what was asked for before a Reset is of another run
       return answer;

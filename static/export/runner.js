@@ -11,8 +11,9 @@ class Runner {
     this.rows = [];
   }
 
-  // Do what is asked for, in the order of these names; `budget` is the most time to run in, ms.
-  answer({ ticks = 0, budget = Infinity, set = [], reset = false, start, shown, colour, heading }) {
+  // Do what is asked for, in the order of these names; `budget` is the most time to run in, ms. A `trial` ends
+  // the run at a tick, and has one measure taken at each tick after another one.
+  answer({ ticks = 0, budget = Infinity, set = [], reset = false, start, shown, colour, heading, trial }) {
     const { kernel } = this;
     let error = "";
     if (reset) kernel.reset();
@@ -23,11 +24,13 @@ class Runner {
     this.rows = [];
     const until = performance.now() + budget;
     let ran = 0;
+    const { measure, after, end = Infinity } = trial ?? {}, measured = [];
     try {
       if (start) this.begin(start, set);
-      while (ran < ticks && (!ran || performance.now() < until)) {
+      while (ran < ticks && kernel.tick < end && (!ran || performance.now() < until)) {
         kernel.run(1);
         ran += 1;
+        if (kernel.tick > after) measured.push(kernel.measure(measures.find((one) => one.name === measure)));
         if (ran < ticks) this.measure(true);
       }
     } catch (stopped) {
@@ -35,7 +38,7 @@ class Runner {
     }
     this.measure(false, budget < Infinity);
     const labels = colour in this.manifest.labels ? this.labels(colour, budget < Infinity) : null;
-    return { ...this.state(), colour, labels, ran, error, shown: this.shown.map((one) => one.name), rows: this.rows };
+    return { ...this.state(), colour, labels, ran, error, shown: this.shown.map((one) => one.name), rows: this.rows, measured };
   }
 
   set(values) {

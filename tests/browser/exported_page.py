@@ -7,18 +7,18 @@ from contextlib import contextmanager
 import pytest
 
 from agents.flock import Flock
-from app.viewer.lab.flock_page import flock_page
+from app.viewer.lab.flock_page import PLAIN_WORDS, PageWords, flock_page
 from tests.viewer.waiting import until
 
 PAGES: dict[str, str] = {}
 """Pages by what their flocks are: a page takes seconds to compile, and several tests open it."""
 
 
-def page_text(flock: Flock) -> str:
+def page_text(flock: Flock, words: PageWords = PLAIN_WORDS) -> str:
     """The page of a flock that stands at its start."""
-    key = repr((flock.spec, flock.seed))
+    key = repr((flock.spec, flock.seed, words))
     if key not in PAGES:
-        PAGES[key] = flock_page(flock)
+        PAGES[key] = flock_page(flock, words)
     return PAGES[key]
 
 
@@ -32,9 +32,15 @@ def opened(chromium, tmp_path):
     errors: list[str] = []
 
     @contextmanager
-    def opens(flock: Flock, script: str = "", without: str = "", **options):
+    def opens(
+        flock: Flock,
+        script: str = "",
+        without: str = "",
+        words: PageWords = PLAIN_WORDS,
+        **options,
+    ):
         file = tmp_path / "flock.html"
-        file.write_text(page_text(flock), encoding="utf-8")
+        file.write_text(page_text(flock, words), encoding="utf-8")
         page = chromium.new_page(**{"viewport": {"width": 1100, "height": 720}} | options)
         page.on("request", lambda request: asked.append(request.url))
         page.on("pageerror", lambda error: errors.append(str(error)))

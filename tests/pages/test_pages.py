@@ -19,6 +19,7 @@ from app.cli.main import COMMANDS
 from app.live.laboratory.lab_file import lab_from_toml
 from app.studies.optimisation.study import OptimisationFile
 from app.studies.sweeps.sweep_file import SweepFile
+from app.viewer.gallery.saved_scene import SavedScene
 from pages.blocks import BLOCKS, PAGES, ROOT, Block, blocks_of, inline_commands, text_of
 from pages.not_run import ELSEWHERE, PRINTED
 from pages.plan import (
@@ -212,7 +213,8 @@ def check_python(block, names, capsys):
 
 
 def check_toml(block):
-    """Load TOML as what it is: a laboratory, a part of it, a world, a sweep, a search, an entry."""
+    """Load TOML as what it is: a laboratory, a part of it, a world, a sweep, a search, an entry, a
+    scene with steps."""
     made = tomllib.loads(block.code)
     if "project" in made:
         ((group, named),) = made["project"]["entry-points"].items()
@@ -221,6 +223,8 @@ def check_toml(block):
         assert all(re.fullmatch(r"[\w.]+:\w+", value) for value in named.values())
     elif {"edges", "size", "obstacle"} & set(made):
         world_from_layout(made, "page")
+    elif "steps" in made:
+        assert SavedScene.from_toml(block.code, "page").steps
     elif "search" in made:
         OptimisationFile(**({"run": {"model": "vem", "ticks": 1}} | made))
     elif "replicates" in made:

@@ -180,11 +180,13 @@ def scene_to_export(name: str) -> SavedScene:
 
 def words_of_file(path: Path) -> PageWords:
     """What a scene's file says of it; nothing of a spec's, which has no words."""
+    from app.viewer.gallery.saved_scene import read_scene
     from app.viewer.lab.flock_page import PageWords
 
-    values = tomllib.loads(path.read_text("utf-8-sig"))
-    title, watch, tries = (str(values.get(key, "")) for key in ("title", "watch", "try"))
-    return PageWords(title, watch, tries, command=f"flockscope export {shlex.quote(path.name)}")
+    content, command = path.read_bytes(), f"flockscope export {shlex.quote(path.name)}"
+    if "run" not in tomllib.loads(content.decode("utf-8-sig")):
+        return PageWords(command=command)
+    return PageWords.of_scene(read_scene(path.name, content), command)
 
 
 def lesson_to_export(name: str) -> SavedScene:

@@ -19,6 +19,7 @@ from agents.catalogue import model as find_model
 from agents.models.declare import checked
 from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec
 from app.viewer.editing.layout_file import demand_few, demand_small
+from app.viewer.gallery.scene_steps import SceneStep, read_steps
 from app.viewer.run.run_preset import MOST_AGENTS, preset_spec
 from app.viewer.scene.shown.control import Control, controls_of
 from app.viewer.scene.shown.drawing_style import CAMERAS, DrawingStyle
@@ -30,7 +31,7 @@ from worlds.world import World
 
 TEXTS = {"title": 80, "watch": 400, "try": 400}
 """The words of a scene, and how long each may be."""
-KEYS = (*TEXTS, "speed", "camera", "plots", "run", "beside", "look")
+KEYS = (*TEXTS, "speed", "camera", "plots", "run", "beside", "look", "steps")
 MOST_SIDE = 1000.0
 """Side of a world from a browser, length."""
 MOST_PLOTS = 3
@@ -63,6 +64,8 @@ class SavedScene:
     """What is plotted; empty: what the model usually shows."""
     look: Mapping[str, Any] = field(default_factory=dict)
     """What of the look is not as usual, by the name of its control."""
+    steps: tuple[SceneStep, ...] = ()
+    """What a reader is led through, one after the other; empty: the scene is no lesson of steps."""
 
     def to_toml(self) -> str:
         """The scene as a file, with all that makes its run the same to the bit."""
@@ -98,6 +101,8 @@ class SavedScene:
             fields["beside"] = {"model": self.beside.model, "parameters": self.beside.parameters}
         if self.look:
             fields["look"] = dict(self.look)
+        if self.steps:
+            fields["steps"] = [step.values() for step in self.steps]
         return tomlkit.dumps(fields)
 
     @classmethod
@@ -129,10 +134,15 @@ class SavedScene:
                 camera=read_camera(values.get("camera", "")),
                 plots=read_plots(values.get("plots", [])),
                 look=read_look(table(values, "look"), spec),
+                steps=read_steps(values.get("steps", []), spec.model, spec.parameters, origin),
             )
         except InputError as refusal:
             message = str(refusal)
             raise InputError(message if origin in message else f"{message} ({origin})") from None
+        if scene.steps and scene.beside is not None:
+            raise InputError(
+                f"steps and beside exclude each other: steps are of one flock ({origin})"
+            )
         return scene
 
 

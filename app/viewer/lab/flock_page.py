@@ -30,6 +30,7 @@ from agents.spec import CompleteSpec, Spec
 from agents.web_program import WebProgram, sliders, web_program
 from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene, command_line
+from app.viewer.gallery.scene_steps import SceneStep, demand_in_page
 from app.viewer.panels.dials import plain_symbol
 from app.viewer.scene.shown import palette
 from worlds.file_writer import PAGES, demand_writable, write_text
@@ -60,11 +61,24 @@ class PageWords:
     """Observables whose charts come first."""
     command: str = ""
     """What makes the page; empty: found from the flock's spec."""
+    steps: tuple[SceneStep, ...] = ()
+    """What a reader is led through; empty: the page has nothing of steps."""
+    colour: str = ""
+    """What colours stand for at first, where the page has that; empty: headings."""
 
     @classmethod
     def of_scene(cls, scene: SavedScene, command: str) -> PageWords:
-        """Those of a scene."""
-        return cls(scene.title, scene.watch, scene.tries, scene.speed, scene.plots, command)
+        """Those of a scene. What it says to try is left to its steps, where it has any."""
+        return cls(
+            scene.title,
+            scene.watch,
+            "" if scene.steps else scene.tries,
+            scene.speed,
+            scene.plots,
+            command,
+            scene.steps,
+            scene.look.get("colour", ""),
+        )
 
 
 PLAIN_WORDS = PageWords()
@@ -86,6 +100,8 @@ def flock_page(
 
 def one_file(page: PageText, script: str, style: str) -> str:
     """A page with all its parts in it."""
+    if page.has_steps:
+        script, style = with_steps(script, style)
     return page.filled(
         policy=page_policy([script], [style]),
         style=f"<style>{style}</style>",
@@ -93,6 +109,11 @@ def one_file(page: PageText, script: str, style: str) -> str:
         memory=f'<script type="text/plain" id="memory">{packed(page.program.memory)}</script>',
         script=f"<script>{script}</script>",
     )
+
+
+def with_steps(script: str, style: str) -> tuple[str, str]:
+    """The script and the style of a page that may have steps."""
+    return f"{script}\n{short_script('steps.js')}", style + read_style("steps.css")
 
 
 def pair_page(
@@ -141,6 +162,7 @@ def page_files(
     page, script, style = page_parts(flock, words, update)
     script_file, style_file = VIEWER_FILES
     module, memory = f"{name}.wasm", f"{name}.bin"
+    script, style = with_steps(script, style)  # one file for all pages, those without steps too
     text = page.filled(
         policy="default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src blob:; "
         "style-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'",
@@ -165,6 +187,7 @@ class PageText:
     program: WebProgram
     texts: dict[str, str]
     manifest: str
+    has_steps: bool
 
     def filled(self, policy: str, **parts: str) -> str:
         """The page with its policy, and with its parts as HTML."""
@@ -181,29 +204,35 @@ def page_parts(
     """The page of a flock, its script and its style; see `web_program`. Raises InputError."""
     program = web_program(flock, update, is_fixed)
     rule = flock.model.rule
+    command = words.command or export_command(flock.spec)
     triangles, lines = drawn_obstacles(flock.world)
     shapes = {"triangles": triangles, "lines": lines}
     manifest = program.manifest | shapes | {"palette": page_palette(flock.world.dim)}
     manifest["tries"] = steps_to_try(flock, words)
+    if words.colour:
+        manifest["colour"] = words.colour
+    if words.steps:
+        demand_in_page(words.steps, manifest, command)
+        manifest["steps"] = [step.values() for step in words.steps]
     first = {name: place for place, name in enumerate(dict.fromkeys(words.plots))}
     manifest["measures"].sort(key=lambda one: first.get(one["name"], len(first)))
     for parameter in manifest["parameters"]:
         parameter["symbol"] = plain_symbol(parameter["symbol"])
     script = "'use strict';\n" + "\n".join(short_script(name) for name in SCRIPTS)
-    style = (FOLDER / "page.css").read_text("utf-8")
+    style = read_style("page.css")
     texts = {
         "title": words.title or rule.title,
         "watch": words.watch or rule.summary,
         "summary": rule.summary,
         "source": rule.source,
-        "command": words.command or export_command(flock.spec),
+        "command": command,
         "seed": str(flock.seed),
         "agents": str(len(flock.ids)),
         "version": version("flockscope"),
         "speed": f"{math.log10(min(max(words.speed or LIVELY, 1.0), FASTEST)):.2f}",
     }
     as_json = json.dumps(manifest, separators=(",", ":")).replace("<", "\\u003c")
-    return PageText(program, texts, as_json), script, style
+    return PageText(program, texts, as_json, bool(words.steps)), script, style
 
 
 def write_flock_page(flock: Flock, path: Path, title: str = "", overwrite: bool = False) -> None:
@@ -277,6 +306,11 @@ def short_script(name: str) -> str:
     lines = (FOLDER / name).read_text("utf-8").splitlines()
     bare = (re.sub(r"(^|(?<=[;,{])) *// .*", "", line).strip() for line in lines)
     return "\n".join(line for line in bare if line)
+
+
+def read_style(name: str) -> str:
+    """A style sheet of the page."""
+    return (FOLDER / name).read_text("utf-8")
 
 
 def page_palette(dim: int) -> dict[str, Any]:

@@ -328,6 +328,7 @@ class Laboratory:
             watch=before.watch,
             tries=before.tries,
             camera=before.camera,
+            steps=before.steps,
         )
 
     def told_scene(self) -> SavedScene | None:

@@ -1,0 +1,211 @@
+// Leads a reader through a lesson: a step at a time, with its slider, and a prediction of what a run shows. It
+// stands behind the scripts of every page; where the page has no steps it changes nothing.
+class StepCard {
+  constructor(page, rows) {
+    this.page = page;
+    this.rows = rows; // of sliders, by parameter, in their order
+    this.steps = page.manifest.steps.map((step) => ({ ...step, choice: -1, isFixed: false, result: -1, verdict: [] }));
+    this.number = 0;
+    this.running = null; // the step whose run goes on, and what is measured of it
+    this.build();
+    this.show();
+  }
+
+  get step() {
+    return this.steps[this.number];
+  }
+
+  build() {
+    const make = (kind, id, ...inner) => {
+      const made = Object.assign(document.createElement(kind), { id });
+      made.append(...inner);
+      return made;
+    };
+    this.place = make("h2", "step-place");
+    this.words = make("p", "step-words");
+    const sentence = make("div", "step-sentence", this.place, this.words);
+    sentence.setAttribute("aria-live", "polite");
+    sentence.setAttribute("aria-atomic", "true");
+    this.control = make("div", "step-control");
+    this.question = make("legend", "step-question");
+    this.answers = make("div", "step-answers");
+    this.run = make("button", "step-run");
+    this.plan = make("small", "step-plan");
+    this.first = make("small", "step-first", "Choose an answer first.");
+    this.run.setAttribute("aria-describedby", "step-plan step-first");
+    this.progress = make("progress", "step-progress");
+    this.progress.setAttribute("aria-label", "Ticks of this run");
+    this.prediction = make(
+      "fieldset", "step-prediction", this.question, this.answers, this.plan, this.run, this.first, this.progress,
+    );
+    this.verdict = make("div", "step-verdict");
+    this.verdict.setAttribute("role", "status");
+    this.back = make("button", "step-back", "Back");
+    this.next = make("button", "step-next", "Next");
+    const buttons = make("div", "step-buttons", this.back, this.next);
+    const card = make("section", "steps", sentence, this.control, this.prediction, this.verdict, buttons);
+    card.className = "card";
+    card.setAttribute("aria-labelledby", "step-place");
+    $("anew").before(card);
+    this.run.onclick = () => this.begin();
+    this.back.onclick = () => this.moveBy(-1);
+    this.next.onclick = () => this.moveBy(1);
+  }
+
+  // A button that ends here hands the keyboard to the other one.
+  moveBy(by) {
+    this.number += by;
+    this.show();
+    const [pressed, other] = by < 0 ? [this.back, this.next] : [this.next, this.back];
+    (pressed.disabled ? other : pressed).focus();
+  }
+
+  show() {
+    const { step, number, steps } = this;
+    this.place.textContent = `Step ${number + 1} of ${steps.length}`;
+    this.words.textContent = step.say;
+    this.back.disabled = !number;
+    this.next.disabled = number === steps.length - 1;
+    // There is one slider of each parameter: it stands with the step, else among the others.
+    $("sliders").prepend(...Object.values(this.rows));
+    this.control.replaceChildren(...(step.control ? [this.rows[step.control]] : []));
+    this.prediction.hidden = !step.ask;
+    this.question.textContent = step.ask ?? "";
+    this.answers.replaceChildren(...(step.choices ?? []).map((words, k) => this.makeChoice(words, k)));
+    this.plan.replaceChildren(...(step.ask ? this.describeRun(step) : []));
+    this.showState();
+  }
+
+  // What the button runs.
+  describeRun({ ticks, set = {} }) {
+    const values = Object.entries(set).flatMap(([name, value], k) => {
+      const { symbol } = this.page.manifest.parameters.find((parameter) => parameter.name === name);
+      const letter = element("i", "");
+      letter.append(...withIndices(symbol));
+      return [k ? ", " : ", with ", letter, ` = ${plain(value)}`];
+    });
+    return [`${grouped(ticks)} ticks from the start`, ...values, "."];
+  }
+
+  makeChoice(words, k) {
+    const { step } = this, input = Object.assign(element("input", ""), { type: "radio", name: "step-answer" });
+    input.checked = step.choice === k;
+    input.onchange = () => {
+      step.choice = k;
+      this.showState();
+    };
+    const label = element("label", "");
+    label.append(input, element("span", words), element("small", ""));
+    return label;
+  }
+
+  // What changes while a step is shown.
+  showState() {
+    const { step } = this, isRunning = this.running?.step === step;
+    [...this.answers.children].forEach((label, k) => {
+      label.firstChild.disabled = step.isFixed;
+      const marks = [step.isFixed && k === step.choice && "your prediction", k === step.result && "this run"];
+      label.lastChild.textContent = marks.filter(Boolean).join(", ");
+    });
+    this.run.disabled = step.choice < 0;
+    this.run.textContent = step.isFixed ? "Run it again" : "Run it";
+    this.first.hidden = step.choice >= 0;
+    this.progress.hidden = !isRunning;
+    if (isRunning) Object.assign(this.progress, { max: step.ticks, value: this.page.state?.tick ?? 0 });
+    this.verdict.replaceChildren(...step.verdict.map((words) => element("p", words)));
+  }
+
+  // The step's run, from the start, with its own values: from here on the prediction stays as it is.
+  async begin() {
+    const { page, step } = this;
+    this.cancel("Another run was begun");
+    for (const { name, value } of page.manifest.parameters) {
+      page.values[name] = step.set?.[name] ?? value;
+      page.shown[name](page.values[name]);
+    }
+    const isReady = page.reset();
+    const running = this.running = { step, values: [] };
+    page.trial = { measure: step.measure, after: step.ticks / 2, end: step.ticks };
+    Object.assign(step, { isFixed: true, result: -1, verdict: [] });
+    this.showState();
+    await isReady;
+    if (this.running === running) page.go(true);
+  }
+
+  // A run that is another one by now is not judged.
+  cancel(why) {
+    if (!this.running) return;
+    this.running.step.verdict = [`${why}, so this is not the run of this step. It is not judged.`];
+    this.end();
+  }
+
+  end() {
+    this.running = null;
+    this.page.trial = undefined;
+    this.showState();
+  }
+
+  receive({ measured, tick }) {
+    if (!this.running) return;
+    const { step, values } = this.running;
+    values.push(...measured);
+    if (tick < step.ticks) return this.showState();
+    this.judge(step, values);
+    this.end();
+    this.page.go(false);
+    this.page.ask({}); // what rested is measured of what is shown
+  }
+
+  judge(step, values) {
+    const { measure, ticks, bounds, choices, choice } = step, name = spoken(measure);
+    const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
+    if (!Number.isFinite(mean)) {
+      step.verdict = [`${name} has no value in this run: it is not judged.`];
+      return;
+    }
+    const { share, unit } = this.page.manifest.measures.find((known) => known.name === measure);
+    const number = `${share ? text(mean, 3) : plain(mean)}${unit === "1" ? "" : ` ${unit}`}`;
+    const first = grouped(ticks - values.length + 1);
+    step.result = bounds.filter((bound) => mean >= bound).length;
+    step.verdict = [
+      `${name}: ${number}, the mean of ticks ${first} to ${grouped(ticks)}. This run shows “${choices[step.result]}”.`,
+      `Your prediction “${choices[choice]}” ${choice === step.result ? "holds" : "does not hold"}.`,
+    ];
+  }
+}
+
+{
+  const { addSlider, begin, set, steer, reset, stop, take } = Page.prototype, rows = {};
+  let card;
+  Object.assign(Page.prototype, {
+    addSlider(parameter) {
+      addSlider.call(this, parameter);
+      rows[parameter.name] = $("sliders").lastElementChild;
+    },
+    begin() {
+      if (this.manifest.steps) card = new StepCard(this, rows);
+      return begin.call(this);
+    },
+    set(parameter, value) {
+      const before = this.values[parameter.name];
+      set.call(this, parameter, value);
+      if (this.values[parameter.name] !== before) card?.cancel("You moved a slider");
+    },
+    steer(heading) {
+      steer.call(this, heading);
+      card?.cancel("You turned the information agent");
+    },
+    reset() {
+      card?.cancel("The flock was put back to its start");
+      return reset.call(this);
+    },
+    stop(why) {
+      stop.call(this, why);
+      card?.cancel("The flock stopped");
+    },
+    take(answer) {
+      take.call(this, answer);
+      card?.receive(answer);
+    },
+  });
+}

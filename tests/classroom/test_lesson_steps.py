@@ -1,0 +1,218 @@
+"""Steps of lessons: what a file may say of them, what is refused, and that they say what is so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cli.calling import call, refusal
+
+from agents.flock import Flock
+from agents.spec import Spec
+from app.classroom.lessons.lessons import find_lesson, lesson_names
+from app.viewer.gallery.saved_scene import SavedScene, pack_scene, unpack_scene
+from app.viewer.gallery.scene_steps import SceneStep, demand_in_page
+from app.viewer.lab.laboratory import Laboratory
+from app.viewer.run.run_preset import preset_spec
+from tests.viewer.waiting import until
+from worlds.input_error import InputError
+
+RUN = '[run]\nmodel = "vem"\nagents = 20\n'
+PREDICTED = {
+    "say": '"Look."',
+    "control": '"eta"',
+    "ask": '"How much order?"',
+    "choices": '["little", "much"]',
+    "measure": '"polarisation"',
+    "ticks": "9",
+    "bounds": "[0.5]",
+    "set": "{ eta = 1 }",
+}
+
+
+def scene_text(run: str = RUN, **changes: str) -> str:
+    """A scene whose second step has a prediction, with other values in it; without those empty."""
+    fields = {key: value for key, value in (PREDICTED | changes).items() if value}
+    step = "".join(f"{key} = {value}\n" for key, value in fields.items())
+    return f'{run}[[steps]]\nsay = "Begin."\n[[steps]]\n{step}'
+
+
+def test_a_step_is_read_as_it_stands_and_written_again():
+    scene = SavedScene.from_toml(scene_text(), "mine.toml")
+    first, second = scene.steps
+    assert first == SceneStep(say="Begin.")
+    assert first.values() == {"say": "Begin."}
+    assert second.values() == {
+        "say": "Look.",
+        "control": "eta",
+        "ask": "How much order?",
+        "choices": ["little", "much"],
+        "measure": "polarisation",
+        "ticks": 9,
+        "bounds": [0.5],
+        "set": {"eta": 1.0},
+    }
+    assert second.first_measured_tick == 5
+    assert SavedScene.from_toml(scene.to_toml(), "again").steps == scene.steps
+    assert unpack_scene(pack_scene(scene)).steps == scene.steps
+
+
+REFUSED = {
+    "no sentence": ({"say": ""}, "step 2 has no say"),
+    "a long sentence": ({"say": f'"{"x" * 241}"'}, "at most 240 characters are allowed"),
+    "two lines": ({"say": '"a\\nb"'}, "one line of plain text is needed"),
+    "another key": ({"hint": '"none"'}, "step 2 has an unknown key 'hint'"),
+    "no parameter": ({"control": '"eat"'}, "unknown control 'eat': did you mean 'eta'?"),
+    "another model's": ({"control": '"p2"'}, "unknown control 'p2' (known: "),
+    "another one set": ({"set": "{ p2 = 1.0 }"}, "unknown parameter 'p2' (known: "),
+    "a text set": ({"set": '{ eta = "much" }'}, "set.eta = 'much' is not allowed: a number"),
+    "no slider has it": (
+        {"set": "{ eta = 7.0 }"},
+        "set.eta = 7 is not allowed: its slider goes from 0 to 6.283",
+    ),
+    "no observable": ({"measure": '"polarization"'}, "did you mean 'polarisation'?"),
+    "none of a page": ({"measure": '"fluctuation"'}, "unknown measure 'fluctuation'"),
+    "few bounds": (
+        {"choices": '["a", "b", "c"]'},
+        "bounds = [0.5] is not allowed: 3 choices need 2",
+    ),
+    "bounds that fall": (
+        {"choices": '["a", "b", "c"]', "bounds": "[0.5, 0.4]"},
+        "bounds = [0.5, 0.4] is not allowed: each is above the one before",
+    ),
+    "a bound without end": ({"bounds": "[inf]"}, "a finite number is needed"),
+    "one choice": ({"choices": '["a"]', "bounds": "[]"}, "bounds is missing"),
+    "the same twice": ({"choices": '["a", "a"]'}, "2 to 4 different answers"),
+    "five choices": (
+        {"choices": '["a", "b", "c", "d", "e"]', "bounds": "[1, 2, 3, 4]"},
+        "at most 4 are allowed, not 5",
+    ),
+    "a long choice": ({"choices": f'["a", "{"x" * 61}"]'}, "at most 60 characters"),
+    "one tick": ({"ticks": "1"}, "ticks = 1 is not allowed: at least 2"),
+    "many ticks": ({"ticks": "20001"}, "a number <= 20000 is needed"),
+    "part of a tick": ({"ticks": "9.5"}, "a whole number is needed"),
+    "no ticks": ({"ticks": ""}, "ticks is missing: ask needs choices, measure, ticks, bounds"),
+    "no question": ({"ask": ""}, "choices is given without ask"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_wrong_step_is_refused_with_its_number_and_its_file(case):
+    changes, why = REFUSED[case]
+    with pytest.raises(InputError) as refused:
+        SavedScene.from_toml(scene_text(**changes), "mine.toml")
+    message = str(refused.value)
+    assert why in message
+    assert "step 2" in message
+    assert message.endswith("mine.toml)")
+    assert "\n" not in message
+
+
+def test_steps_are_a_list_of_few_and_of_one_flock():
+    for text, why in (
+        (f'steps = "look"\n{RUN}', "steps = 'look' is no list of at most 12 tables (mine.toml)"),
+        (RUN + '[[steps]]\nsay = "Look."\n' * 13, "is no list of at most 12 tables (mine.toml)"),
+        (f"steps = [1]\n{RUN}", "step 1"),
+        (scene_text(f'{RUN}[beside]\nmodel = "ivem"\n'), "steps and beside exclude each other"),
+    ):
+        with pytest.raises(InputError) as refused:
+            SavedScene.from_toml(text, "mine.toml")
+        assert why in str(refused.value)
+
+
+def test_zones_that_change_places_are_refused():
+    run = '[run]\nmodel = "safe"\nagents = 9\n'
+    changes = {"control": "", "measure": '"polarisation"', "set": "{ d_r = 1.0, d_o = 0.5 }"}
+    with pytest.raises(InputError, match=r"zones keep their order \(step 2, mine.toml\)"):
+        SavedScene.from_toml(scene_text(run, **changes), "mine.toml")
+
+
+def test_a_page_refuses_what_its_flock_cannot_do():
+    manifest = {
+        "parameters": [{"name": "eta", "slots": [1]}, {"name": "r", "slots": []}],
+        "measures": [{"name": "polarisation"}],
+    }
+    (_, step) = SavedScene.from_toml(scene_text(), "mine.toml").steps
+    demand_in_page([step], manifest, "mine.toml")
+    for changed, why in (
+        ({"control": "r"}, "r cannot be changed in a page of this flock: steps may have eta"),
+        ({"set": {"r": 1.0}}, "r cannot be changed in a page of this flock"),
+        ({"measure": "consistency"}, "unknown measure 'consistency' (known: polarisation)"),
+    ):
+        with pytest.raises(InputError) as refused:
+            demand_in_page([step.model_copy(update=changed)], manifest, "mine.toml")
+        assert why in str(refused.value)
+        assert str(refused.value).endswith("(step 1, mine.toml)")
+
+
+def test_a_wrong_step_of_a_file_ends_the_export(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.toml").write_text(scene_text(control='"p2"'))
+    for given in (["mine.toml"], ["--scene", "mine.toml"]):
+        assert "unknown control 'p2'" in refusal("export", *given, "--quiet")
+    assert [file.name for file in tmp_path.iterdir()] == ["mine.toml"]
+
+
+def test_the_laboratory_keeps_the_steps_of_a_scene_that_it_saves():
+    laboratory = Laboratory(preset_spec("vem", agents=20, seed=2), port=0, running=False)
+    try:
+        assert laboratory.simulation.ready.wait(60)
+        scene = find_lesson("order-against-noise")
+        small = replace(scene, spec=scene.spec.but(agents=30))
+        before = laboratory.simulation.state.run
+        laboratory.open(small)
+        until(
+            lambda: (
+                laboratory.simulation.state.run > before and not laboratory.simulation.state.busy
+            )
+        )
+        laboratory.simulation.set("eta", 2.0).result(60)
+        saved = laboratory.now("mine")
+        assert saved.spec.parameters["eta"] == 2.0
+        assert SavedScene.from_toml(saved.to_toml(), "mine").steps == scene.steps
+    finally:
+        laboratory.close()
+
+
+SHOWN = {
+    "order-against-noise": ["Nearly all", "Hardly any"],
+    "who-leads": ["Yes", "Not yet"],
+    "field-of-view": ["No ring", "A ring"],
+    "beat-the-paper": ["Not yet", "Not yet"],
+}
+"""What the runs of each lesson show, prediction by prediction."""
+
+
+def mean_measured(spec: Spec, step: SceneStep) -> float:
+    """The mean of a step's measure over the last half of its run."""
+    flock = Flock(spec.but(parameters={**spec.parameters, **step.set}))
+    flock.run(step.ticks - len(range(step.ticks // 2, step.ticks)))
+    values = []
+    for _ in range(step.ticks // 2, step.ticks):
+        flock.run(1)
+        values.append(flock.observe(step.measure))
+    assert flock.tick == step.ticks
+    return float(np.mean(values))
+
+
+@pytest.mark.parametrize("name", lesson_names())
+class TestStepsOfALesson:
+    def test_are_three_or_four_that_speak_to_one_reader(self, name):
+        steps = find_lesson(name).steps
+        assert len(steps) in (3, 4)
+        assert not any("class" in step.say or "hand in" in step.say for step in steps)
+
+    def test_show_the_same_with_every_seed(self, name):
+        scene = find_lesson(name)
+        predicted = [step for step in scene.steps if step.ask]
+        for seed in range(1, 9):
+            spec = scene.spec.but(seed=seed)
+            shown = [step.choice_of(mean_measured(spec, step)) for step in predicted]
+            assert shown == SHOWN[name], seed
+
+    def test_are_listed(self, name):
+        lines = " ".join(call("list", name).stdout.split())
+        for number, step in enumerate(find_lesson(name).steps, 1):
+            assert f"step {number}: {step.say}" in lines
+            assert step.ask in lines
