@@ -19,10 +19,16 @@ ONE = np.uintp(1)
 
 
 @compiled
-def cell_along(grid, axis, x):
-    """The cell along an axis of a coordinate in the box."""
-    at = int((x - grid.origin[axis]) * grid.inverse[axis])
-    return min(max(at, 0), grid.shape[axis] - 1)
+def cell_axis(grid, axis):
+    """What `cell_along` needs of an axis: where its cells begin, how many in a length, the last."""
+    return grid.origin[axis], grid.inverse[axis], grid.shape[axis] - 1
+
+
+@compiled
+def cell_along(axis, x):
+    """The cell along a `cell_axis` of a coordinate in the box."""
+    origin, inverse, last = axis
+    return min(max(int((x - origin) * inverse), 0), last)
 
 
 @compiled
@@ -32,25 +38,30 @@ def count_places(grid, space, position, slots, part, low, high):
     Positions are brought into the box. Returns the first place with one that is not finite, or -1.
     """
     count = grid.tally[part]
-    for cell in range(number_of(grid)):
+    for cell in range(np.uintp(number_of(grid))):
         count[cell] = 0
     bad_row = -1
     solid = position.shape[1] == 3
+    # In the loop LLVM would read these anew for every agent, since it writes positions.
+    x_wraps, y_wraps, z_wraps = space.wraps[0] != 0, space.wraps[1] != 0, space.wraps[2] != 0
+    x_size, y_size, z_size = space.size[0], space.size[1], space.size[2]
+    x_axis, y_axis, z_axis = cell_axis(grid, 0), cell_axis(grid, 1), cell_axis(grid, 2)
+    nx, ny = grid.shape[0], grid.shape[1]
     for i in range(np.uintp(low), np.uintp(high)):
         x, y, z = position[i, 0], position[i, 1], position[i, 2] if solid else 0.0
         if not (abs(x) + abs(y) + abs(z) < math.inf):
             bad_row = int(i) if bad_row < 0 else bad_row
             x = y = z = 0.0
-        if space.wraps[0] and not 0.0 <= x < space.size[0]:
-            x = position[i, 0] = wrap_into_box(x, space.size[0])
-        if space.wraps[1] and not 0.0 <= y < space.size[1]:
-            y = position[i, 1] = wrap_into_box(y, space.size[1])
-        cell = cell_along(grid, 1, y)
+        if x_wraps and not 0.0 <= x < x_size:
+            x = position[i, 0] = wrap_into_box(x, x_size)
+        if y_wraps and not 0.0 <= y < y_size:
+            y = position[i, 1] = wrap_into_box(y, y_size)
+        cell = cell_along(y_axis, y)
         if solid:
-            if space.wraps[2] and not 0.0 <= z < space.size[2]:
-                z = position[i, 2] = wrap_into_box(z, space.size[2])
-            cell += cell_along(grid, 2, z) * grid.shape[1]
-        cell = cell * grid.shape[0] + cell_along(grid, 0, x)
+            if z_wraps and not 0.0 <= z < z_size:
+                z = position[i, 2] = wrap_into_box(z, z_size)
+            cell += cell_along(z_axis, z) * ny
+        cell = cell * nx + cell_along(x_axis, x)
         slots.cell[i] = cell
         count[np.uintp(cell)] += 1
     return bad_row

@@ -170,28 +170,33 @@ def add_run_terms(sums, slots, first, last, place, me, context, space, grid, lon
 
 
 @compiled
-def pair_sums(grid, space, slots, low, high, me, context, lone, chosen):
-    """The sums of eight agents that are in cells low to high of one row of cells along x."""
+def pair_sums(grid, space, slots, line, low, high, me, context, lone, chosen):
+    """The sums of eight agents that are in cells low to high of one row of cells along x.
+
+    `line` is the number of that row.
+    """
     nx, ny = grid.shape[0], grid.shape[1]
-    cy, cz = (low // nx) % ny, low // (nx * ny)
+    cy, cz = (line % ny, line // ny) if DIM == 3 else (line, 0)
     fy, my = axis_cells(grid, space, 1, cy)
     fz, mz = axis_cells(grid, space, 2, cz)
-    left, right = low % nx - 1, high % nx + 1
+    left, right = low - line * nx - 1, high - line * nx + 1
+    crosses = space.images[0] != 0 and nx > 1
+    first_side = -1 if crosses and left < 0 else 0
+    last_side = 1 if crosses and right >= nx else 0
     sums = no_sums(SUMS, me.x)
     for kz in range(fz, fz + mz):
         az, sz = wrap_cell(grid, space, 2, cz + kz)
         for ky in range(fy, fy + my):
             ay, sy = wrap_cell(grid, space, 1, cy + ky)
             row = (az * ny + ay) * nx
-            for side in range(-1, 2):  # the cells beyond the seam on the left, the row, the right
+            # The cells beyond the seam on the left, the row, those beyond it on the right.
+            for side in range(first_side, last_side + 1):
                 begin, end = max(left, 0), min(right + 1, nx)
                 if side != 0:
-                    if space.images[0] == 0 or nx == 1:
-                        continue
                     begin, end = (
                         (nx + min(left, 0), nx) if side < 0 else (0, max(right + 1 - nx, 0))
                     )
-                first, last = grid.start[row + begin], grid.start[row + end]
+                first, last = grid.start[np.uintp(row + begin)], grid.start[np.uintp(row + end)]
                 place = (me.x - side * space.size[0], me.y - sy, me.z - sz)
                 sums = add_run_terms(
                     sums, slots, first, last, place, me, context, space, grid, lone, chosen
@@ -321,15 +326,18 @@ def sweep(flock, space, surroundings, grid, slots, notes, context, tick, key, sp
     lone = is_any_lone(space, grid)
     nx = grid.shape[0]
     low = cell_at(grid, slot)
+    line = low // nx
     while slot < last:
-        while grid.start[low + 1] <= slot:
+        while grid.start[np.uintp(low + 1)] <= slot:
             low += 1
-        end = min(min(slot + WIDTH, last), grid.start[(low // nx + 1) * nx])
+        while low >= (line + 1) * nx:
+            line += 1
+        end = min(min(slot + WIDTH, last), grid.start[np.uintp((line + 1) * nx)])
         high = low
-        while grid.start[high + 1] < end:
+        while grid.start[np.uintp(high + 1)] < end:
             high += 1
         me = agents_of_lanes(flock, slots, slot, end, notes, identities, tick, key)
-        sums = pair_sums(grid, space, slots, low, high, me, context, lone, notes.chosen)
+        sums = pair_sums(grid, space, slots, line, low, high, me, context, lone, notes.chosen)
         act(flock, space, surroundings, slots, slot, end, me, sums, notes.table, context, to_rows)
         slot = end
 
