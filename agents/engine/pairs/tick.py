@@ -267,6 +267,42 @@ def write_move(flock, space, row, to, moved):
 
 
 @compiled
+def move_of_lane(table, lane):
+    """The move that is written down for one of eight."""
+    return BodyMove(
+        table[X, lane],
+        table[Y, lane],
+        table[Z, lane],
+        table[UX, lane],
+        table[UY, lane],
+        table[UZ, lane],
+        table[SPEED, lane],
+    )
+
+
+@compiled
+def move_one(flock, space, surroundings, slots, slot, lane, me, table, context):
+    """The move of one slot, the lane of eight, of which sums or moves are written down."""
+    p, out = context.parameters, table[0]
+    agent = agent_of_slot(flock, slots, slot, table, me.tick, me.key)
+    if BY_LANES and not agent.informed:
+        moved = move_of_lane(table, lane)
+    else:
+        if agent.informed:
+            wish = waypoint_heading(flock, surroundings, int(slots.row[slot]), agent)
+        else:
+            wish = answer(agent, sums_of(table, SUMS, lane), surroundings, p)
+            if HEADS:
+                wish = add_heading_noise(agent, wish, context.noise, p.eta, DIM)
+        moved = move(agent, empty_block(), surroundings, wish, p, out)
+    if WINDY:
+        moved = carry_with_wind(moved, context, me.tick)
+    if MEETS != PASSES and not passes(p):
+        moved = keep_out_of_solids(surroundings, space, agent, moved, MEETS)
+    return moved
+
+
+@compiled
 def act(flock, space, surroundings, slots, slot, last, me, sums, table, context, to_rows):
     """Slots `slot` to `last`, at most eight, decide on their sums and move.
 
@@ -285,34 +321,17 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, table, context,
         store(table, SPEED, body_move.speed)
     else:
         keep_sums(table, sums)
-    for lane in range(last - slot):
-        row = slots.row[slot + lane]
-        lone_agent = agent_of_slot(flock, slots, slot + lane, table, me.tick, me.key)
-        if BY_LANES and not lone_agent.informed:
-            carried_move = BodyMove(
-                table[X, lane],
-                table[Y, lane],
-                table[Z, lane],
-                table[UX, lane],
-                table[UY, lane],
-                table[UZ, lane],
-                table[SPEED, lane],
-            )
+    begin = np.uintp(slot)
+    for lane in range(np.uintp(last - slot)):
+        at = begin + lane
+        row = np.uintp(slots.row[at])
+        to = row if to_rows else at
+        if BY_LANES and not WINDY and MEETS == PASSES and not flock.informed[row]:
+            moved = move_of_lane(table, lane)
         else:
-            if lone_agent.informed:
-                wish = waypoint_heading(flock, surroundings, row, lone_agent)
-            else:
-                wish = answer(lone_agent, sums_of(table, SUMS, lane), surroundings, p)
-                if HEADS:
-                    wish = add_heading_noise(lone_agent, wish, context.noise, p.eta, DIM)
-            carried_move = move(lone_agent, empty_block(), surroundings, wish, p, out)
-        if WINDY:
-            carried_move = carry_with_wind(carried_move, context, me.tick)
-        if MEETS != PASSES and not passes(p):
-            carried_move = keep_out_of_solids(surroundings, space, lone_agent, carried_move, MEETS)
-        to = row if to_rows else slot + lane
-        write_move(flock, space, row, to, carried_move)
-        slots.queue[to] = row
+            moved = move_one(flock, space, surroundings, slots, at, lane, me, table, context)
+        write_move(flock, space, row, to, moved)
+        slots.queue[to] = np.int32(row)
 
 
 @compiled
