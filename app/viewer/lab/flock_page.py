@@ -244,6 +244,10 @@ class PageWriter:
         """The page of a flock at its start, of its spec as TOML. Raises InputError."""
         return flock_page(Flock(Spec.from_toml(spec, "the run")))
 
+    def write_pair(self, flock: Flock, beside: Flock) -> str:
+        """The page of two flocks, which go on from where they are. Raises InputError."""
+        return pair_page(flock, beside)
+
 
 def export_command(spec: CompleteSpec) -> str:
     """What makes the page, as far as words can say it."""
