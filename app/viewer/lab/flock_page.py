@@ -13,7 +13,7 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 from importlib.metadata import version
 from itertools import pairwise
@@ -31,12 +31,15 @@ from agents.web_program import WebProgram, sliders, web_program
 from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene, command_line
 from app.viewer.panels.dials import plain_symbol
+from app.viewer.scene.draw.agent_shapes import AgentShape, shape_of
 from app.viewer.scene.shown import palette
 from worlds.file_writer import PAGES, demand_writable, write_text
 from worlds.world import World
 
 FOLDER = STATIC / "export"
 SCRIPTS = ("kernel.js", "start.js", "runner.js", "view.js", "look.js", "page.js")
+SHAPES = "shapes.js"
+"""Of pages whose agents are no darts, before `page.js`, which begins."""
 LIVELY, FASTEST = 30.0, 1000.0
 """Ticks a second at which a page begins, and at most."""
 CORNERS = 48
@@ -138,7 +141,8 @@ def page_files(
 ) -> dict[str, bytes]:
     """The same as files of a folder on a web server: its page, which is called `name`, what runs,
     and what all pages of the folder share. Raises InputError."""
-    page, script, style = page_parts(flock, words, update)
+    page, _, style = page_parts(flock, words, update)
+    script = page_script(has_shape=True)
     script_file, style_file = VIEWER_FILES
     module, memory = f"{name}.wasm", f"{name}.bin"
     text = page.filled(
@@ -182,14 +186,17 @@ def page_parts(
     program = web_program(flock, update, is_fixed)
     rule = flock.model.rule
     triangles, lines = drawn_obstacles(flock.world)
-    shapes = {"triangles": triangles, "lines": lines}
-    manifest = program.manifest | shapes | {"palette": page_palette(flock.world.dim)}
+    obstacles = {"triangles": triangles, "lines": lines}
+    shape = shape_of(flock.world.dim, flock.model.body.vehicle is not None)
+    manifest = program.manifest | obstacles | {"palette": page_palette(flock.world.dim)}
     manifest["tries"] = steps_to_try(flock, words)
     first = {name: place for place, name in enumerate(dict.fromkeys(words.plots))}
     manifest["measures"].sort(key=lambda one: first.get(one["name"], len(first)))
     for parameter in manifest["parameters"]:
         parameter["symbol"] = plain_symbol(parameter["symbol"])
-    script = "'use strict';\n" + "\n".join(short_script(name) for name in SCRIPTS)
+    if shape is not None:
+        manifest["shape"] = page_shape(shape)
+    script = page_script(shape is not None)
     style = (FOLDER / "page.css").read_text("utf-8")
     texts = {
         "title": words.title or rule.title,
@@ -281,6 +288,30 @@ def short_script(name: str) -> str:
     lines = (FOLDER / name).read_text("utf-8").splitlines()
     bare = (re.sub(r"(^|(?<=[;,{])) *// .*", "", line).strip() for line in lines)
     return "\n".join(line for line in bare if line)
+
+
+def page_script(has_shape: bool) -> str:
+    """The scripts of a page, in the order in which they need each other."""
+    names = (*SCRIPTS[:-1], SHAPES, SCRIPTS[-1]) if has_shape else SCRIPTS
+    return "'use strict';\n" + "\n".join(short_script(name) for name in names)
+
+
+def page_shape(shape: AgentShape) -> dict[str, Any]:
+    """What a page has to know of its agents' shape: meshes in thousandths of the agent's size."""
+    parts = [
+        {
+            "corners": np.rint(1000.0 * part.mesh[0]).astype(int).ravel().tolist(),
+            "faces": part.mesh[1].ravel().tolist(),
+            "shade": part.shade,
+            "paint": "" if part.paint is None else digits(part.paint[None]),
+            "lift": part.lift,
+            "beats": int(part.beats),
+        }
+        for part in shape.parts
+    ]
+    motion = None if shape.motion is None else asdict(shape.motion)
+    sizes = {"scale": shape.scale, "height": shape.height, "most": shape.most}
+    return sizes | {"parts": parts, "motion": motion}
 
 
 def page_palette(dim: int) -> dict[str, Any]:
