@@ -91,8 +91,9 @@ class Look {
     // What differs by rounding alone is the same.
     const span = high - low > 1e-9 * Math.abs(high) ? high - low : 0, { dim } = this;
     for (let row = 0; row < count; row++) {
-      let ink = informed[row] ? this.informed : this.plain;
+      let ink = this.plain;
       if (crashed[row]) ink = this.crashed;
+      else if (informed[row]) ink = this.informed; // as in the laboratory, whatever colours mean
       else if (inksOf) {
         // Layers begin at 1; what is more than there are agents is unknown.
         const at = colour === "layer" ? labels[row] - 1 : labels[row];
@@ -108,13 +109,13 @@ class Look {
       }
       inks.set(ink, 4 * row);
     }
-    this.explain(colour, isNumber ? [low, span ? high : low] : [], crashed.includes(1));
+    this.explain(colour, isNumber ? [low, span ? high : low] : [], crashed.includes(1), informed.includes(1));
     return inks;
   }
 
   // The legend, anew only where it says something else.
-  explain(colour, range, isCrashed) {
-    const ends = range.map(figures), said = [this.view.ids.length, colour, isCrashed, ...ends].join();
+  explain(colour, range, isCrashed, isLed) {
+    const ends = range.map(figures), said = [this.view.ids.length, colour, isCrashed, isLed, ...ends].join();
     if (said === this.said) return;
     this.said = said;
     const css = (ink) => `rgb(${ink.map(Math.round).join()})`;
@@ -133,8 +134,6 @@ class Look {
       add("wheel", "", `conic-gradient(from 90deg, ${parts.join()})`);
       add("", this.dim === 3 ? "right: +x, up: +y, lighter: climbing" : "right: 0°, up: 90°");
     } else if (colour === "role") {
-      add("dot", "", css(this.informed));
-      add("", "information agent");
       add("dot", "", css(this.plain));
       add("", "other");
     } else if (this.labels[colour]) {
@@ -152,6 +151,10 @@ class Look {
       add("", single ? `all ${ends[0] ?? ""}` : ends[0]);
       add(single ? "dot" : "ramp", "", single ? parts[0] : `linear-gradient(90deg, ${parts.join()})`);
       if (!single) add("", ends[1]);
+    }
+    if (isLed && colour !== "layer") {
+      add("dot", "", css(this.informed));
+      add("", "information agent");
     }
     if (isCrashed) {
       add("dot", "", css(this.crashed));
