@@ -34,7 +34,10 @@ class Look {
     this.size = $("size");
     this.theme = $("theme");
     this.note = $("trailed");
-    for (const colour of ["heading", "speed", ...Object.keys(view.manifest.labels)]) this.offer(colour, colour);
+    for (const colour of ["heading", "speed", ...Object.keys(view.manifest.labels)]) {
+      this.offer(colour, colour);
+      if (colour === view.manifest.colour) this.select.value = colour;
+    }
     this.select.onchange = () => { view.clear(); view.changed(); };
     $("trails").disabled = !view.gl;
     $("trails").onchange = (event) => { this.trails = event.target.checked; view.changed(); };
@@ -125,7 +128,9 @@ class Look {
       part.textContent = words;
       if (background) part.style.background = background;
       this.legend.append(part);
+      return part;
     };
+    const entry = (words, ink) => add("entry", words).prepend(add("dot", "", css(ink)));
     this.legend.replaceChildren();
     this.view.canvas.setAttribute("aria-label", `${this.view.ids.length} agents, coloured by ${colour}`);
     if (colour === "heading") {
@@ -134,32 +139,22 @@ class Look {
       add("wheel", "", `conic-gradient(from 90deg, ${parts.join()})`);
       add("", this.dim === 3 ? "right: +x, up: +y, lighter: climbing" : "right: 0°, up: 90°");
     } else if (colour === "role") {
-      add("dot", "", css(this.plain));
-      add("", "other");
+      entry("other", this.plain);
     } else if (this.labels[colour]) {
       const inks = this.labels[colour].map(css), share = 100 / inks.length, isLayer = colour === "layer";
       const parts = inks.map((ink, k) => `${ink} ${k * share}% ${(k + 1) * share}%`);
       add("", isLayer ? "layer 1" : "largest");
       add("ramp", "", `linear-gradient(90deg, ${parts.join()})`);
       add("", isLayer ? `${inks.length}+` : "small groups");
-      if (isLayer) {
-        add("dot", "", css(this.unknown));
-        add("", "none");
-      }
+      if (isLayer) entry("none", this.unknown);
     } else {
       const parts = this.numbers.filter((_, k) => k % 15 === 0).map(css), single = ends[0] === ends[1];
       add("", single ? `all ${ends[0] ?? ""}` : ends[0]);
       add(single ? "dot" : "ramp", "", single ? parts[0] : `linear-gradient(90deg, ${parts.join()})`);
       if (!single) add("", ends[1]);
     }
-    if (isLed && colour !== "layer") {
-      add("dot", "", css(this.informed));
-      add("", "information agent");
-    }
-    if (isCrashed) {
-      add("dot", "", css(this.crashed));
-      add("", "crashed");
-    }
+    if (isLed && colour !== "layer") entry("information agent", this.informed);
+    if (isCrashed) entry("crashed", this.crashed);
   }
 
   // What is said of the picked agent.

@@ -184,7 +184,10 @@ def words_of_file(path: Path) -> PageWords:
 
     values = tomllib.loads(path.read_text("utf-8-sig"))
     title, watch, tries = (str(values.get(key, "")) for key in ("title", "watch", "try"))
-    return PageWords(title, watch, tries, command=f"flockscope export {shlex.quote(path.name)}")
+    look = values.get("look")
+    colour = str(look.get("colour", "")) if isinstance(look, dict) else ""
+    command = f"flockscope export {shlex.quote(path.name)}"
+    return PageWords(title, watch, tries, command=command, colour=colour)
 
 
 def lesson_to_export(name: str) -> SavedScene:

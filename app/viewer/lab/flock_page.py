@@ -63,11 +63,14 @@ class PageWords:
     """Observables whose charts come first."""
     command: str = ""
     """What makes the page; empty: found from the flock's spec."""
+    colour: str = ""
+    """What colours mean at first, where a page can say it; empty: headings."""
 
     @classmethod
     def of_scene(cls, scene: SavedScene, command: str) -> PageWords:
         """Those of a scene."""
-        return cls(scene.title, scene.watch, scene.tries, scene.speed, scene.plots, command)
+        colour = str(scene.look.get("colour", ""))
+        return cls(scene.title, scene.watch, scene.tries, scene.speed, scene.plots, command, colour)
 
 
 PLAIN_WORDS = PageWords()
@@ -106,7 +109,7 @@ def pair_page(
     Raises InputError for what no page can do.
     """
     command = words.command or f"{export_command(flock.spec)} --beside {beside.model.name}"
-    own = PageWords(speed=words.speed, plots=words.plots, command=command)
+    own = PageWords(speed=words.speed, plots=words.plots, command=command, colour=words.colour)
     frames = []
     script = style = ""
     for number, one in enumerate((flock, beside)):
@@ -194,6 +197,8 @@ def page_parts(
     manifest["measures"].sort(key=lambda one: first.get(one["name"], len(first)))
     for parameter in manifest["parameters"]:
         parameter["symbol"] = plain_symbol(parameter["symbol"])
+    if words.colour:
+        manifest["colour"] = words.colour
     if shape is not None:
         manifest["shape"] = page_shape(shape)
     script = page_script(shape is not None)
