@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import csv
 import io
+import json
+import re
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -79,6 +81,8 @@ class Program:
     name: str
     moved: threading.Event = field(default_factory=threading.Event)
     """Set when the class shows this student another flock: the page connects anew."""
+    values: dict[str, float] = field(default_factory=dict)
+    """Where the sliders of a page stand that has the flock in it."""
 
     @classmethod
     def enter(cls, ours: Running, link: str, name: str) -> Program:
@@ -117,10 +121,43 @@ class Program:
         """Hand in, as soon as one has a flock of one's own; the result in a sentence."""
 
         def handed() -> str:
-            answer = self.person.send("/class/hand-in", {})
+            answer = self.person.send("/class/hand-in", {"values": self.values})
             return answer.text.strip() if answer.status == 200 and "seed" in answer.text else ""
 
         return str(until(handed))
+
+
+class PageProgram(Program):
+    """The same where flocks run in students' browsers."""
+
+    @contextmanager
+    def looking(self) -> Iterator[None]:
+        """Have a page open, which hears of the class."""
+        with self.person.listening("/class/mine"):
+            yield
+
+    def take(self, scene: SavedScene) -> None:
+        """Move the sliders that one's page has to what a scene says."""
+        told = re.search(r'id="class">(.*?)</script>', self.person.ask("/").text)
+        if told is None:
+            raise RuntimeError(f"the page of {self.name} has no flock")
+        sliders = json.loads(told[1])["sliders"]
+        self.values = {name: scene.spec.parameters[name] for name in sliders}
+
+
+@dataclass(frozen=True)
+class StudentView:
+    """What a student's page is made of, by where flocks run."""
+
+    flock: str
+    """What is there with the flock."""
+    word: str
+    answer: str
+    program: type[Program]
+
+
+ON_SERVER = StudentView(".fs-class", ".fs-word", ".fs-answer", Program)
+IN_BROWSER = StudentView("#go:enabled", ".word", ".answer", PageProgram)
 
 
 @dataclass
@@ -130,6 +167,7 @@ class Scenario:
     ours: Running
     browser: Any
     keep: Kept
+    view: StudentView = ON_SERVER
     times: list[tuple[str, float]] = field(default_factory=list)
     """What was done, and how long it took, s."""
     students: list[Any] = field(default_factory=list)
@@ -191,7 +229,7 @@ class Scenario:
         if size == PHONE:
             self.keep(page, "join-phone")
         page.get_by_role("button", name="Join the class").click()
-        page.locator(".fs-class").wait_for()
+        page.locator(self.view.flock).wait_for()
         self.students.append(page)
 
     def all_enter(self, link: str, browsers: list[tuple[tuple[int, int], str]], count: int) -> None:
@@ -201,7 +239,8 @@ class Scenario:
                 self.enter(link, name, size, theme)
         rest = NAMES[len(browsers) : count]
         with self.step(f"{len(rest)} more are in as programs"), ThreadPoolExecutor(AT_ONCE) as pool:
-            self.programs = list(pool.map(lambda name: Program.enter(self.ours, link, name), rest))
+            enter = self.view.program.enter
+            self.programs = list(pool.map(lambda name: enter(self.ours, link, name), rest))
 
     def ask(self) -> None:
         """The teacher asks the first question that is ready; all have flocks of their own."""
@@ -213,14 +252,16 @@ class Scenario:
             self.teacher.locator(".fs-chart").wait_for()
             for one in self.programs:
                 one.moved.set()
-            until(lambda: all(one["seen"] for one in self.shown()["students"]))
+            until(lambda: not any(self.compiling()))
+            for page in self.students:
+                page.get_by_role("button", name="Hand in my run").wait_for()
 
     def hand_in(self, choose: Choose | None = None) -> None:
         """All hand in, those in browsers by the button."""
         with self.step("those in browsers have handed in"):
             for page in self.students:
                 page.get_by_role("button", name="Hand in my run").click()
-                page.locator(".fs-answer", has_text="seed").wait_for()
+                page.locator(self.view.answer, has_text="seed").wait_for()
         with self.step("the others have handed in"), ThreadPoolExecutor(AT_ONCE) as pool:
             if choose is not None:
                 scene = self.scene()
@@ -242,7 +283,9 @@ class Scenario:
         return find_lesson(lesson_titles()[self.shown()["title"]])
 
     def compiling(self) -> list[bool]:
-        """Of each flock, whether it is not ready yet."""
+        """Of each flock, whether it is not ready yet; those in browsers are compiled at once."""
+        if self.view is IN_BROWSER:
+            return [bool(self.shown()["flocks"])]
         return [not one["seen"] or one["seen"]["compiling"] for one in self.shown()["students"]]
 
     def draw_curve(self) -> None:

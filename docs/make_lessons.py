@@ -1,11 +1,12 @@
 """Gives a class with forty students, lesson by lesson: `python docs/make_lessons.py [LESSON ...]`.
 
 Needs Chromium. Three of the students are in browsers, one of them on a phone; the others are
-programs. What they see goes into `docs/class/`, what it took is printed. "Order against noise" goes
-from the code on the wall to the exported table and the end of the class; the other lessons take the
-pictures that their tutorials show. At the end it is checked that forty results are in the table,
-and that they say what the lesson says; otherwise the exit code is 1. `--review FOLDER` keeps every
-picture in full there, and the teacher's page in all sizes and both themes.
+programs. Flocks run in students' browsers, as is usual. What they see goes into `docs/class/`, what
+it took is printed. "Order against noise" goes from the code on the wall to the exported table and
+the end of the class; the other lessons take the pictures that their tutorials show. At the end it
+is checked that forty results are in the table, and that they say what the lesson says; otherwise
+the exit code is 1. `--review FOLDER` keeps every picture in full there, and the teacher's page in
+all sizes and both themes.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from class_scenario import DESK, NAMES, PHONE, Scenario, means, until
+from class_scenario import DESK, IN_BROWSER, NAMES, PHONE, Scenario, means
 from make_screenshots import ARGUMENTS
 from PIL import Image
 from playwright.sync_api import sync_playwright
@@ -105,22 +106,20 @@ def give(lesson: str, browser: Any, review: Path | None) -> bool:
     pictures = Pictures(lesson, review)
     with (
         tempfile.TemporaryDirectory() as name,
-        running(Path(name), "--out", "kept.zip", scene=lesson) as ours,
+        running(Path(name), "--out", "kept.zip", "--flocks", "in-browser", scene=lesson) as ours,
     ):
         folder = Path(name)
         print(lesson)
-        scene = Scenario(ours, browser, pictures.keep if whole else lambda _page, _name: None)
+        keep = pictures.keep if whole else lambda _page, _name: None
+        scene = Scenario(ours, browser, keep, IN_BROWSER)
         scene.open()
         pictures.keep_all(scene.teacher, "empty")
         link = scene.read_wall()
         scene.all_enter(link, BROWSERS if whole else BROWSERS[1:2], len(NAMES))
         with scene.looking():
-            for page in scene.students:
-                close_notices(page)
             if whole:
                 watch(scene, pictures)
             scene.ask()
-            until(lambda: not any(scene.compiling()))
             scene.students[-1].wait_for_timeout(8000)
             tell(scene, pictures, whole)
             scene.hand_in(choose if lesson == "beat-the-paper" else None)
@@ -142,6 +141,10 @@ def give(lesson: str, browser: Any, review: Path | None) -> bool:
 
 def watch(scene: Scenario, pictures: Pictures) -> None:
     """All watch the teacher's flock; the teacher has a page of their own for that."""
+    scene.teacher.get_by_role("button", name="All look at mine").click()
+    for page in scene.students:
+        page.locator(".fs-class").wait_for()
+        close_notices(page)
     own = scene.teacher.context.new_page()
     own.goto(scene.teacher.url.rpartition("/")[0])
     own.locator(".fs-card").first.wait_for()
@@ -160,7 +163,7 @@ def tell(scene: Scenario, pictures: Pictures, whole: bool) -> None:
         return
     scene.teacher.locator("#word").fill("Look at your own flock for a minute, then hand it in.")
     scene.teacher.get_by_role("button", name="Say it").click()
-    scene.students[0].locator(".fs-word").wait_for()
+    scene.students[0].locator(scene.view.word).wait_for()
     for page, name in zip(
         scene.students, ("student-phone", "student", "student-dark"), strict=True
     ):

@@ -105,9 +105,10 @@
     const page = make("section", "fs-take"), row = make("div");
     const go = button("fs-main", "Save page", () => begin("page")("", "", go));
     row.append(go);
-    page.append(make("h3", "", "Page that runs"), row, make("p", "fs-quiet", "The flock from its start, with its " +
-      "sliders and charts, as one HTML file: it runs in any browser, without this server. To make it takes " +
-      "some 20 seconds."));
+    page.append(make("h3", "", "Page that runs"), row, make("p", "fs-quiet", (state.pair ?
+      "Both flocks from where they are now, with their" : "The flock from its start, with its") +
+      " sliders and charts, as one HTML file: it runs in any browser, without this server. To make it takes " +
+      `some ${state.pair ? 40 : 20} seconds.`));
     inner.append(page);
     if (state.filming || state.busy) complain(inner, "One thing at a time: it is being made.");
   };

@@ -34,9 +34,10 @@ class Look {
     this.size = $("size");
     this.theme = $("theme");
     this.note = $("trailed");
-    const { labels, colour: first } = view.manifest, offered = ["heading", "speed", ...Object.keys(labels)];
-    for (const colour of offered) this.offer(colour, colour);
-    if (offered.includes(first)) this.select.value = first;
+    for (const colour of ["heading", "speed", ...Object.keys(view.manifest.labels)]) {
+      this.offer(colour, colour);
+      if (colour === view.manifest.colour) this.select.value = colour;
+    }
     this.select.onchange = () => { view.clear(); view.changed(); };
     $("trails").disabled = !view.gl;
     $("trails").onchange = (event) => { this.trails = event.target.checked; view.changed(); };
@@ -93,8 +94,9 @@ class Look {
     // What differs by rounding alone is the same.
     const span = high - low > 1e-9 * Math.abs(high) ? high - low : 0, { dim } = this;
     for (let row = 0; row < count; row++) {
-      let ink = informed[row] ? this.informed : this.plain;
+      let ink = this.plain;
       if (crashed[row]) ink = this.crashed;
+      else if (informed[row]) ink = this.informed; // as in the laboratory, whatever colours mean
       else if (inksOf) {
         // Layers begin at 1; what is more than there are agents is unknown.
         const at = colour === "layer" ? labels[row] - 1 : labels[row];
@@ -110,13 +112,13 @@ class Look {
       }
       inks.set(ink, 4 * row);
     }
-    this.explain(colour, isNumber ? [low, span ? high : low] : [], crashed.includes(1));
+    this.explain(colour, isNumber ? [low, span ? high : low] : [], crashed.includes(1), informed.includes(1));
     return inks;
   }
 
   // The legend, anew only where it says something else.
-  explain(colour, range, isCrashed) {
-    const ends = range.map(figures), said = [this.view.ids.length, colour, isCrashed, ...ends].join();
+  explain(colour, range, isCrashed, isLed) {
+    const ends = range.map(figures), said = [this.view.ids.length, colour, isCrashed, isLed, ...ends].join();
     if (said === this.said) return;
     this.said = said;
     const css = (ink) => `rgb(${ink.map(Math.round).join()})`;
@@ -126,7 +128,9 @@ class Look {
       part.textContent = words;
       if (background) part.style.background = background;
       this.legend.append(part);
+      return part;
     };
+    const entry = (words, ink) => add("entry", words).prepend(add("dot", "", css(ink)));
     this.legend.replaceChildren();
     this.view.canvas.setAttribute("aria-label", `${this.view.ids.length} agents, coloured by ${colour}`);
     if (colour === "heading") {
@@ -135,30 +139,22 @@ class Look {
       add("wheel", "", `conic-gradient(from 90deg, ${parts.join()})`);
       add("", this.dim === 3 ? "right: +x, up: +y, lighter: climbing" : "right: 0°, up: 90°");
     } else if (colour === "role") {
-      add("dot", "", css(this.informed));
-      add("", "information agent");
-      add("dot", "", css(this.plain));
-      add("", "other");
+      entry("other", this.plain);
     } else if (this.labels[colour]) {
       const inks = this.labels[colour].map(css), share = 100 / inks.length, isLayer = colour === "layer";
       const parts = inks.map((ink, k) => `${ink} ${k * share}% ${(k + 1) * share}%`);
       add("", isLayer ? "layer 1" : "largest");
       add("ramp", "", `linear-gradient(90deg, ${parts.join()})`);
       add("", isLayer ? `${inks.length}+` : "small groups");
-      if (isLayer) {
-        add("dot", "", css(this.unknown));
-        add("", "none");
-      }
+      if (isLayer) entry("none", this.unknown);
     } else {
       const parts = this.numbers.filter((_, k) => k % 15 === 0).map(css), single = ends[0] === ends[1];
       add("", single ? `all ${ends[0] ?? ""}` : ends[0]);
       add(single ? "dot" : "ramp", "", single ? parts[0] : `linear-gradient(90deg, ${parts.join()})`);
       if (!single) add("", ends[1]);
     }
-    if (isCrashed) {
-      add("dot", "", css(this.crashed));
-      add("", "crashed");
-    }
+    if (isLed && colour !== "layer") entry("information agent", this.informed);
+    if (isCrashed) entry("crashed", this.crashed);
   }
 
   // What is said of the picked agent.

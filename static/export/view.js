@@ -1,14 +1,14 @@
-// Draws agents as darts, in the plane and in space, or as cars true to scale, where they have been, and what is in their world.
+// Draws agents, as darts or by the shape that the manifest has, where they have been, and what is in their world.
 const VERTEX = `#version 300 es
 in vec3 corner; in vec3 place; in vec3 heading; in vec4 ink;
-uniform mat4 camera; uniform float size, space, slim; // slim: a car's width over its length, else 0
+uniform mat4 camera; uniform float size, space;
 out vec3 colour;
 void main() {
   vec3 ahead = normalize(heading), up = abs(ahead.z) > .95 ? vec3(1, 0, 0) : vec3(0, 0, 1);
   vec3 side = normalize(cross(up, ahead)), above = cross(ahead, side);
-  vec3 point = corner.x * ahead + corner.y * (slim > 0. ? slim : 1.) * side + corner.z * above;
+  vec3 point = corner.x * ahead + corner.y * side + corner.z * above;
   gl_Position = camera * vec4(place + size * (1. + ink.a) * point, 1); // the fourth byte makes larger
-  colour = ink.rgb * (space > 0. ? .86 + .5 * corner.z : slim * corner.z > 0. ? .35 : 1.);
+  colour = ink.rgb * (space > 0. ? .86 + .5 * corner.z : 1.);
 }`;
 const FRAGMENT = `#version 300 es
 precision mediump float; in vec3 colour; out vec4 pixel; void main() { pixel = vec4(colour, 1); }`;
@@ -34,10 +34,8 @@ const DART = [
   [1, 0, 0], [-0.75, 0, 0.3], [-0.75, 0.46, 0],
   [1, 0, 0], [-0.75, -0.46, 0], [-0.75, 0, 0.3],
 ];
-// A car seen from above, of length 1: its hull, and over it the cabin.
-const quad = (front, back, half, up) => [[front, half], [back, half], [back, -half], [front, half], [back, -half],
-  [front, -half]].map((corner) => [...corner, up]);
-const CAR = [...quad(0.5, -0.5, 0.5, 0), ...quad(0.22, -0.32, 0.38, 0.01)];
+const DART_LENGTH = 1.75;
+const CAR = [[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]]; // without WebGL2
 const LENS = 2.15; // the box fills the picture, however it is turned
 const STILL = 6; // pixels that a finger may slip in a click
 const NEAR = 22; // pixels from an agent within which a click picks it
@@ -56,11 +54,11 @@ class View {
     this.canvas = canvas;
     this.marks = document.getElementById("marks");
     this.manifest = manifest;
-    this.form = manifest.car ? CAR : DART;
     this.gl = canvas.getContext("webgl2", { antialias: true });
     this.flat = this.gl ? null : canvas.getContext("2d");
     this.look = new Look(this);
     this.picked = null;
+    this.shape = this.gl && manifest.shape ? new AgentShape(this) : null;
     this.clear();
     this.home();
     if (this.gl) this.prepare();
@@ -84,6 +82,7 @@ class View {
   // Forget where agents have been.
   clear() {
     this.endTrail();
+    this.shape?.forget();
     this.begins = true;
   }
 
@@ -124,12 +123,33 @@ class View {
     return array;
   }
 
+  // Buffers of what each agent has: place, heading and ink.
+  instances(program) {
+    const vectors = ["place", "heading"].map((name) => this.buffer(program, name, 3, null, 1));
+    return [...vectors, this.buffer(program, "ink", 4, null, 1, true)];
+  }
+
+  fill(buffers, data) {
+    const { gl } = this;
+    buffers.forEach((buffer, k) => {
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, data[k], gl.DYNAMIC_DRAW);
+    });
+  }
+
+  use(program, array) {
+    const { gl } = this;
+    gl.useProgram(program);
+    gl.uniformMatrix4fv(gl.getUniformLocation(program, "camera"), false, this.camera);
+    if (array) gl.bindVertexArray(array);
+  }
+
   prepare() {
     this.darts = this.program(VERTEX, FRAGMENT);
     this.dartArray = this.array();
-    this.buffer(this.darts, "corner", 3, new Float32Array(this.form.flat()));
-    this.agents = ["place", "heading"].map((name) => this.buffer(this.darts, name, 3, null, 1));
-    this.agents.push(this.buffer(this.darts, "ink", 4, null, 1, true));
+    this.buffer(this.darts, "corner", 3, new Float32Array(DART.flat()));
+    this.agents = this.instances(this.darts);
+    this.shape?.prepare();
     this.trails = this.program(TRAIL_VERTEX, TRAIL_FRAGMENT);
     this.plain = this.program(PLAIN_VERTEX, PLAIN_FRAGMENT);
     this.shapes = [this.manifest.triangles, [...this.edges(), ...this.manifest.lines]].map((data) => {
@@ -157,6 +177,7 @@ class View {
       const scale = 2 * this.zoom * Math.min(width / size[0], height / size[1]);
       this.unit = scale / 2;
       const flat = [scale / width, 0, 0, 0, 0, scale / height, 0, 0, 0, 0, -1e-6, 0, 0, 0, 0, 1];
+      if (this.shape) flat[10] = -1 / Math.max(...size); // what is higher hides what is lower
       this.camera = multiply(flat, towards);
       return;
     }
@@ -310,17 +331,12 @@ class View {
     if (informed <= FEW_INFORMED && !frame.car)
       for (let row = 0; row < count; row++) if (frame.informed[row]) inks[4 * row + 3] = dim === 2 ? 190 : 255;
     if (this.flat) this.drawFlat(frame, headings, inks, dark);
-    else this.drawLit(headings, inks, frame.tick, dark);
+    else this.drawLit(headings, inks, frame, dark);
     this.mark(frame, dark);
   }
 
-  drawLit(headings, inks, tick, dark) {
+  drawLit(headings, inks, frame, dark) {
     const gl = this.gl, uniform = (program, name) => gl.getUniformLocation(program, name);
-    const use = (program, array) => {
-      gl.useProgram(program);
-      gl.uniformMatrix4fv(uniform(program, "camera"), false, this.camera);
-      if (array) gl.bindVertexArray(array);
-    };
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.BLEND);
@@ -328,7 +344,7 @@ class View {
     gl.depthFunc(gl.LEQUAL);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    use(this.plain);
+    this.use(this.plain);
     this.shapes.forEach(([array, corners], lines) => {
       const strength = lines ? 0.35 : 0.5, grey = strength * (dark ? 0.75 : 0.35);
       gl.uniform4f(uniform(this.plain, "ink"), grey, grey, grey, strength);
@@ -336,24 +352,21 @@ class View {
       if (corners) gl.drawArrays(lines ? gl.LINES : gl.TRIANGLES, 0, corners);
     });
     if (this.look.trails) {
-      this.extend(inks, tick);
+      this.extend(inks, frame.tick);
       const { array, lines, newest } = this.trail;
-      use(this.trails, array);
+      this.use(this.trails, array);
       gl.uniform1i(uniform(this.trails, "newest"), newest);
       gl.uniform1i(uniform(this.trails, "lines"), lines);
       gl.depthMask(false); // darts are drawn over trails
       gl.drawArrays(gl.LINES, 0, 2 * lines * KEPT);
       gl.depthMask(true);
     } else this.endTrail();
-    use(this.darts, this.dartArray);
-    [this.places, headings, inks].forEach((data, k) => {
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.agents[k]);
-      gl.bufferData(gl.ARRAY_BUFFER, data, gl.DYNAMIC_DRAW);
-    });
+    if (this.shape?.fits(frame.ids.length)) return this.shape.draw(frame, headings, inks);
+    this.use(this.darts, this.dartArray);
+    this.fill(this.agents, [this.places, headings, inks]);
     gl.uniform1f(uniform(this.darts, "size"), this.length);
     gl.uniform1f(uniform(this.darts, "space"), this.manifest.dim === 3 ? 1 : 0);
-    gl.uniform1f(uniform(this.darts, "slim"), this.slim);
-    gl.drawArraysInstanced(gl.TRIANGLES, 0, this.form.length, this.ids.length);
+    gl.drawArraysInstanced(gl.TRIANGLES, 0, DART.length, this.ids.length);
   }
 
   // Add a picture to the trails: of each agent, the line from where it was.
@@ -419,7 +432,7 @@ class View {
       const [x, y, z] = this.placeOf(row), [ux, uy, uz] = headings.subarray(3 * row, 3 * row + 3);
       const flat = Math.hypot(ux, uy) || 1, size = this.length * (1 + inks[4 * row + 3] / 255);
       pen.fillStyle = `rgb(${inks.subarray(4 * row, 4 * row + 3).join()})`;
-      const outline = frame.car ? [0, 1, 2, 5].map((k) => [CAR[k][0], CAR[k][1] * this.slim]) : DART.slice(0, 3);
+      const outline = frame.car ? CAR.map(([ahead, side]) => [ahead, side * this.slim]) : DART.slice(0, 3);
       path(outline.map(([ahead, side]) => this.project(
         x + size * (ahead * ux - side * uy / flat), y + size * (ahead * uy + side * ux / flat), z + size * ahead * uz,
       )), true);

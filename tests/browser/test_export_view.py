@@ -10,7 +10,7 @@ import pytest
 
 from agents.flock import Flock
 from agents.observables.neighbours import links, nearest_of, separation
-from app.viewer.lab.flock_page import flock_page
+from app.viewer.lab.flock_page import PageWords, flock_page
 from app.viewer.scene.shown import palette
 from tests.viewer.waiting import until
 
@@ -193,7 +193,8 @@ def test_colours_are_those_of_the_laboratory(opened, model):
             page.evaluate("page.ask({})")
             inks = np.array(page.evaluate(INKS)).reshape(-1, 4)[:, :3]
             # A page has every tenth hue of the laboratory's, and blends what lies between.
-            apart = np.abs(inks - 255.0 * expected[colour][rows])
+            worn = np.where(flock.informed[:, None], palette.LEADER, expected[colour])
+            apart = np.abs(inks - 255.0 * worn[rows])
             assert apart.max() < 16.0
             assert apart.mean() < 2.0
             label = page.locator("#picture").get_attribute("aria-label")
@@ -204,15 +205,33 @@ def test_the_legend_says_what_colours_mean(opened):
     with opened(Flock("hwvem-nav", rng=3)) as page:
         assert page.locator("#legend .wheel").count() == 1
         page.select_option("#colour", "role")
-        assert page.locator("#legend").inner_text().split("\n") == ["information agent", "other"]
+        assert page.locator("#legend").inner_text().split("\n") == ["other", "information agent"]
         page.evaluate("page.ask({ ticks: 20 })")
         page.select_option("#colour", "speed")
         speed = page.evaluate("[...page.state.speed]")
         assert page.locator("#legend .ramp").count() == 1
-        ends = [float(one) for one in page.locator("#legend").inner_text().split()]
+        *ends, leader = page.locator("#legend").inner_text().split("\n")
+        assert leader == "information agent"
+        ends = [float(one) for one in ends]
         assert ends == pytest.approx([min(speed), max(speed)], rel=5e-3)
         page.evaluate("page.state.crashed[5] = 1; page.view.changed()")
         assert page.locator("#legend").inner_text().split()[-1] == "crashed"
+
+
+@pytest.mark.parametrize(("asked", "shown"), [("layer", "layer"), ("saving", "heading")])
+def test_a_page_begins_with_the_colours_of_its_scene(chromium, tmp_path, asked, shown):
+    """Where it has them."""
+    file = tmp_path / "flock.html"
+    words = PageWords(colour=asked)
+    file.write_text(flock_page(Flock("hwvem", agents=30, rng=3), words), encoding="utf-8")
+    page = chromium.new_page()
+    try:
+        page.goto(file.as_uri())
+        until(lambda: page.evaluate("'page' in globalThis"), 60, "the flock to be there")
+        assert page.evaluate("document.getElementById('colour').value") == shown
+        assert (page.evaluate("page.state.labels") is None) == (shown == "heading")
+    finally:
+        page.close()
 
 
 def test_letters_of_a_symbol_stand_above_and_below(opened):

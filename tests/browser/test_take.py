@@ -12,7 +12,9 @@ from cli.calling import call, start, wait_until
 from imageio_ffmpeg import count_frames_and_secs, read_frames
 from PIL import Image
 
-from tests.browser.conftest import absent
+from agents.spec import Spec
+from tests.browser.conftest import START, absent
+from tests.browser.window import COMPILED, is_compiled
 from tests.viewer.waiting import until
 
 SEEN = (640, 480)
@@ -138,6 +140,40 @@ def test_the_page_gives_its_flock_as_a_page_that_runs(window, chromium, tmp_path
         alone.goto((tmp_path / "flock.html").as_uri())
         alone.click("#step", timeout=60_000)  # as soon as it is enabled
         until(lambda: alone.evaluate("page.state.tick === 1"), 60)
+    finally:
+        alone.close()
+
+
+def test_the_page_gives_two_flocks_as_one_page_that_goes_on(window, laboratory, chromium, tmp_path):
+    """From the tick at which they are; both are stepped and put back to it."""
+    simulation = laboratory.simulation
+    simulation.setup(START, Spec("vem"))
+    until(lambda: simulation.state.models[1] == "vem", 60)
+    until(lambda: is_compiled(simulation), COMPILED)
+    simulation.step(5).result(60)
+    places = [flock.position for flock in simulation.flocks().result(60)]
+    page = window.page
+    page.click(".fs-open >> text=Take")
+    page.get_by_text("Both flocks from where they are now").wait_for()
+    with page.expect_download(timeout=300_000) as found:
+        page.click("text=Save page")
+        page.locator(".fs-recording").wait_for()
+    simulation.setup(START)
+    assert found.value.suggested_filename == "hwvem-beside-vem-seed3-tick5.html"
+    found.value.save_as(tmp_path / "both.html")
+    alone = chromium.new_page()
+    try:
+        alone.goto((tmp_path / "both.html").as_uri())
+        frames = [frame for frame in alone.frames if frame != alone.main_frame]
+        for frame, place in zip(frames, places, strict=True):
+            frame.wait_for_selector("#step:not([disabled])", timeout=60_000)
+            shown = frame.evaluate("[...page.state.position]")
+            assert np.reshape(shown, place.shape) == pytest.approx(place, abs=1e-12)
+        for button, tick in (("#step", 6), ("#reset", 5)):
+            alone.click(button)
+            until(
+                lambda tick=tick: [one.evaluate("page.state.tick") for one in frames] == [tick] * 2
+            )
     finally:
         alone.close()
 

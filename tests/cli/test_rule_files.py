@@ -11,8 +11,10 @@ import pytest
 
 from agents import Flock, catalogue
 from agents.catalogue import MODELS, from_file
+from agents.spec import Spec
 from app.processes import ChildProcess
 from app.viewer.lab.flock_page import PageWriter
+from app.viewer.run.paired_run import companion
 from cli.calling import call, refusal
 from worlds.input_error import InputError
 
@@ -138,3 +140,14 @@ def test_the_page_of_its_flock_is_written_in_a_process_of_its_own(mine):
     with ChildProcess(PageWriter, [str(mine)]) as child:
         page = child.ask("write", spec, timeout=300.0).result()
     assert "Fading Vicsek model" in page
+
+
+def test_a_page_of_two_flocks_goes_on_from_where_they_are(mine):
+    first = Flock("vem", agents=6, rng=1)
+    second = companion(first, Spec(from_file(str(mine)).name))
+    for flock in (first, second):
+        flock.run(7)
+    with ChildProcess(PageWriter, [str(mine)]) as child:
+        page = child.ask("write_pair", first, second, timeout=300.0).result()
+    assert page.count("&quot;tick&quot;:7,") == 2
+    assert f"{first.model.rule.title} beside Fading Vicsek model" in page

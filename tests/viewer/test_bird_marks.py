@@ -9,7 +9,8 @@ import pytest
 
 from agents.state.agent_rows import Crashes
 from app.viewer.scene.draw.agent_meshes import TIP
-from app.viewer.scene.marks.agents import SCALE, FlockMotion
+from app.viewer.scene.draw.agent_shapes import BIRD
+from app.viewer.scene.marks.agents import FlockMotion
 from app.viewer.scene.marks.flock_marks import FADES, MOST_CRASHES, CrashMarks
 from app.viewer.scene.marks.trails import Wake
 from app.viewer.scene.shown.drawing_style import DrawingStyle
@@ -30,7 +31,7 @@ def test_the_wake_is_where_the_tips_have_been():
     lines = np.concatenate(
         [node.points for node in scene.sent if node.name.startswith("/flock/wake") and node.visible]
     )
-    aside = TIP * SCALE * made.length
+    aside = TIP * BIRD.scale * made.length
     across = np.unique(np.round(lines[:, :, 1] - made.at[0, 1], 5))
     assert across == pytest.approx([-aside, aside], abs=1e-4)
     assert np.unique(np.round(lines[:, :, 2], 5)) == pytest.approx([made.at[0, 2]], abs=1e-4)

@@ -10,13 +10,11 @@ from hypothesis import strategies as st
 from agents import Flock
 from app.viewer.run.frame_builder import FrameBuilder
 from app.viewer.scene.draw.agent_meshes import SHOULDER, TIP, body, wing_scales, wings
+from app.viewer.scene.draw.agent_shapes import BIRD, MOTION
 from app.viewer.scene.draw.attitude import OF_LENGTH, attitude, nose, roll_attitudes
 from app.viewer.scene.draw.drawn_frame import KEPT, POINTS_BEYOND
 from app.viewer.scene.drawing import AGENT_BYTES, BIRD_BYTES, load
 from app.viewer.scene.marks.agents import (
-    FLAT,
-    FOLDED,
-    SCALE,
     FlockMotion,
     left_directions,
     up_directions,
@@ -81,7 +79,7 @@ def test_the_crashed_fall_nose_down_and_lie_flat_in_a_colour_of_their_own():
     assert nose(poses.wxyz[0])[2] == pytest.approx(np.sin(0.7), abs=1e-5)
     assert nose(poses.wxyz[1])[2] < -0.8
     assert up_directions(poses.wxyz)[2] == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)
-    assert poses.beat[1:] == pytest.approx([FOLDED, FLAT])
+    assert poses.beat[1:] == pytest.approx([MOTION.folded, MOTION.flat])
     assert made.colour[1:] == pytest.approx(np.tile(palette.CRASHED, (2, 1)))
     assert nose(made.wxyz[2])[2] == pytest.approx(0.0, abs=1e-6)
     lifted = made.at[:, 2] - made.stage.to_display(one.position)[:, 2]
@@ -140,7 +138,7 @@ def test_wings_are_at_the_shoulders_of_their_bodies():
     for node, name, value in parts.draw_flock(made):
         setattr(node, name, value)
     bodies, both = scene.there("/flock/birds/bodies"), scene.there("/flock/birds/wings")
-    size = SCALE * made.length
+    size = BIRD.scale * made.length
     over = both.batched_positions - bodies.batched_positions
     assert np.linalg.norm(over, axis=1) == pytest.approx(
         SHOULDER * size, abs=2.0 * OF_LENGTH * made.length

@@ -5,14 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from app.viewer.scene.draw.agent_shapes import MOTION
 from app.viewer.scene.draw.attitude import nose
 from app.viewer.scene.marks.agents import (
-    AMPLITUDE,
-    DIHEDRAL,
-    GLIDING,
-    LONGEST_BEAT,
-    NIMBLE,
-    STEEPEST,
     FlockMotion,
     left_turns,
 )
@@ -46,7 +41,7 @@ def test_turning_left_is_above_nought_and_at_most_a_right_angle():
 def test_a_bird_banks_into_its_turn_by_speed_times_turning_over_gravity(rate):
     clock = Clock()
     one, poses = circling(FlockMotion(clock), clock, rate)
-    pull = one.speed_scale**2 / (NIMBLE * one.reach)
+    pull = one.speed_scale**2 / (MOTION.nimble * one.reach)
     angle = np.arctan(3.0 * np.arcsin(np.sin(0.1 * rate)) / 0.1 / pull)
     assert bank(poses.wxyz[0]) == pytest.approx(-angle, abs=2e-3)
     assert nose(poses.wxyz[0]) == pytest.approx(one.heading[0], abs=1e-5)
@@ -55,7 +50,7 @@ def test_a_bird_banks_into_its_turn_by_speed_times_turning_over_gravity(rate):
 def test_no_bird_banks_further_than_the_steepest_or_at_rest():
     clock = Clock()
     _, poses = circling(FlockMotion(clock), clock, 12.0)
-    assert bank(poses.wxyz[0]) == pytest.approx(-STEEPEST, abs=1e-5)
+    assert bank(poses.wxyz[0]) == pytest.approx(-np.arctan(MOTION.steepest), abs=1e-5)
     _, poses = circling(FlockMotion(clock), clock, 12.0, speed=0.0)
     assert bank(poses.wxyz[0]) == pytest.approx(0.0, abs=1e-6)
 
@@ -84,8 +79,8 @@ def test_wings_beat_while_ticks_pass_and_stand_still_while_paused():
         clock.now += STEP
         beats.append(flight.follow(shown(frame(ahead, tick))).beat)
     beats = np.array(beats)
-    assert np.all(np.ptp(beats, axis=0) > 1.6 * AMPLITUDE)
-    assert np.all(np.abs(beats - DIHEDRAL) <= AMPLITUDE)
+    assert np.all(np.ptp(beats, axis=0) > 1.6 * MOTION.amplitude)
+    assert np.all(np.abs(beats - MOTION.dihedral) <= MOTION.amplitude)
     assert np.abs(np.diff(beats, axis=0)).max() < 0.5
     assert not np.allclose(beats[:, 0], beats[:, 1])
     for _ in range(5):
@@ -95,7 +90,9 @@ def test_wings_beat_while_ticks_pass_and_stand_still_while_paused():
     after = flight.follow(shown(frame(ahead, 80))).beat
     slow = FlockMotion(clock)
     slow.follow(shown(frame(ahead, 0)))
-    assert np.abs(after - beats[-1]).max() < AMPLITUDE * 2.0 * np.pi * 3.0 * LONGEST_BEAT
+    assert (
+        np.abs(after - beats[-1]).max() < MOTION.amplitude * 2.0 * np.pi * 3.0 * MOTION.longest_beat
+    )
 
 
 def test_a_diving_bird_glides():
@@ -105,7 +102,9 @@ def test_a_diving_bird_glides():
     for tick in range(160):
         clock.now += STEP
         beats.append(flight.follow(shown(frame([heading(0.0, -0.8)], tick))).beat[0])
-    assert np.abs(np.array(beats) - DIHEDRAL).max() <= GLIDING * AMPLITUDE + 1e-9
+    assert (
+        np.abs(np.array(beats) - MOTION.dihedral).max() <= MOTION.gliding * MOTION.amplitude + 1e-9
+    )
 
 
 def test_rows_that_come_and_go_leave_the_others_as_they_were():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import io
 import json
+from concurrent.futures import Future
 from types import SimpleNamespace
 from urllib.parse import urlencode
 
@@ -13,6 +14,7 @@ import pytest
 from imageio_ffmpeg import count_frames_and_secs
 from PIL import Image
 
+from agents.spec import Spec
 from app.front.server import renders_of
 from app.viewer.lab import picture_exporter
 from app.viewer.lab.laboratory import Laboratory
@@ -252,6 +254,51 @@ def test_only_this_page_asks_and_not_too_often(laboratory, page):
         answers.append(wanted(laboratory, page, do="picture", kind="png", size="320x320").text)
         until(lambda: not json.loads(wanted(laboratory, page).text)["busy"], 60)
     assert any("try again in a few seconds" in one for one in answers)
+
+
+def test_two_flocks_are_refused_in_a_line_where_a_page_cannot_run_one(
+    laboratory, page, monkeypatch
+):
+    simulation = laboratory.simulation
+    before = simulation.state.spec
+    simulation.setup(before, Spec("reynolds"))
+    until(lambda: simulation.state.models[1] == "reynolds", 60)
+    asked = []
+
+    class Child:
+        """Refuses what it is asked for."""
+
+        def __init__(self, *_words, **_more):
+            pass
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            pass
+
+        def ask(self, name, *flocks, timeout):
+            asked.append((name, [flock.model.name for flock in flocks], timeout > 0.0))
+            refused = Future()
+            refused.set_exception(InputError("model 'reynolds' has checks of its own"))
+            return refused
+
+    monkeypatch.setattr(picture_exporter, "ChildProcess", Child)
+    said = []
+
+    def hears():
+        said.append(json.loads(wanted(laboratory, page).text)["said"])
+        return said[-1]
+
+    assert json.loads(wanted(laboratory, page).text)["pair"]
+    until(lambda: simulation.state.compiling is None, 180)
+    assert wanted(laboratory, page, do="page").status == 200
+    until(hears, 60)
+    assert asked == [("write_pair", ["vem", "reynolds"], True)]
+    assert said[-1] == "model 'reynolds' has checks of its own"
+    assert page.files == []
+    simulation.setup(before)
+    until(lambda: simulation.state.models[1] is None, 60)
 
 
 @pytest.mark.usefixtures("page")

@@ -10,7 +10,7 @@ import gzip
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -108,7 +108,7 @@ class PageWorker:
         asked = question or first_question(opened)
         observable = "" if asked is None else asked.measure.observable
         plots = plots_with(observable, opened.plots)
-        words = PageWords(opened.title, opened.watch, opened.tries, opened.speed, plots, COMMAND)
+        words = replace(PageWords.of_scene(opened, COMMAND), plots=plots)
         page, script, style = page_parts(Flock(opened.spec), words, is_fixed=True)
         module = hashlib.sha256(page.program.module).hexdigest()[:32]
         if module not in self.modules:

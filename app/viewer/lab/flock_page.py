@@ -13,7 +13,7 @@ import json
 import math
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 from importlib.metadata import version
 from itertools import pairwise
@@ -32,12 +32,15 @@ from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene, command_line
 from app.viewer.gallery.scene_steps import SceneStep, demand_in_page
 from app.viewer.panels.dials import plain_symbol
+from app.viewer.scene.draw.agent_shapes import AgentShape, shape_of
 from app.viewer.scene.shown import palette
 from worlds.file_writer import PAGES, demand_writable, write_text
 from worlds.world import World
 
 FOLDER = STATIC / "export"
 SCRIPTS = ("kernel.js", "start.js", "runner.js", "view.js", "look.js", "page.js")
+SHAPES = "shapes.js"
+"""Of pages whose agents are no darts, before `page.js`, which begins."""
 LIVELY, FASTEST = 30.0, 1000.0
 """Ticks a second at which a page begins, and at most."""
 CORNERS = 48
@@ -124,7 +127,7 @@ def pair_page(
     Raises InputError for what no page can do.
     """
     command = words.command or f"{export_command(flock.spec)} --beside {beside.model.name}"
-    own = PageWords(speed=words.speed, plots=words.plots, command=command)
+    own = PageWords(speed=words.speed, plots=words.plots, command=command, colour=words.colour)
     frames = []
     script = style = ""
     for number, one in enumerate((flock, beside)):
@@ -159,7 +162,8 @@ def page_files(
 ) -> dict[str, bytes]:
     """The same as files of a folder on a web server: its page, which is called `name`, what runs,
     and what all pages of the folder share. Raises InputError."""
-    page, script, style = page_parts(flock, words, update)
+    page, _, style = page_parts(flock, words, update)
+    script = page_script(has_shape=True)
     script_file, style_file = VIEWER_FILES
     module, memory = f"{name}.wasm", f"{name}.bin"
     script, style = with_steps(script, style)  # one file for all pages, those without steps too
@@ -206,8 +210,9 @@ def page_parts(
     rule = flock.model.rule
     command = words.command or export_command(flock.spec)
     triangles, lines = drawn_obstacles(flock.world)
-    shapes = {"triangles": triangles, "lines": lines}
-    manifest = program.manifest | shapes | {"palette": page_palette(flock.world.dim)}
+    obstacles = {"triangles": triangles, "lines": lines}
+    shape = shape_of(flock.world.dim, flock.model.body.vehicle is not None)
+    manifest = program.manifest | obstacles | {"palette": page_palette(flock.world.dim)}
     manifest["tries"] = steps_to_try(flock, words)
     if words.colour:
         manifest["colour"] = words.colour
@@ -218,7 +223,9 @@ def page_parts(
     manifest["measures"].sort(key=lambda one: first.get(one["name"], len(first)))
     for parameter in manifest["parameters"]:
         parameter["symbol"] = plain_symbol(parameter["symbol"])
-    script = "'use strict';\n" + "\n".join(short_script(name) for name in SCRIPTS)
+    if shape is not None:
+        manifest["shape"] = page_shape(shape)
+    script = page_script(shape is not None)
     style = read_style("page.css")
     texts = {
         "title": words.title or rule.title,
@@ -273,6 +280,10 @@ class PageWriter:
         """The page of a flock at its start, of its spec as TOML. Raises InputError."""
         return flock_page(Flock(Spec.from_toml(spec, "the run")))
 
+    def write_pair(self, flock: Flock, beside: Flock) -> str:
+        """The page of two flocks, which go on from where they are. Raises InputError."""
+        return pair_page(flock, beside)
+
 
 def export_command(spec: CompleteSpec) -> str:
     """What makes the page, as far as words can say it."""
@@ -311,6 +322,30 @@ def short_script(name: str) -> str:
 def read_style(name: str) -> str:
     """A style sheet of the page."""
     return (FOLDER / name).read_text("utf-8")
+
+
+def page_script(has_shape: bool) -> str:
+    """The scripts of a page, in the order in which they need each other."""
+    names = (*SCRIPTS[:-1], SHAPES, SCRIPTS[-1]) if has_shape else SCRIPTS
+    return "'use strict';\n" + "\n".join(short_script(name) for name in names)
+
+
+def page_shape(shape: AgentShape) -> dict[str, Any]:
+    """What a page has to know of its agents' shape: meshes in thousandths of the agent's size."""
+    parts = [
+        {
+            "corners": np.rint(1000.0 * part.mesh[0]).astype(int).ravel().tolist(),
+            "faces": part.mesh[1].ravel().tolist(),
+            "shade": part.shade,
+            "paint": "" if part.paint is None else digits(part.paint[None]),
+            "lift": part.lift,
+            "beats": int(part.beats),
+        }
+        for part in shape.parts
+    ]
+    motion = None if shape.motion is None else asdict(shape.motion)
+    sizes = {"scale": shape.scale, "height": shape.height, "most": shape.most}
+    return sizes | {"parts": parts, "motion": motion}
 
 
 def page_palette(dim: int) -> dict[str, Any]:

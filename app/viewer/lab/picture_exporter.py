@@ -304,20 +304,24 @@ class PictureExporter:
     def begin_page(self, visit: ExportClient) -> None:
         """Begin to write the page of the flock. Raises InputError."""
         self.allowed.demand_page()
-        if self.laboratory.simulation.state.models[1] is not None:
-            raise InputError("a page runs one flock: close the one beside it")
         self.demand_free(visit)
         visit.said, visit.is_busy = "", True
         threading.Thread(target=self.take_page, args=(visit,), name="page", daemon=True).start()
 
     def take_page(self, visit: ExportClient) -> None:
-        """Write the page of the flock, and send it."""
+        """Write the page of the flock, or of both, and send it."""
         with self.delivering(visit, "page"):
-            spec = self.laboratory.simulation.spec().result(TIMEOUT).decode()
-            files = [str(file) for file in FILES.values()]
+            simulation, tick = self.laboratory.simulation, 0
+            request: tuple[Any, ...]
+            if simulation.state.models[1] is None:
+                request = "write", simulation.spec().result(TIMEOUT).decode()
+            else:
+                flocks = simulation.flocks().result(TIMEOUT)
+                request, tick = ("write_pair", *flocks), flocks[0].tick
+            name, files = self.name(PAGE, tick), [str(file) for file in FILES.values()]
             with ChildProcess(PageWriter, files, stderr=subprocess.DEVNULL) as child:
-                page: str = child.ask("write", spec, timeout=TIMEOUT).result()
-            visit.client.send_file_download(self.name(PAGE), page.encode(), save_immediately=True)
+                page: str = child.ask(*request, timeout=TIMEOUT).result()
+            visit.client.send_file_download(name, page.encode(), save_immediately=True)
 
     @contextmanager
     def delivering(self, visit: ExportClient, what: str) -> Iterator[None]:
@@ -366,7 +370,9 @@ class PictureExporter:
                     eye = RenderCamera.of(visit.client.camera)
                     sheet = SeenSheet(shot, size, eyes.aspect(), eye)
                     made = as_png(eyes.picture(sheet, shot))
-            visit.client.send_file_download(self.name(kind, shot), made, save_immediately=True)
+            visit.client.send_file_download(
+                self.name(kind, shot.now.tick), made, save_immediately=True
+            )
 
     def told(self, visit: ExportClient) -> dict[str, Any]:
         """How it stands with a browser."""
@@ -381,13 +387,15 @@ class PictureExporter:
             "bytes": 0 if filming is None else filming.bytes,
             "said": said,
             "flat": drawn is not None and drawn[0].dim == 2 and drawn[0].beside is None,
+            "pair": self.laboratory.simulation.state.models[1] is not None,
             "missing": missing(),
         }
 
-    def name(self, kind: str, shot: Shot | None = None) -> str:
-        """File name that says what is in it."""
+    def name(self, kind: str, tick: int | None = None) -> str:
+        """File name that says what is in it; without a tick, of what is drawn."""
         state, drawn = self.laboratory.simulation.state, self.laboratory.drawing.drawn
-        tick = shot.now.tick if shot else drawn[0].tick if drawn else 0
+        if tick is None:
+            tick = drawn[0].tick if drawn else 0
         return (
             f"{'-beside-'.join(filter(None, state.models))}-seed{state.spec.seed}-tick{tick}{kind}"
         )

@@ -100,6 +100,10 @@ class Simulation(SimulationThread):
         """The run as TOML, bytes; of two flocks a ZIP of both."""
         return self.tell(lambda: self.require_run().spec(), "spec")
 
+    def flocks(self) -> Future:
+        """A copy of the flock as it is, and of the one beside it, if there is one: a tuple."""
+        return self.tell(self.copy_flocks, "flocks")
+
     def save(self) -> Future:
         """The flock's saved state, bytes; of two flocks a ZIP of both."""
         return self.tell(lambda: self.compiled_run("what is saved").save(), "saved")

@@ -9,6 +9,7 @@ import time
 import traceback
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
+from copy import deepcopy
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -372,6 +373,11 @@ class SimulationThread:
             left = self.state.compiling.describe(time.monotonic())
             raise InputError(f"this is a preview, and {wanted} is the compiled run ({left})")
         return self.require_run()
+
+    def copy_flocks(self) -> tuple[Flock, ...]:
+        """Copies of the flock, and of the one beside it, at this tick. Raises InputError."""
+        run = self.compiled_run("what a page runs")
+        return tuple(deepcopy(flock_run.flock) for flock_run in run.both)
 
     def change(self, change: Callable[[FlockRun], None]) -> None:
         """Change the run; of a preview, the run that takes over too, at the same tick."""

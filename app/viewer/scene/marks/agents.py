@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
-from app.viewer.scene.draw.agent_meshes import SHOULDER, body, wing_scales, wings
+from app.viewer.scene.draw.agent_meshes import wing_scales
+from app.viewer.scene.draw.agent_shapes import BIRD, MOTION
 from app.viewer.scene.draw.attitude import (
     attitude,
     quantise_attitudes,
@@ -24,34 +25,7 @@ from app.viewer.scene.shown.drawing_style import SHADOWS_UP_TO
 from app.viewer.scene.shown.frame import Frame
 
 # How each bird holds itself: it banks into its turns and beats its wings.
-#
-# Nothing of this is computed by the flock, and nothing of the flock by this: it is for the eye, and
-# moves only when the flock does.
 
-BEAT = 2.5
-"""Wing beats per second on the screen."""
-VARIETY = 0.24
-"""How much the birds' beats differ, from the slowest to the quickest, as a share of BEAT."""
-LONGEST_BEAT = 0.07
-"""The most that wings move on from frame to frame, s; a slow flock beats slowly."""
-AMPLITUDE, DIHEDRAL = 0.52, 0.10
-"""Swing of the wings to each side, and the angle about which they swing, rad."""
-GLIDE, GLIDING = -0.30, 0.12
-"""A bird whose heading points lower than GLIDE (its vertical part) beats with this share."""
-EASE = 0.45
-"""Time constant with which it begins and ends to glide, s."""
-LEAN = 0.30
-"""Time constant with which it leans into a turn, s."""
-LONGEST = 0.25
-"""The most that counts as time between two frames, s: after a pause nobody jerks."""
-STEEPEST = np.deg2rad(62.0)
-"""Largest bank."""
-NIMBLE = 0.25
-"""A bird at full speed banks by 45 degrees in a turn whose radius is this share of its reach."""
-DIVE, SPIN = -1.1, 5.0
-"""A bird that falls: how far its nose is down, rad, and how fast it turns, rad/s."""
-FOLDED, FLAT = 0.75, 0.02
-"""Angle of the wings of one that falls, and of one that lies, rad."""
 GOLDEN = 0.6180339887498949
 
 
@@ -96,18 +70,18 @@ class FlockMotion:
         heading = np.asarray(frame.heading, dtype=float)
         self._carry_over(frame.ids, heading)
         now = self._clock()
-        passed, ticks = min(now - self._seen, LONGEST), frame.tick - self._tick
+        passed, ticks = min(now - self._seen, MOTION.longest), frame.tick - self._tick
         self._seen, self._tick = now, frame.tick
         if ticks > 0:
-            self._beats += min(passed, LONGEST_BEAT)
+            self._beats += min(passed, MOTION.longest_beat)
             lean = bank_tangents(frame, left_turns(self._heading, heading) / (ticks * frame.dt))
-            self._lean += (1.0 - np.exp(-passed / LEAN)) * (lean - self._lean)
+            self._lean += (1.0 - np.exp(-passed / MOTION.lean)) * (lean - self._lean)
             effort = efforts(heading)
-            self._effort += (1.0 - np.exp(-passed / EASE)) * (effort - self._effort)
+            self._effort += (1.0 - np.exp(-passed / MOTION.ease)) * (effort - self._effort)
         self._heading = heading.copy()
         wxyz = roll_attitudes(picture.wxyz, -np.arctan(self._lean))
         phase = 2.0 * np.pi * (self._beats * beat_frequencies(frame.ids) + frame.ids * GOLDEN)
-        beat = DIHEDRAL + AMPLITUDE * self._effort * np.sin(phase)
+        beat = MOTION.dihedral + MOTION.amplitude * self._effort * np.sin(phase)
         self.poses = self._lay_down(picture, Poses(wxyz, beat))
         return self.poses
 
@@ -131,14 +105,14 @@ class FlockMotion:
             return poses
         falling = down & (frame.speed > 0.0)
         azimuth = np.arctan2(frame.heading[:, 1], frame.heading[:, 0])
-        azimuth = azimuth + np.where(falling, SPIN * self._beats, 0.0) + frame.ids * GOLDEN
-        nose = np.where(falling, DIVE, 0.0)
+        azimuth = azimuth + np.where(falling, MOTION.spin * self._beats, 0.0) + frame.ids * GOLDEN
+        nose = np.where(falling, MOTION.dive, 0.0)
         heading = np.column_stack(
             [np.cos(azimuth) * np.cos(nose), np.sin(azimuth) * np.cos(nose), np.sin(nose)]
         )
         wxyz, beat = poses.wxyz.copy(), poses.beat.copy()
         wxyz[down] = attitude(heading[down])
-        beat[down] = np.where(falling[down], FOLDED, FLAT)
+        beat[down] = np.where(falling[down], MOTION.folded, MOTION.flat)
         return Poses(wxyz, beat)
 
 
@@ -148,8 +122,8 @@ def bank_tangents(frame: Frame, rate: np.ndarray) -> np.ndarray:
     The rate is in rad per unit of the flock's time; g' is chosen for the flock's own scale.
     """
     reach = frame.reach if np.isfinite(frame.reach) else float(np.max(frame.size))
-    pull = frame.speed_scale**2 / (NIMBLE * max(reach, 1e-9))
-    most = np.tan(STEEPEST)
+    pull = frame.speed_scale**2 / (MOTION.nimble * max(reach, 1e-9))
+    most = MOTION.steepest
     return np.clip(frame.speed * rate / max(pull, 1e-12), -most, most)
 
 
@@ -163,20 +137,15 @@ def left_turns(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 def efforts(heading: np.ndarray) -> np.ndarray:
     """The share of the full swing that birds with headings (N, 3) beat with, (N,)."""
-    return np.where(heading[:, 2] < GLIDE, GLIDING, 1.0)
+    return np.where(heading[:, 2] < MOTION.glide, MOTION.gliding, 1.0)
 
 
 def beat_frequencies(ids: np.ndarray) -> np.ndarray:
     """Beats per second of each bird, (N,); by its identity, so that no two beat together."""
-    return BEAT * (1.0 + VARIETY * ((ids * GOLDEN * GOLDEN) % 1.0 - 0.5))
+    return MOTION.beat * (1.0 + MOTION.variety * ((ids * GOLDEN * GOLDEN) % 1.0 - 0.5))
 
 
 # The agents as birds: a body and a pair of wings each, both meshes with an instance for a bird.
-
-SCALE = 1.15
-"""Length of a bird as a multiple of a dart's, which is stouter."""
-SHADE = 0.72
-"""Brightness of the body as a multiple of the wings'."""
 
 
 class Birds:
@@ -184,8 +153,9 @@ class Birds:
 
     def __init__(self, scene: SceneApi, root: str, flight: FlockMotion) -> None:
         self._flight = flight
-        self._bodies = _add(scene, f"{root}/flock/birds/bodies", body())
-        self._wings = _add(scene, f"{root}/flock/birds/wings", wings())
+        self._nodes = [
+            (_add(scene, f"{root}/flock/birds/{part.name}", part.mesh), part) for part in BIRD.parts
+        ]
 
     def draw(self, picture: Picture, rows: np.ndarray | slice) -> Changes:
         """Draw the agents of some rows as birds."""
@@ -194,20 +164,19 @@ class Birds:
             return self.hide()
         poses = self._flight.poses
         wxyz = poses.wxyz[rows]
-        size = (SCALE * picture.length * picture.size[rows]).astype(np.float32)
-        over = SHOULDER * size[:, None] * up_directions(wxyz)
+        size = (BIRD.scale * picture.length * picture.size[rows]).astype(np.float32)
+        over = size[:, None] * up_directions(wxyz)
         shadows = picture.look.shadows and len(at) <= SHADOWS_UP_TO
         colour = picture.colour[rows]
         changes: Changes = []
-        for node, place, scale, shade in (
-            (self._bodies, at, np.repeat(size[:, None], 3, axis=1), SHADE),
-            (self._wings, at + over, size[:, None] * wing_scales(poses.beat[rows]), 1.0),
-        ):
+        for node, part in self._nodes:
+            turned = wing_scales(poses.beat[rows]) if part.beats else np.ones((len(at), 3))
+            place, scale = at + part.lift * over, size[:, None] * turned
             changes += [
                 (node, "batched_positions", rounded_places(place, picture.length)),
                 (node, "batched_wxyzs", quantise_attitudes(wxyz)),
                 (node, "batched_scales", scale.astype(np.float32)),
-                (node, "batched_colors", palette.lit_bytes(shade * colour)),
+                (node, "batched_colors", palette.lit_bytes(part.shade * colour)),
                 (node, "cast_shadow", shadows),
                 (node, "visible", True),
             ]
@@ -215,7 +184,7 @@ class Birds:
 
     def hide(self) -> Changes:
         """Draw nobody."""
-        return [(self._bodies, "visible", False), (self._wings, "visible", False)]
+        return [(node, "visible", False) for node, _ in self._nodes]
 
 
 def up_directions(wxyz: np.ndarray) -> np.ndarray:

@@ -11,9 +11,10 @@ import numpy as np
 from viser import SceneApi
 
 from app.viewer.scene.draw.agent_meshes import TIP
+from app.viewer.scene.draw.agent_shapes import BIRD
 from app.viewer.scene.draw.drawn_frame import Changes, Picture, rows_of
 from app.viewer.scene.draw.line_segments import add_lines, jumps, segments
-from app.viewer.scene.marks.agents import SCALE, FlockMotion, left_directions
+from app.viewer.scene.marks.agents import FlockMotion, left_directions
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.drawing_style import LINE
 from app.viewer.scene.shown.frame import Frame
@@ -205,4 +206,4 @@ class Wake(Streaks):
 
 def span(picture: Picture, rows: np.ndarray) -> np.ndarray:
     """Distance of the wing tips from the middle of the birds in `rows`, (M, 1)."""
-    return TIP * SCALE * picture.length * picture.size[rows, None]
+    return TIP * BIRD.scale * picture.length * picture.size[rows, None]
