@@ -110,12 +110,15 @@ class Workspace(NamedTuple):
 def empty_workspace(
     capacity: int, signals: int, private: int, measures: int, points: int
 ) -> Workspace:
-    """Buffers for blocks of at most `capacity` agents and `points` boundary points around one."""
+    """Buffers for blocks of at most `capacity` agents and `points` boundary points around one.
+
+    A block has a row more than is used: eight at once read beyond the last agent of the one before.
+    """
     return Workspace(
-        np.zeros((10, capacity)),
-        np.zeros((signals, capacity)),
-        np.zeros((7, capacity)),
-        np.zeros((signals, capacity)),
+        np.zeros((10 + 1, capacity)),
+        np.zeros((signals + 1, capacity)),
+        np.zeros((7 + 1, capacity)),
+        np.zeros((signals + 1, capacity)),
         np.zeros(capacity),
         np.zeros(capacity, np.int32),
         np.zeros(signals),

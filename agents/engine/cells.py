@@ -287,7 +287,7 @@ def copy_run(slots, block, signals, m, first, last, sx, sy, sz):
                 block[5, m + k] = slots.uz[first + k]
             if slots.speed.shape[0] > 0:
                 block[9, m + k] = slots.speed[first + k]
-            for q in range(signals.shape[0]):
+            for q in range(slots.signal.shape[0]):
                 signals[q, m + k] = slots.signal[q, first + k]
         return m + n
     copy_column(block[0], m, slots.x, first, n, sx)
@@ -299,7 +299,7 @@ def copy_run(slots, block, signals, m, first, last, sx, sy, sz):
         copy_column(block[5], m, slots.uz, first, n, 0.0)
     if slots.speed.shape[0] > 0:
         copy_column(block[9], m, slots.speed, first, n, 0.0)
-    for q in range(signals.shape[0]):
+    for q in range(slots.signal.shape[0]):
         copy_column(signals[q], m, slots.signal[q], first, n, 0.0)
     return m + n
 

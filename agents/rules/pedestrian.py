@@ -15,8 +15,10 @@ import math
 from typing import Literal
 
 from agents.engine.block import Decision, adjacent
+from agents.engine.eight_others import across, is_there, sums_over_others
 from agents.engine.neighbour_search import UNKNOWN
-from agents.engine.noise import normal
+from agents.engine.noise import exp, normal
+from agents.engine.vector_lanes import where
 from agents.models.declare import Parameters, Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
 from worlds.compilation import compiled
@@ -225,16 +227,19 @@ def repulsion_from(me, near, j, p):
 
     b is half the minor axis of the ellipse through a whose foci are the place of b and that where
     its step ends, s = v_b dt further on along e_b: 2 b = sqrt((|r| + |r - s e_b|)^2 - s^2) (4).
+    0 for whoever is beyond r, for itself, and on the line of a step.
     """
     rx, ry = me.x - near.x[j], me.y - near.y[j]
     step_length = p.step_time * near.speed[j]
     qx, qy = rx - step_length * near.signal[WAY_X, j], ry - step_length * near.signal[WAY_Y, j]
     d, q = math.sqrt(rx * rx + ry * ry), math.sqrt(qx * qx + qy * qy)
     b = 0.5 * math.sqrt(max((d + q) * (d + q) - step_length * step_length, 0.0))
-    if b < THIN or q == 0.0:
-        return 0.0, 0.0
-    push = p.repulsion / p.sigma * math.exp(-b / p.sigma) * (d + q) / (4.0 * b)
-    return push * (rx / d + qx / q), push * (ry / d + qy / q)
+    pushes = is_there(j) & (d <= p.r) & (d > 0.0) & (b >= THIN) & (q > 0.0)
+    # What divides is 1 where nothing pushes: plain Python refuses to divide by 0.
+    d, q, b = where(pushes, d, 1.0), where(pushes, q, 1.0), where(pushes, b, 1.0)
+    push = p.repulsion / p.sigma * exp(-b / p.sigma) * (d + q) / (4.0 * b)
+    fx, fy = push * (rx / d + qx / q), push * (ry / d + qy / q)
+    return where(pushes, fx, 0.0), where(pushes, fy, 0.0)
 
 
 @compiled
@@ -242,20 +247,25 @@ def weight(me, fx, fy, p):
     """w(e_a, -f): 1 if what pushes is in the field of view, else c (8)."""
     forward = -(me.signal[WAY_X] * fx + me.signal[WAY_Y] * fy)
     edge = math.cos(0.5 * math.radians(p.fov))
-    return 1.0 if forward >= edge * math.sqrt(fx * fx + fy * fy) else p.c
+    return where(forward >= edge * math.sqrt(fx * fx + fy * fy), 1.0, p.c)
+
+
+@compiled
+def weighted_repulsion(me, near, j, p):
+    """w(e_a, -f_ab) f_ab of agent j, or of eight."""
+    fx, fy = repulsion_from(me, near, j, p)
+    w = weight(me, fx, fy, p)
+    return w * fx, w * fy
+
+
+repulsions = sums_over_others(2, weighted_repulsion)
 
 
 @compiled
 def pedestrians(me, near, p):
     """The sum of w(e_a, -f_ab) f_ab (9) over the others."""
-    x = y = 0.0
-    for j in range(near.n):
-        if adjacent(me, near, j, p.r) > 0.0:
-            fx, fy = repulsion_from(me, near, j, p)
-            w = weight(me, fx, fy, p)
-            x += w * fx
-            y += w * fy
-    return x, y
+    x, y = repulsions(me, near, p)
+    return across(x), across(y)
 
 
 @compiled

@@ -95,6 +95,7 @@ CASES = {
     "hwvem-nav-grove": Case("hwvem-nav", 1_000, 300, grove),
     "boundary-points": Case("boundary-points", 60, 10_000),
     "guarded": Case("guarded", 500, 80),
+    "pedestrian": Case("pedestrian", 250, 400),
     "squashing": Case("squashing", 100, 3_000, lattice(-2.5, 0.5)),
     "reynolds": Case("reynolds", 1_000, 500, free_start),
     "olfati-saber": Case("olfati-saber", 1_000, 1_000, lattice(-50.0, 2.0)),
