@@ -42,7 +42,10 @@ FOLDER, SUFFIX = "kernels", ".kernel"
 FORMAT = "a checksum, then what numba keeps, machine code alone, compressed; sums as for x86-64-v3"
 """What a file holds: another format is another kernel."""
 ZLIB_LEVEL = 6
-IN_LLVM = ("flat.py", "vector_lanes.py", "pairs/thread_barrier.py", "pairs/term_sums.py")
+IN_LLVM = (
+    *("flat.py", "vector_lanes.py", "eight_others.py"),
+    *("pairs/thread_barrier.py", "pairs/term_sums.py"),
+)
 """Files of the engine that write LLVM's own words, which no function's bytecode shows."""
 CHECKSUM = hashlib.sha256().digest_size
 """Bytes at the head of every file: the checksum of the rest."""

@@ -64,6 +64,11 @@ def across(lanes: Any) -> Any:
     return lanes
 
 
+def least(lanes: Any) -> Any:
+    """The least of eight values."""
+    return lanes
+
+
 def no_lanes() -> Any:
     """Eight zeros."""
     return 0.0
@@ -120,6 +125,23 @@ def compiled_across(typingctx, lanes):  # noqa: ARG001
 
 
 @compile_in_llvm
+def compiled_least(typingctx, lanes):  # noqa: ARG001
+    """`least`, in compiled code."""
+
+    def codegen(context, builder, sig, args):  # noqa: ARG001
+        lanes = [
+            builder.extract_element(args[0], ir.Constant(ir.IntType(32), lane))
+            for lane in range(WIDTH)
+        ]
+        total = lanes[0]
+        for value in lanes[1:]:
+            total = builder.select(builder.fcmp_ordered("<", value, total), value, total)
+        return total
+
+    return types.float64(lanes), codegen
+
+
+@compile_in_llvm
 def compiled_no_lanes(typingctx):  # noqa: ARG001
     """`no_lanes`, in compiled code."""
     return LANES(), lambda *_: ir.Constant(LANES.vector, [0.0] * WIDTH)
@@ -148,6 +170,11 @@ def across_compiled(lanes):  # noqa: ARG001
     return lambda lanes: compiled_across(lanes)
 
 
+@overload(least)
+def least_compiled(lanes):  # noqa: ARG001
+    return lambda lanes: compiled_least(lanes)
+
+
 @overload(no_lanes)
 def no_lanes_compiled():
     return lambda: compiled_no_lanes()
@@ -158,7 +185,7 @@ def eight_of_column(array, at):
     """`near.x[j]` and `near.signal[k, j]` of eight agents."""
     if isinstance(array, types.Array) and at == EIGHT:
         return lambda array, at: load(array, first_of(at))
-    if isinstance(array, types.Array) and isinstance(at, types.BaseTuple) and EIGHT in tuple(at):
+    if isinstance(array, types.Array) and isinstance(at, types.BaseTuple) and at.types[-1] == EIGHT:
         return lambda array, at: load(array[at[0]], first_of(at[1]))
     return None
 

@@ -12,8 +12,10 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import adjacent
+from agents.engine.block import is_neighbour, neighbour_of
 from agents.engine.cells import cell_around, copy_run, number_of
+from agents.engine.eight_others import eight_from, is_there, least, no_lanes, width
+from agents.engine.vector_lanes import where
 from worlds.compilation import compiled
 
 SURE = 1.0 - 1e-9
@@ -167,9 +169,16 @@ def next_layer(me, near, r, k):
     """
     if me.informed:
         return 1.0
-    lowest = UNKNOWN
-    layer = near.signal[k]
-    for j in range(near.n):
-        if adjacent(me, near, j, r) > 0.0 and layer[j] < lowest:
-            lowest = layer[j]
+    lowest = least_layer(me, near, r, k)
     return lowest + 1.0 if lowest < me.flock_size else UNKNOWN
+
+
+@compiled
+def least_layer(me, near, r, k):
+    """The least layer among the neighbours, signal k, or UNKNOWN."""
+    lowest = no_lanes() + UNKNOWN
+    for first in range(0, near.n, width()):
+        j = eight_from(first, near.n)
+        is_near = is_there(j) & is_neighbour(neighbour_of(me, near, j), r)
+        lowest = min(lowest, where(is_near, near.signal[k, j], UNKNOWN))
+    return least(lowest)

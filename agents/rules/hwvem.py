@@ -9,8 +9,10 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.engine.block import Decision, adjacent
+from agents.engine.block import Decision, adjacent, is_neighbour, neighbour_of
+from agents.engine.eight_others import across, eight_from, is_there, least, no_lanes, width
 from agents.engine.neighbour_search import UNKNOWN, next_layer, search_layers
+from agents.engine.vector_lanes import where
 from agents.models.declare import Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.vicsek import Vicsek
@@ -75,38 +77,46 @@ def contribution(layer, nearest, neighbours, alike, p):
 @compiled
 def survey_neighbours(me, near, r):
     """Over the neighbours: the least layer, UNKNOWN without any, and how many they are."""
-    lowest_layer = UNKNOWN
-    count = 0.0
-    layer = near.signal[LAYER]
-    for j in range(near.n):
-        a = adjacent(me, near, j, r)
-        count += a
-        if a > 0.0 and layer[j] < lowest_layer:
-            lowest_layer = layer[j]
-    return lowest_layer, count
+    count, lowest_layer = no_lanes(), no_lanes() + UNKNOWN
+    for first in range(0, near.n, width()):
+        j = eight_from(first, near.n)
+        is_near = is_there(j) & is_neighbour(neighbour_of(me, near, j), r)
+        count += where(is_near, 1.0, 0.0)
+        lowest_layer = min(lowest_layer, where(is_near, near.signal[LAYER, j], UNKNOWN))
+    return least(lowest_layer), across(count)
+
+
+@compiled
+def sum_layer(me, near, current, r):
+    """Over the neighbours of the layer `current`: the sum of the headings (x, y, z) of those that
+    are heard, how many these are, and how many all; and the next layer that there is, or UNKNOWN.
+    """
+    x, y, z, heard, alike = no_lanes(), no_lanes(), no_lanes(), no_lanes(), no_lanes()
+    following = no_lanes() + UNKNOWN
+    for first in range(0, near.n, width()):
+        j = eight_from(first, near.n)
+        other, layer = neighbour_of(me, near, j), near.signal[LAYER, j]
+        is_near = is_there(j) & is_neighbour(other, r)
+        following = min(following, where(is_near & (layer > current), layer, UNKNOWN))
+        is_alike = is_near & (layer == current)
+        counts = where(is_alike & other.heard, 1.0, 0.0)
+        x += counts * other.ux
+        y += counts * other.uy
+        z += counts * other.uz
+        heard += counts
+        alike += where(is_alike, 1.0, 0.0)
+    sums = across(x), across(y), across(z), across(heard), across(alike)
+    return sums, least(following)
 
 
 @compiled
 def decide(me, near, surroundings, p):
     """Weighted mean heading of the neighbours (9), (18), summed layer by layer."""
-    layer = near.signal[LAYER]
     nearest, neighbours = survey_neighbours(me, near, p.r)
     x = y = z = total = 0.0
     current = nearest
     while current < UNKNOWN:
-        sx = sy = sz = alike = heard = 0.0
-        following = UNKNOWN
-        for j in range(near.n):
-            a = adjacent(me, near, j, p.r)
-            if a > 0.0 and current < layer[j] < following:
-                following = layer[j]
-            a = a if layer[j] == current else 0.0
-            o = a * near.heard[j]
-            sx += o * near.ux[j]
-            sy += o * near.uy[j]
-            sz += o * near.uz[j]
-            heard += o
-            alike += a
+        (sx, sy, sz, heard, alike), following = sum_layer(me, near, current, p.r)
         c = contribution(current, nearest, neighbours, alike, p)
         x += c * sx
         y += c * sy
