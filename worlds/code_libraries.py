@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import copy
 import functools
+import re
+from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
@@ -36,19 +38,83 @@ def lowest_level() -> Any:
     return target.create_target_machine(cpu=f"{LEVEL}3", features="", opt=3)
 
 
-def optimise(module: Any, codegen: Any) -> None:
-    """Optimise a loop, for all levels of x86-64 as for the lowest.
+def optimise(module: Any, codegen: Any) -> Any:
+    """The module of a loop, optimised; for all levels of x86-64 as for the lowest.
 
-    How many terms of a sum are added at once is decided here, by the registers that there are. So
-    sums have the same bits on every level, while the machine code that is made of it uses the
-    registers of this one.
+    How many terms of a sum are added at once is decided here, by the registers that there are, and
+    which product and sum are rounded as one. So results have the same bits on every level, while
+    the machine code that is made of it uses the registers of this one.
     """
-    optimiser = codegen
-    if codegen._get_host_cpu_name().startswith(LEVEL):
-        optimiser = copy.copy(codegen)
-        optimiser._tm = lowest_level()
+    if not codegen._get_host_cpu_name().startswith(LEVEL):
+        passes, builder = codegen._module_pass_manager()
+        passes.run(module, builder)
+        return module
+    optimiser = copy.copy(codegen)
+    optimiser._tm = lowest_level()
     passes, builder = optimiser._module_pass_manager()
     passes.run(module, builder)
+    settled = parse_assembly(settle_rounding(str(module)))
+    settled.name = module.name
+    return settled
+
+
+KIND = r"double|<\d+ x double>"
+VALUE = r"%[-\w.$]+|splat \(double [^)]*\)|zeroinitializer|<double [^>]*>|-?[\d.]+e[-+]\d+|0x\w+"
+PRODUCT = re.compile(rf"  (%\S+) = fmul [\w ]*contract ({KIND}) ({VALUE}), ({VALUE})$", re.M)
+SUM = re.compile(rf"  (%\S+) = (fadd|fsub) [\w ]*contract ({KIND}) ({VALUE}), ({VALUE})$", re.M)
+FREEDOM = re.compile(r"(?<= = )(f\w+)((?: (?:reassoc|nsz|arcp|contract))+)(?= )")
+NAME = re.compile(r"%[-\w.$]+")
+"""Of LLVM code: types of numbers, values, products and sums, what operations allow, and names."""
+
+
+def settle_rounding(text: str) -> str:
+    """LLVM code that says which product and sum are rounded as one, and leaves nothing open.
+
+    As it makes machine code LLVM would choose both by the registers and the times of each CPU.
+    """
+    bodies = [fuse_products(body) for body in re.split(r"(?m)^(?=define )", text)]
+    settled = FREEDOM.sub(lambda match: match[1] + " nsz" * ("nsz" in match[2]), "".join(bodies))
+    for kind in sorted(set(re.findall(rf"call nsz ({KIND}) @llvm\.fma\.", settled))):
+        declaration = f"declare {kind} @{fused_product(kind)}({kind}, {kind}, {kind})"
+        settled += "" if declaration in settled else f"\n{declaration}\n"
+    return settled
+
+
+def fused_product(kind: str) -> str:
+    """The name of LLVM's function a * b + c, which rounds once.
+
+    >>> fused_product("double"), fused_product("<8 x double>")
+    ('llvm.fma.f64', 'llvm.fma.v8f64')
+    """
+    width = re.sub(r"\D", "", kind)
+    return f"llvm.fma.v{width}f64" if width else "llvm.fma.f64"
+
+
+def fuse_products(body: str) -> str:
+    """A function in which each sum with a product that only it uses is rounded as one with it."""
+    uses = Counter(NAME.findall(body))
+    factors = {
+        name: (one, other) for name, _, one, other in PRODUCT.findall(body) if uses[name] == 2
+    }  # named where it is made, and where it is used
+
+    def fuse(match: re.Match) -> str:
+        name, operation, kind, first, second = match.groups()
+        minus = f"%minus.{name[1:]}"
+        if first in factors:
+            (one, other), rest = factors[first], second
+        elif second in factors:
+            (one, other), rest = factors[second], first
+        else:
+            return match[0]
+        lines = ""
+        if operation == "fsub":
+            negated = rest if first in factors else one
+            lines = f"  {minus} = fneg {kind} {negated}\n"
+            one, rest = (one, minus) if first in factors else (minus, rest)
+        arguments = ", ".join(f"{kind} {value}" for value in (one, other, rest))
+        return f"{lines}  {name} = call nsz {kind} @{fused_product(kind)}({arguments})"
+
+    return SUM.sub(fuse, body)
 
 
 def take_in(library: CPUCodeLibrary, module: Any) -> None:
@@ -107,7 +173,7 @@ class LoopLibrary(JITCodeLibrary):
         callees = reached_libraries(self)
         for callee in callees:
             self._final_module.link_in(module_of(callee), preserve=True)
-        optimise(self._final_module, self._codegen)
+        self._final_module = optimise(self._final_module, self._codegen)
         self._final_module.verify()
         self._finalize_final_module()
         variable_names = {variable.name for variable in self._final_module.global_variables}

@@ -32,14 +32,14 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.registry import cpu_target
 from numba.core.serialize import dumps
 
-from worlds import compilation
+from worlds import code_libraries, compilation
 from worlds.compilation import entry, levels_here
 from worlds.owned_files import NotOwned, open_in, owned_folder, read_owned, write_owned
 
 SHIPPED = Path(__file__).parents[1]
 """Where a wheel brings its folder of kernels: beside the code, and as trustworthy."""
 FOLDER, SUFFIX = "kernels", ".kernel"
-FORMAT = "a checksum, then what numba keeps, machine code alone, compressed; sums as for x86-64-v3"
+FORMAT = "a checksum, then what numba keeps, machine code alone, compressed"
 """What a file holds: another format is another kernel."""
 ZLIB_LEVEL = 6
 IN_LLVM = (
@@ -111,6 +111,7 @@ def base_digest():
     digest = hashlib.sha256(repr((*versions, FORMAT)).encode())
     for name in IN_LLVM:
         digest.update((Path(__file__).parent / name).read_bytes())
+    digest.update(Path(str(code_libraries.__file__)).read_bytes())  # how loops are optimised
     return digest
 
 

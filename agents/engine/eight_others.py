@@ -21,6 +21,7 @@ from numba.core.extending import overload, register_model
 from agents.engine.pairs.term_sums import add_terms, no_sums
 from agents.engine.vector_lanes import (
     DOUBLE,
+    FREE,
     INT64,
     LANES,
     TRUTHS,
@@ -118,7 +119,8 @@ def compiled_across(typingctx, lanes):  # noqa: ARG001
         total = ir.Constant(DOUBLE, 0.0)
         for lane in range(WIDTH):
             at = ir.Constant(ir.IntType(32), lane)
-            total = builder.fadd(total, builder.extract_element(args[0], at))
+            # Without flags numba gives it those of the function, which allow another order.
+            total = builder.fadd(total, builder.extract_element(args[0], at), flags=FREE)
         return total
 
     return types.float64(lanes), codegen
@@ -185,7 +187,7 @@ def eight_of_column(array, at):
     """`near.x[j]` and `near.signal[k, j]` of eight agents."""
     if isinstance(array, types.Array) and at == EIGHT:
         return lambda array, at: load(array, first_of(at))
-    if isinstance(array, types.Array) and isinstance(at, types.BaseTuple) and at.types[-1] == EIGHT:
+    if isinstance(array, types.Array) and isinstance(at, types.Tuple) and at.types[-1] == EIGHT:
         return lambda array, at: load(array[at[0]], first_of(at[1]))
     return None
 

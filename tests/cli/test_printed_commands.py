@@ -35,6 +35,7 @@ RUN = {
     "flockscope list KIND, as in": "list worlds",
     "flockscope list MODEL shows those of a model, with unit and range": "list couzin",
     "flockscope run {thing[]}": "run vem --ticks 1",
+    "flockscope export --lesson {thing[]}": "export --lesson who-leads --out {folder}/page.html",
     "flockscope run FILE.toml": "run {spec} --ticks 2",
     "flockscope run FILE.parquet": "run {state} --ticks 2",
     "flockscope run FILE": "run {scene} --ticks 2",
