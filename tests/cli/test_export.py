@@ -41,6 +41,7 @@ def test_a_page_is_written_and_its_size_printed(tmp_path):
         (["vem", "--agents", "0"], "agents"),
         (["--scene", "no-such"], "no-such"),
         (["--scene", "beside", "--folder", "site"], "one file: leave --folder out"),
+        (["--lesson", "who-leads", "--beside", "vem"], "are for one flock: leave --beside out"),
         (["vem", "--beside", "vem"], "beside = 'vem' is the model itself"),
         (["--all", "--folder", "site", "--beside", "vem"], "--beside vem cannot be given with"),
         (["--scene", "mill", "--agents", "5"], "--agents 5 cannot be given with --scene"),

@@ -139,6 +139,8 @@ def export(
         second = Spec(beside)
     if second is not None and folder is not None:
         raise InputError("two flocks beside each other are one file: leave --folder out")
+    if second is not None and words.steps:
+        raise InputError("the steps of a lesson are for one flock: leave --beside out")
     other = None if second is None else companion(flock, second)
     if title:
         words = replace(words, title=title)
