@@ -128,6 +128,7 @@ class StepCard {
     page.trial = { measure: step.measure, after: step.ticks / 2, end: step.ticks };
     Object.assign(step, { isFixed: true, result: -1, verdict: [] });
     this.showState();
+    page.view.canvas.scrollIntoView({ block: "nearest" }); // on a phone it is above
     await isReady;
     if (this.running === running) page.go(true);
   }
@@ -152,6 +153,7 @@ class StepCard {
     if (tick < step.ticks) return this.showState();
     this.judge(step, values);
     this.end();
+    this.verdict.scrollIntoView({ block: "nearest" });
     this.page.go(false);
     this.page.ask({}); // what rested is measured of what is shown
   }

@@ -211,6 +211,23 @@ def test_a_step_stands_below_the_buttons_and_above_the_sliders(lesson, wide):
             assert page.evaluate(f"{inside}(document.querySelector('{place}'))")
 
 
+def test_on_a_phone_the_run_is_in_sight_and_then_what_it_shows(lesson):
+    watch = """() => {
+      const seen = ({ top, bottom }) => bottom > 0 && top < innerHeight;
+      window.runsInSight = [];
+      new MutationObserver(() => window.runsInSight.push(
+        seen(document.querySelector("#picture").getBoundingClientRect())
+      )).observe(document.querySelector("#step-run"), { childList: true });
+    }"""
+    with lesson(small_scene(), viewport={"width": 390, "height": 600}) as page:
+        page.click("#step-next")
+        page.evaluate(watch)
+        assert predicted(page, "much")
+        bottom = "document.querySelector('#step-verdict').getBoundingClientRect().bottom"
+        assert page.evaluate(f"{bottom} < innerHeight + 1 && {bottom} > 0")
+        assert page.evaluate("window.runsInSight.includes(true)")
+
+
 def test_a_page_without_steps_has_nothing_of_them():
     scene = SavedScene.from_toml(RUN, "mine.toml")
     plain = page_text(Flock(scene.spec), words_of(scene))
