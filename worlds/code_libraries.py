@@ -27,15 +27,16 @@ TRIED = ("0.68.",)
 """Versions of numba that this was tried with, by how they begin."""
 
 
-LEVEL = "x86-64-v"
-"""How the names of the levels of x86-64 begin; loops are made for the third and higher ones."""
+LEVELS = "x86-64-v4", "x86-64-v3"
+"""The levels of x86-64 that loops are made for, the lowest last: it rounds a product and a sum as
+one."""
 
 
 @functools.cache
 def lowest_level() -> Any:
-    """The machine of the level x86-64-v3."""
+    """The machine of the lowest level."""
     target = Target.from_triple(get_process_triple())
-    return target.create_target_machine(cpu=f"{LEVEL}3", features="", opt=3)
+    return target.create_target_machine(cpu=LEVELS[-1], features="", opt=3)
 
 
 def optimise(module: Any, codegen: Any) -> Any:
@@ -45,7 +46,7 @@ def optimise(module: Any, codegen: Any) -> Any:
     which product and sum are rounded as one. So results have the same bits on every level, while
     the machine code that is made of it uses the registers of this one.
     """
-    if not codegen._get_host_cpu_name().startswith(LEVEL):
+    if codegen._get_host_cpu_name() not in LEVELS:
         passes, builder = codegen._module_pass_manager()
         passes.run(module, builder)
         return module

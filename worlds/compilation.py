@@ -26,7 +26,7 @@ from filelock import FileLock
 from numba.core import types
 from numba.core.registry import CPUDispatcher
 
-from worlds.code_libraries import IR, LOOPS, PARTS
+from worlds.code_libraries import IR, LEVELS, LOOPS, PARTS
 
 OPTIONS: dict[str, Any] = {
     "nopython": True,
@@ -43,20 +43,20 @@ PLAIN: ContextVar[bool] = ContextVar("plain", default=DISABLED)
 
 
 V3 = ("avx2", "bmi", "bmi2", "cx16", "f16c", "fma", "lzcnt", "movbe", "popcnt", "sse4.2")
-LEVELS = {
-    "x86-64-v4": (*V3, "avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
-    "x86-64-v3": V3,
-}
-"""Levels of x86-64, the higher one first, and what a CPU of each has."""
+V4 = (*V3, "avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl")
+"""What a CPU of either level of x86-64 has, by LLVM's names."""
 
 
+@functools.cache
 def levels_here() -> tuple[str, ...]:
     """The levels that this CPU can run, the highest first; none where it is another kind."""
     if platform.machine() not in ("x86_64", "AMD64"):
         return ()
     features = llvmlite.binding.get_host_cpu_features()
     return tuple(
-        level for level, needs in LEVELS.items() if all(features.get(need) for need in needs)
+        level
+        for level, needs in zip(LEVELS, (V4, V3), strict=True)
+        if all(features.get(need) for need in needs)
     )
 
 
