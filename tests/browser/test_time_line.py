@@ -27,7 +27,7 @@ def test_a_live_run_is_dragged_back_and_forth_and_gone_on_from(window, laborator
     window.press("Go")
     until(lambda: simulation.frame.tick > 60, 60)
     window.press("Pause")
-    until(lambda: not simulation.state.running)
+    until(lambda: not simulation.state.running and simulation.state.rate == 0.0)  # the last frame
     until(lambda: line.slider.value == simulation.frame.tick)
     now, there = simulation.frame.tick, simulation.frame.position
     drag(window, line.slider, 0.3)
