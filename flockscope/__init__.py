@@ -57,53 +57,27 @@ if TYPE_CHECKING:
     from flockscope.worlds import World as World
     from flockscope.worlds import world as world
 
-__all__ = [
-    "MODELS",
-    "Box",
-    "CShape",
-    "Disc",
-    "Flock",
-    "Goal",
-    "InputError",
-    "Member",
-    "Mission",
-    "MissionRecord",
-    "Path",
-    "Polygon",
-    "Prism",
-    "Recording",
-    "Ring",
-    "Series",
-    "Spec",
-    "Sphere",
-    "StartRegion",
-    "Union",
-    "Wall",
-    "World",
-    "fly",
-    "follow",
-    "from_file",
-    "model",
-    "optimise",
-    "sensitivity",
-    "sweep",
-    "world",
-]
-
+_HOMES = {
+    "_flocks": ("Flock", "Member", "MissionRecord", "Series", "fly", "follow"),
+    "_models": ("MODELS", "Recording", "Spec", "from_file", "model"),
+    "_sweeps": ("optimise", "sensitivity", "sweep"),
+    "worlds": (
+        *("Box", "CShape", "Disc", "Goal", "InputError", "Mission", "Path", "Polygon", "Prism"),
+        *("Refusal", "Ring", "Sphere", "StartRegion", "Union", "Wall", "World", "world"),
+    ),
+}
+"""Which module has a name: worlds need no compiler, and models no Mesa."""
+__all__ = sorted({name for names in _HOMES.values() for name in names} - {"Refusal"})
 _MODULES = ("flight", "live", "observables", "rules", "worlds")
 
 
 def __getattr__(name: str) -> Any:
-    """What a name stands for; worlds need no compiler, and models no Mesa."""
+    """What a name stands for; imported when it is first asked for."""
     if name in _MODULES:
         return import_module(f"{__name__}.{name}")
-    if name == "Refusal":
-        return import_module(f"{__name__}.worlds").Refusal
-    if name in __all__:
-        for home in ("worlds", "_models", "_flocks", "_sweeps"):
-            module = import_module(f"{__name__}.{home}")
-            if name in module.__all__:
-                return getattr(module, name)
+    for home, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(f"{__name__}.{home}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -28,6 +28,7 @@ LAZY = {
     ("agents/observables/groups.py", "scipy"),  # 0.1 s, for who counts groups
     ("agents/observables/neighbours.py", "scipy"),  # the same, for layers
     ("agents/observables/formation.py", "scipy"),  # 0.2 s, for the best spacing alone
+    ("agents/state/start.py", "scipy"),  # 0.2 s, for starts with a spacing alone
     ("worlds/generators/forest.py", "scipy"),  # 0.6 s, for forests alone
     ("worlds/readers/join.py", "scipy"),  # 0.3 s, for drawings whose lines are joined
     ("worlds/readers/degrees.py", "pyproj"),  # an extra, for plans in degrees
@@ -88,11 +89,12 @@ import sys
 from flockscope import Flock
 Flock("vem", agents=30, rng=1).run(1)
 found = [name for name, module in sys.modules.items() if type(module).__name__ == "module"]
-print(*{name.partition(".")[0] for name in found})
+print(*{name.partition(".")[0] for name in found}, *{"scipy.linalg", "scipy.spatial"} & {*found})
 """
 NOT_LOADED = (
-    *("pandas", "networkx", "pyarrow", "matplotlib", "sklearn", "dask", "IPython"),
+    *("pandas", "networkx", "pyarrow", "matplotlib", "sklearn", "dask", "IPython", "tqdm", "PIL"),
     *("viser", "aiohttp", "websockets", "typer", "rich", "ezdxf", "svgelements", "segno"),
+    *("scipy.linalg", "scipy.spatial"),
 )
 """Libraries, each of 20 to 500 ms, that no flock needs before something of them is asked for."""
 
@@ -108,7 +110,11 @@ def test_a_first_flock_loads_no_library_that_it_does_not_need():
 DEFERRED = """
 import pickle, sys
 from agents.mesa_import import mesa
-assert type(sys.modules["pandas"]).__name__ == "DeferredModule"
+
+def is_put_off(module):
+    return type(module).__name__ == "DeferredModule"
+
+assert is_put_off(sys.modules["pandas"]) and is_put_off(sys.modules["scipy.spatial"])
 import pandas as pd
 import pandas.api.types
 import networkx as nx
@@ -118,7 +124,22 @@ graph = nx.path_graph(3)
 laid_out = mesa.discrete_space.network.nx.spring_layout(graph, seed=1)
 assert sorted(laid_out) == sorted(nx.spring_layout(graph, seed=1)) == [0, 1, 2]
 assert not hasattr(pd, "no_such_name")
+apart = mesa.experimental.continuous_space.continuous_space.cdist([[0.0, 0.0]], [[3.0, 4.0]])
+assert apart.tolist() == [[5.0]]
+assert not [name for name, one in sys.modules.items() if name[:5] == "scipy" and is_put_off(one)]
+assert mesa.discrete_space.grid.KDTree([[0.0, 0.0]]).query([3.0, 4.0])[0] == 5.0
 print(type(sys.modules["pandas"]).__name__)
+"""
+CHILD_FIRST = """
+import sys
+from agents.mesa_import import mesa
+import scipy.spatial.transform as child
+import scipy.spatial
+import scipy.spatial.distance
+assert scipy.spatial.transform is child is sys.modules["scipy.spatial.transform"]
+assert child.__spec__.origin and type(scipy.spatial.distance).__name__ == "module"
+from tqdm.auto import tqdm
+assert list(tqdm(range(3), disable=True)) == [0, 1, 2]
 """
 
 
@@ -126,6 +147,12 @@ def test_what_mesa_puts_off_is_there_when_it_is_asked_for():
     command = [sys.executable, "-c", DEFERRED]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
     assert (done.stdout, done.stderr) == ("module\n", "")
+
+
+def test_a_module_of_a_package_that_is_put_off_is_imported_once():
+    command = [sys.executable, "-c", CHILD_FIRST]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_only_slow_libraries_are_imported_inside_of_functions():

@@ -27,6 +27,10 @@ from numba.core import types
 from numba.core.registry import CPUDispatcher
 
 from worlds.code_libraries import IR, LEVELS, LOOPS, PARTS
+from worlds.deferred_module import defer
+
+# numba only looks whether it is there, for products of matrices in compiled code.
+defer("scipy.linalg.cython_blas")
 
 OPTIONS: dict[str, Any] = {
     "nopython": True,

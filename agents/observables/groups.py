@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array
 
 from agents.observables.array_checks import (
     box,
@@ -20,6 +20,9 @@ from agents.observables.array_checks import (
 )
 from agents.observables.order import outward_directions, rounding
 
+if TYPE_CHECKING:
+    from scipy.sparse import coo_array
+
 DENSE_UP_TO = 400
 """Agents up to which the Laplacian's eigenvalues are found by the dense method."""
 CROWDED = 40
@@ -28,6 +31,8 @@ CROWDED = 40
 
 def graph(n: int, links: np.ndarray) -> coo_array:
     """The adjacency matrix (n, n) of undirected links (M, 2), rows in [0, n). Raises InputError."""
+    from scipy.sparse import coo_array
+
     links = pairs(links, n)
     i, j = links[:, 0], links[:, 1]
     ones_of_links = np.ones(2 * len(links))

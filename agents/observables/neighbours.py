@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from agents.engine.cache import compile_to_disk
 from agents.observables.array_checks import (
@@ -22,6 +22,9 @@ from agents.observables.array_checks import (
 from agents.observables.groups import graph, rank_groups
 from worlds.compilation import compiled
 from worlds.input_error import InputError
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 
 def wrap_into_box(position: np.ndarray, size, images) -> np.ndarray:
@@ -40,6 +43,8 @@ def tree(position: np.ndarray, size, images) -> cKDTree:
 
     Rows that are no numbers are left out, with a warning. Raises InputError.
     """
+    from scipy.spatial import cKDTree
+
     _, position = drop_bad_rows(position=vectors("position", position))
     size, images = box(size, images, position.shape[1])
     if not images.any():

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from agents.engine.noise import BEYOND, uniform_numbers
 from worlds.checks import demand_free, demand_in_box
@@ -185,6 +184,8 @@ def try_positions(
 
 def is_too_close(world: World, position: np.ndarray, spacing: float) -> np.ndarray:
     """Rows that are nearer than `spacing` to a row before them, (N,) bool."""
+    from scipy.spatial import cKDTree
+
     if world.images.any():
         # A side of 0 is one without images.
         round_ = np.where(world.images, world.size, 0.0)
