@@ -187,10 +187,15 @@ class Running:
 
 
 @contextmanager
-def running(folder: Path, *options: str, scene: str | None = None):
-    """A class in a folder, stopped at the end; flocks run on the server where no option says."""
+def running(folder: Path, *options: str, scene: str | None = None, first: str = ""):
+    """A class in a folder, stopped at the end; flocks run on the server where no option says.
+
+    `first` is what its process does before anything else, Python.
+    """
     (folder / "scene.toml").write_text(SCENE)
-    command = [sys.executable, "-P", "-m", "flockscope", "class", scene or "scene.toml"]
+    code = f"{first}\nimport runpy\nrunpy.run_module('flockscope', run_name='__main__')"
+    begin = ("-c", code) if first else ("-m", "flockscope")
+    command = [sys.executable, "-P", *begin, "class", scene or "scene.toml"]
     port = () if "--port" in options else ("--port", "0")
     flocks = () if "--flocks" in options else ("--flocks", "on-server")
     process = subprocess.Popen(

@@ -21,7 +21,7 @@ from app.classroom.workers.worker_process import WorkerProcess
 from app.processes import ProcessLostError, ProcessTimeoutError
 from app.viewer.gallery.saved_scene import SavedScene, pack_scene
 from app.viewer.run.run_preset import preset_spec
-from tests.classroom.running import BUSY, roster, running
+from tests.classroom.running import BUSY, COMPILES, roster, running
 from tests.classroom.small import SCENE
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
@@ -37,6 +37,10 @@ ENDLESS = preset_spec("squashing-best", agents=500, size=20.0, world="wrap")
 """Of few pairs, each of which takes it a thousand times what one takes other models."""
 SLOW = preset_spec("hwvem", agents=2000, size=9.0)
 """As much as may be handed in: a few seconds of a core."""
+NICE = 5
+"""Niceness of the process for unusual runs: on a busy machine a nicer one would hardly run."""
+SHORT = f"from app.classroom import run_queue as q; q.SECONDS, q.NICENESS = 2.0, {NICE}"
+"""What a class does first whose runs are ended early."""
 
 
 class Tasks:
@@ -175,6 +179,7 @@ def test_others_have_their_results_while_the_runs_of_some_never_end(
     dishonest, tmp_path, monkeypatch
 ):
     monkeypatch.setattr(run_queue, "SECONDS", 3.0)
+    monkeypatch.setattr(run_queue, "NICENESS", NICE)
     names = [f"Eve {k}" for k in range(dishonest)]
     over = []
 
@@ -206,7 +211,7 @@ def test_others_have_their_results_while_the_runs_of_some_never_end(
             assert not set(over) & {*names}, over
             with pytest.raises(InputError, match="your last result is still being made"):
                 await asking.hand_in(names[0], toml(ENDLESS))
-            await asyncio.wait(evil, return_when="FIRST_COMPLETED", timeout=2 * BUSY)
+            await asyncio.wait(evil, return_when="FIRST_COMPLETED")
             first = next(one for one in evil if one.done())
             name = names[evil.index(first)]
             assert str(first.exception()) == (
@@ -254,7 +259,7 @@ def test_the_pause_grows_and_runs_that_were_ended_count():
 
 
 def test_the_teacher_sees_whose_run_was_ended_and_why(tmp_path):
-    with running(tmp_path) as ours:
+    with running(tmp_path, first=SHORT) as ours:
         teacher, ada, eve = ours.teacher(), ours.student("Ada"), ours.student("Eve")
         assert teacher.do("ask", question=ASKED | {"values": []}).status == 200
         with ada.connect(), eve.connect():
@@ -267,13 +272,13 @@ def test_the_teacher_sees_whose_run_was_ended_and_why(tmp_path):
             waits = threading.Thread(target=hand_in, args=(eve,))
             waits.start()
             assert ada.send("/class/hand-in", {}).status == 200
-            assert until(lambda: noted(teacher)["Eve"], 5 * BUSY)
+            assert until(lambda: noted(teacher)["Eve"], COMPILES)
             again = eve.send("/class/hand-in", {})
             waits.join()
         assert (again.status, "hand in again in" in again.text) == (400, True), again.text
         assert noted(teacher) == {
             "Ada": "",
-            "Eve": "a run took more than 8 s of processor time and was ended: "
+            "Eve": "a run took more than 2 s of processor time and was ended: "
             "waits 10 s before the next",
         }
         assert "is not kept" not in ours.stop()
