@@ -87,7 +87,7 @@ class Motion(FlockState):
         """Whether agents act eight at once: see `agents.engine.pairs`."""
         interpreted = self.interpret or DISABLED
         is_synchronous = self.options.activation == "synchronous" and not self.options.is_late
-        return self.model.is_of_pairs and is_synchronous and not interpreted and not self.nearest
+        return self.model.is_of_pairs and is_synchronous and not interpreted
 
     @property
     def loop(self) -> ModuleType:

@@ -155,6 +155,7 @@ def exhaustive(model, options):
         ("vem-a", {"agents": 300, "size": 8.0, "eta": 0.2}),
         ("vem", {"agents": 200, "size": 8.0, "world": "open", "eta": 0.1}),
         ("couzin", {"agents": 200, "sigma": 0.0}),
+        ("topological", {"agents": 300, "size": 9.0, "eta": 0.4}),
         exhaustive("couzin", {"agents": 200, "dim": 2, "sigma": 0.05}),
         exhaustive("reynolds", {"agents": 300}),
         exhaustive(
@@ -172,6 +173,24 @@ def test_eight_at_once_do_what_each_would(monkeypatch, model, options):
     np.testing.assert_allclose(flock.heading, other.heading, atol=1e-7)
     np.testing.assert_allclose(flock.position, other.position, atol=1e-7)
     np.testing.assert_allclose(flock.speed, other.speed)
+
+
+@pytest.mark.parametrize("k", [3, 6, 7, 10, 100])
+@pytest.mark.parametrize("offset", [0.0, 0.5])
+def test_of_those_equally_far_the_first_are_the_nearest(monkeypatch, k, offset):
+    """On a lattice across a seam: whoever is the k-th, three others or more are as far."""
+    side = 12
+    rows = np.random.default_rng(k).permutation(side * side)
+    angle = np.random.default_rng(1).uniform(0.0, 2.0 * math.pi, side * side)
+    start = {
+        "position": np.stack([rows % side, rows // side], axis=1) + offset,
+        "heading": np.stack([np.cos(angle), np.sin(angle)], axis=1),
+    }
+    options = {"start": start, "size": float(side), "v0": 0.0, "k": k, "rng": 1}
+    flock = Flock("topological", **options)
+    flock.run(12)
+    other = one_by_one(monkeypatch, "topological", **options)
+    np.testing.assert_allclose(flock.heading, other.heading, atol=1e-9)
 
 
 def test_a_run_is_its_ticks_one_by_one_to_the_bit():

@@ -6,6 +6,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from oracles import nearest as oracle
 from oracles.scenes import SEED, apart, scenes, unit_vectors
+from oracles.topology import distances
 
 from agents import Flock
 from agents.observables.neighbours import nearest_links
@@ -74,6 +75,22 @@ def test_of_one_far_from_a_crowd_everybody_is_looked_at():
     start = {"position": position, "heading": unit_vectors(rng, 201, 2)}
     flock = Flock("topological", start=start, world="open", size=9.0, k=4, eta=0.0, rng=1)
     total = oracle.means(position, flock.heading.copy(), 4, (9.0, 9.0), "open")
+    flock.step()
+    assert apart(flock.heading, total / np.linalg.norm(total, axis=1)[:, None]) < CLOSE
+
+
+def test_where_a_flock_is_thin_more_rings_of_cells_are_looked_at():
+    """Most are in one clump, so that cells are too small for the others, also across the seam."""
+    rng = np.random.default_rng(8)
+    thin = rng.uniform(0.0, 40.0, (150, 2))
+    position = np.vstack([rng.normal(20.0, 1.0, (350, 2)), thin])
+    start = {"position": position, "heading": unit_vectors(rng, 500, 2)}
+    flock = Flock("topological", start=start, size=40.0, k=7, eta=0.0, rng=1)
+    total = oracle.means(flock.position, flock.heading.copy(), 7, (40.0, 40.0), "wrap")
+    side = (40.0**2 * 8 / 500) ** 0.5
+    apart_ = distances(flock.position, (40.0, 40.0), "wrap")
+    seventh = np.sort(apart_, axis=1)[:, 7]
+    assert 20 < (seventh > side).sum() < 500, "some look further, and not all"
     flock.step()
     assert apart(flock.heading, total / np.linalg.norm(total, axis=1)[:, None]) < CLOSE
 

@@ -220,14 +220,18 @@ FEW = 6
 
 
 @compiled
-def axis_cells(grid, space, axis, at):
-    """The up to three cells around `at` along an axis, as a first offset and a number of them."""
+def axis_cells(grid, space, axis, at, rings):
+    """The cells around `at` along an axis, as a first offset and a number of them.
+
+    There are so many `rings` of cells around, or fewer where the world ends. Across a seam the axis
+    needs 2 rings + 1 cells.
+    """
     if grid.shape[axis] == 1:
         return 0, 1
     if space.images[axis]:
-        return -1, 3
-    first = -1 if at > 0 else 0
-    last = 1 if at < grid.shape[axis] - 1 else 0
+        return -rings, 2 * rings + 1
+    first = max(-rings, -at)
+    last = min(rings, grid.shape[axis] - 1 - at)
     return first, last - first + 1
 
 
@@ -313,9 +317,9 @@ def fill_block(grid, space, slots, cell, block, signals):
     """
     nx, ny = grid.shape[0], grid.shape[1]
     cx, cy, cz = cell % nx, (cell // nx) % ny, cell // (nx * ny)
-    fx, mx = axis_cells(grid, space, 0, cx)
-    fy, my = axis_cells(grid, space, 1, cy)
-    fz, mz = axis_cells(grid, space, 2, cz)
+    fx, mx = axis_cells(grid, space, 0, cx, 1)
+    fy, my = axis_cells(grid, space, 1, cy, 1)
+    fz, mz = axis_cells(grid, space, 2, cz, 1)
     m = 0
     for kz in range(fz, fz + mz):
         az, sz = wrap_cell(grid, space, 2, cz + kz)

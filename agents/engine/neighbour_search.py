@@ -2,8 +2,9 @@
 
 The k nearest, whatever their distance, are the topological range of Ballerini et al. 2008. They are
 looked for in the cells around an agent's own, which are made so wide that they hold them as a rule.
-Where the k-th is further off than those cells are sure to reach, everybody is looked at. So the
-answer is exact, and dear only for agents that are far from the others.
+Where the k-th is further off than those cells are sure to reach, everybody is looked at; eight at
+once first look at more rings of cells. So the answer is exact, and dear only for agents that are
+far from the others. Of those equally far the first in the order of cells are the nearest.
 
 Layers are the hops from an information agent (Liu et al. 2021, section 2.1).
 """
@@ -15,7 +16,7 @@ import math
 from agents.engine.block import is_neighbour, neighbour_of
 from agents.engine.cells import cell_around, copy_run, number_of
 from agents.engine.eight_others import eight_from, is_there, least, no_lanes, width
-from agents.engine.vector_lanes import where
+from agents.engine.vector_lanes import load, store, where
 from worlds.compilation import compiled
 
 SURE = 1.0 - 1e-9
@@ -51,6 +52,16 @@ def covered_distance(grid, dim):
 
 
 @compiled
+def holds_rings(grid, space, dim, rings):
+    """Whether so many rings of cells around one are cells of their own, across seams too."""
+    fits = True
+    for axis in range(dim):
+        is_seam = space.images[axis] and grid.shape[axis] > 1
+        fits = fits and not (is_seam and grid.shape[axis] < 2 * rings + 1)
+    return fits
+
+
+@compiled
 def rank(block, at, m, dim, me, k, distance2, nearest):
     """Which of the m agents of a block are the k nearest, nearest first; how many there are.
 
@@ -76,6 +87,35 @@ def rank(block, at, m, dim, me, k, distance2, nearest):
         nearest[place] = j
         n = min(n + 1, k)
     return n
+
+
+@compiled
+def begin_least(least, k, seeking):
+    """Nothing is found yet of the k nearest of eight agents, those of them that are `seeking`.
+
+    `least` (k, 8) are the squares of their distances so far, in order, inf where there is none.
+    """
+    for place in range(k):
+        store(least, place, where(seeking, math.inf, no_lanes() - 1.0))
+
+
+@compiled
+def keep_least(least, k, d2):
+    """Keep the k least squares of distances of eight agents, those of one other with them."""
+    for place in range(k):
+        kept = load(least[place], 0)
+        store(least, place, min(kept, d2))
+        d2 = max(kept, d2)
+
+
+@compiled
+def count_ties(least, k):
+    """How many of the k nearest of eight agents are as far from each as the last of them."""
+    limit2 = load(least[k - 1], 0)
+    ties = no_lanes()
+    for place in range(k):
+        ties += where(load(least[place], 0) == limit2, 1.0, no_lanes())
+    return ties
 
 
 @compiled

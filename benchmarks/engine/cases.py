@@ -89,6 +89,7 @@ VICSEK = {"r": 1.0, "v0": 0.03, "eta": 0.3}
 CASES = {
     "vem": Case("vem", 100_000, 40, density_box(2, 4.0), VICSEK),
     "vem-mixed": Case("vem", 100_000, 20, mixed_rows, VICSEK),
+    "topological": Case("topological", 10_000, 60),
     "couzin-3d": Case("couzin", 100_000, 8, density_box(3, 100 / 40.0**3)),
     "hwvem": Case("hwvem", 10_000, 60),
     "hwvem-nav": Case("hwvem-nav", 1_000, 500),

@@ -38,6 +38,7 @@ def moved(page, name: str, value: float) -> None:
 
 CASES = {
     "pairs": ("vem", {"agents": 60, "eta": 0.5}, ("eta", 2.0), ("r", 1.5)),
+    "of the nearest": ("topological", {"agents": 60, "eta": 0.5}, ("eta", 2.0), ("v0", 0.1)),
     "pairs in space": ("couzin", {"agents": 40}, ("dr_o", 4.0), ("dr_a", 12.0)),
     "among obstacles": ("hwvem-nav", {}, ("eta", 0.3), ("p2", 3.0)),
     "in turn": ("hwvem", {"agents": 40, "activation": "sequential"}, ("eta", 0.3), ("r", 1.2)),

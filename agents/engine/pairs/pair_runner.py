@@ -58,6 +58,8 @@ class PairEngine:
     def call(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED):
         """One call of the compiled loop."""
         part = work[1]
+        if context.nearest > len(self.notes[part].least):
+            self.notes[part] = pairs.empty_notes(self.module.SUMS, context.nearest)
         done, last_off, bad_row = self.called(
             self.module.advance,
             self.arrays,

@@ -22,6 +22,11 @@ def add_terms(sums: Any, terms: Any) -> Any:
     return tuple(total + term for total, term in zip(sums, terms, strict=True))
 
 
+def choose_sums(condition: Any, these: Any, others: Any) -> Any:
+    """`these` sums where the condition holds, else the `others`."""
+    return these if condition else others
+
+
 def sums_of(table: Any, number: int, lane: int) -> Any:
     """The sums of one of eight agents, out of a table (number or more, 8)."""
     return tuple(table[:number, lane])
@@ -67,6 +72,18 @@ def compile_added(typingctx, sums, terms):  # noqa: ARG001
     return sums(sums, terms), codegen
 
 
+@compile_in_llvm
+def compile_chosen(typingctx, condition, these, others):  # noqa: ARG001
+    """`choose_sums` of eight agents, in compiled code."""
+
+    def codegen(context, builder, sig, args):  # noqa: ARG001
+        both = (cgutils.unpack_tuple(builder, sums, these.count) for sums in args[1:])
+        results = [builder.select(args[0], one, other) for one, other in zip(*both, strict=True)]
+        return context.make_tuple(builder, these, results)
+
+    return these(condition, these, others), codegen
+
+
 @partial(compile_in_llvm, prefer_literal=True)
 def compiled_sums_of(typingctx, table, number, lane):  # noqa: ARG001
     """`sums_of`, in compiled code."""
@@ -105,6 +122,11 @@ def no_sums_compiled(number, like):  # noqa: ARG001
 @overload(add_terms)
 def added_compiled(sums, terms):  # noqa: ARG001
     return lambda sums, terms: compile_added(sums, terms)
+
+
+@overload(choose_sums)
+def chosen_compiled(condition, these, others):  # noqa: ARG001
+    return lambda condition, these, others: compile_chosen(condition, these, others)
 
 
 @overload(sums_of, prefer_literal=True)

@@ -25,6 +25,7 @@ import numpy as np
 from agents.engine.block import BodyMove, Me, NeighbourBlock, OtherAgent
 from agents.engine.cells import (
     FAR,
+    CellGrid,
     axis_cells,
     number_of,
     plan,
@@ -32,7 +33,16 @@ from agents.engine.cells import (
     wrap_cell,
     wrap_into_box,
 )
+from agents.engine.eight_others import eight_from, is_there, no_lanes
 from agents.engine.flat import ones, zeros
+from agents.engine.neighbour_search import (
+    begin_least,
+    count_ties,
+    covered_distance,
+    holds_rings,
+    keep_least,
+    width_for,
+)
 from agents.engine.noise import add_heading_noise, carry_with_wind, tick_key
 from agents.engine.pairs.cell_sort import (
     cell_at,
@@ -41,10 +51,10 @@ from agents.engine.pairs.cell_sort import (
     order_cells,
     restore_row_order,
 )
-from agents.engine.pairs.term_sums import add_terms, keep_sums, no_sums, sums_of
+from agents.engine.pairs.term_sums import add_terms, choose_sums, keep_sums, no_sums, sums_of
 from agents.engine.pairs.thread_barrier import BAD, NEXT, STOP, add, meet_threads, read
 from agents.engine.solid_collision import PASSES, keep_out_of_solids
-from agents.engine.vector_lanes import WIDTH, is_any, load, store
+from agents.engine.vector_lanes import WIDTH, is_any, load, store, where
 from agents.engine.waypoint_heading import waypoint_heading
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import set_goal
@@ -56,6 +66,7 @@ if TYPE_CHECKING:
         DIM,
         HEADS,
         MEETS,
+        NEAREST,
         SIFTS,
         SUMS,
         WINDY,
@@ -74,6 +85,11 @@ RUN, OPEN, ONE = 0, 1, 2
 """What `advance` is asked for: whole ticks, the sort of one, or one slot of an opened tick."""
 X, Y, Z, UX, UY, UZ, SPEED = range(7)
 """Rows of the table in which the moves of eight agents are written down."""
+OWN, OTHERS, TERMS = 0, 1, 2
+"""Rounds of the cells around: the k nearest are looked for in the own row, where most of them are,
+then in the other rows; the last round adds up terms."""
+MOST_RINGS = 4
+"""Rings of cells around an agent in which its k nearest are looked for; beyond them everywhere."""
 
 
 class PairWorkspace(NamedTuple):
@@ -85,12 +101,24 @@ class PairWorkspace(NamedTuple):
     """Their numbers, (8,)."""
     chosen: np.ndarray
     """Slots of candidates that are within reach, (CHOSEN,)."""
+    least: np.ndarray
+    """The least squares of distances of eight agents so far, in order, (k, 8)."""
+    one_cell: np.ndarray
+    """The shape of a grid of one cell, (3,)."""
+    all_slots: np.ndarray
+    """Where the slots of that cell begin and end, (2,)."""
 
 
-def empty_notes(number: int) -> PairWorkspace:
-    """Notes of nothing yet, for so many sums."""
-    table = np.zeros((max(SPEED + 1, number), WIDTH))
-    return PairWorkspace(table, np.zeros(WIDTH, np.int64), np.zeros(CHOSEN, np.uint64))
+def empty_notes(number: int, nearest: int = 1) -> PairWorkspace:
+    """Notes of nothing yet, for so many sums, and so many nearest agents."""
+    return PairWorkspace(
+        np.zeros((max(SPEED + 1, number), WIDTH)),
+        np.zeros(WIDTH, np.int64),
+        np.zeros(CHOSEN, np.uint64),
+        np.zeros((nearest, WIDTH)),
+        np.ones(3, np.int64),
+        np.zeros(2, np.int32),
+    )
 
 
 @compiled
@@ -170,38 +198,136 @@ def add_run_terms(sums, slots, first, last, place, me, context, space, grid, lon
 
 
 @compiled
-def pair_sums(grid, space, slots, line, low, high, me, context, lone, chosen):
-    """The sums of eight agents that are in cells low to high of one row of cells along x.
+def look_for_nearest(slots, first, last, place, space, grid, lone, k, least):
+    """Keep the k least squares of distances (k, 8) of eight agents, slots first to last with them.
 
-    `line` is the number of that row.
+    Most slots are too far from all eight, which asks for one comparison.
+    """
+    for j in range(np.uintp(first), np.uintp(last)):
+        d2 = met(slots, j, place, space, grid, lone).d2
+        if is_any((d2 > 0.0) & (d2 < load(least[k - 1], 0))):
+            keep_least(least, k, where(d2 > 0.0, d2, math.inf))
+
+
+@compiled
+def add_nearest_terms(
+    sums, ties, slots, first, last, place, me, context, space, grid, lone, limit2
+):
+    """The sums with the terms of those of slots first to last that are among the k nearest.
+
+    These are nearer than the k-th, the square of whose distance is `limit2`, or as far: of such
+    the first ones, as many as `ties`. Returns the sums, and how many of them are left.
+    """
+    q = context.unbounded
+    for j in range(np.uintp(first), np.uintp(last)):
+        other = met(slots, j, place, space, grid, lone)
+        if is_any((other.d2 > 0.0) & (other.d2 <= limit2)):
+            is_tie = other.d2 == limit2
+            is_near = (other.d2 > 0.0) & ((other.d2 < limit2) | (is_tie & (ties > 0.0)))
+            ties = where(is_tie, ties - 1.0, ties)
+            sums = choose_sums(is_near, add_terms(sums, term(me, other, q)), sums)
+    return sums, ties
+
+
+@compiled
+def nearest_sums(grid, space, slots, line, low, high, there, me, context, lone, notes):
+    """The sums of eight agents, or those that are `there`, over the k nearest of each.
+
+    `line`, `low` and `high` as in `pair_sums`. Those whose k-th is further off than the cells
+    around are sure to reach look further, and in the end at everybody, as if there were one cell.
+    """
+    sums = no_sums(SUMS, me.x)
+    seeking, rings = there, 1
+    while is_any(seeking):
+        if rings > MOST_RINGS or not holds_rings(grid, space, DIM, rings):
+            grid = CellGrid(
+                grid.origin, grid.extent, grid.inverse, notes.one_cell, notes.all_slots, grid.tally
+            )
+            notes.all_slots[1] = slots.row.shape[0]
+            lone = is_any_lone(space, grid)
+            line = low = high = 0
+        begin_least(notes.least, context.nearest, seeking)
+        sure = covered_distance(grid, DIM) * rings
+        sums, seeking = pair_sums(
+            sums, grid, space, slots, line, low, high, me, context, lone, notes, rings, sure * sure
+        )
+        rings *= 2
+    return sums
+
+
+@compiled
+def pair_sums(sums, grid, space, slots, line, low, high, me, context, lone, notes, rings, sure2):
+    """The sums, and those of eight agents in cells low to high of one row of cells along x.
+
+    `line` is the number of that row; so many `rings` of cells around are gone through. Returns the
+    sums; where the k nearest are neighbours also whose k-th is further off than the root of
+    `sure2`: to their sums nothing is added.
     """
     nx, ny = grid.shape[0], grid.shape[1]
     cy, cz = (line % ny, line // ny) if DIM == 3 else (line, 0)
-    fy, my = axis_cells(grid, space, 1, cy)
-    fz, mz = axis_cells(grid, space, 2, cz)
-    left, right = low - line * nx - 1, high - line * nx + 1
+    fy, my = axis_cells(grid, space, 1, cy, rings)
+    fz, mz = axis_cells(grid, space, 2, cz, rings)
+    left, right = low - line * nx - rings, high - line * nx + rings
     crosses = space.images[0] != 0 and nx > 1
     first_side = -1 if crosses and left < 0 else 0
     last_side = 1 if crosses and right >= nx else 0
-    sums = no_sums(SUMS, me.x)
-    for kz in range(fz, fz + mz):
-        az, sz = wrap_cell(grid, space, 2, cz + kz)
-        for ky in range(fy, fy + my):
-            ay, sy = wrap_cell(grid, space, 1, cy + ky)
-            row = (az * ny + ay) * nx
-            # The cells beyond the seam on the left, the row, those beyond it on the right.
-            for side in range(first_side, last_side + 1):
-                begin, end = max(left, 0), min(right + 1, nx)
-                if side != 0:
-                    begin, end = (
-                        (nx + min(left, 0), nx) if side < 0 else (0, max(right + 1 - nx, 0))
-                    )
-                first, last = grid.start[np.uintp(row + begin)], grid.start[np.uintp(row + end)]
-                place = (me.x - side * space.size[0], me.y - sy, me.z - sz)
-                sums = add_run_terms(
-                    sums, slots, first, last, place, me, context, space, grid, lone, chosen
-                )
-    return sums
+    k, least = context.nearest, notes.least
+    limit2 = ties = no_lanes()
+    beyond = limit2 > 0.0
+    for turn in range(OWN if NEAREST else TERMS, TERMS + 1):
+        if NEAREST and turn == TERMS:
+            limit2 = load(least[k - 1], 0)
+            ties = count_ties(least, k)
+            beyond = limit2 > sure2
+            limit2 = where(beyond, -1.0, limit2)
+        for kz in range(fz, fz + mz):
+            az, sz = wrap_cell(grid, space, 2, cz + kz)
+            for ky in range(fy, fy + my):
+                if NEAREST and turn != TERMS and (turn == OWN) != (kz == 0 and ky == 0):
+                    continue
+                ay, sy = wrap_cell(grid, space, 1, cy + ky)
+                row = (az * ny + ay) * nx
+                # The cells beyond the seam on the left, the row, those beyond it on the right.
+                for side in range(first_side, last_side + 1):
+                    begin, end = max(left, 0), min(right + 1, nx)
+                    if side != 0:
+                        begin, end = (
+                            (nx + min(left, 0), nx) if side < 0 else (0, max(right + 1 - nx, 0))
+                        )
+                    first, last = grid.start[np.uintp(row + begin)], grid.start[np.uintp(row + end)]
+                    place = (me.x - side * space.size[0], me.y - sy, me.z - sz)
+                    if NEAREST and turn != TERMS:
+                        look_for_nearest(slots, first, last, place, space, grid, lone, k, least)
+                    elif NEAREST:
+                        sums, ties = add_nearest_terms(
+                            sums,
+                            ties,
+                            slots,
+                            first,
+                            last,
+                            place,
+                            me,
+                            context,
+                            space,
+                            grid,
+                            lone,
+                            limit2,
+                        )
+                    else:
+                        sums = add_run_terms(
+                            sums,
+                            slots,
+                            first,
+                            last,
+                            place,
+                            me,
+                            context,
+                            space,
+                            grid,
+                            lone,
+                            notes.chosen,
+                        )
+    return sums, beyond
 
 
 @compiled
@@ -284,6 +410,7 @@ def move_of_lane(table, lane):
 def move_one(flock, space, surroundings, slots, slot, lane, me, table, context):
     """The move of one slot, the lane of eight, of which sums or moves are written down."""
     p, out = context.parameters, table[0]
+    q = context.unbounded if NEAREST else p
     agent = agent_of_slot(flock, slots, slot, table, me.tick, me.key)
     if BY_LANES and not agent.informed:
         moved = move_of_lane(table, lane)
@@ -291,7 +418,7 @@ def move_one(flock, space, surroundings, slots, slot, lane, me, table, context):
         if agent.informed:
             wish = waypoint_heading(flock, surroundings, int(slots.row[slot]), agent)
         else:
-            wish = answer(agent, sums_of(table, SUMS, lane), surroundings, p)
+            wish = answer(agent, sums_of(table, SUMS, lane), surroundings, q)
             if HEADS:
                 wish = add_heading_noise(agent, wish, context.noise, p.eta, DIM)
         moved = move(agent, empty_block(), surroundings, wish, p, out)
@@ -309,8 +436,9 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, table, context,
     An information agent listens to nobody: it follows the mission's path, or keeps its heading.
     """
     p, out = context.parameters, table[0]
+    q = context.unbounded if NEAREST else p
     if BY_LANES:
-        want = add_heading_noise(me, answer(me, sums, surroundings, p), context.noise, p.eta, DIM)
+        want = add_heading_noise(me, answer(me, sums, surroundings, q), context.noise, p.eta, DIM)
         body_move = move(me, empty_block(), surroundings, want, p, out)
         store(table, X, body_move.x)
         store(table, Y, body_move.y)
@@ -356,7 +484,27 @@ def sweep(flock, space, surroundings, grid, slots, notes, context, tick, key, sp
         while grid.start[np.uintp(high + 1)] < end:
             high += 1
         me = agents_of_lanes(flock, slots, slot, end, notes, identities, tick, key)
-        sums = pair_sums(grid, space, slots, line, low, high, me, context, lone, notes.chosen)
+        if NEAREST:
+            there = is_there(eight_from(slot, end))
+            sums = nearest_sums(
+                grid, space, slots, line, low, high, there, me, context, lone, notes
+            )
+        else:
+            sums, _ = pair_sums(
+                no_sums(SUMS, me.x),
+                grid,
+                space,
+                slots,
+                line,
+                low,
+                high,
+                me,
+                context,
+                lone,
+                notes,
+                1,
+                0.0,
+            )
         act(flock, space, surroundings, slots, slot, end, me, sums, notes.table, context, to_rows)
         slot = end
 
@@ -368,7 +516,10 @@ def sort(flock, space, surroundings, grid, slots, context, tick, meeting, part, 
     low, high = n * part // parts, n * (part + 1) // parts
     if part == 0:
         set_goal(surroundings, tick * context.lasts)
-        plan(grid, space, context.reach, flock.position)
+        wide = context.reach
+        if NEAREST:
+            wide = max(wide, width_for(space, flock.position, context.nearest))
+        plan(grid, space, wide, flock.position)
     meet_threads(meeting, parts)
     meeting[BAD + part] = count_places(grid, space, flock.position, slots, part, low, high)
     meet_threads(meeting, parts)
