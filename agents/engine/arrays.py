@@ -141,6 +141,7 @@ def empty_grid(n: int, parts: int) -> CellGrid:
         np.ones(3, np.int64),
         np.zeros(capacity, np.int32),
         np.zeros((parts, capacity), np.int32),
+        np.array([[np.inf] * 3, [-np.inf] * 3]),
     )
 
 

@@ -50,6 +50,8 @@ class CellGrid(NamedTuple):
     """First slot of each cell, int32 (cells + 2 or more,). Crashed agents are in the last."""
     tally: np.ndarray
     """Agents of each part and cell while sorting, int32 (parts, cells + 2 or more)."""
+    corners: np.ndarray
+    """What the cells span at least along open axes, float64 (2, 3): of a strip, the whole flock."""
 
 
 class Slots(NamedTuple):
@@ -85,8 +87,8 @@ def plan(grid, space, reach, position):
             grid.origin[axis] = 0.0
             grid.extent[axis] = space.size[axis]
         else:
-            low = math.inf
-            high = -math.inf
+            low = grid.corners[0, axis]
+            high = grid.corners[1, axis]
             for i in range(n):
                 low = min(low, position[i, axis])
                 high = max(high, position[i, axis])
