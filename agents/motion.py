@@ -30,7 +30,12 @@ from agents.observables.consistency import DESIRED, HOLD, is_consistent, stop_wh
 from agents.snapshot import FlockState, Snapshot
 from agents.spec import Options
 from agents.state.agent_rows import StrayAgents, resize_past, select_rows, stray
-from agents.strips.strip_engine import RankProcesses, StripEngine, reason_for_one_process
+from agents.strips.strip_engine import (
+    RankProcesses,
+    StripEngine,
+    longest_stride,
+    reason_for_one_process,
+)
 from worlds.compilation import DISABLED
 from worlds.input_error import InputError
 from worlds.memory import demand_memory
@@ -113,7 +118,8 @@ class Motion(FlockState):
                 self._demand_strips()
                 assert isinstance(engine, SynchronousEngine | PairEngine)
                 build = partial(named_loop, self.model.name, *self._loop_kind)
-                self._engine = StripEngine(engine, self.processes, build)
+                stride = longest_stride(self.model, self.parameters, self.world, self.options)
+                self._engine = StripEngine(engine, self.processes, build, stride)
             else:
                 self._engine = engine
         return self._engine
@@ -263,7 +269,8 @@ class Motion(FlockState):
             self._end_tick()
             self._engine = None
         self._make_past()
-        if self._engine is not None and self.sight > self._engine.surroundings.reach:
+        is_near_sighted = self._engine is not None and self.sight > self._engine.surroundings.reach
+        if is_near_sighted or isinstance(self._engine, StripEngine):  # strides may be longer
             self._engine = None
 
     def change_world(self, world: World) -> None:

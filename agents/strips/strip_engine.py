@@ -20,11 +20,14 @@ from agents.state.agent_rows import select_rows
 from agents.strips.strip_rank import StripRank, StripRows, StripTask, wrap_positions
 from worlds.input_error import InputError
 from worlds.plug_ins import demand
+from worlds.world import World
 
 EXTRA = "cluster"
 MOST_RANKS = 1024
 BALANCED_FOR = 1000
 """Ticks after which the strips are laid anew, with as many agents in each."""
+EXCHANGE = 3.0
+"""What an exchange costs a rank, in ticks without one, about, measured for vem."""
 LOOK = 0.5
 """Seconds between two looks whether all processes live."""
 
@@ -54,6 +57,15 @@ def reason_for_one_process(model: Model, nearest: int, options: Any) -> str:
     if any(reads("flock_size", one) for one in (*functions, body.move, body.measure, body.touches)):
         return f"the model {model.name} asks how large the whole flock is"
     return ""
+
+
+def longest_stride(model: Model, parameters: Any, world: World, options: Any) -> float:
+    """How far along x agents can go in a tick, length; infinite where nothing declares it."""
+    body = model.body
+    if body.speed is None or not model.is_of_pairs or options.is_windy or not all(world.wraps):
+        return float("inf")
+    # A body's speed is for a tick or for a unit of time, as its paper has it.
+    return float(body.speed(parameters)) * max(1.0, float(body.lasts(parameters)))
 
 
 class RankProcesses:
@@ -109,10 +121,11 @@ class RankProcesses:
         return self.client.sync(self._call_all, ranks, calls)
 
     async def _call_all(self, ranks: list[Any], calls: list[tuple[Any, ...]]) -> list[Any]:
-        tasks = [
-            asyncio.ensure_future(wait_for(getattr(rank, name)(*arguments)))
-            for rank, (name, *arguments) in zip(ranks, calls, strict=True)
-        ]
+        with self.client.as_current():  # or an actor does not know whom to ask
+            tasks = [
+                asyncio.ensure_future(wait_for(getattr(rank, name)(*arguments)))
+                for rank, (name, *arguments) in zip(ranks, calls, strict=True)
+            ]
         waiting = set(tasks)
         while waiting:
             done, waiting = await asyncio.wait(
@@ -127,7 +140,7 @@ class RankProcesses:
     def stop(self, ranks: list[Any]) -> None:
         """Tell all ranks to stop, and wait for none of them."""
         for rank in ranks:
-            with suppress(RuntimeError):  # Dask's word for one that is gone
+            with suppress(RuntimeError), self.client.as_current():  # it says so of one that is gone
                 rank.stop()
         self.futures = []
 
@@ -155,7 +168,8 @@ def close_all(own: list[Any]) -> None:
 class StripEngine:
     """An engine whose ticks are run in strips, to the same bits; `whole` is that of one process.
 
-    The arrays stay here: a run sends each rank its agents, and brings them back.
+    The arrays stay here: a run sends each rank its agents, and brings them back. `stride` is how
+    far an agent goes in a tick at most, length, or infinite where nothing is known of that.
     """
 
     def __init__(
@@ -163,8 +177,9 @@ class StripEngine:
         whole: PairEngine | SynchronousEngine,
         processes: RankProcesses,
         build: Callable[[], ModuleType],
+        stride: float,
     ):
-        self.whole = whole
+        self.whole, self.stride = whole, stride
         self.arrays, self.module, self.seed = whole.arrays, whole.module, whole.seed
         self.space, self.surroundings = whole.space, whole.surroundings
         self.processes, self.build = processes, build
@@ -215,7 +230,7 @@ class StripEngine:
             if isinstance(error, NotANumber | InputError) or not isinstance(error, Exception):
                 raise
             raise InputError(
-                f"ranks: one has ended in ticks {tick} to {tick + ticks} ({error}); "
+                f"ranks: a process has ended in ticks {tick} to {tick + ticks} ({error}); "
                 f"the flock is as it was at tick {tick}"
             ) from error
         for strip in strips:
@@ -229,12 +244,21 @@ class StripEngine:
         sent = context._replace(
             parameters=tuple(context.parameters), unbounded=tuple(context.unbounded)
         )
-        task = StripTask(edges, len(x), sent, self.seed, tick, ticks)
+        together = self.ticks_together(context)
+        task = StripTask(edges, len(x), sent, self.seed, tick, ticks, together, self.stride)
         calls: list[tuple[Any, ...]] = []
         for rank in range(len(self.ranks)):
             rows = np.flatnonzero(owner == rank)
             calls.append(("run", task, StripRows(rows, select_rows(self.arrays, rows))))
         return calls
+
+    def ticks_together(self, context: Context) -> int:
+        """Ticks between two exchanges: those at which the halo costs about what they save."""
+        if not self.stride < np.inf:
+            return 1
+        width = self.space.size[0] / len(self.ranks)
+        wider = 2.0 * (context.reach + 2.0 * self.stride)
+        return max(1, int(np.sqrt(EXCHANGE * width / wider)))
 
 
 def put_rows(arrays: Arrays, strip: StripRows) -> None:

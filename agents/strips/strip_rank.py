@@ -1,9 +1,13 @@
 """One strip of a flock: the agents that stand in it, and ghosts of those around it.
 
 A rank runs ticks over its own agents and over ghosts, agents of other ranks that its own can meet.
-What a tick makes of a ghost is thrown away: the rank whose agent it is sends it anew. The ranks lay
+What ticks make of a ghost is thrown away: the rank whose agent it is sends it anew. The ranks lay
 the same cells over the whole flock, and rows stand in the order of the whole flock's rows, so that
 each sum adds the same numbers in the same order as in one process.
+
+Ghosts of one tick are those of the next cells. Where agents go no farther than a stride in a tick,
+a wider halo serves several: who stands beyond it can be wrong by one reach and a stride more with
+each tick, and has not come within reach of an agent of the strip by the last.
 """
 
 from __future__ import annotations
@@ -23,6 +27,7 @@ from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.runner import SynchronousEngine
 from agents.state.agent_rows import join_arrays, select_rows
 from worlds.compilation import plain_python
+from worlds.input_error import InputError
 
 ROUNDING = 1e-6
 """Cells by which a ghost may be farther off than it need be, so that rounding leaves nobody out."""
@@ -40,6 +45,15 @@ class StripTask(NamedTuple):
     seed: int
     tick: int
     ticks: int
+    together: int
+    """Ticks between two exchanges, >= 1."""
+    stride: float
+    """How far an agent goes in a tick at most, length; of account where several are together."""
+
+    @property
+    def halo(self) -> float:
+        """How far beyond the next cells ghosts are needed, length."""
+        return (self.together - 1) * (self.context.reach + 2.0 * self.stride)
 
 
 class StripRows(NamedTuple):
@@ -50,19 +64,18 @@ class StripRows(NamedTuple):
     arrays: Arrays
 
     def select(self, rows: np.ndarray) -> StripRows:
-        """Some of them, by an index or a mask."""
-        index = np.flatnonzero(rows) if rows.dtype == bool else rows
-        return StripRows(self.order[index], select_rows(self.arrays, index))
+        """Some of them, by an ascending index."""
+        return StripRows(self.order[rows], select_rows(self.arrays, rows))
 
-    def merge(self, others: Sequence[StripRows]) -> StripRows:
-        """All of them, in order."""
-        if not others:
-            return self
-        order = np.concatenate([rows.order for rows in others])
+    def merge(self, kept: np.ndarray, others: Sequence[StripRows]) -> StripRows:
+        """Some of these rows, by an ascending index, and all of the others', in order."""
+        order = np.concatenate([rows.order for rows in others]) if others else self.order[:0]
+        if not len(order):
+            return self.select(kept)
         arrays = reduce(join_arrays, [rows.arrays for rows in others])
         by_order = np.argsort(order)
-        places = np.searchsorted(self.order, order[by_order])
-        index = np.insert(np.arange(len(self.order)), places, len(self.order) + by_order)
+        places = np.searchsorted(self.order[kept], order[by_order])
+        index = np.insert(kept, places, len(self.order) + by_order)
         joined = StripRows(np.append(self.order, order), join_arrays(self.arrays, arrays))
         return joined.select(index)
 
@@ -73,27 +86,23 @@ class StripColumns(NamedTuple):
     origin: float
     inverse: float
     number: int
-    is_ring: bool
-    """Whether the last is next to the first."""
+    length: float
+    """Of the ring that they form, or 0 where the last is not next to the first."""
 
-    def column(self, x: np.ndarray) -> np.ndarray:
-        """Where coordinates are, in cells from the first on, float."""
-        return (x - self.origin) * self.inverse
-
-    def is_met(self, x: np.ndarray, low: float, high: float) -> np.ndarray:
+    def is_met(self, x: np.ndarray, low: float, high: float, halo: float) -> np.ndarray:
         """Which agents those of the strip [low, high) can meet, themselves among them, (N,) bool.
 
-        These are all that stand in its cells, and in the next on either side.
+        These are all that stand in its cells, in the next on either side, and in a halo beyond.
         """
         if self.number == 1:
             return np.ones(len(x), bool)
-        ends = np.clip(self.column(np.array([low, high])), 0.0, self.number - 1.0)
-        first = np.floor(ends[0] - ROUNDING) - 1.0 - ROUNDING
-        end = np.floor(ends[1] + ROUNDING) + 2.0 + ROUNDING
-        column = self.column(x)
-        met = (column >= first) & (column < end)
-        if self.is_ring:
-            met |= (column - self.number >= first) | (column + self.number < end)
+        ends = (np.array([low, high]) - self.origin) * self.inverse
+        left, right = np.clip(ends, 0.0, self.number - 1.0)
+        first = self.origin + (np.floor(left - ROUNDING) - 1.0 - ROUNDING) / self.inverse - halo
+        end = self.origin + (np.floor(right + ROUNDING) + 2.0 + ROUNDING) / self.inverse + halo
+        met = (x >= first) & (x < end)
+        if self.length:
+            met |= (x >= first + self.length) | (x < end - self.length)
         return met
 
 
@@ -196,42 +205,65 @@ class StripRank:
         )
         grid = empty_grid(task.agents, 1)
         is_own = np.ones(len(rows.order), bool)
-        for tick in range(task.tick, task.tick + task.ticks):
-            rows, is_own = await self.exchange_agents(task, rows.select(is_own), grid)
+        last = task.tick + task.ticks
+        for tick in range(task.tick, last, task.together):
+            rows, is_own = await self.exchange_agents(task, rows, is_own, grid)
             if len(rows.order):
-                shape = grid.shape.copy()
+                ticks = min(task.together, last - tick)
+                x, shape = rows.arrays.position[:, 0].copy(), grid.shape.copy()
                 engine = self.engine_over(rows.arrays, grid, task.seed)
-                await asyncio.to_thread(engine.run, context, tick, 1)
+                await asyncio.to_thread(engine.run, context, tick, ticks)
                 if not np.array_equal(shape, grid.shape):
                     raise AssertionError(f"cells {grid.shape} at tick {tick}, ghosts for {shape}")
-        return rows.select(is_own)
+                self.demand_strides(task, tick, ticks, rows.arrays.position[:, 0] - x)
+        return rows.select(np.flatnonzero(is_own))
+
+    def demand_strides(self, task: StripTask, tick: int, ticks: int, moved: np.ndarray) -> None:
+        """Refuse agents that went farther along x than the halo allows for, (N,), length."""
+        if task.together == 1:
+            return
+        length = self.space.size[0]  # several ticks run together where all axes wrap
+        moved -= length * np.rint(moved / length)
+        farthest = float(np.abs(moved).max())
+        if farthest > ticks * task.stride * (1.0 + ROUNDING):
+            raise InputError(
+                f"ranks: an agent went {farthest:.6g} in {ticks} ticks from {tick} on, more than "
+                f"{task.stride:.6g} a tick, the speed that its body declares"
+            )
 
     async def exchange_agents(
-        self, task: StripTask, own: StripRows, grid: Any
+        self, task: StripTask, rows: StripRows, is_own: np.ndarray, grid: Any
     ) -> tuple[StripRows, np.ndarray]:
-        """Send what other ranks need; the rows of the next tick, and which are this rank's own."""
-        position = own.arrays.position
-        grid.corners[:] = await self.find_corners(position)
-        if not np.isfinite(grid.corners[:, : position.shape[1]]).all():
-            return own, np.ones(len(own.order), bool)  # the tick refuses the row that is no number
+        """Send what other ranks need; the rows of the next ticks, and which are the rank's own."""
+        position = rows.arrays.position
+        dim = position.shape[1]
+        grid.corners[:] = await self.find_corners(position[is_own])
+        if not np.isfinite(grid.corners[:, :dim]).all():
+            return rows, is_own  # the tick refuses the row that is no number
         with plain_python():
-            plan(grid, self.space, task.context.reach, grid.corners[:, : position.shape[1]])
+            plan(grid, self.space, task.context.reach, grid.corners[:, :dim])
         is_ring = bool(self.space.images[0]) and grid.shape[0] > 1
         columns = StripColumns(
-            float(grid.origin[0]), float(grid.inverse[0]), int(grid.shape[0]), is_ring
+            float(grid.origin[0]),
+            float(grid.inverse[0]),
+            int(grid.shape[0]),
+            float(self.space.size[0]) if is_ring else 0.0,
         )
         x = wrap_positions(self.space, position[:, 0])
         owner = np.searchsorted(task.edges, x, side="right")
         ends = [-np.inf, *task.edges, np.inf]
         needed = [
-            columns.is_met(x, ends[rank], ends[rank + 1]) | (owner == rank)
+            np.flatnonzero(
+                is_own
+                & ((owner == rank) | columns.is_met(x, ends[rank], ends[rank + 1], task.halo))
+            )
             for rank in range(len(self.peers))
         ]
         parts = [
-            None if rank == self.number else own.select(is_needed)
-            for rank, is_needed in enumerate(needed)
+            None if rank == self.number else rows.select(needed_rows)
+            for rank, needed_rows in enumerate(needed)
         ]
-        rows = own.select(needed[self.number]).merge(await self.swap(parts))
+        rows = rows.merge(needed[self.number], await self.swap(parts))
         x = wrap_positions(self.space, rows.arrays.position[:, 0])
         return rows, np.searchsorted(task.edges, x, side="right") == self.number
 
