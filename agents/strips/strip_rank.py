@@ -48,12 +48,13 @@ class StripTask(NamedTuple):
     together: int
     """Ticks between two exchanges, >= 1."""
     stride: float
-    """How far an agent goes in a tick at most, length; of account where several are together."""
+    """How far an agent goes in a tick at most, length; infinite where only one is together."""
 
     @property
     def halo(self) -> float:
         """How far beyond the next cells ghosts are needed, length."""
-        return (self.together - 1) * (self.context.reach + 2.0 * self.stride)
+        more = self.together - 1
+        return more * (self.context.reach + 2.0 * self.stride) if more else 0.0
 
 
 class StripRows(NamedTuple):
