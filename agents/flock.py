@@ -68,7 +68,8 @@ class Flock(TickClock, Motion):
         body of one speed have that.
     rng: the run's seed, an integer in [0, 2^63), or `seed`; None draws one. Of anything else that
         NumPy makes a generator of, as a `numpy.random.Generator`, the seed is the next number.
-    threads: 1 to 1024, used from 10 000 agents on; the numbers do not depend on it.
+    threads: 1 to 1024, used from 10 000 agents on, or 20 000 of a rule that is no sum over pairs;
+        the numbers do not depend on it.
     ranks: 1 to 1024 processes of this machine that share each tick, or a client of Dask, of which
         each worker is one; the numbers do not depend on it. See `docs/scale.md`. InputError for
         what strips cannot do. A copy of a flock of a client runs in one process.

@@ -11,13 +11,14 @@ import numpy as np
 
 from agents import catalogue
 from agents.conditions import Wind, messages, ticks_back
+from agents.engine import runner
 from agents.engine.arrays import NEVER, Arrays, Context, EngineStopCondition, WorldContext
 from agents.engine.cells import Space
 from agents.engine.compiled_loop import delayed_module, is_compiled, loop_module, turns_module
 from agents.engine.noise import ANGULAR, NO_WIND, VECTORIAL
+from agents.engine.pairs import pair_runner
 from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.runner import (
-    SPLIT_FROM,
     UNTRACED,
     DelayedEngine,
     SequentialEngine,
@@ -68,8 +69,8 @@ class Motion(FlockState):
     """What every agent goes by: the compiled parameters, kind of noise and reach."""
     passing: str
     """The setting with which agents go through what is solid here, or an empty string."""
-    split_from: int = SPLIT_FROM
-    """Agents from which on a tick is shared among threads."""
+    split_from: int | None = None
+    """Agents from which on a tick is shared among threads; None: as it is worth it."""
     _engine: SynchronousEngine | PairEngine | SequentialEngine | StripEngine | None
     _wind: Wind
     _acted: set[int]
@@ -152,9 +153,10 @@ class Motion(FlockState):
             module = delayed_module(self.loop)
             return DelayedEngine(module, arrays, place, self.seed, late, self.call)
         if self.options.activation == "synchronous":
-            split = not self.interpret and len(arrays.ids) >= self.split_from
-            threads = self.threads if split else 1
             engine = PairEngine if self.of_pairs else SynchronousEngine
+            split_from = self.split_from or (pair_runner if self.of_pairs else runner).SPLIT_FROM
+            split = not self.interpret and len(arrays.ids) >= split_from
+            threads = self.threads if split else 1
             return engine(self.loop, arrays, place, self.seed, threads, self.call)
         is_random = self.options.activation == "random"
         return SequentialEngine(

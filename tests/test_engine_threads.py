@@ -33,6 +33,12 @@ def test_threads_do_not_change_the_bits(model, dim, side):
     assert np.array_equal(one.signals(), three.signals())
 
 
+@pytest.mark.parametrize(("model", "least"), [("vem", 10_000), ("ivem", 20_000)])
+def test_a_tick_is_shared_from_where_threads_gain(model, least):
+    few, many = (Flock(model, agents=n, rng=1, threads=2) for n in (least - 1, least))
+    assert (few.engine.parts, many.engine.parts) == (1, 2)
+
+
 def test_crowds_make_the_desks_grow_on_every_thread():
     """A flock that clumps while it runs on threads outgrows its first workspaces without harm."""
     rng = np.random.default_rng(3)

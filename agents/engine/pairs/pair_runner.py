@@ -19,6 +19,9 @@ from agents.engine.pairs.thread_barrier import BAD, STOP
 from agents.engine.runner import UNTRACED, Called, Team, at_once, refuse
 from agents.engine.vector_lanes import WIDTH
 
+SPLIT_FROM = 10_000
+"""Agents below which one thread is faster than several, which meet within compiled code."""
+
 
 def padded_slots(n: int, dim: int, speeds: bool) -> Slots:
     """Empty arrays for a sorted copy of n agents that is read eight at a time."""
