@@ -137,6 +137,26 @@ def test_scaling_prints_one_part_and_says_where_a_knee_is():
     assert knees(points) == ["vem: a knee, at most 1.40 times the least, at 100,000"]
 
 
+def test_ranks_are_measured_and_needs_are_those_of_the_engine():
+    pytest.importorskip("distributed", reason="the extra cluster is not installed")
+    from ranks import HELD, MESSAGE, Needs, flock
+
+    from agents.strips.strip_engine import StripEngine, longest_stride
+
+    lines = printed("ranks.py", "--quick").splitlines()
+    assert lines[3] == "the same bits: yes"
+    assert lines[-2:] == [Needs(10**8, 16).line(), Needs(10**9, 100).line()]
+    few = flock(4_000, 1)
+    rows = sum(column.itemsize * column.size for column in few.arrays) / 4_000 + 8
+    assert rows == MESSAGE
+    slots = sum(column.itemsize * column.size for column in few.engine.slots) / 4_000
+    assert rows + slots == pytest.approx(HELD, rel=1e-2)
+    stride = longest_stride(few.model, few.parameters, few.world, few.options)
+    engine = StripEngine(few.engine, None, None, stride)
+    engine.ranks = [None] * 5
+    assert engine.ticks_together(few.context) == Needs(4_000, 5).together
+
+
 def test_a_tick_that_would_last_too_long_is_left_out_with_a_word():
     from sweeps import Made, Sweep, run
     from turns import Taken
