@@ -42,13 +42,14 @@ from agents.state.start import (
     random_start,
     start_gap,
 )
+from agents.strips.strip_engine import checked_ranks
 from worlds.input_error import InputError, unknown
 
 MOST_THREADS = 1024
-MADE_ANEW = {"_engine", "_wind", "context", "passing"}
-"""Attributes of a flock that follow from the others, and hold compiled code."""
+MADE_ANEW = {"_engine", "_wind", "context", "passing", "processes"}
+"""Attributes of a flock that follow from the others, and hold compiled code or processes."""
 OWN_WORDS = (
-    *("start", "rng", "threads", "interpret"),
+    *("start", "rng", "threads", "ranks", "interpret"),
     *("collect", "model_reporters", "agent_reporters"),
 )
 """What `Flock` takes beside options and parameters."""
@@ -67,7 +68,11 @@ class Flock(TickClock, Motion):
         body of one speed have that.
     rng: the run's seed, an integer in [0, 2^63), or `seed`; None draws one. Of anything else that
         NumPy makes a generator of, as a `numpy.random.Generator`, the seed is the next number.
-    threads: 1 to 1024, used from 10 000 agents on; the numbers do not depend on it.
+    threads: 1 to 1024, used from 10 000 agents on, or 20 000 of a rule that is no sum over pairs;
+        the numbers do not depend on it.
+    ranks: 1 to 1024 processes of this machine that share each tick, or a client of Dask, of which
+        each worker is one; the numbers do not depend on it. See `docs/scale.md`. InputError for
+        what strips cannot do. A copy of a flock of a client runs in one process.
     interpret: run the model as plain Python, some thousand times slower, with `print` and `pdb`;
         the numbers are the same up to rounding. All flocks do under NUMBA_DISABLE_JIT=1.
     collect: observables that `step` collects into `datacollector`; `model_reporters` and
@@ -107,6 +112,7 @@ class Flock(TickClock, Motion):
         start: Mapping[str, np.ndarray] | None = None,
         rng: Any = None,
         threads: int = 1,
+        ranks: Any = 1,
         interpret: bool = False,
         collect: Sequence[str] = ("polarisation",),
         model_reporters: Mapping[str, Any] | None = None,
@@ -134,6 +140,7 @@ class Flock(TickClock, Motion):
         self.seed = spec.seed
         self.options = spec.model_copy(update={"start": "random" if start is None else "given"})
         self.interpret = interpret
+        self.ranks = checked_ranks(ranks)
         self.parameters = checked(
             self.model.parameters, spec.parameters, other_names=(*OPTIONS, *OWN_WORDS)
         )
@@ -151,6 +158,8 @@ class Flock(TickClock, Motion):
         self._members: list[Member] | None = None
         self._acted: set[int] = set()
         self._make_arrays(begin)
+        if self.ranks != 1:
+            self._demand_strips()
         reporters: dict[str, Any] = {
             name: partial(measure_observable, name=known_observable(name)) for name in collect
         }
@@ -391,7 +400,8 @@ class Flock(TickClock, Motion):
         one."""
         self._demand_whole_tick()
         state = {name: value for name, value in vars(self).items() if name not in MADE_ANEW}
-        return state | {"model": self.model.name, "parameters": self.parameters.model_dump()}
+        own = {"model": self.model.name, "parameters": self.parameters.model_dump()}
+        return state | own | {"ranks": self.ranks if isinstance(self.ranks, int) else 1}
 
     def _demand_whole_tick(self) -> None:
         if self._acted:

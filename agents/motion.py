@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, cached_property, partial
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
+from agents import catalogue
 from agents.conditions import Wind, messages, ticks_back
+from agents.engine import runner
 from agents.engine.arrays import NEVER, Arrays, Context, EngineStopCondition, WorldContext
 from agents.engine.cells import Space
 from agents.engine.compiled_loop import delayed_module, is_compiled, loop_module, turns_module
 from agents.engine.noise import ANGULAR, NO_WIND, VECTORIAL
+from agents.engine.pairs import pair_runner
 from agents.engine.pairs.pair_runner import PairEngine
 from agents.engine.runner import (
-    SPLIT_FROM,
     UNTRACED,
     DelayedEngine,
     SequentialEngine,
@@ -29,6 +31,12 @@ from agents.observables.consistency import DESIRED, HOLD, is_consistent, stop_wh
 from agents.snapshot import FlockState, Snapshot
 from agents.spec import Options
 from agents.state.agent_rows import StrayAgents, resize_past, select_rows, stray
+from agents.strips.strip_engine import (
+    RankProcesses,
+    StripEngine,
+    longest_stride,
+    reason_for_one_process,
+)
 from worlds.compilation import DISABLED
 from worlds.input_error import InputError
 from worlds.memory import demand_memory
@@ -53,15 +61,17 @@ class Motion(FlockState):
     """How agents act."""
     threads: int
     next_id: int
+    ranks: Any = 1
+    """Processes that share a tick, or a client of Dask whose workers do."""
     interpret: bool = False
     """Whether the model runs as plain Python, slowly, with `print` and `pdb`."""
     context: Context
     """What every agent goes by: the compiled parameters, kind of noise and reach."""
     passing: str
     """The setting with which agents go through what is solid here, or an empty string."""
-    split_from: int = SPLIT_FROM
-    """Agents from which on a tick is shared among threads."""
-    _engine: SynchronousEngine | PairEngine | SequentialEngine | None
+    split_from: int | None = None
+    """Agents from which on a tick is shared among threads; None: as it is worth it."""
+    _engine: SynchronousEngine | PairEngine | SequentialEngine | StripEngine | None
     _wind: Wind
     _acted: set[int]
     """Rows that have stepped in a tick that is not over."""
@@ -92,16 +102,43 @@ class Motion(FlockState):
     @property
     def loop(self) -> ModuleType:
         """The module of the compiled loop."""
-        world_kind = self.world.dim, self.world.is_solid
-        how = self.of_pairs, self.options.is_windy, self.nearest > 0
-        return loop_of(self.model, *world_kind, *how)
+        return loop_of(self.model, *self._loop_kind)
 
     @property
-    def engine(self) -> SynchronousEngine | PairEngine | SequentialEngine:
-        """The compiled loop over these arrays."""
+    def _loop_kind(self) -> tuple[int, bool, bool, bool, bool]:
+        """What `loop_of` asks for beside the model."""
+        world_kind = self.world.dim, self.world.is_solid
+        return *world_kind, self.of_pairs, self.options.is_windy, self.nearest > 0
+
+    @property
+    def engine(self) -> SynchronousEngine | PairEngine | SequentialEngine | StripEngine:
+        """The compiled loop over these arrays. Raises InputError where ranks cannot share it."""
         if self._engine is None:
-            self._engine = self._make_engine(self.arrays)
+            engine = self._make_engine(self.arrays)
+            if self.ranks != 1:
+                self._demand_strips()
+                assert isinstance(engine, SynchronousEngine | PairEngine)
+                build = partial(named_loop, self.model.name, *self._loop_kind)
+                stride = longest_stride(self.model, self.parameters, self.world, self.options)
+                self._engine = StripEngine(engine, self.processes, build, stride)
+            else:
+                self._engine = engine
         return self._engine
+
+    @cached_property
+    def processes(self) -> RankProcesses:
+        """The processes of its ranks, begun when first asked for."""
+        return RankProcesses(self.ranks)
+
+    def _demand_strips(self) -> None:
+        """Raise InputError where ranks cannot share a tick of this flock."""
+        reason = reason_for_one_process(self.model, self.nearest, self.options)
+        if self.interpret or DISABLED:
+            reason = "plain Python runs in one process"
+        if self.threads > 1:
+            reason = f"threads = {self.threads}, and each rank has one thread"
+        if reason:
+            raise InputError(f"ranks are not allowed here: {reason}")
 
     def _make_engine(self, arrays: Arrays) -> SynchronousEngine | PairEngine | SequentialEngine:
         space = Space(
@@ -116,9 +153,10 @@ class Motion(FlockState):
             module = delayed_module(self.loop)
             return DelayedEngine(module, arrays, place, self.seed, late, self.call)
         if self.options.activation == "synchronous":
-            split = not self.interpret and len(arrays.ids) >= self.split_from
-            threads = self.threads if split else 1
             engine = PairEngine if self.of_pairs else SynchronousEngine
+            split_from = self.split_from or (pair_runner if self.of_pairs else runner).SPLIT_FROM
+            split = not self.interpret and len(arrays.ids) >= split_from
+            threads = self.threads if split else 1
             return engine(self.loop, arrays, place, self.seed, threads, self.call)
         is_random = self.options.activation == "random"
         return SequentialEngine(
@@ -233,7 +271,8 @@ class Motion(FlockState):
             self._end_tick()
             self._engine = None
         self._make_past()
-        if self._engine is not None and self.sight > self._engine.surroundings.reach:
+        is_near_sighted = self._engine is not None and self.sight > self._engine.surroundings.reach
+        if is_near_sighted or isinstance(self._engine, StripEngine):  # strides may be longer
             self._engine = None
 
     def change_world(self, world: World) -> None:
@@ -382,6 +421,11 @@ def pad_to_space(values: Sequence[float] | np.ndarray, kind: type) -> np.ndarray
     vector: np.ndarray = np.zeros(3, kind)
     vector[: len(values)] = values
     return vector
+
+
+def named_loop(name: str, *kind: Any) -> ModuleType:
+    """The same of a model by name, as another process asks for it."""
+    return loop_of(catalogue.model(name), *kind)
 
 
 @cache

@@ -23,6 +23,7 @@ from agents.observables.catalogue import OBSERVABLES, telling_observables
 from agents.observables.observable import Range
 from agents.observables.of_rows import empty_cells, groups, layers
 from agents.state.start import free_positions
+from agents.strips.strip_engine import StripEngine
 from agents.web_draws import (
     DRAWS,
     can_begin_anew,
@@ -280,6 +281,8 @@ def demand_possible(flock: Flock) -> None:
         )
     if not len(flock.ids):
         raise InputError("a page needs at least one agent")
+    if flock.ranks != 1:
+        raise InputError("a page runs in one process: make it of a flock without ranks")
 
 
 def first_call(flock: Flock) -> CallStopped:
@@ -289,6 +292,7 @@ def first_call(flock: Flock) -> CallStopped:
         raise CallStopped(function, arguments)
 
     engine = flock.engine
+    assert not isinstance(engine, StripEngine)
     called, engine.called = engine.called, stop
     try:
         flock.advance(1)

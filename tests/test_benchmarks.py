@@ -107,15 +107,54 @@ def test_scaling_prints_and_draws_all_sweeps(tmp_path):
     few = ("--largest", "100", "--rounds", "1", "--turn", "0")
     drawn = tmp_path / "scaling.svg"
     said = json.loads(printed("scaling.py", *few, "--json", "--picture", str(drawn)))
-    rules = {"vem", "couzin", "hwvem", "reynolds", "guarded"}
+    rules = {"vem", "couzin", "hwvem", "boundary-points", "reynolds", "guarded"}
     names = {sweep: {one["name"] for one in points} for sweep, points in said["sweeps"].items()}
     assert rules <= names["agents"]
     assert rules <= names["density"]
-    assert names["obstacles"] == rules - {"vem", "hwvem"} | {"hwvem-nav", "boundary-points"}
+    assert names["obstacles"] == rules - {"vem", "hwvem"} | {"hwvem-nav"}
+    assert names["gathering"] == {"couzin"}
     assert all(one["least"] > 0 for points in said["sweeps"].values() for one in points)
     assert [one["pairs"] for one in said["pairs"]] == [100 * 99] * 4
-    assert 0 < said["bytes_per_agent"]["arrays"] < said["bytes_per_agent"]["with_mesa_agents"]
+    arrays, members = said["bytes_per_agent"].values()
+    assert 0 < arrays < members
     assert "Over neighbours" in drawn.read_text()
+
+
+def test_scaling_prints_one_part_and_says_where_a_knee_is():
+    from scaling import knees
+    from sweeps import Point
+
+    lines = printed("scaling.py", "--only", "gathering", "--quick", "--turn", "0").splitlines()
+    assert lines[0] == "ns per agent-step over ticks in which 1,000 agents gather"
+    near = [float(number) for number in lines[3].split()[2:]]
+    assert near == sorted(near)
+    assert near[-1] > 5 * near[0]
+    points = [
+        Point("vem", n, n, cost, cost, None) for n, cost in ((100, 99), (1000, 10), (10000, 12))
+    ]
+    assert knees(points) == ["vem: no knee, at most 1.20 times the least, at 10,000"]
+    points.append(Point("vem", 100_000, 100_000, 14.0, 14.0, None))
+    assert knees(points) == ["vem: a knee, at most 1.40 times the least, at 100,000"]
+
+
+def test_ranks_are_measured_and_needs_are_those_of_the_engine():
+    pytest.importorskip("distributed", reason="the extra cluster is not installed")
+    from ranks import HELD, MESSAGE, Needs, flock
+
+    from agents.strips.strip_engine import StripEngine, longest_stride
+
+    lines = printed("ranks.py", "--quick").splitlines()
+    assert lines[3] == "the same bits: yes"
+    assert lines[-2:] == [Needs(10**8, 16).line(), Needs(10**9, 100).line()]
+    few = flock(4_000, 1)
+    rows = sum(column.itemsize * column.size for column in few.arrays) / 4_000 + 8
+    assert rows == MESSAGE
+    slots = sum(column.itemsize * column.size for column in few.engine.slots) / 4_000
+    assert rows + slots == pytest.approx(HELD, rel=1e-2)
+    stride = longest_stride(few.model, few.parameters, few.world, few.options)
+    engine = StripEngine(few.engine, None, None, stride)
+    engine.ranks = [None] * 5
+    assert engine.ticks_together(few.context) == Needs(4_000, 5).together
 
 
 def test_a_tick_that_would_last_too_long_is_left_out_with_a_word():

@@ -16,6 +16,15 @@ BEFORE_SWEEP = ALL_PHASES & ~SWEEP
 """Everything before the first decision."""
 
 
+WIDE_FROM = 2**31
+"""Rows, slots and cells are numbered by int32 below so many agents, by int64 from there on."""
+
+
+def index_type(n: int) -> type[np.signedinteger[Any]]:
+    """What the rows of n agents are numbered by: narrow where it can be, which is less to read."""
+    return np.int32 if n < WIDE_FROM else np.int64
+
+
 class Arrays(NamedTuple):
     """The flock: one row per agent."""
 
@@ -39,10 +48,10 @@ class Arrays(NamedTuple):
 
 def empty_slots(n: int, dim: int, signals: int, speeds: bool) -> Slots:
     """Empty arrays for a sorted copy of n agents, with their speeds or without."""
-    n3 = n if dim == 3 else 0
+    n3, index = n if dim == 3 else 0, index_type(n)
     return Slots(
-        np.zeros(n, np.int32),
-        np.zeros(n, np.int32),
+        np.zeros(n, index),
+        np.zeros(n, index),
         np.empty(n),
         np.empty(n),
         np.empty(n3),
@@ -51,7 +60,7 @@ def empty_slots(n: int, dim: int, signals: int, speeds: bool) -> Slots:
         np.empty(n3),
         np.empty(n if speeds else 0),
         np.empty((signals, n)),
-        np.zeros(n if signals else 0, np.int32),
+        np.zeros(n if signals else 0, index),
     )
 
 
@@ -91,7 +100,7 @@ class Workspace(NamedTuple):
     apart: np.ndarray
     """Squares of the distances of the block's agents, (capacity,)."""
     chosen: np.ndarray
-    """Which of the block are within reach, int32 (capacity,)."""
+    """Which of the block are within reach, `index_type` (capacity,)."""
     mine: np.ndarray
     """One agent's signals as it reads them, (K,), and as it writes them."""
     out: np.ndarray
@@ -120,7 +129,7 @@ def empty_workspace(
         np.zeros((7 + 1, capacity)),
         np.zeros((signals + 1, capacity)),
         np.zeros(capacity),
-        np.zeros(capacity, np.int32),
+        np.zeros(capacity, index_type(capacity)),
         np.zeros(signals),
         np.zeros(signals),
         np.zeros(private),
@@ -133,14 +142,15 @@ def empty_workspace(
 
 def empty_grid(n: int, parts: int) -> CellGrid:
     """An empty grid with as many cells as are worth having for n agents."""
-    capacity = max(64, n) + 2
+    capacity, index = max(64, n) + 2, index_type(n)
     return CellGrid(
         np.zeros(3),
         np.zeros(3),
         np.zeros(3),
         np.ones(3, np.int64),
-        np.zeros(capacity, np.int32),
-        np.zeros((parts, capacity), np.int32),
+        np.zeros(capacity, index),
+        np.zeros((parts, capacity), index),
+        np.array([[np.inf] * 3, [-np.inf] * 3]),
     )
 
 

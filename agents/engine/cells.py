@@ -47,18 +47,21 @@ class CellGrid(NamedTuple):
     shape: np.ndarray
     """Cells along each axis, int64 (3,)."""
     start: np.ndarray
-    """First slot of each cell, int32 (cells + 2 or more,). Crashed agents are in the last."""
+    """First slot of each cell, (cells + 2 or more,), of `agents.engine.arrays.index_type`. Crashed
+    agents are in the last."""
     tally: np.ndarray
-    """Agents of each part and cell while sorting, int32 (parts, cells + 2 or more)."""
+    """Agents of each part and cell while sorting, `index_type` (parts, cells + 2 or more)."""
+    corners: np.ndarray
+    """What the cells span at least along open axes, float64 (2, 3): of a strip, the whole flock."""
 
 
 class Slots(NamedTuple):
     """The agents sorted by cell: a frozen copy of the flock at the start of the tick."""
 
     cell: np.ndarray
-    """Cell of each row, int32 (N,)."""
+    """Cell of each row, `index_type` (N,)."""
     row: np.ndarray
-    """Row of each slot, int32 (N,)."""
+    """Row of each slot, `index_type` (N,)."""
     x: np.ndarray
     y: np.ndarray
     z: np.ndarray
@@ -71,7 +74,7 @@ class Slots(NamedTuple):
     signal: np.ndarray
     """Shape (K, N)."""
     queue: np.ndarray
-    """Space for a list of slots, int32 (N,); empty for rules without signals."""
+    """Space for a list of slots, `index_type` (N,); empty for rules without signals."""
 
 
 @compiled
@@ -85,8 +88,8 @@ def plan(grid, space, reach, position):
             grid.origin[axis] = 0.0
             grid.extent[axis] = space.size[axis]
         else:
-            low = math.inf
-            high = -math.inf
+            low = grid.corners[0, axis]
+            high = grid.corners[1, axis]
             for i in range(n):
                 low = min(low, position[i, axis])
                 high = max(high, position[i, axis])

@@ -30,6 +30,9 @@ ONE = np.uint64(1)
 DRAWS = np.uint64(16)
 """Draws reserved for each agent and tick: 0 to 3 are the engine's, 4 to 15 a rule's own."""
 
+AT_ONCE = 65_536
+"""Agents that are drawn for together, so that a large flock needs no more memory to start than to
+run."""
 BEYOND = 2**60
 """No run comes to this tick. From it on ticks stand for what is drawn beside the ticks of a run, so
 that no number is drawn twice: see `ORDERS`, `GUSTS` and `agents.state.start.FIRST`."""
@@ -73,10 +76,14 @@ def uniform_numbers(
     seed: int, tick: int, ids: np.ndarray, draws: int, first: int = 0
 ) -> np.ndarray:
     """What `uniform` gives for agents (N,) and the draws from `first` on, (N, draws)."""
+    numbers = np.empty((len(ids), draws))
     with plain_python():
-        draw = np.arange(first, first + draws, dtype=np.uint64)
-        counter = ids.astype(np.uint64)[:, None] * DRAWS + draw
-        return (mix(tick_key(seed, tick) + counter * GOLDEN) >> S11) * 2.0**-53
+        key, draw = tick_key(seed, tick), np.arange(first, first + draws, dtype=np.uint64)
+        for begin in range(0, len(ids), AT_ONCE):
+            some = slice(begin, begin + AT_ONCE)
+            counter = ids[some].astype(np.uint64)[:, None] * DRAWS + draw
+            numbers[some] = (mix(key + counter * GOLDEN) >> S11) * 2.0**-53
+    return numbers
 
 
 @compiled

@@ -17,10 +17,8 @@ from worlds.queries.crossing import skin
 from worlds.queries.surroundings import Surroundings, signed_distance
 from worlds.world import World
 
-MOST_AGENTS = 2**31 - 1
-"""Rows are numbered by int32."""
-BYTES = 200
-"""Of an agent: its arrays, their sorted copy, and what its start is drawn from."""
+BYTES = 135
+"""Of an agent in space: its arrays, their sorted copy, a cell. In a plane 97, at a start less."""
 BYTES_OF_A_SIGNAL = 16
 """Of each signal or memory of an agent, and its copy."""
 BYTES_OF_A_THREAD = 4
@@ -29,8 +27,6 @@ BYTES_OF_A_THREAD = 4
 
 def demand_memory_for(model: Model, agents: int, threads: int) -> None:
     """Refuse more agents than can be. Raises InputError naming how much memory they would need."""
-    if agents > MOST_AGENTS:
-        raise InputError(f"agents = {agents} is not allowed: the largest is {MOST_AGENTS}")
     each = BYTES + BYTES_OF_A_SIGNAL * len(model.columns) + BYTES_OF_A_THREAD * threads
     demand_memory(f"agents = {agents}", float(agents) * each)
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from agents.engine.noise import BEYOND, uniform_numbers
+from agents.engine.noise import AT_ONCE, BEYOND, uniform_numbers
 from worlds.checks import demand_free, demand_in_box
 from worlds.input_error import InputError, unknown
 from worlds.mission import Mission, StartRegion
@@ -51,13 +51,17 @@ def start_gap(body: Any) -> Callable[[Any], float] | None:
 
 def random_headings(seed: int, ids: np.ndarray, dim: int) -> np.ndarray:
     """Unit vectors of agents (N,), uniform on the circle or the sphere, (N, dim)."""
-    chance = uniform_numbers(seed, FIRST, ids, dim - 1)
-    angle = 2.0 * np.pi * chance[:, 0]
-    flat = np.column_stack([np.cos(angle), np.sin(angle)])
-    if dim == 2:
-        return flat
-    z = 2.0 * chance[:, 1:] - 1.0
-    return np.hstack([np.sqrt(1.0 - z * z) * flat, z])
+    heading = np.empty((len(ids), dim))
+    for begin in range(0, len(ids), AT_ONCE):
+        some = slice(begin, begin + AT_ONCE)
+        chance = uniform_numbers(seed, FIRST, ids[some], dim - 1)
+        angle = 2.0 * np.pi * chance[:, 0]
+        heading[some, 0], heading[some, 1] = np.cos(angle), np.sin(angle)
+        if dim == 3:
+            z = 2.0 * chance[:, 1] - 1.0
+            heading[some, :2] *= np.sqrt(1.0 - z * z)[:, None]
+            heading[some, 2] = z
+    return heading
 
 
 def goal_heading(dim: int) -> np.ndarray:
@@ -88,15 +92,13 @@ def random_start(
     """
     mission, n = world.mission, agents + informed
     ids = np.arange(1, n + 1)
-    heading, speed = random_headings(seed, ids, world.dim), np.zeros(n)
     if mission is None or mission.start is None:
         low, size = np.array(world.low), np.array(world.size)
         first = free_positions(world, ids[:informed], seed)
         if not world.is_solid:
             first[:1] = 0.0
         others = free_positions(world, ids[informed:], seed, spacing or 0.0, gap)
-        position = np.concatenate([first, others])
-        heading[:informed] = goal_heading(world.dim)
+        position = np.concatenate([first, others]) if informed else others
     else:
         region = mission.start
         low, size = start_box(region, n)
@@ -105,18 +107,24 @@ def random_start(
         else:
             gap = max(gap, spacing)
         position = spread(world, low, size, ids, spacing, seed, gap)
+    order = np.arange(n)
+    order[informed:] = informed + along_space(position[informed:], low, size)
+    # Headings follow the order, so that a large flock never has both of two sets in memory.
+    position = position[order]
+    heading, speed = random_headings(seed, order + 1, world.dim), np.zeros(n)
+    if mission is None or mission.start is None:
+        heading[:informed] = goal_heading(world.dim)
+    else:
+        region = mission.start
         if region.speed_low is not None and region.speed_high is not None:
-            chance = uniform_numbers(seed, FIRST, ids, world.dim, SPEED)
+            chance = uniform_numbers(seed, FIRST, order + 1, world.dim, SPEED)
             slow, fast = np.array(region.speed_low), np.array(region.speed_high)
             velocity = chance * (fast - slow) + slow
             speed = np.linalg.norm(velocity, axis=1)
             moves = speed > 0.0
             heading[moves] = velocity[moves] / speed[moves, None]
         heading[:informed] = mission_headings(mission, position[:informed])
-    order = np.arange(n)
-    order[informed:] = informed + along_space(position[informed:] - low, size)
-    is_informed = np.arange(n) < informed
-    return Start(position[order], heading[order], is_informed, speed[order], order)
+    return Start(position, heading, np.arange(n) < informed, speed, order)
 
 
 def mission_headings(mission: Mission, position: np.ndarray) -> np.ndarray:
@@ -171,7 +179,12 @@ def try_positions(
     position = np.zeros((len(ids), world.dim))
     for attempt in range(1, TRIES + 2):
         chance = uniform_numbers(seed, FIRST + attempt, ids[is_bad], world.dim)
-        position[is_bad] = chance * size + low
+        chance *= size
+        chance += low
+        if is_bad.all():
+            position = chance
+        else:
+            position[is_bad] = chance
         is_bad = np.zeros(len(ids), bool)
         if world.is_solid:
             is_bad |= clearance(world, position) <= gap
@@ -206,12 +219,16 @@ def start_box(region: StartRegion, n: int) -> tuple[np.ndarray, np.ndarray]:
     return low, np.full(len(low), (n / region.density) ** (1.0 / len(low)))
 
 
-def along_space(position: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """An order of the rows in which near agents are near each other: by strips of the box."""
+def along_space(position: np.ndarray, low: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """An order of the rows in which near agents are near each other: by strips of the box at
+    `low`."""
     n, dim = position.shape
     strips = max(1.0, (n / 4.0) ** (1.0 / dim))
-    cell = np.floor(position / size * strips)
-    return np.lexsort(cell.T)
+    cells = [
+        np.floor((position[:, axis] - low[axis]) / size[axis] * strips).astype(np.int32)
+        for axis in range(dim)
+    ]
+    return np.lexsort(cells)
 
 
 def given_start(world: World, arrays: Mapping[str, Any], passing: bool = False) -> Start:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
@@ -63,7 +63,10 @@ def run(
     settings: Settings = None,
     ticks: Ticks = None,
     seconds: Seconds = None,
-    threads: Annotated[int, typer.Option(help="Threads, used from 10 000 agents on.")] = 1,
+    threads: Annotated[int, typer.Option(help="Threads, used from 10 000 or 20 000 agents on.")] = 1,
+    ranks: Annotated[
+        int, typer.Option(help="Processes that share each tick, for large flocks; same numbers.")
+    ] = 1,
     interpret: Annotated[
         bool,
         typer.Option("--interpret", help="Run the model as plain Python, with print and pdb."),
@@ -126,12 +129,13 @@ def run(
     if is_file(model):
         spec, state, model = split_spec_and_state(model or "", spec, state)
     model = model if spec or state else first_of(model, rule)
+    runs_how = {"threads": threads, "ranks": ranks, "interpret": interpret}
     if state:
         flock = load_flock(
-            state, spec, {"model": model, **options}, settings or [], threads, interpret, quiet
+            state, spec, {"model": model, **options}, settings or [], runs_how, quiet
         )
     else:
-        flock = build_flock(spec, model, options, settings or [], threads, interpret, quiet)
+        flock = build_flock(spec, model, options, settings or [], runs_how, quiet)
     body = flock.model.body
     length = ticks_asked(ticks, seconds, flock.model.name, body.unit, flock.dt)
     length = DEFAULT_TICKS if length is None else length
@@ -225,8 +229,7 @@ def build_flock(
     model: str | None,
     options: GivenOptions,
     settings: list[str],
-    threads: int,
-    interpret: bool,
+    runs_how: dict[str, Any],
     quiet: bool,
 ) -> Flock:
     """The flock of a spec and options. Raises InputError."""
@@ -237,7 +240,7 @@ def build_flock(
     if beside and not quiet:
         print_stderr(f"flockscope: {beside}, which {file} shows beside it, is not run")
     with origins.naming_origins():
-        flock = Flock(spec, threads=threads, interpret=interpret)
+        flock = Flock(spec, **runs_how)
     if not quiet:
         tell_versions("the spec was written", spec, flock)
     return flock
@@ -258,8 +261,7 @@ def load_flock(
     spec: Path | None,
     options: GivenOptions,
     settings: list[str],
-    threads: int,
-    interpret: bool,
+    runs_how: dict[str, Any],
     quiet: bool,
 ) -> Flock:
     """The flock of a saved state, with `--set` changing its parameters. Raises InputError."""
@@ -271,7 +273,7 @@ def load_flock(
                 f"{option_name(name)} {value} cannot be given with {state}, which says it already"
             )
     parameters, origins = read_settings(settings)
-    flock = Flock.load(state, threads=threads, interpret=interpret)
+    flock = Flock.load(state, **runs_how)
     if not quiet:
         tell_versions("the state was saved", flock.options, flock)
     with origins.naming_origins():
@@ -310,6 +312,7 @@ def exit_stopped(
         line += f"written: {', '.join(files)}; "
     again = ["flockscope", "run", "--ticks", str(last - flock.tick)]
     again += ["--threads", str(flock.threads)] if flock.threads > 1 else []
+    again += ["--ranks", str(flock.ranks)] if flock.ranks > 1 else []
     if record and record.suffix.lower() != SHEET:
         again += ["--every", str(every)] if every > 1 else []
         part = record.with_name(f"{record.stem}-from-{flock.tick}{record.suffix}")

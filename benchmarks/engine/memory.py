@@ -8,7 +8,10 @@ from __future__ import annotations
 import argparse
 import gc
 import math
+import multiprocessing
 import os
+import resource
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from agents import Flock
@@ -36,6 +39,22 @@ def bytes_per_agent(n: int) -> tuple[float, float]:
     return (arrays - empty) / n, (members - empty) / n
 
 
+def peak_per_agent(n: int) -> float:
+    """Bytes of an agent at most while a flock is built and run, over what a small one needs.
+
+    To be called in a process that has done nothing else.
+    """
+    Flock("vem", agents=100, rng=1).run(1)
+    empty = peak()
+    Flock("vem", agents=n, size=math.sqrt(n / 4.0), eta=0.3, rng=1).run(2)
+    return (peak() - empty) / n
+
+
+def peak() -> int:
+    """Memory of this process that was in RAM at most, bytes (Linux)."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
 def main() -> None:
     """Measure and print."""
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -45,6 +64,9 @@ def main() -> None:
     print(f"{n:,} agents in 2-D")
     print(f"arrays only, agents made on demand: {arrays:6.0f} bytes per agent")
     print(f"with every Mesa agent made:         {members:6.0f} bytes per agent")
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as fresh:
+        most = fresh.submit(peak_per_agent, n).result()
+    print(f"arrays only, at most:               {most:6.0f} bytes per agent")
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
-"""How cost grows: CPU time of an agent-step over agents, density, neighbours and obstacles.
+"""How cost grows: an agent-step over agents, density, neighbours, obstacles and threads; memory.
 
-    uv run --group bench python benchmarks/engine/scaling.py [--quick] [--picture scaling.png]
+    uv run --group bench python benchmarks/engine/scaling.py [--quick] [--only PART] [--picture PNG]
 
-One thread, least of several rounds in which all who meet the same value take turns. Nobody is run
-where a tick would last longer than `--longest`. Neighbours are those that each density brings: a
-longer range is a denser flock in other units.
+CPU time of one thread, but of threads wall time; least of several rounds in which all who meet the
+same value take turns. Nobody is run where a tick would last longer than `--longest`. Neighbours are
+those that each density brings: a longer range is a denser flock in other units. A knee is where an
+agent costs more than 1.3 times the least over agents. `--only` measures some of it.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import argparse
 import json
 import multiprocessing
 import sys
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
@@ -20,12 +22,17 @@ from pathlib import Path
 import memory
 from pairs import MODELS, Pairs, pairs
 from scaling_picture import draw
-from sweeps import AMONG, MANY, Point, Sweep, all_sweeps, run
+from sweeps import AMONG, HOMES, MANY, Point, Sweep, all_sweeps, run
 from turns import with_progress
 
-SIZES = (100, 1_000, 10_000, 100_000, 1_000_000, 4_000_000)
+SIZES = (100, 1_000, 10_000, 100_000, 1_000_000, 4_000_000, 10_000_000)
+PARTS = ("agents", "density", "obstacles", "gathering", "threads", "pairs", "memory")
+KNEE = 1.3
+"""Times the least cost of an agent-step over agents from which on it is a knee."""
+FEW = 1_000
+"""Agents from which on it counts: smaller flocks share the cost of a call among few."""
 LEAST_HELD, MOST_HELD = 100_000, 1_000_000
-"""Agents whose memory is measured."""
+"""Agents whose memory is measured, and at most with all of Mesa's agents."""
 
 
 def table(sweep: Sweep, points: list[Point], left_out: list[str]) -> str:
@@ -48,6 +55,19 @@ def table(sweep: Sweep, points: list[Point], left_out: list[str]) -> str:
     return "\n".join([*lines, *(f"left out: {name}" for name in left_out)])
 
 
+def knees(points: list[Point]) -> list[str]:
+    """For each of our models what an agent costs at most over agents, in times the least."""
+    lines = []
+    for name in HOMES:
+        costs = {p.value: p.least for p in points if p.name == name and p.value >= FEW}
+        if len(costs) > 1:
+            value, most = max(costs.items(), key=lambda item: item[1])
+            times = most / min(costs.values())
+            verdict = "a knee" if times > KNEE else "no knee"
+            lines.append(f"{name}: {verdict}, at most {times:.2f} times the least, at {value:,}")
+    return lines
+
+
 def row(numbers: dict[float, float], sweep: Sweep) -> str:
     """A number in each column that has one."""
     return "".join(
@@ -64,10 +84,20 @@ def table_of_pairs(rows: list[Pairs]) -> str:
     return "\n".join(lines)
 
 
-def bytes_per_agent(agents: int) -> tuple[float, float]:
-    """See `memory.py`; in a process of its own."""
+def in_fresh_process[Answer](measure: Callable[[int], Answer], agents: int) -> Answer:
+    """What `memory.py` measures, in a process of its own."""
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as fresh:
-        return fresh.submit(memory.bytes_per_agent, agents).result()
+        return fresh.submit(measure, agents).result()
+
+
+def measured_memory(largest: int) -> dict[str, float]:
+    """Bytes of an agent of vem in a plane, by what they are of."""
+    some = max(LEAST_HELD, min(largest, MOST_HELD))
+    arrays, members = in_fresh_process(memory.bytes_per_agent, some)
+    held = {f"{some:,} agents": arrays, f"{some:,} agents, each one of Mesa's": members}
+    for agents in (n for n in SIZES if MOST_HELD <= n <= largest):
+        held[f"{agents:,} agents, at most"] = in_fresh_process(memory.peak_per_agent, agents)
+    return held
 
 
 def main() -> None:
@@ -77,23 +107,30 @@ def main() -> None:
     arguments.add_argument("--largest", type=int, default=SIZES[-1], help="agents at most")
     arguments.add_argument("--rounds", type=int, default=7)
     arguments.add_argument("--turn", type=float, default=0.1, help="seconds of a turn, about")
-    arguments.add_argument("--longest", type=float, default=3.0, help="seconds of a tick at most")
+    arguments.add_argument("--longest", type=float, default=8.0, help="seconds of a tick at most")
+    arguments.add_argument("--only", action="append", choices=PARTS, help="measure this alone")
     arguments.add_argument("--picture", type=Path, help="PNG or SVG to draw")
     arguments.add_argument("--json", action="store_true", help="print JSON")
     options = arguments.parse_args()
     rounds = min(options.rounds, 3) if options.quick else options.rounds
     largest = min(options.largest, MANY) if options.quick else options.largest
     many, among = min(MANY, largest), min(AMONG, largest)
+    parts = options.only or PARTS
+    if options.picture and not {"agents", "density", "obstacles"} <= {*parts}:
+        arguments.error("--picture draws agents, density and obstacles: measure all three")
     sweeps = all_sweeps([n for n in SIZES if n <= largest], many, among)
+    sweeps = {name: sweep for name, sweep in sweeps.items() if name in parts}
     points: dict[str, list[Point]] = {}
     left_out: dict[str, list[str]] = {}
     for name, sweep in sweeps.items():
         points[name], left_out[name] = run(sweep, rounds, options.turn, options.longest, name)
         if not options.json:
-            print(table(sweep, points[name], left_out[name]), end="\n\n", flush=True)
-    rows = [pairs(model, among, rounds) for model in with_progress(MODELS, "pairs")]
-    held_agents = max(LEAST_HELD, min(largest, MOST_HELD))
-    arrays, members = bytes_per_agent(held_agents)
+            more = knees(points[name]) if name == "agents" else []
+            print("\n".join([table(sweep, points[name], left_out[name]), *more]), end="\n\n")
+            sys.stdout.flush()
+    of_pairs = MODELS if "pairs" in parts else ()
+    rows = [pairs(model, among, rounds) for model in with_progress(of_pairs, "pairs")]
+    held = measured_memory(largest) if "memory" in parts else {}
     if options.picture:
         draw(sweeps, points, options.picture)
     if options.json:
@@ -104,16 +141,15 @@ def main() -> None:
                 },
                 "left_out": left_out,
                 "pairs": [asdict(row) for row in rows],
-                "bytes_per_agent": {"arrays": arrays, "with_mesa_agents": members},
+                "bytes_per_agent": held,
             },
             sys.stdout,
         )
         return
-    print(table_of_pairs(rows))
-    print(
-        f"\nbytes per agent, {held_agents:,} agents: {arrays:.0f}, "
-        f"with every Mesa agent {members:.0f}"
-    )
+    if rows:
+        print(table_of_pairs(rows), end="\n\n")
+    for what, size in held.items():
+        print(f"bytes per agent, {what}: {size:.0f}")
 
 
 if __name__ == "__main__":

@@ -14,8 +14,8 @@ from sweeps import HOMES, SEEING, Point, Sweep
 
 from app.figure import LOOK, write_figure
 
-COLOURS = ("#2166ac", "#b07d12", "#1f9d63", "#c0392b", "#8e44ad", "#e08214")
-COLOUR = dict(zip([*HOMES, "boundary-points"], COLOURS, strict=True))
+COLOURS = ("#2166ac", "#b07d12", "#1f9d63", "#e08214", "#c0392b", "#8e44ad")
+COLOUR = dict(zip(HOMES, COLOURS, strict=True))
 """Of a model; on a mission it keeps that of its rule."""
 GREY, DASHES = "#6b747e", ("--", ":", "-.")
 STYLE: dict[str, dict[str, Any]] = {

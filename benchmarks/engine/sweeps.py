@@ -47,9 +47,14 @@ HOMES = {
     "vem": Home(DENSITY, words={"r": R, "v0": V0, "eta": ETA}),
     "couzin": Home(100 / 40.0**3, 3),
     "hwvem": Home(DENSITY),
+    "boundary-points": Home(0.1),
     "reynolds": Home(0.2),
     "guarded": Home(50 / 24.0**3, 3),
 }
+SHARED = ("vem", "hwvem", "boundary-points")
+"""Models whose ticks threads share: a sum over pairs, and two that are given blocks."""
+GATHERS = "couzin"
+"""A model whose agents gather: they come to have more and more neighbours."""
 SEEING = ("couzin", "hwvem-nav", "reynolds", "boundary-points", "guarded")
 """Models that see, or run into, obstacles in the plane."""
 
@@ -77,6 +82,8 @@ class Sweep:
     makers: Mapping[str, Maker]
     agents: Callable[[float], float]
     """How many agents there are at a value, to say beforehand how long it lasts."""
+    clock: str = "cpu"
+    """What its costs are of: CPU time, or `wall`, which threads are to shorten."""
 
 
 @dataclass
@@ -87,7 +94,7 @@ class Point:
     value: float
     agents: int
     least: float
-    """Nanoseconds of CPU time."""
+    """Nanoseconds by the clock of the sweep."""
     median: float
     neighbours: float | None
 
@@ -106,6 +113,28 @@ def crowded_flocks(model: str, agents: int) -> Maker:
 
     def make(density: float) -> Made:
         flock = HOMES[model].flock(model, agents, density)
+        return Made(agents, flight_of(flock), flock.observe("mean-neighbours"))
+
+    return make
+
+
+def shared_flocks(model: str, threads: int) -> Maker:
+    """More and more agents, whatever their number on so many threads."""
+
+    def make(agents: float) -> Made:
+        flock = HOMES[model].flock(model, int(agents))
+        flock.threads, flock.split_from = threads, 1
+        return Made(int(agents), flight_of(flock))
+
+    return make
+
+
+def gathered_flock(model: str, agents: int) -> Maker:
+    """As many agents, after more and more ticks in which they gather."""
+
+    def make(ticks: float) -> Made:
+        flock = HOMES[model].flock(model, agents)
+        flock.run(int(ticks))
         return Made(agents, flight_of(flock), flock.observe("mean-neighbours"))
 
     return make
@@ -143,6 +172,7 @@ def peer(name: str, agents: int | None = None) -> Maker:
 
 def all_sweeps(agents: Sequence[int], many: int, among: int) -> dict[str, Sweep]:
     """The sweeps by name, that over the number of agents with these."""
+    shared, most = (1_000, 3_000, 10_000, 20_000, 30_000, 100_000), max(agents)
     quick = [name for name, make in PEERS.items() if make is not mesa_boids]
     return {
         "agents": Sweep(
@@ -160,6 +190,21 @@ def all_sweeps(agents: Sequence[int], many: int, among: int) -> dict[str, Sweep]
             f"obstacles, {among:,} agents", "pillars", (1, 10, 30, 100, 300, 1000),
             {name: obstructed(name, among) for name in SEEING},
             lambda _: among,
+        ),
+        "gathering": Sweep(
+            f"ticks in which {among:,} agents gather", "ticks", (0, 500, 1_000, 1_500),
+            {GATHERS: gathered_flock(GATHERS, among)},
+            lambda _: among,
+        ),
+        "threads": Sweep(
+            "agents, on one thread and on two, wall time", "agents",
+            [n for n in shared if n <= most] or [most],
+            {
+                f"{name}, {threads} thread{'s'[: threads - 1]}": shared_flocks(name, threads)
+                for name in SHARED for threads in (1, 2)
+            },
+            lambda value: value,
+            "wall",
         ),
     }  # fmt: skip
 
@@ -197,5 +242,6 @@ def run(
         for home in turns:
             cost[home.name] = home.least()
             near = homes[home.name].neighbours
-            points.append(Point(home.name, value, home.agents, home.least(), home.median(), near))
+            least, median = home.least(sweep.clock), home.median(sweep.clock)
+            points.append(Point(home.name, value, home.agents, least, median, near))
     return points, [*left_out.values()]

@@ -11,6 +11,7 @@ from agents.engine.arrays import (
     EngineStopCondition,
     WorldContext,
     empty_grid,
+    index_type,
 )
 from agents.engine.cells import Slots
 from agents.engine.pairs import tick as pairs
@@ -18,14 +19,18 @@ from agents.engine.pairs.thread_barrier import BAD, STOP
 from agents.engine.runner import UNTRACED, Called, Team, at_once, refuse
 from agents.engine.vector_lanes import WIDTH
 
+SPLIT_FROM = 10_000
+"""Agents below which one thread is faster than several, which meet within compiled code."""
+
 
 def padded_slots(n: int, dim: int, speeds: bool) -> Slots:
     """Empty arrays for a sorted copy of n agents that is read eight at a time."""
     padded = n + WIDTH
     x, y, z, ux, uy, uz = (np.zeros(padded if axis % 3 < dim else 0) for axis in range(6))
-    cell, queue = np.zeros(n, np.int32), np.zeros(n, np.int32)
+    index = index_type(n)
+    cell, queue = np.zeros(n, index), np.zeros(n, index)
     speed = np.zeros(padded if speeds else 0)
-    row, signal = np.zeros(padded, np.int32)[:n], np.empty((0, n))
+    row, signal = np.zeros(padded, index)[:n], np.empty((0, n))
     return Slots(cell, row, x, y, z, ux, uy, uz, speed, signal, queue)
 
 

@@ -459,7 +459,7 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, table, context,
         else:
             moved = move_one(flock, space, surroundings, slots, at, lane, me, table, context)
         write_move(flock, space, row, to, moved)
-        slots.queue[to] = np.int32(row)
+        slots.queue[to] = row
 
 
 @compiled

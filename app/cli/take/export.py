@@ -132,7 +132,7 @@ def export(
         words = PageWords.of_scene(opened, f"flockscope export {chosen[0]} {scene or lesson}")
     else:
         name = None if spec else first_of(model_name(model), rule)
-        flock = build_flock(spec, name, options, settings or [], 1, False, quiet)
+        flock = build_flock(spec, name, options, settings or [], {}, quiet)
         words = PageWords() if spec is None else words_of_file(spec)
         second = None
     if beside is not None:

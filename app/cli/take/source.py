@@ -47,7 +47,7 @@ def flock_of(
     model = None if spec else first_of(model_name(what), rule)
     if spec is not None and not spec.exists():
         raise InputError(f"spec {str(spec)!r} cannot be read: there is no such file")
-    flock = build_flock(spec, model, options, settings, 1, False, quiet)
+    flock = build_flock(spec, model, options, settings, {}, quiet)
     if flock.warning and not quiet:
         print_stderr(f"flockscope: {flock.warning}")
     compile_loop(flock, None if quiet else print_stderr)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
 import hashlib
 import logging
 import os
@@ -17,10 +16,11 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import platformdirs
-from distributed import Reschedule, Scheduler, Worker, get_worker
+from distributed import Reschedule, Worker, get_worker
 from distributed.core import Status
 
 from agents.spec import versions
+from agents.strips.tls_cluster import TlsScheduler, TlsWorker, local_cluster, silence_dask
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.runs.database import Outcome
 from app.studies.workers.process_executor import ProcessExecutor
@@ -42,23 +42,6 @@ IDLE: dict[str, list[ProcessExecutor]] = {}
 """Processes that wait for the next chunk, by the job that they are for."""
 LOCK = threading.Lock()
 """Of `IDLE`: a worker of Dask may make several chunks at once, each on a thread."""
-
-
-class SweepScheduler(Scheduler):
-    """A scheduler that listens by TLS only.
-
-    Dask's own also serves pages and numbers by plain HTTP to whoever asks, dashboard or not.
-    """
-
-    def start_http_server(self, *_: Any, **__: Any) -> None:
-        """Open no server."""
-
-
-class SweepWorker(Worker):
-    """A worker that listens by TLS only, as its scheduler does."""
-
-    def start_http_server(self, *_: Any, **__: Any) -> None:
-        """Open no server."""
 
 
 def make(beginning: bytes, chunk: bytes, limit: float | None, like: dict[str, str]) -> bytes:
@@ -196,46 +179,6 @@ def open_cluster(cluster: Cluster, workers: int) -> Iterator[ClusterConnection]:
         yield connection
 
 
-def local_cluster(workers: int, security: Security) -> Any:
-    """Dask's cluster of processes of this machine, whose scheduler is in this one."""
-    from distributed import Nanny
-    from distributed.deploy.spec import SpecCluster, close_clusters
-
-    options: dict[str, Any] = {"host": "127.0.0.1", "protocol": "tls://", "security": security}
-    worker = {
-        "cls": Nanny,
-        "options": options
-        | {
-            "worker_class": SweepWorker,
-            "nthreads": 1,
-            "memory_limit": 1.0 / workers,
-            "silence_logs": logging.CRITICAL,
-        },
-    }
-    try:
-        return SpecCluster(
-            scheduler={"cls": SweepScheduler, "options": options | {"dashboard": False}},
-            workers=dict.fromkeys(range(workers), worker),
-            worker=worker,
-            security=security,
-            silence_logs=logging.CRITICAL,
-        )
-    except KeyboardInterrupt:
-        # Dask closes what is left as the interpreter ends: of a cluster that never was open it
-        # cannot, waits, and shows a traceback for the next Ctrl-C. Workers end with this process.
-        with suppress(Exception):
-            close_clusters()
-        atexit.unregister(close_clusters)
-        raise
-
-
-def silence_dask() -> None:
-    """Keep Dask's own lines, tracebacks among them, off the terminal: what matters is told."""
-    for name in [*logging.root.manager.loggerDict, "asyncio"]:
-        if name.startswith(("distributed", "dask_jobqueue", "asyncio")):
-            logging.getLogger(name).setLevel(logging.CRITICAL)
-
-
 def queue_of(cluster: Cluster, security: Security, faults: list[str]) -> Any:
     """Dask's cluster of jobs of a queue, whose scheduler is in this process."""
     import dask_jobqueue
@@ -255,7 +198,7 @@ def queue_of(cluster: Cluster, security: Security, faults: list[str]) -> Any:
                 faults.append(f"{self.submit_command}: {' '.join(words)}")
                 await ProcessInterface.start(self)
 
-    return base(job_cls=Job, scheduler_cls=SweepScheduler, **arguments(cluster, security))
+    return base(job_cls=Job, scheduler_cls=TlsScheduler, **arguments(cluster, security))
 
 
 def arguments(cluster: Cluster, security: Security) -> dict[str, Any]:
@@ -291,7 +234,7 @@ def arguments(cluster: Cluster, security: Security) -> dict[str, Any]:
             *("--lifetime", f"{lifetime}s", "--lifetime-stagger", f"{stagger}s"),
             *(ports if cluster.worker_ports else ()),
             "--no-dashboard",
-            *("--worker-class", f"{SweepWorker.__module__}.{SweepWorker.__name__}"),
+            *("--worker-class", f"{TlsWorker.__module__}.{TlsWorker.__name__}"),
         ],
         "scheduler_options": scheduler,
         "security": security,
