@@ -32,6 +32,7 @@ from app.viewer.run.simulation_limits import SimulationLimits
 from app.viewer.run.simulation_state import ChangeNotifier, SimulationState
 from app.viewer.run.stored_flock import InitialState
 from app.viewer.run.time_line import TimeLine
+from app.viewer.scene.shown.drawing_style import DENSITY_PERIOD, shows_density
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
 
@@ -216,6 +217,8 @@ class SimulationThread:
         self.stale = False
         now = self.clock()
         apart = self.keeping.frame_interval
+        if self.frame is not None and shows_density(self.frame):
+            apart = max(apart, DENSITY_PERIOD)
         # A tick that is a little early is not left out for it, or every other one would be; frames
         # that commands ask for put none off.
         self.next_frame = min(max(self.next_frame, now - 0.5 * apart), now) + apart
