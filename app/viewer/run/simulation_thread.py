@@ -144,6 +144,7 @@ class SimulationThread:
                     self.set_up()
                 self.look_for_kernels()
                 self.time_line.settle()
+                self.look_for_readings()
                 self.leave_frame()
                 if self.state.running and not self.keeping.wait:
                     self.run_due()
@@ -170,7 +171,7 @@ class SimulationThread:
         if self.next is not None:
             return self.keeping.wait
         now = self.clock()
-        looks = None if self.state.compiling is None else LOOK
+        looks = None if self.state.compiling is None and not self.measures_aside else LOOK
         runs = None
         if self.state.running and not self.waits_for_compiler:
             runs = max(self.pace.wait(now), self.keeping.wait)
@@ -356,6 +357,21 @@ class SimulationThread:
         self.state = replace(self.state, compiling=None, preview=False)
         self.pace.restart()
         self.stale = True
+
+    @property
+    def measures_aside(self) -> bool:
+        """Whether a flock that stands is measured aside, of which there will be news."""
+        run = self.run
+        return (
+            not self.state.running
+            and run is not None
+            and any(one.readings.is_large and not one.readings.aside.idle for one in run.both)
+        )
+
+    def look_for_readings(self) -> None:
+        """Leave a frame of a flock that stands once it has been measured."""
+        if self.measures_aside and self.run is not None:
+            self.stale |= any(one.readings.is_found for one in self.run.both)
 
     def renumber(self, run: FlockRun) -> None:
         """Make a run the next one: its frames have other agents than those before."""
