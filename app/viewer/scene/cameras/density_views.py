@@ -23,8 +23,8 @@ from app.viewer.scene.draw.density import (
     PlaneRegion,
     count_within,
     density_picture,
-    fill_extent,
     fill_rows_within,
+    flock_region,
     grid_shape,
 )
 from app.viewer.scene.draw.drawn_frame import Picture
@@ -59,16 +59,6 @@ def region_in_sight(camera: CameraHandle, picture: Picture, aside: np.ndarray) -
     away = np.where((away > 0.0) & (away < farthest), away, farthest)
     corners = picture.stage.world(eye + away[:, None] * ways)
     return PlaneRegion(tuple(corners.min(axis=0).tolist()), tuple(corners.max(axis=0).tolist()))
-
-
-def flock_region(picture: Picture) -> PlaneRegion:
-    """The world's box, and the flock where it has flown out of it."""
-    frame = picture.frame
-    corners = np.array([frame.low, frame.low + frame.size])
-    if not frame.wraps.all():
-        fill_extent(frame.position, corners)
-    low, high = corners.tolist()
-    return PlaneRegion((low[0], low[1]), (high[0], high[1]))
 
 
 class JpegFile(NamedTuple):
@@ -236,7 +226,7 @@ class DensityViews:
     def show(self, sights: tuple[Sight, ...]) -> None:
         """Draw a new frame."""
         self._dense = {
-            side: DenseFlock(sight, flock_region(sight.picture))
+            side: DenseFlock(sight, flock_region(sight.picture.frame))
             for side, sight in enumerate(sights)
             if sight.picture.shows_density
         }

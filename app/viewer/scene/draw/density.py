@@ -13,6 +13,7 @@ import numpy as np
 
 from agents.engine.cache import compile_to_disk
 from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.frame import Frame
 from worlds.compilation import compiled
 
 CELLS = 512
@@ -76,6 +77,15 @@ class DensityPicture:
     typical: float
     """The density that has half the strength: what an agent has around it on average, per length
     squared."""
+
+
+def flock_region(frame: Frame) -> PlaneRegion:
+    """The box of a flat world, and the flock where it has flown out of it."""
+    corners = np.array([frame.low, frame.low + frame.size])
+    if not frame.wraps.all():
+        fill_extent(frame.position, corners)
+    low, high = corners.tolist()
+    return PlaneRegion((low[0], low[1]), (high[0], high[1]))
 
 
 def density_picture(
