@@ -266,8 +266,9 @@ def watch_many(agents: int) -> None:
     time.sleep(SECONDS)
     cores, run, pictures, size = ((b - a) / SECONDS for a, b in zip(before, look(), strict=True))
     print(
-        f"{agents:9} {pictures:10.1f} {8e-6 * size:7.1f} {cores - run:8.2f} {run:10.2f} "
-        f"{reader.moved_at - began:11.1f} {start:6.1f}"
+        f"{agents:9} {pictures:10.1f} {8e-6 * size:7.1f} {1e-3 * size / pictures:8.0f}"
+        f" {cores - run:8.2f} {run:6.2f} {1e3 * (cores - run) / pictures:8.0f}"
+        f" {reader.moved_at - began:8.1f} {start:6.1f}"
     )
     parent_end.send(False)
     server.join(10)
@@ -275,8 +276,8 @@ def watch_many(agents: int) -> None:
 
 def main_many() -> None:
     """Measure and print."""
-    print("   agents pictures/s  Mbit/s  drawing simulation moves after")
-    print("                               cores      cores           s  CPU s")
+    print("   agents pictures/s  Mbit/s  kB each  drawing    run  drawing moves after")
+    print("                                       cores  cores ms each        s  CPU s")
     for agents in MANY:
         watch_many(agents)
 

@@ -12,7 +12,7 @@ from app.viewer.scene.shown.drawing_style import DrawingDefaults, default_style
 from worlds.layout import layout_names, own_dim, shared_layout
 from worlds.world import World
 
-MOST_AGENTS = 1_000_000
+MOST_AGENTS = 200_000
 """More agents than this are set up from the command line or a script, not from a browser."""
 COMMON_SPEED, HURRY = 15.0, 5.0
 """Ticks per second for bodies that count ticks; seconds per second for those that count seconds."""

@@ -9,6 +9,7 @@ import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from app.viewer.scene.draw.drawn_frame import POINTS_BEYOND
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.drawing_style import (
     DENSITY_PERIOD,
@@ -34,6 +35,8 @@ AGENT_BYTES = 28
 """What one agent takes in one frame, bytes."""
 BIRD_BYTES = 74
 """What a bird takes: a body and wings of its own."""
+POINT_BYTES = 9
+"""What a point takes: three numbers of two bytes, and a colour."""
 DENSITY_BYTES = 200_000
 """What a picture of density takes, and so the single agents of one."""
 
@@ -58,6 +61,8 @@ def load(frame: Frame, look: DrawingStyle) -> float:
     if shows_density(frame):
         return DENSITY_BYTES / AGENT_BYTES
     count = len(frame.ids)
+    if count > POINTS_BEYOND:
+        return count * POINT_BYTES / AGENT_BYTES
     return count * (BIRD_BYTES / AGENT_BYTES if as_birds(frame, look) else 1.0)
 
 
