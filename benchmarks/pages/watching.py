@@ -200,7 +200,8 @@ DRAWN = {"points", "_data", "batched_positions"}
 
 
 def serve_many(agents: int, pipe: Connection) -> None:
-    """A laboratory; answers every message with processor times, s: of all, and of its run."""
+    """A laboratory; answers every message with processor times, s: of all, of its run, and of what
+    draws."""
     from app.viewer.lab.laboratory import Laboratory
     from app.viewer.run.run_preset import preset_spec
 
@@ -209,8 +210,11 @@ def serve_many(agents: int, pipe: Connection) -> None:
     laboratory = Laboratory(start, port=0, speed=SPEED)
     pipe.send(laboratory.port)
     clock = time.pthread_getcpuclockid(laboratory.simulation.thread.ident or 0)
+    drawing_clock = time.pthread_getcpuclockid(laboratory.drawing.thread.ident or 0)
     while pipe.recv():
-        pipe.send((time.process_time(), time.clock_gettime(clock)))
+        pipe.send(
+            (time.process_time(), time.clock_gettime(clock), time.clock_gettime(drawing_clock))
+        )
     laboratory.close()
 
 
@@ -258,16 +262,18 @@ def watch_many(agents: int) -> None:
     start = parent_end.recv()[0]
     time.sleep(SETTLE)
 
-    def look() -> tuple[float, float, int, int]:
+    def look() -> tuple[float, float, float, int, int]:
         parent_end.send(True)
         return (*parent_end.recv(), reader.pictures, reader.bytes)
 
     before = look()
     time.sleep(SECONDS)
-    cores, run, pictures, size = ((b - a) / SECONDS for a, b in zip(before, look(), strict=True))
+    cores, run, drawing, pictures, size = (
+        (b - a) / SECONDS for a, b in zip(before, look(), strict=True)
+    )
     print(
         f"{agents:9} {pictures:10.1f} {8e-6 * size:7.1f} {1e-3 * size / pictures:8.0f}"
-        f" {cores - run:8.2f} {run:6.2f} {1e3 * (cores - run) / pictures:8.0f}"
+        f" {cores - run:8.2f} {run:6.2f} {1e3 * drawing / pictures:8.0f}"
         f" {reader.moved_at - began:8.1f} {start:6.1f}"
     )
     parent_end.send(False)
@@ -276,7 +282,7 @@ def watch_many(agents: int) -> None:
 
 def main_many() -> None:
     """Measure and print."""
-    print("   agents pictures/s  Mbit/s  kB each  drawing    run  drawing moves after")
+    print("   agents pictures/s  Mbit/s  kB each   server    run  drawing moves after")
     print("                                       cores  cores ms each        s  CPU s")
     for agents in MANY:
         watch_many(agents)

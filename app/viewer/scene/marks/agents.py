@@ -253,7 +253,9 @@ class Agents:
         )
 
     def draw(self, picture: Picture) -> Changes:
-        as_points = picture.count > POINTS_BEYOND and not picture.shows_density
+        if picture.shows_density:
+            picture = picture.of_rows(np.asarray(dart_rows(picture)))
+        as_points = picture.count > POINTS_BEYOND
         rows, nobody = dart_rows(picture), slice(0, 0)
         return [
             *self._draw_darts(picture, nobody if picture.as_birds or picture.as_cars else rows),
