@@ -74,6 +74,20 @@ def show_background(scene: viser.SceneApi, png: bytes) -> None:
     )
 
 
+def add_jpeg(scene: viser.SceneApi, name: str, jpeg: bytes) -> viser.ImageHandle:
+    """Add an image whose file is made already; `add_image` would make it anew for each browser."""
+    sides = {"render_width": 1.0, "render_height": 1.0, "scale": 1.0}
+    props = messages.ImageProps("jpeg", jpeg, cast_shadow=False, receive_shadow=False, **sides)
+    message = messages.ImageMessage(name=name, props=props)
+    level, middle = (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    return viser.ImageHandle._make(scene, message, name, level, middle, visible=True)
+
+
+def show_jpeg(image: viser.ImageHandle, jpeg: bytes) -> None:
+    """Show another file."""
+    image._data = jpeg
+
+
 def change_updates(message: Any, change: Callable[[str, Any], Any]) -> None:
     """Change the values of a message that updates a node, as a recording takes it."""
     if isinstance(message, messages.SceneNodeUpdateMessage):

@@ -1,10 +1,16 @@
-"""What it costs that many watch one run: `python benchmarks/pages/watching.py [agents] [browsers]`.
+"""What it costs that many watch one run: `python benchmarks/pages/watching.py [agents] [browsers]`;
+and that one watches many agents: `python benchmarks/pages/watching.py many`.
 
 A laboratory and its watching page in a process of their own, and clients that read all they get
 (programs, not browsers), each of which inspects an agent of its own and plots the usual. Prints
 what a client gets, before anything is packed, and the processor time that it takes. What is for the
 panels, and what it comes to when it is packed, is told of one client, which takes its messages
 apart.
+
+`many` is of flocks of `MANY` agents of the model vem, each in a laboratory that one client watches.
+It prints the pictures that come, the processor time beside the simulation and in its thread, and
+how long it takes from the start of the laboratory until the picture has changed, in seconds and in
+seconds of processor time: the latter on a machine that does other things.
 """
 
 from __future__ import annotations
@@ -14,6 +20,7 @@ import sys
 import threading
 import time
 import zlib
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -87,11 +94,16 @@ class Reader:
             pass
 
 
-def panel_bytes(data: bytes) -> int:
-    """How many bytes of a window of viser's messages are for the panels."""
+def unpacked(data: bytes) -> tuple[Any, int, int]:
+    """A window of viser's messages, and the bytes of its words: packed, and as they are."""
     packed = int.from_bytes(data[8:16], "little")
     inner = zstandard.ZstdDecompressor().decompress(data[16 : 16 + packed])
-    window = msgspec.msgpack.decode(inner)
+    return msgspec.msgpack.decode(inner), packed, len(inner)
+
+
+def panel_bytes(data: bytes) -> int:
+    """How many bytes of a window of viser's messages are for the panels."""
+    window, packed, whole = unpacked(data)
     size = sum(
         len(msgspec.msgpack.encode(message))
         for message in window["messages"]
@@ -104,7 +116,7 @@ def panel_bytes(data: bytes) -> int:
         if message["type"][:3] == "Gui"
         for at in buffer_indices(message)
     )
-    return round(size * packed / len(inner)) + buffers
+    return round(size * packed / whole) + buffers
 
 
 def buffer_indices(message: Any) -> list[int]:
@@ -180,5 +192,104 @@ def ask_server(pipe: Connection, what: str = "") -> tuple[float, int, int]:
     return answer
 
 
+# One client watches many agents.
+
+MANY = (100_000, 1_000_000)
+DRAWN = {"points", "_data", "batched_positions"}
+"""What of a node changes where agents have moved."""
+
+
+def serve_many(agents: int, pipe: Connection) -> None:
+    """A laboratory; answers every message with processor times, s: of all, of its run, and of what
+    draws."""
+    from app.viewer.lab.laboratory import Laboratory
+    from app.viewer.run.run_preset import preset_spec
+
+    pipe.send(time.monotonic())
+    start = preset_spec("vem", agents=agents, parameters={"eta": 0.6})
+    laboratory = Laboratory(start, port=0, speed=SPEED)
+    pipe.send(laboratory.port)
+    clock = time.pthread_getcpuclockid(laboratory.simulation.thread.ident or 0)
+    drawing_clock = time.pthread_getcpuclockid(laboratory.drawing.thread.ident or 0)
+    while pipe.recv():
+        pipe.send(
+            (time.process_time(), time.clock_gettime(clock), time.clock_gettime(drawing_clock))
+        )
+    laboratory.close()
+
+
+class PictureReader:
+    """A client that counts pictures and bytes, and notes when the second picture comes."""
+
+    def __init__(self, port: int):
+        self.pictures = self.bytes = 0
+        self.moved = threading.Event()
+        self.moved_at = 0.0
+        self.socket = connect(
+            f"ws://localhost:{port}",
+            subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
+            max_size=None,
+        )
+        self.socket.send(msgspec.msgpack.encode(CAMERA))
+        threading.Thread(target=self.read, daemon=True).start()
+
+    def read(self) -> None:
+        """Read until the server closes."""
+        with suppress(ConnectionClosed):
+            for data in self.socket:
+                assert isinstance(data, bytes)
+                self.bytes += len(data)
+                self.pictures += any(
+                    DRAWN.intersection(message.get("updates", ()))
+                    for message in unpacked(data)[0]["messages"]
+                )
+                if self.pictures >= 2 and not self.moved.is_set():
+                    self.moved_at = time.monotonic()
+                    self.moved.set()
+
+
+def watch_many(agents: int) -> None:
+    """Measure one flock, and print a line."""
+    parent_end, child_end = multiprocessing.Pipe()
+    server = multiprocessing.get_context("spawn").Process(
+        target=serve_many, args=(agents, child_end)
+    )
+    server.start()
+    began = parent_end.recv()
+    reader = PictureReader(parent_end.recv())
+    reader.moved.wait()
+    parent_end.send(True)
+    start = parent_end.recv()[0]
+    time.sleep(SETTLE)
+
+    def look() -> tuple[float, float, float, int, int]:
+        parent_end.send(True)
+        return (*parent_end.recv(), reader.pictures, reader.bytes)
+
+    before = look()
+    time.sleep(SECONDS)
+    cores, run, drawing, pictures, size = (
+        (b - a) / SECONDS for a, b in zip(before, look(), strict=True)
+    )
+    print(
+        f"{agents:9} {pictures:10.1f} {8e-6 * size:7.1f} {1e-3 * size / pictures:8.0f}"
+        f" {cores - run:8.2f} {run:6.2f} {1e3 * drawing / pictures:8.0f}"
+        f" {reader.moved_at - began:8.1f} {start:6.1f}"
+    )
+    parent_end.send(False)
+    server.join(10)
+
+
+def main_many() -> None:
+    """Measure and print."""
+    print("   agents pictures/s  Mbit/s  kB each   server    run  drawing moves after")
+    print("                                       cores  cores ms each        s  CPU s")
+    for agents in MANY:
+        watch_many(agents)
+
+
 if __name__ == "__main__":
-    main(*(int(text) for text in sys.argv[1:3]))
+    if sys.argv[1:] == ["many"]:
+        main_many()
+    else:
+        main(*(int(text) for text in sys.argv[1:3]))

@@ -53,7 +53,7 @@ class Stand:
     def show(self, _frame, _look) -> None:
         self.shown.append(self.time())
 
-    def update_see_through(self) -> None:
+    def follow_cameras(self) -> None:
         pass
 
     def latest(self):

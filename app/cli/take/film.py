@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -231,14 +232,22 @@ class FilmJob:
 def write_film(job: FilmJob, went_on: Callable[[int], None]) -> str:
     """Make a film; who has drawn it. Raises InputError."""
     from app.viewer.pictures.film_writer import Encoder, pictures, seen_pictures
+    from app.viewer.pictures.shot import frame_of, look_of
+    from app.viewer.scene.shown.drawing_style import shows_density
 
+    first, renderer = next(job.taken), job.renderer
+    if renderer == AUTO and shows_density(frame_of(first, look_of(first, job.colour), 0.0)):
+        renderer = PLAIN
+        if not job.quiet:
+            print_stderr(f"flockscope: {len(first.ids)} agents: a plain film of their density")
+    taken = chain([first], job.taken)
     with (
-        browser(job.renderer, job.quiet) as window,
+        browser(renderer, job.quiet) as window,
         Encoder(job.out, job.size, job.plan.fps, job.overwrite) as encoder,
     ):
         more = job.size, job.colour, job.aim, job.plots
-        images = pictures(job.taken, *more) if window is None else seen_pictures(
-            job.taken, window, *more
+        images = pictures(taken, *more) if window is None else seen_pictures(
+            taken, window, *more
         )  # fmt: skip
         for done, picture in enumerate(images, start=1):
             encoder.add(picture)

@@ -212,8 +212,9 @@ class Laboratory:
         guide = gui.add_button("Guide", icon=viser.Icon.BOOK, color="gray")
         guide.on_click(self.guide_clicked)
         left = gui.add_panel()
-        with left.add_tab("Monitors", viser.Icon.CHART_LINE):
+        with left.add_tab("Monitors", viser.Icon.CHART_LINE) as numbers:
             self.monitors = Monitors(gui, BLOCKS, "tick")
+            self.sight_lines = self.monitors.sight_lines(self.server, numbers)
             self.plots = LaboratoryPlots(self.server, self.making)
             self.crashes = CrashLists(gui, self.show_crash)
             self.more = MoreNumbers(gui)
@@ -457,6 +458,8 @@ class Laboratory:
             self.view.set_defaults(drawing_defaults(state.spec))
             self.view.fit(frame, measurable(MODELS[state.spec.model].columns))
         self.monitors.colours(look, frame)
+        for client in self.server.get_clients().values():
+            self.sight_lines.show(client, self.scene.in_sight(client))
         if self.selected_beside and frame.beside is None:
             self.select(None)
         looked_at = frame.beside if self.selected_beside and frame.beside else frame

@@ -109,6 +109,8 @@ class MinimumDistances:
 
 
 NOBODY = np.zeros(0, int)
+MEASURED_ASIDE = 100_000
+"""Of more agents everything is measured aside: what is quick for few would hold up the picture."""
 
 
 @dataclass(frozen=True)
@@ -181,6 +183,8 @@ class FlockReadings:
     quick: WorkThrottle = field(default_factory=lambda: WorkThrottle(period=1 / 15, share=0.05))
     slow: WorkThrottle = field(default_factory=lambda: WorkThrottle(period=1 / 4, share=0.1))
     aside: BackgroundWorker = field(default_factory=BackgroundWorker)
+    measured_at: int = -1
+    """At which tick a large flock was measured aside last."""
 
     def __post_init__(self) -> None:
         self.extremes = MinimumDistances(self.flock)
@@ -199,6 +203,7 @@ class FlockReadings:
     def watch(self, names: frozenset[str]) -> None:
         """Change what is measured beside what always is."""
         self.watched = names
+        self.measured_at = -1
         self.slow.renew()
 
     def read(self, at_once: bool = False) -> None:
@@ -210,7 +215,9 @@ class FlockReadings:
         if at_once or self.quick.is_due(now):
             with self.quick.measure_duration():
                 self.read_cheap()
-        if at_once:
+        if self.is_large:
+            self.read_aside(at_once)
+        elif at_once:
             self.aside.forget()
             self.take_reading(self.costly_measurement())
         elif done := self.aside.finished():
@@ -218,11 +225,32 @@ class FlockReadings:
         elif self.aside.idle and self.slow.is_due(now):
             self.aside.begin(self.costly_measurement())
 
+    @property
+    def is_large(self) -> bool:
+        """Whether everything is measured aside."""
+        return len(self.flock.ids) > MEASURED_ASIDE
+
+    @property
+    def is_found(self) -> bool:
+        """Whether something that was measured aside waits to be read."""
+        return self.aside.work is not None and self.aside.work.done()
+
+    def read_aside(self, at_once: bool) -> None:
+        """Take what was found, and begin to measure if it is due, or `at_once`; what was measured
+        at this tick stays."""
+        if done := self.aside.finished():
+            self.take_reading(done.result)
+        due = at_once or self.slow.is_due(time.perf_counter())
+        if self.aside.idle and due and self.measured_at != self.flock.tick:
+            self.measured_at = self.flock.tick
+            self.aside.begin(self.costly_measurement())
+
     def read_cheap(self) -> None:
         """Read what is cheap."""
         flock = self.flock
         self.offered = offered_observables(flock)
-        values = {name: float(flock.observe(name)) for name in QUICK if name in self.offered}
+        quick = () if self.is_large else QUICK
+        values = {name: float(flock.observe(name)) for name in quick if name in self.offered}
         self.add_values(flock.tick, values)
         mission = flock.world.mission
         if mission is not None and mission.goal is not None:
@@ -251,6 +279,7 @@ class FlockReadings:
     def cut(self, tick: int) -> None:
         """The flock is back at a tick: forget what was measured after it."""
         self.aside.forget()
+        self.measured_at = -1
         self.quick.renew()
         self.slow.renew()
         for series in self.all_series.values():
@@ -264,7 +293,8 @@ class FlockReadings:
         It is done on a snapshot, so that the flock can go on meanwhile.
         """
         now = self.flock.snapshot().measurable()
-        wanted_names = (*STEADY, *sorted(self.watched.difference(STEADY, QUICK, COUNTED)))
+        quick = QUICK if self.is_large else ()
+        wanted_names = (*quick, *STEADY, *sorted(self.watched.difference(STEADY, QUICK, COUNTED)))
         names = [name for name in wanted_names if name in self.offered]
 
         def work() -> BackgroundReading:

@@ -9,10 +9,18 @@ from functools import cache
 import numpy as np
 import viser
 
+from app.front.viser_internals import is_connected
+from app.viewer.measuring.observable_format import format_short, format_thousands
 from app.viewer.panels.shell import block, grid, key
+from app.viewer.scene.cameras.density_views import FlockInSight
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import COLOURINGS, DIRECTIONS, STEEP
-from app.viewer.scene.shown.drawing_style import DrawingStyle, legend
+from app.viewer.scene.shown.drawing_style import (
+    SINGLES_UP_TO,
+    DrawingStyle,
+    legend,
+    shows_density,
+)
 from app.viewer.scene.shown.frame import Frame
 
 # The colours of headings as a wheel, which lies as the scene does when it is seen from above.
@@ -53,6 +61,51 @@ def gradient(kind: str, headings: np.ndarray) -> str:
     return f"{kind},{','.join(map(palette.css, palette.heading_colours(headings.T)))})"
 
 
+# One line in each browser on a flock of which no agent can be told apart.
+
+
+def describe_sight(flocks: Sequence[FlockInSight]) -> str:
+    """What is drawn of flocks in a browser, HTML; empty where every agent is drawn."""
+    return "".join(f'<div class="fs-quiet">{describe_flock(flock)}</div>' for flock in flocks)
+
+
+def describe_flock(flock: FlockInSight) -> str:
+    """The same of one flock."""
+    count = format_thousands(flock.count)
+    if flock.as_singles:
+        return f"{count} agents in sight, drawn one by one. Zoom out for their density."
+    return (
+        f"Density of {count} agents in sight. Hue: mean heading. Faint: sparse, half strength at "
+        f"{format_short(flock.typical)} per length². Grey: not aligned. Zoom in to "
+        f"{format_thousands(SINGLES_UP_TO)} for single agents."
+    )
+
+
+class SightLines:
+    """The line of each browser that has one; of others nothing is made."""
+
+    def __init__(self, server: viser.ViserServer, place: viser.GuiTabHandle, below: float):
+        """`place` is the tab that it stands in, `below` the order of what it stands below."""
+        self.place, self.order = place, below + 0.5
+        self.lines: dict[int, viser.GuiHtmlHandle] = {}
+        """By browser."""
+        server.on_client_disconnect(self.remove_client)
+
+    def show(self, client: viser.ClientHandle, flocks: Sequence[FlockInSight]) -> None:
+        """Show what one browser sees."""
+        text, line = describe_sight(flocks), self.lines.get(client.client_id)
+        if line is None and text and is_connected(client):
+            with self.place:
+                line = client.gui.add_html("", order=self.order)
+            self.lines[client.client_id] = line
+        if line is not None:
+            line.content, line.visible = block(text), bool(text)
+
+    async def remove_client(self, client: viser.ClientHandle) -> None:
+        """A browser is there no more."""
+        self.lines.pop(client.client_id, None)
+
+
 CARDS, KEY = "cards", "key"
 """The blocks that every page has."""
 
@@ -64,6 +117,10 @@ class Monitors:
         """`first` is the card that stands there until there is anything to tell."""
         self.blocks = {name: gui.add_html("", visible=False) for name in names}
         self.show({CARDS: grid({first: "–"})})
+
+    def sight_lines(self, server: viser.ViserServer, place: viser.GuiTabHandle) -> SightLines:
+        """Room below the key to colours for a line of each browser."""
+        return SightLines(server, place, self.blocks[KEY].order)
 
     def show(self, contents: Mapping[str, str]) -> None:
         """Show the content of some blocks."""
@@ -77,5 +134,6 @@ class Monitors:
         """Say what the colours mean."""
         entries = [(html.escape(words), css) for words, css in legend(look, frame)]
         head = f'<div class="fs-head">Colour: {html.escape(look.measured or look.colour)}</div>'
-        headings = wheel(frame.dim) if COLOURINGS[look.colour].has_wheel else ""
+        has_wheel = COLOURINGS[look.colour].has_wheel or shows_density(frame)
+        headings = wheel(frame.dim) if has_wheel else ""
         self.show({KEY: head + headings + key(entries, drawn=True)})

@@ -174,6 +174,7 @@ def seen_pictures(
     for now in snapshots:
         look = look or look_of(now, colour)
         one = shot(now, look, fastest)
+        demand_single_agents(one)
         fastest = one.made.frame.speed_scale
         camera = camera or aim.camera(one)
         view = camera.view(one, camera.aspect)
@@ -188,8 +189,18 @@ def seen_pictures(
         yield sheet.picture(one, partial(browser.draw, view=view))
 
 
+def demand_single_agents(one: Shot) -> None:
+    """Refuse a flock that a browser would be sent pictures of. Raises InputError."""
+    if one.made.shows_density:
+        raise InputError(
+            f"{one.made.count} agents in the plane are drawn as a picture of their density, by the "
+            "plain renderer and from above: renderer = 'plain'"
+        )
+
+
 def seen_picture(one: Shot, browser: Browser, size: tuple[int, int], camera: Camera) -> bytes:
     """A shot as a browser draws it, as PNG. Raises InputError."""
+    demand_single_agents(one)
     view = camera.view(one, camera.aspect)
     browser.show(one.made.frame, one.made.look)
     sheet = SeenSheet(one, size, camera.aspect, eye_of(view))

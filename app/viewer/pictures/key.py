@@ -86,6 +86,8 @@ def ruler(shot: Shot, longest: float) -> tuple[float, str]:
 def coloured_by(shot: Shot) -> str:
     """What the colours stand for."""
     look = shot.made.look
+    if shot.made.shows_density:
+        return "mean heading"
     if look.colour != MEASURED:
         title = COLOURINGS[look.colour].title
         return look.colour if title is None else title
@@ -95,7 +97,7 @@ def coloured_by(shot: Shot) -> str:
 
 def has_wheel(shot: Shot) -> bool:
     """Whether headings are explained by a wheel."""
-    return COLOURINGS[shot.made.look.colour].has_wheel
+    return shot.made.shows_density or COLOURINGS[shot.made.look.colour].has_wheel
 
 
 def signs(shot: Shot, of_world: list[Any]) -> list[Any]:

@@ -13,7 +13,14 @@ from agents.observables.observable import Range
 from agents.snapshot import Snapshot
 from app.viewer.pictures import key
 from app.viewer.pictures.shot import Shot
+from app.viewer.scene.draw.density import (
+    PlaneRegion,
+    count_within,
+    density_picture,
+    flock_region,
+)
 from app.viewer.scene.draw.line_segments import nearest_image
+from app.viewer.scene.marks.agents import dart_rows
 from app.viewer.scene.shown import palette
 from app.worlds.world_picture import FLOOR, GOAL, INK, PALE, START, draw_path, draw_solid, view
 from worlds.input_error import InputError, unknown
@@ -29,6 +36,10 @@ CABIN = np.array([[-0.30, -0.32], [-0.30, 0.32], [0.12, 0.32], [0.22, 0.24], [0.
                   [0.12, -0.32]])  # fmt: skip
 SEEN = 8.0
 """Points of an agent's length from which on it has an outline."""
+FAINT = "faint: sparse; grey: not aligned"
+"""What is said of a picture of density, beside the wheel of headings."""
+DENSE = palette.srgb("#8893a3")
+"""The colour of what is dense and not aligned, in the legend."""
 AROUND = 0.16
 """Half of what is shown around a followed agent, as a share of the world's longest side."""
 
@@ -48,6 +59,8 @@ class Plane:
         self.ring = ring(axes)
         for one in (self.bodies, self.cabins):
             axes.add_collection(one, autolim=False)
+        self.density: Any = None
+        """The image of a flock of which no agent can be told apart."""
         self.moving: list[Any] = [self.bodies, self.cabins, self.ring, self.goal]
         """What changes from tick to tick; with a camera that follows, all does."""
         low, high = self.frame()
@@ -82,6 +95,8 @@ class Plane:
         """Draw where the mission starts, which depends on how many there are."""
         from matplotlib.patches import Patch, Rectangle
 
+        if shot.made.shows_density:
+            self.signs.append(Patch(facecolor=palette.css(DENSE), label=FAINT))
         if shot.made.frame.room is None:
             return
         low, high = shot.made.frame.room
@@ -99,6 +114,9 @@ class Plane:
             position = self.centre_on(shot, row)
             self.ring.set_data(*position[row, :, None])
         order = np.argsort(shot.made.size, kind="stable")
+        if shot.made.shows_density:
+            self.draw_density(shot, position)
+            order = np.asarray(dart_rows(shot.made))
         colour = shot.made.colour[order]
         cars = shot.made.frame.cars
         shapes, stretch = [DART], np.ones(2)
@@ -118,6 +136,27 @@ class Plane:
             self.cabins.set_facecolor(palette.GLASS)
         goal = shot.made.frame.progress.goal
         self.goal.set_data(*(([], []) if goal is None else goal[:2, None]))
+
+    def draw_density(self, shot: Shot, position: np.ndarray) -> None:
+        """Draw where agents at `position` (N, 2) are dense, and where they head."""
+        (left, right), (lower, upper) = self.axes.get_xlim(), self.axes.get_ylim()
+        region = PlaneRegion((left, lower), (right, upper))
+        if self.follow is None:
+            region = region.intersection(flock_region(shot.made.frame)) or region
+        there = ~shot.made.frame.is_down
+        position, heading = position[there], shot.now.heading[there]
+        count = count_within(position, *region.low, *region.high)
+        made = density_picture(position, heading, region, count)
+        if self.density is None:
+            limits = self.axes.get_xlim(), self.axes.get_ylim()
+            self.density = self.axes.imshow(
+                made.pixels, origin="lower", interpolation="bilinear", zorder=1.5
+            )
+            self.axes.set(xlim=limits[0], ylim=limits[1])
+            self.moving.append(self.density)
+        self.density.set_data(made.pixels)
+        self.density.set_extent((region.low[0], region.high[0], region.low[1], region.high[1]))
+        self.axes.set(xlim=(left, right), ylim=(lower, upper))
 
     def rule(self, figure: Any, shot: Shot, y: float) -> None:
         """The scale bar, below the left edge of the world."""

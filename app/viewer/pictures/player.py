@@ -18,7 +18,12 @@ from app.viewer.pictures import key
 from app.viewer.pictures.picture_camera import PRESETS, USUAL, CameraRequest
 from app.viewer.pictures.shot import Shot, frame_of, look_of, shot
 from app.viewer.scene.scene import Scene
-from app.viewer.scene.shown.drawing_style import DrawingStyle, as_birds
+from app.viewer.scene.shown.drawing_style import (
+    DENSITY_BEYOND,
+    DrawingStyle,
+    as_birds,
+    shows_density,
+)
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
 
@@ -73,7 +78,13 @@ class Player:
         close_server(self.server)
 
     def add(self, frame: Frame, look: DrawingStyle, seconds: float) -> None:
-        """The next frame, so many seconds after the last."""
+        """The next frame, so many seconds after the last. Raises InputError for a flock that would
+        be a picture of density."""
+        if shows_density(frame):
+            raise InputError(
+                f"{len(frame.ids)} agents in the plane are too many for an HTML file, which holds "
+                f"{DENSITY_BEYOND} at most: take a film or a picture"
+            )
         if as_birds(frame, look) and self.count > FEW:
             look = replace(look, birds=False)
         if self.recorded is None:

@@ -88,7 +88,8 @@ class Shot:
     @property
     def entries(self) -> list[tuple[str, str]]:
         """What the colours mean, but for those that a wheel explains: words and CSS colours."""
-        return legend(self.made.look, self.made.frame)
+        look = DrawingStyle() if self.made.shows_density else self.made.look
+        return legend(look, self.made.frame)
 
     def row_of(self, identity: int) -> int:
         """The row of the agent with an identity. Raises InputError if there is none."""

@@ -185,9 +185,8 @@ class FlockRun:
         Raises ArithmeticError, naming the agent, if a position is no finite number.
         """
         flock = self.flock
-        lost = ~np.isfinite(flock.position).all(axis=1)
-        if lost.any():
-            row = int(np.argmax(lost))
+        if not np.isfinite(flock.position).all():
+            row = int(np.argmin(np.isfinite(flock.position).all(axis=1)))
             raise ArithmeticError(
                 f"agent {flock.ids[row]} has position {flock.position[row].tolist()} at tick "
                 f"{flock.tick}: every position must be a finite number"

@@ -32,6 +32,7 @@ from app.viewer.run.simulation_limits import SimulationLimits
 from app.viewer.run.simulation_state import ChangeNotifier, SimulationState
 from app.viewer.run.stored_flock import InitialState
 from app.viewer.run.time_line import TimeLine
+from app.viewer.scene.shown.drawing_style import DENSITY_PERIOD, shows_density
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
 
@@ -143,6 +144,7 @@ class SimulationThread:
                     self.set_up()
                 self.look_for_kernels()
                 self.time_line.settle()
+                self.look_for_readings()
                 self.leave_frame()
                 if self.state.running and not self.keeping.wait:
                     self.run_due()
@@ -169,7 +171,7 @@ class SimulationThread:
         if self.next is not None:
             return self.keeping.wait
         now = self.clock()
-        looks = None if self.state.compiling is None else LOOK
+        looks = None if self.state.compiling is None and not self.measures_aside else LOOK
         runs = None
         if self.state.running and not self.waits_for_compiler:
             runs = max(self.pace.wait(now), self.keeping.wait)
@@ -216,6 +218,8 @@ class SimulationThread:
         self.stale = False
         now = self.clock()
         apart = self.keeping.frame_interval
+        if self.frame is not None and shows_density(self.frame):
+            apart = max(apart, DENSITY_PERIOD)
         # A tick that is a little early is not left out for it, or every other one would be; frames
         # that commands ask for put none off.
         self.next_frame = min(max(self.next_frame, now - 0.5 * apart), now) + apart
@@ -353,6 +357,21 @@ class SimulationThread:
         self.state = replace(self.state, compiling=None, preview=False)
         self.pace.restart()
         self.stale = True
+
+    @property
+    def measures_aside(self) -> bool:
+        """Whether a flock that stands is measured aside, of which there will be news."""
+        run = self.run
+        return (
+            not self.state.running
+            and run is not None
+            and any(one.readings.is_large and not one.readings.aside.idle for one in run.both)
+        )
+
+    def look_for_readings(self) -> None:
+        """Leave a frame of a flock that stands once it has been measured."""
+        if self.measures_aside and self.run is not None:
+            self.stale |= any(one.readings.is_found for one in self.run.both)
 
     def renumber(self, run: FlockRun) -> None:
         """Make a run the next one: its frames have other agents than those before."""

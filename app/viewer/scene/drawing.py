@@ -9,8 +9,14 @@ import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from app.viewer.scene.draw.drawn_frame import POINTS_BEYOND
 from app.viewer.scene.scene import Scene
-from app.viewer.scene.shown.drawing_style import DrawingStyle, as_birds
+from app.viewer.scene.shown.drawing_style import (
+    DENSITY_PERIOD,
+    DrawingStyle,
+    as_birds,
+    shows_density,
+)
 from app.viewer.scene.shown.frame import Frame
 
 PANELS = 0.25
@@ -29,6 +35,10 @@ AGENT_BYTES = 28
 """What one agent takes in one frame, bytes."""
 BIRD_BYTES = 74
 """What a bird takes: a body and wings of its own."""
+POINT_BYTES = 9
+"""What a point takes: three numbers of two bytes, and a colour."""
+DENSITY_BYTES = 200_000
+"""What a picture of density takes, and so the single agents of one."""
 
 
 def period(
@@ -48,7 +58,11 @@ def period(
 
 def load(frame: Frame, look: DrawingStyle) -> float:
     """What a frame takes to send, as a number of agents."""
+    if shows_density(frame):
+        return DENSITY_BYTES / AGENT_BYTES
     count = len(frame.ids)
+    if count > POINTS_BEYOND:
+        return count * POINT_BYTES / AGENT_BYTES
     return count * (BIRD_BYTES / AGENT_BYTES if as_birds(frame, look) else 1.0)
 
 
@@ -150,7 +164,7 @@ class Drawing:
             self.before()
             if self.draw():
                 self.due = max(self.due, began - 0.5 * self.period()) + self.period()
-            self.scene.update_see_through()
+            self.scene.follow_cameras()
             if self.drawn is not None and (began >= self.panels_due or changes != self.shown):
                 self.panels_due, self.shown = began + self.rates.panels, changes
                 self.panels()
@@ -173,11 +187,14 @@ class Drawing:
 
     def period(self) -> float:
         """Time between two frames now, s."""
-        agents = 0.0
+        agents, fastest = 0.0, self.rates.fastest
         if self.drawn is not None:
             frame, look = self.drawn
-            agents = sum(load(frame, look) for frame in (frame, frame.beside) if frame is not None)
-        return period(agents, self.browsers(), self.rates.bandwidth, self.rates.fastest)
+            frames = [frame for frame in (frame, frame.beside) if frame is not None]
+            agents = sum(load(frame, look) for frame in frames)
+            if any(map(shows_density, frames)):
+                fastest = max(fastest, DENSITY_PERIOD)
+        return period(agents, self.browsers(), self.rates.bandwidth, fastest)
 
     def draw(self) -> bool:
         """Draw the latest frame if it, or the look, is new; whether there was one."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from viser import ClientHandle, FrameHandle, LabelHandle, SceneApi, SceneClickEvent, ViserServer
 
+from app.viewer.scene.cameras.density_views import DensityViews, FlockInSight
 from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints, mission_places
 from app.viewer.scene.draw.drawn_frame import Changes, Picture, picture
 from app.viewer.scene.draw.stage import Stage
@@ -230,6 +231,7 @@ class Scene:
         self.handles = Handles(scene, root)
         self._viewpoints = Viewpoints(server)
         self._see_through = SeeThrough()
+        self._density = DensityViews(server)
         self._sights: tuple[Sight, ...] = ()
         self._clicked: list[Clicked] = []
         self._chosen: list[Chosen] = []
@@ -256,13 +258,20 @@ class Scene:
                 setattr(handle, name, value)
         self._sights = sights(drawn_picture, other)
         self._viewpoints.update(self._sights)
+        self._density.show(self._sights)
 
-    def update_see_through(self) -> None:
-        """Let browsers see the agents that they follow through what is in the way.
+    def follow_cameras(self) -> None:
+        """Let browsers see the agents that they follow through what is in the way, and of a flock
+        that is a picture of density what their cameras have in sight.
 
         Call it from the thread that draws, also while nothing moves: cameras do.
         """
         self._see_through.look(self._followed_agents)
+        self._density.follow()
+
+    def in_sight(self, client: ClientHandle) -> tuple[FlockInSight, ...]:
+        """What one browser sees of flocks that are pictures of density; empty for others."""
+        return self._density.in_sight(client)
 
     def _followed_agents(self) -> list[FollowedAgent]:
         sights = self._sights

@@ -185,6 +185,7 @@ class WatchPage:
         left = gui.add_panel()
         with left.add_tab("Monitors", viser.Icon.CHART_LINE) as self.left:
             self.monitors = Monitors(gui, BLOCKS, "tick")
+        self.sight_lines = self.monitors.sight_lines(self.server, self.left)
         dock(gui, left)
         add_hotkeys(
             gui,
@@ -271,6 +272,8 @@ class WatchPage:
         watchers = self.now
         for one in self.those(watchers, CARDS):
             self.attempt(one, partial(one.tell, frame, self.scene))
+            in_sight = self.scene.in_sight(one.client)
+            self.attempt(one, partial(self.sight_lines.show, one.client, in_sight))
         self.plot(self.those(watchers, PLOTS * max(1.0, len(watchers) / BROWSERS)))
         self.turn += 1
         for one in watchers:

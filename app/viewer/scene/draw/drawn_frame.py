@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from agents.inspection import Inspection
 from app.viewer.scene.draw.attitude import attitude
 from app.viewer.scene.draw.shapes import dart_length, spacing
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
-from app.viewer.scene.shown.drawing_style import DrawingStyle, agent_colours, as_birds
+from app.viewer.scene.shown.colouring import COLOURINGS
+from app.viewer.scene.shown.drawing_style import (
+    DrawingStyle,
+    agent_colours,
+    as_birds,
+    shows_density,
+)
 from app.viewer.scene.shown.frame import LOST, Cars, Frame, Live
 
 # Agents keep their identities while rows come and go.
@@ -43,16 +49,59 @@ class Picture:
     frame: Frame
     look: DrawingStyle
     stage: Stage
-    at: np.ndarray
-    """Where each agent is drawn, (N, 3)."""
-    wxyz: np.ndarray
-    """Attitude of each agent, (N, 4)."""
-    colour: np.ndarray
-    """Colour of each agent, sRGB (N, 3)."""
     length: float
     """Length of a common agent."""
     size: np.ndarray
     """Length of each agent as a multiple of `length`, (N,)."""
+    shows_density: bool = False
+    """Whether the agents are drawn as a picture of their density, but for few that matter."""
+
+    # Found when first asked for: of a picture of density hardly anything is.
+
+    @cached_property
+    def at(self) -> np.ndarray:
+        """Where each agent is drawn, (N, 3)."""
+        at, down = self.stage.to_display(self.frame.position), self.frame.is_down
+        if self.stage.dim == 2:
+            at[:, 2] = 0.22 * self.length * self.size
+        else:
+            at[down, 2] += LYING * self.length * self.size[down]
+        return at
+
+    @cached_property
+    def wxyz(self) -> np.ndarray:
+        """Attitude of each agent, (N, 4)."""
+        return attitude(level_crashed(self.frame.heading, self.frame.is_down))
+
+    @cached_property
+    def colour(self) -> np.ndarray:
+        """Colour of each agent, sRGB (N, 3)."""
+        colour = agent_colours(self.frame, self.look)
+        if self.live is not None:
+            lost = self.live.is_in_state(LOST)
+            colour[lost] = self.mix_with_backdrop(colour[lost], PALE)
+        inspected = self.frame.inspected
+        if self.inspected is not None and inspected is not None:
+            others = ~np.asarray(self.frame.informed, bool)
+            others[inspected.neighbours] = others[inspected.row] = False
+            colour[others] = self.mix_with_backdrop(colour[others], DIMMED)
+            if len(inspected.zone) and self.look.zones:
+                colour[inspected.neighbours] = palette.zone_colours(inspected.zone)
+        return colour
+
+    def of_rows(self, rows: np.ndarray) -> Picture:
+        """The picture of some agents alone."""
+        part = Picture(
+            self.frame.of_rows(rows), self.look, self.stage, self.length, self.size[rows]
+        )
+        if self.look.measured or COLOURINGS[self.look.colour].labels:
+            vars(part)["colour"] = self.colour[rows]  # which depends on the others
+        return part
+
+    @property
+    def count(self) -> int:
+        """Number of agents."""
+        return len(self.frame.ids)
 
     @property
     def as_birds(self) -> bool:
@@ -88,7 +137,7 @@ class Picture:
     def inspected(self) -> int | None:
         """Row of the inspected agent, if it is there."""
         inspected = self.frame.inspected
-        if inspected is None or not 0 <= inspected.row < len(self.at):
+        if inspected is None or not 0 <= inspected.row < self.count:
             return None
         return int(inspected.row)
 
@@ -146,32 +195,21 @@ def car_length(cars: Cars, stage: Stage) -> float:
 
 
 def picture(frame: Frame, look: DrawingStyle, stage: Stage) -> Picture:
-    """Work out positions, attitudes, colours and sizes; agents hover just above a flat floor."""
-    count = len(frame.position)
+    """Work out lengths and sizes, and the rest when it is asked for; agents hover just above a flat
+    floor."""
     cars = frame.cars if as_cars(frame) else None
-    driven = cars is not None
     common = agent_length(frame, stage) if cars is None else car_length(cars, stage)
     length = common * float(np.clip(look.agent_size, 0.1, 10.0))
-    at = stage.to_display(frame.position)
-    size = np.ones(count, dtype=np.float32)
-    if np.count_nonzero(frame.informed) <= FEW_LEADERS and not driven:
+    size = np.ones(len(frame.position), dtype=np.float32)
+    result = Picture(frame, look, stage, length, size, shows_density(frame))
+    if cars is not None:
+        return result
+    if np.count_nonzero(frame.informed) <= FEW_LEADERS:
         least = LEADER_LEAST if frame.room is None else LEADER_LEAST_CLOSE
         size[frame.informed] = max(LEADER_SIZE[stage.dim], least * stage.side / length)
-    colour = agent_colours(frame, look)
-    down = frame.is_down
-    heading = level_crashed(frame.heading, down)
-    result = Picture(frame, look, stage, at, attitude(heading), colour, length, size)
-    if result.live is not None:
-        lost = result.live.is_in_state(LOST)
-        colour[lost] = result.mix_with_backdrop(colour[lost], PALE)
     if result.inspected is not None and frame.inspected is not None:
-        _highlight_inspected(result, frame.inspected)
-        if driven:
-            size[:] = 1.0
-    if stage.dim == 2:
-        at[:, 2] = 0.22 * length * size
-    else:
-        at[down, 2] += LYING * length * size[down]
+        size[frame.inspected.neighbours] *= 1.0 + 0.35 * shares(frame.inspected.weights)
+        size[frame.inspected.row] *= INSPECTED_SIZE
     return result
 
 
@@ -182,21 +220,6 @@ def level_crashed(heading: np.ndarray, down: np.ndarray) -> np.ndarray:
     level = heading.copy()
     level[down, 2] = 0.0
     return level
-
-
-def _highlight_inspected(picture: Picture, inspected: Inspection) -> None:
-    """Enlarge the inspected agent, and its neighbours by weight; dim all others."""
-    near = inspected.neighbours
-    dimmed = picture.mix_with_backdrop(picture.colour, DIMMED)
-    mask = np.zeros(len(picture.colour), dtype=bool)
-    mask[near] = True
-    mask[inspected.row] = True
-    mask |= picture.frame.informed
-    picture.colour[~mask] = dimmed[~mask]
-    if len(inspected.zone) and picture.look.zones:
-        picture.colour[near] = palette.zone_colours(inspected.zone)
-    picture.size[near] *= 1.0 + 0.35 * shares(inspected.weights)
-    picture.size[inspected.row] *= INSPECTED_SIZE
 
 
 def shares(weights: np.ndarray) -> np.ndarray:

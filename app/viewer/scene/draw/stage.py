@@ -76,7 +76,9 @@ class Stage:
         """
         position = np.asarray(position, dtype=float)
         placed = np.zeros((*position.shape[:-1], 3))
-        placed[..., : self.dim] = (position - self.middle) * self.scale
+        shown = placed[..., : self.dim]
+        np.subtract(position, self.middle, out=shown)
+        shown *= self.scale
         return placed
 
     def place_on_display(self, points: np.ndarray) -> np.ndarray:

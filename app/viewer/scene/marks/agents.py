@@ -253,8 +253,9 @@ class Agents:
         )
 
     def draw(self, picture: Picture) -> Changes:
-        count = len(picture.at)
-        as_points = count > POINTS_BEYOND
+        if picture.shows_density:
+            picture = picture.of_rows(np.asarray(dart_rows(picture)))
+        as_points = picture.count > POINTS_BEYOND
         rows, nobody = dart_rows(picture), slice(0, 0)
         return [
             *self._draw_darts(picture, nobody if picture.as_birds or picture.as_cars else rows),
@@ -288,8 +289,8 @@ class Agents:
 
 
 def dart_rows(picture: Picture) -> np.ndarray | slice:
-    """Rows drawn as darts: all, or among points the few agents that matter."""
-    if len(picture.at) <= POINTS_BEYOND:
+    """Rows drawn as darts: all, or of very many the few agents that matter."""
+    if picture.count <= POINTS_BEYOND:
         return slice(None)
     informed = np.flatnonzero(picture.frame.informed)
     inspected = picture.inspected

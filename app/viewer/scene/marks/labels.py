@@ -140,7 +140,7 @@ class Labels:
         return changes + self._draw_identities(picture)
 
     def _draw_identities(self, picture: Picture) -> Changes:
-        count = len(picture.at)
+        count = picture.count
         is_on = picture.look.labels and picture.live is None
         label_count = min(count, NUMBERED_UP_TO) if is_on else 0
         if is_on and count > NUMBERED_UP_TO and picture.frame.inspected is not None:

@@ -26,6 +26,14 @@ BIRDS_UP_TO = 3_000
 """More agents than this are darts in space too."""
 SHADOWS_UP_TO = 2_000
 """More agents than this cast no shadows."""
+DENSITY_BEYOND = 150_000
+"""More agents than this in the plane are drawn as a picture of their density: a browser moves so
+many points well, and of more points no flock can be seen."""
+SINGLES_UP_TO = 20_000
+"""Of such a flock as many agents in sight of a camera are drawn one by one: they take as much of a
+line as a picture of density does."""
+DENSITY_PERIOD = 0.1
+"""Shortest time between two pictures of density, s."""
 NUMBERED_UP_TO = 120
 """Numbers are written beside at most this many agents; of more, beside the clicked one's
 neighbours."""
@@ -47,6 +55,11 @@ def as_birds(frame: Frame, look: DrawingStyle) -> bool:
 def may_be_birds(frame: Frame, _look: object = None) -> bool:
     """Whether a flock can be drawn as birds."""
     return frame.dim == 3 and len(frame.ids) <= BIRDS_UP_TO
+
+
+def shows_density(frame: Frame) -> bool:
+    """Whether a flock is drawn as a picture of its density, and single agents only from near."""
+    return frame.dim == 2 and frame.cars is None and len(frame.ids) > DENSITY_BEYOND
 
 
 def leaves_trails(frame: Frame, look: DrawingStyle) -> bool:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -103,6 +104,11 @@ class MissionProgress:
     """Waypoints of the path that the information agents have left behind; the last agent counts."""
 
 
+OF_AGENTS = ("position", "heading", "speed", "informed", "ids", "layer", "group", "measured",
+             "active", "saved")  # fmt: skip
+"""What a frame has of each agent, a row each, or None."""
+
+
 @dataclass(frozen=True)
 class Frame:
     """The flock at one tick. Arrays are copies that nobody writes to any more."""
@@ -164,6 +170,14 @@ class Frame:
     """What its model is called, if there is another flock beside it."""
     beside: Frame | None = None
     """The same of the flock beside it."""
+
+    def of_rows(self, rows: np.ndarray) -> Frame:
+        """The same of some agents alone, without what is of pairs, of one of them, or beside."""
+        taken: dict[str, Any] = {
+            name: None if getattr(self, name) is None else getattr(self, name)[rows]
+            for name in OF_AGENTS
+        }
+        return replace(self, **taken, links=None, inspected=None, others={}, beside=None)
 
     @property
     def dim(self) -> int:

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from app.viewer.scene.shown.drawing_style import shows_density
 from app.viewer.scene.shown.frame import Frame
 
 SLOW = 8.0
@@ -49,7 +50,8 @@ class FrameInterpolator:
             follows = (
                 self.after is not None and newest is not None and is_next_tick(self.after, newest)
             )
-            self.before = self.after if follows and speed <= SLOW else None
+            goes_on = follows and speed <= SLOW and newest is not None and not shows_density(newest)
+            self.before = self.after if goes_on else None
             self.after, self.since, self.step = newest, now, -1
         self.moves = math.inf
         if self.before is None or newest is None:

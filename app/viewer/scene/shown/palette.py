@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -200,6 +200,7 @@ CRASH = srgb("#c9302c")
 _HUES = 360
 _RISES = 33
 _SMOOTH = 25
+_STRENGTHS, _ORDERS, _TURNS = 64, 16, 90
 HUE_EAST = np.deg2rad(255.0)
 """Hue of an agent heading along +x; the hue grows with the azimuth."""
 HUE_YELLOW = np.deg2rad(95.0)
@@ -237,6 +238,20 @@ def _saving_table() -> np.ndarray:
     lightness = 0.86 - np.where(t < 0.0, 0.23, 0.36) * strength
     chroma = np.where(t < 0.0, 0.18, 0.105) * strength
     return oklch(lightness, chroma, hue)
+
+
+@cache
+def density_table() -> np.ndarray:
+    """Of a picture of density, (strengths, orders, hues, 3), bytes: from the floor to dark, from
+    grey to full hues, by the mean heading."""
+    strength = np.linspace(0.0, 1.0, _STRENGTHS)[:, None, None]
+    order = np.linspace(0.0, 1.0, _ORDERS)[None, :, None]
+    hue = HUE_EAST + np.linspace(0.0, 2.0 * np.pi, _TURNS, endpoint=False)[None, None, :]
+    lightness = 0.99 - 0.56 * strength**0.9 + 0.04 * strength * np.cos(hue - HUE_YELLOW)
+    chroma = 0.19 * order * np.minimum(1.0, 2.2 * strength)
+    colours = oklch(lightness + 0.0 * order, chroma + 0.0 * hue, hue)
+    colours[0] = FLOOR
+    return (255.0 * colours + 0.5).astype(np.uint8)
 
 
 HEADINGS = _heading_table()
