@@ -12,7 +12,7 @@ import numpy as np
 
 from agents import catalogue
 from agents.engine.noise import uniform_numbers
-from agents.flock_world import complete_spec, find_world, is_built_in
+from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
 from agents.inspection import Inspection, compile_inspection, inspect
 from agents.mesa_import import mesa
 from agents.mesa_interface import FlockSpace, Member, TickClock
@@ -24,7 +24,7 @@ from agents.option import whole_number
 from agents.recordings.recorder import STATES, Recorder
 from agents.recordings.recording import Recording
 from agents.snapshot import Snapshot
-from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec, versions
+from agents.spec import DEFAULT, LARGEST_SEED, OPTIONS, CompleteSpec, Spec, versions
 from agents.state.agent_rows import (
     demand_memory_for,
     join_arrays,
@@ -42,6 +42,7 @@ from agents.state.start import (
     random_start,
     start_gap,
 )
+from worlds.generators import draw_obstacles
 from worlds.input_error import InputError, unknown
 
 MOST_THREADS = 1024
@@ -131,35 +132,74 @@ class Flock(TickClock, Motion):
         self.threads = whole_number("threads", threads, 1, MOST_THREADS)
         spec = complete_spec(spec_request, self.model)
         demand_memory_for(self.model, spec.count, self.threads)
-        self.seed = spec.seed
-        self.options = spec.model_copy(update={"start": "random" if start is None else "given"})
         self.interpret = interpret
+        spec = spec.model_copy(update={"start": "random" if start is None else "given"})
         self.parameters = checked(
             self.model.parameters, spec.parameters, other_names=(*OPTIONS, *OWN_WORDS)
         )
-        self.world = find_world(self.options, self.model)
+        self._beginning = spec, world_of_any_seed(spec, self.model)
         if spec.informed and not self.model.rule.led:
             raise InputError(
                 f"informed = {spec.informed} is not allowed: {spec.model} has no information agents"
             )
-        super().__init__(rng=self.seed)
-        self.tick = 0
-        begin = self._random_start() if start is None else self._start_from_arrays(start)
-        informed_count = int(begin.informed.sum())
-        counts = {"agents": len(begin.position) - informed_count, "informed": informed_count}
-        self.options = self.options.model_copy(update=counts)
-        self._members: list[Member] | None = None
-        self._acted: set[int] = set()
-        self._make_arrays(begin)
         reporters: dict[str, Any] = {
             name: partial(measure_observable, name=known_observable(name)) for name in collect
         }
         if spec_request.seed is None:
             reporters["seed"] = "seed"
+        self._reporters = reporters | dict(model_reporters or {}), dict(agent_reporters or {})
+        self._begin(spec.seed, start)
+
+    def _begin(self, seed: int, start: Mapping[str, Any] | None = None) -> None:
+        """Be at tick 0 of the run with a seed. Raises InputError."""
+        spec, world = self._beginning
+        self.seed = seed
+        self.world = draw_obstacles(world, seed)
+        super().__init__(rng=seed)
+        self.tick = 0
+        self.options = spec
+        begin = self._random_start() if start is None else self._start_from_arrays(start)
+        informed_count = int(begin.informed.sum())
+        counts = {"agents": len(begin.position) - informed_count, "informed": informed_count}
+        self.options = spec.model_copy(update={"seed": seed} | counts)
+        self._members: list[Member] | None = None
+        self._acted: set[int] = set()
+        self._make_arrays(begin)
+        model_reporters, agent_reporters = self._reporters
         self.datacollector = mesa.DataCollector(
-            model_reporters=reporters | dict(model_reporters or {}),
-            agent_reporters=dict(agent_reporters or {}),
+            model_reporters=dict(model_reporters), agent_reporters=dict(agent_reporters)
         )
+
+    def restart(self, seed: int) -> None:
+        """Begin the same run anew with another seed, as a new flock would, to the bit.
+
+        It takes a tenth of the time of a new one: what was checked, found and compiled for the run
+        is used again. Agents, parameters and world are again those that the flock was made with;
+        its members are gone, and so is what was collected. Raises InputError for a seed that is
+        none, a run from given arrays, and obstacles of that seed among which there is no room.
+
+        >>> from flockscope import Flock
+        >>> flock = Flock("vem", agents=30, size=5.0, rng=1)
+        >>> flock.run(10)
+        >>> flock.restart(2)
+        >>> flock
+        <Flock vem, N = 30, world wrap, tick 0, seed 2>
+        """
+        if self._beginning[0].start == "given":
+            raise InputError(
+                "a run from given arrays has no random start: restart needs one, make a new Flock"
+            )
+        seed = whole_number("seed", seed, 0, LARGEST_SEED)
+        engine, world, parameters = self._engine, self.world, self.parameters
+        for member in self._members or ():
+            member.leave()
+        for name in ("step", "space", "_took_step"):  # Mesa wraps the class's own `step`, once
+            vars(self).pop(name, None)
+        self.parameters = checked(self.model.parameters, self._beginning[0].parameters)
+        self._begin(seed)
+        is_same = self.world is world and self.parameters == parameters
+        if engine is not None and is_same and len(engine.arrays.ids) == len(self.ids):
+            engine.arrays, engine.seed, self._engine = self.arrays, seed, engine
 
     def _random_start(self) -> Start:
         """A random start, with the speeds that the body begins with. Raises InputError."""

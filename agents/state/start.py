@@ -149,6 +149,8 @@ def spread(
     do not fit, with the number that does.
     """
     n = len(ids)
+    if not n:
+        return np.empty((0, world.dim))
     position, fit = try_positions(world, low, size, ids, spacing, seed, gap)
     if fit == n:
         return position
