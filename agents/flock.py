@@ -194,7 +194,7 @@ class Flock(TickClock, Motion):
         for member in self._members or ():
             member.leave()
         for name in ("step", "space", "_took_step"):  # Mesa wraps the class's own `step`, once
-            vars(self).pop(name, None)
+            self.__dict__.pop(name, None)
         self.parameters = checked(self.model.parameters, self._beginning[0].parameters)
         self._begin(seed)
         is_same = self.world is world and self.parameters == parameters

@@ -1,0 +1,46 @@
+"""Flocks that are begun again with other seeds: a cell's runs need one only."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from agents.flock import Flock
+
+MOST_FLOCKS = 64
+MOST_AGENTS = 100_000
+"""Of all flocks that a thread keeps."""
+
+
+class FlockPool(threading.local):
+    """The flocks that a thread has begun lately, by what they are begun from."""
+
+    def __init__(self) -> None:
+        self.flocks: OrderedDict[int, tuple[Any, Flock]] = OrderedDict()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return FlockPool, ()  # another process begins its own
+
+    @contextmanager
+    def begin(self, key: Any, seed: int, make: Callable[[], Flock]) -> Iterator[Flock]:
+        """A flock at tick 0 with a seed; whoever has the same `key` may have it later.
+
+        `make` makes one. `key` is an object, and not what equals it: a `Spec`, say.
+        """
+        # A flock whose run has raised is in no state that anybody knows: it is not put back.
+        _, flock = self.flocks.pop(id(key), (key, None))
+        if flock is None:
+            flock = make()
+        else:
+            flock.restart(seed)
+        yield flock
+        if flock.options.start == "random":
+            self.flocks[id(key)] = key, flock  # with the key alive nothing else has its id
+        while len(self.flocks) > 1 and (
+            len(self.flocks) > MOST_FLOCKS
+            or sum(len(kept.ids) for _, kept in self.flocks.values()) > MOST_AGENTS
+        ):
+            self.flocks.popitem(last=False)
