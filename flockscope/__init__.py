@@ -3,8 +3,8 @@
 What is named here and in the modules below is what a script, a notebook or a package of your own
 may import; nothing else is promised.
 
-- `flockscope`: flocks, the models by name, worlds, sweeps, sensitivity, optima, and the error for
-  what cannot be used
+- `flockscope`: flocks, the models by name, worlds, sweeps, batches, sensitivity, optima, and the
+  error for what cannot be used
 - `flockscope.rules`: for who writes a rule
 - `flockscope.worlds`: worlds, their obstacles and missions; layouts, readers, generators, checks
 - `flockscope.observables`: functions of arrays, for flocks and for tracks of real animals
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from flockscope._models import Spec as Spec
     from flockscope._models import from_file as from_file
     from flockscope._models import model as model
+    from flockscope._sweeps import batch_run as batch_run
     from flockscope._sweeps import optimise as optimise
     from flockscope._sweeps import sensitivity as sensitivity
     from flockscope._sweeps import sweep as sweep
@@ -80,6 +81,7 @@ __all__ = [
     "Union",
     "Wall",
     "World",
+    "batch_run",
     "fly",
     "follow",
     "from_file",

@@ -25,7 +25,7 @@ from agents.spec import Spec
 from app.studies.runs.database import FIXED, Outcome, Status
 from app.studies.sweeps.designs import find_file
 from app.studies.sweeps.sweep_file import ObservableBound, Observe
-from app.studies.workers.flock_pool import FlockPool
+from app.studies.workers.flock_pool import FlockPool, run_ticks
 from app.studies.workers.run_worker import stop_if_unwanted
 from worlds.input_error import InputError, unknown
 from worlds.text_file import read_text
@@ -182,10 +182,6 @@ class RunObserver:
         }
 
 
-AT_ONCE = 10_000_000
-"""Agent-steps between two looks at whether the run is still wanted: a second or so."""
-
-
 class RunRequest(NamedTuple):
     """A run that is asked of a process."""
 
@@ -331,11 +327,9 @@ class SweepJob:
                 nexts.append(next_multiple(now, self.until.every))
             if frame:
                 nexts.append(next_multiple(now, frames))
-            nexts.append(now + max(1, AT_ONCE // max(1, len(flock.ids))))
-            flock.run(min(nexts) - now)
+            run_ticks(flock, min(nexts) - now)
             if flock.world.is_solid:
                 glance()
-            stop_if_unwanted()
             looks.look(flock, bool(self.window) and flock.tick > windows_from)
             if frame and (flock.tick % frames == 0 or flock.tick == self.ticks):
                 frame()

@@ -9,10 +9,13 @@ from contextlib import contextmanager
 from typing import Any
 
 from agents.flock import Flock
+from app.studies.workers.run_worker import stop_if_unwanted
 
 MOST_FLOCKS = 64
 MOST_AGENTS = 100_000
 """Of all flocks that a thread keeps."""
+AT_ONCE = 10_000_000
+"""Agent-steps between two looks at whether a run is still wanted: a second or so."""
 
 
 class FlockPool(threading.local):
@@ -44,3 +47,12 @@ class FlockPool(threading.local):
             or sum(len(kept.ids) for _, kept in self.flocks.values()) > MOST_AGENTS
         ):
             self.flocks.popitem(last=False)
+
+
+def run_ticks(flock: Flock, ticks: int) -> None:
+    """Run ticks as `flock.run` does, for as long as somebody waits for the run."""
+    at_once = max(1, AT_ONCE // max(1, len(flock.ids)))
+    while ticks > 0:
+        flock.run(min(ticks, at_once))
+        ticks -= at_once
+        stop_if_unwanted()
