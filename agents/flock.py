@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from agents import catalogue
-from agents.engine.noise import uniform_numbers
+from agents.engine.noise import compile_draws, uniform_numbers
 from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
 from agents.inspection import Inspection, compile_inspection, inspect
 from agents.mesa_import import mesa
@@ -148,6 +148,8 @@ class Flock(TickClock, Motion):
         if spec_request.seed is None:
             reporters["seed"] = "seed"
         self._reporters = reporters | dict(model_reporters or {}), dict(agent_reporters or {})
+        self.seed = spec.seed
+        self._begin_model()
         self._begin(spec.seed, start)
 
     def _begin(self, seed: int, start: Mapping[str, Any] | None = None) -> None:
@@ -155,7 +157,6 @@ class Flock(TickClock, Motion):
         spec, world = self._beginning
         self.seed = seed
         self.world = draw_obstacles(world, seed)
-        super().__init__(rng=seed)
         self.tick = 0
         self.options = spec
         begin = self._random_start() if start is None else self._start_from_arrays(start)
@@ -190,11 +191,12 @@ class Flock(TickClock, Motion):
                 "a run from given arrays has no random start: restart needs one, make a new Flock"
             )
         seed = whole_number("seed", seed, 0, LARGEST_SEED)
+        compile_draws()
         engine, world, parameters = self._engine, self.world, self.parameters
         for member in self._members or ():
             member.leave()
-        for name in ("step", "space", "_took_step"):  # Mesa wraps the class's own `step`, once
-            self.__dict__.pop(name, None)
+        self.__dict__.pop("space", None)
+        self._put_off_model()
         self.parameters = checked(self.model.parameters, self._beginning[0].parameters)
         self._begin(seed)
         is_same = self.world is world and self.parameters == parameters

@@ -7,6 +7,9 @@ import pytest
 
 from agents import Flock, Member
 from agents.catalogue import MODELS
+from agents.engine import noise
+from agents.state.start import FIRST
+from worlds.compilation import DISABLED, plain_python
 from worlds.input_error import InputError
 
 OTHERS = [
@@ -109,3 +112,19 @@ def test_the_compiled_call_is_used_again_where_nothing_of_it_has_changed():
     flock.set(v0=0.2)
     flock.restart(3)
     assert flock.engine is not engine
+
+
+def test_compiled_code_draws_the_same_random_numbers():
+    """Those of a start, of an order of turns, of gusts: before it is compiled and after."""
+    asked = [
+        (seed, tick, np.arange(first, first + 50), draws, first)
+        for seed in (0, 7, 2**63 - 1)
+        for tick in (0, noise.ORDERS + 3, FIRST + 2)
+        for draws, first in ((1, 0), (2, 0), (3, 4), (6, 0))
+    ]
+    with plain_python():
+        plain = [noise.uniform_numbers(*one) for one in asked]
+    noise.compile_draws()
+    assert noise.fill_uniform.overloads or DISABLED
+    for one, numbers in zip(asked, plain, strict=True):
+        assert np.array_equal(noise.uniform_numbers(*one), numbers)

@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from agents.engine.block import BodyMove, Decision
+from agents.engine.cache import compile_to_disk
 from agents.engine.vector_lanes import (
     as_float,
     as_unsigned,
@@ -20,7 +21,7 @@ from agents.engine.vector_lanes import (
     power_of_two,
     where,
 )
-from worlds.compilation import compiled, plain_python
+from worlds.compilation import PLAIN, compiled, plain_python
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 M1 = np.uint64(0xBF58476D1CE4E5B9)
@@ -73,11 +74,29 @@ def uniform_numbers(
     seed: int, tick: int, ids: np.ndarray, draws: int, first: int = 0
 ) -> np.ndarray:
     """What `uniform` gives for agents (N,) and the draws from `first` on, (N, draws)."""
+    if fill_uniform.overloads and not PLAIN.get():
+        chance = np.empty((len(ids), draws))
+        fill_uniform(chance, seed, tick, np.ascontiguousarray(ids, np.int64), first)
+        return chance
     with plain_python():
         draw = np.arange(first, first + draws, dtype=np.uint64)
-        # Agents along the last axis: NumPy takes many times as long for rows of two numbers.
-        counter = ids.astype(np.uint64) * DRAWS + draw[:, None]
-        return ((mix(tick_key(seed, tick) + counter * GOLDEN) >> S11) * 2.0**-53).T
+        counter = ids.astype(np.uint64)[:, None] * DRAWS + draw
+        return (mix(tick_key(seed, tick) + counter * GOLDEN) >> S11) * 2.0**-53
+
+
+@compile_to_disk
+def fill_uniform(chance, seed, tick, ids, first):
+    """The same for `chance` (N, draws): a tenth of the time, once it is compiled."""
+    key = tick_key(seed, tick)
+    for i in range(np.uintp(chance.shape[0])):
+        for k in range(np.uintp(chance.shape[1])):
+            chance[i, k] = uniform(key, ids[i], np.int64(first) + np.int64(k))
+
+
+def compile_draws() -> None:
+    """Have random numbers of many agents drawn by compiled code from now on: the same ones."""
+    if not fill_uniform.overloads and not PLAIN.get():
+        fill_uniform(np.empty((1, 1)), 0, 0, np.zeros(1, np.int64), 0)
 
 
 @compiled

@@ -54,7 +54,8 @@ def random_headings(seed: int, ids: np.ndarray, dim: int) -> np.ndarray:
     """Unit vectors of agents (N,), uniform on the circle or the sphere, (N, dim)."""
     chance = uniform_numbers(seed, FIRST, ids, dim - 1)
     angle = 2.0 * np.pi * chance[:, 0]
-    flat = np.column_stack([np.cos(angle), np.sin(angle)])
+    flat = np.empty((len(angle), 2))
+    flat[:, 0], flat[:, 1] = np.cos(angle), np.sin(angle)
     if dim == 2:
         return flat
     z = 2.0 * chance[:, 1:] - 1.0
@@ -92,12 +93,13 @@ def random_start(
     heading, speed = random_headings(seed, ids, world.dim), np.zeros(n)
     if mission is None or mission.start is None:
         low, size = np.array(world.low), np.array(world.size)
-        first = free_positions(world, ids[:informed], seed)
-        if not world.is_solid:
-            first[:1] = 0.0
-        others = free_positions(world, ids[informed:], seed, spacing or 0.0, gap)
-        position = np.concatenate([first, others])
-        heading[:informed] = goal_heading(world.dim)
+        position = free_positions(world, ids[informed:], seed, spacing or 0.0, gap)
+        if informed:
+            first = free_positions(world, ids[:informed], seed)
+            if not world.is_solid:
+                first[:1] = 0.0
+            position = np.concatenate([first, position])
+            heading[:informed] = goal_heading(world.dim)
     else:
         region = mission.start
         low, size = start_box(region, n)
@@ -149,8 +151,6 @@ def spread(
     do not fit, with the number that does.
     """
     n = len(ids)
-    if not n:
-        return np.empty((0, world.dim))
     position, fit = try_positions(world, low, size, ids, spacing, seed, gap)
     if fit == n:
         return position
@@ -170,18 +170,19 @@ def try_positions(
     world: World, low, size, ids: np.ndarray, spacing: float, seed: int, gap: float
 ) -> tuple[np.ndarray, int]:
     """Positions as `spread` asks for them, (N, dim), and how many of the last ones are good."""
-    is_bad = np.ones(len(ids), bool)
-    position = np.zeros((len(ids), world.dim))
-    for attempt in range(1, TRIES + 2):
-        chance = uniform_numbers(seed, FIRST + attempt, ids[is_bad], world.dim)
-        position[is_bad] = chance * size + low
+    position = uniform_numbers(seed, FIRST + 1, ids, world.dim) * size + low
+    if not world.is_solid and spacing <= 0.0:
+        return position, len(ids)
+    for attempt in range(2, TRIES + 3):
         is_bad = np.zeros(len(ids), bool)
         if world.is_solid:
             is_bad |= clearance(world, position) <= gap
         if spacing > 0.0:
             is_bad |= is_too_close(world, position, spacing)
-        if not is_bad.any():
+        if not is_bad.any() or attempt == TRIES + 2:
             break
+        chance = uniform_numbers(seed, FIRST + attempt, ids[is_bad], world.dim)
+        position[is_bad] = chance * size + low
     return position, len(ids) - int(is_bad.sum())
 
 

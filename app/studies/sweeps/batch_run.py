@@ -187,7 +187,7 @@ def make_runs(
     job: BatchJob, tasks: Sequence[Task], workers: int, display_progress: bool
 ) -> dict[int, Outcome]:
     """How each run ended, by its number. Raises InputError for the first that failed."""
-    from tqdm.auto import tqdm  # 0.1 s, for who makes a batch
+    from tqdm.auto import tqdm  # type: ignore[import-untyped]  # 0.1 s, for who makes a batch
 
     outcomes: dict[int, Outcome] = {}
     if not tasks:
