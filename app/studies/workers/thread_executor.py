@@ -20,9 +20,9 @@ from app.studies.workers import run_worker
 from app.studies.workers.process_executor import BEAT, ProcessExecutor
 from app.studies.workers.run_executors import Beat, Keep, Task
 
-START = 3.0
-"""Seconds of a core that a process takes to begin (`benchmarks/studies/short_runs.py` measures
-it)."""
+START = 1.5
+"""Seconds of a core that a process takes to begin: `benchmarks/studies/short_runs.py` measures
+it."""
 SHARE = 0.1
 """Processes begin where their start is at most this share of all the work."""
 TRIAL = 1.0
