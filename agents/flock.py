@@ -152,8 +152,13 @@ class Flock(TickClock, Motion):
         self._begin_model()
         self._begin(spec.seed, start)
 
-    def _begin(self, seed: int, start: Mapping[str, Any] | None = None) -> None:
-        """Be at tick 0 of the run with a seed. Raises InputError."""
+    def _begin(
+        self, seed: int, start: Mapping[str, Any] | None = None, is_same: bool = False
+    ) -> None:
+        """Be at tick 0 of the run with a seed. Raises InputError.
+
+        `is_same`: only the seed is another one than that of the run that it was at.
+        """
         spec, world = self._beginning
         self.seed = seed
         self.world = draw_obstacles(world, seed)
@@ -165,7 +170,12 @@ class Flock(TickClock, Motion):
         self.options = spec.model_copy(update={"seed": seed} | counts)
         self._members: list[Member] | None = None
         self._acted: set[int] = set()
-        self._make_arrays(begin)
+        self.next_id = len(begin.position) + 1
+        arrays = start_arrays(begin, self.model, 1)
+        if is_same:
+            self._swap_arrays(arrays)
+        else:
+            self._set_arrays(arrays)
         model_reporters, agent_reporters = self._reporters
         self.datacollector = mesa.DataCollector(
             model_reporters=dict(model_reporters), agent_reporters=dict(agent_reporters)
@@ -192,16 +202,15 @@ class Flock(TickClock, Motion):
             )
         seed = whole_number("seed", seed, 0, LARGEST_SEED)
         compile_draws()
-        engine, world, parameters = self._engine, self.world, self.parameters
+        spec, world = self._beginning
+        parameters = checked(self.model.parameters, spec.parameters)
+        is_same = self.world is world and self.parameters == parameters
+        self.parameters = parameters
         for member in self._members or ():
             member.leave()
         self.__dict__.pop("space", None)
         self._put_off_model()
-        self.parameters = checked(self.model.parameters, self._beginning[0].parameters)
-        self._begin(seed)
-        is_same = self.world is world and self.parameters == parameters
-        if engine is not None and is_same and len(engine.arrays.ids) == len(self.ids):
-            engine.arrays, engine.seed, self._engine = self.arrays, seed, engine
+        self._begin(seed, is_same=is_same and len(self.ids) == spec.count)
 
     def _random_start(self) -> Start:
         """A random start, with the speeds that the body begins with. Raises InputError."""
@@ -233,11 +242,6 @@ class Flock(TickClock, Motion):
         chance = uniform_numbers(self.seed, FIRST, first_id + begin.number, 1, SPEED)[:, 0]
         speed = np.broadcast_to(body.begins(self.parameters, chance), n).copy()
         return replace(begin, speed=speed)
-
-    def _make_arrays(self, begin: Start) -> None:
-        """Make the arrays and the engine that runs over them."""
-        self._set_arrays(start_arrays(begin, self.model, 1))
-        self.next_id = len(begin.position) + 1
 
     def __repr__(self) -> str:
         return (

@@ -36,17 +36,20 @@ class FlockPool(threading.local):
         # A flock whose run has raised is in no state that anybody knows: it is not put back.
         _, flock = self.flocks.pop(id(key), (key, None))
         if flock is None:
+            self.make_room()
             flock = make()
         else:
             flock.restart(seed)
         yield flock
         if flock.options.start == "random":
             self.flocks[id(key)] = key, flock  # with the key alive nothing else has its id
-        while len(self.flocks) > 1 and (
-            len(self.flocks) > MOST_FLOCKS
-            or sum(len(kept.ids) for _, kept in self.flocks.values()) > MOST_AGENTS
-        ):
-            self.flocks.popitem(last=False)
+
+    def make_room(self) -> None:
+        """Forget the flocks that were not used for longest, until there is room for another."""
+        agents = sum(len(flock.ids) for _, flock in self.flocks.values())
+        while self.flocks and (len(self.flocks) >= MOST_FLOCKS or agents >= MOST_AGENTS):
+            _, (_, flock) = self.flocks.popitem(last=False)
+            agents -= len(flock.ids)
 
 
 def run_ticks(flock: Flock, ticks: int) -> None:
