@@ -159,7 +159,7 @@ def fingerprint(case: Case, settings: Settings) -> str:
     return digest.hexdigest()[:12]
 
 
-ENOUGH, MOST_TICKS = 0.005, 4096
+ENOUGH, MOST_TICKS = 0.002, 4096
 """Seconds after which ticks that are timed are enough, and ticks."""
 
 
