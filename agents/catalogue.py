@@ -27,6 +27,7 @@ from agents.bodies import (
 from agents.bodies.tracking import Tracking
 from agents.models.declare import Body, Rule, declared
 from agents.models.model import Model
+from agents.models.model_calls import declared_functions
 from agents.models.rule_file import declaration_in_file
 from agents.rules import (
     active_brownian,
@@ -276,6 +277,21 @@ def model(name: str) -> Model:
     if name not in MODELS:
         raise unknown("model", name, MODELS)
     return MODELS[name]
+
+
+def is_built_in(name: str) -> bool:
+    """Whether all code of a model is flockscope's own. Raises InputError for a model that is none.
+
+    >>> is_built_in("vem")
+    True
+    """
+    named = model(name)
+    home = __name__.rpartition(".")[0] + "."
+    return all(
+        function.py_func.__module__.startswith(home)
+        for part, kind in ((named.rule, "rule"), (named.body, "body"))
+        for _, function in declared_functions(part, kind)
+    )
 
 
 def add_model_with_body(name: str) -> None:

@@ -204,7 +204,7 @@ class Wind:
     def _reset_gusts(self) -> None:
         """The gusts as they are before tick 0."""
         self.next_tick = 0
-        self.last = gust_noise(self.seed, 0, 1)[0]
+        self.last = gust_noise(self.seed, 0, 1)[0] if self.conditions.gusts else np.zeros(3)
 
     def displacements(self, tick: int, ticks: int) -> np.ndarray:
         """Displacement of agents in each of `ticks` ticks from `tick` on, length, (ticks, 3)."""

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from agents import catalogue
-from agents.engine.noise import uniform_numbers
-from agents.flock_world import complete_spec, find_world, is_built_in
+from agents.engine.noise import compile_draws, uniform_numbers
+from agents.flock_world import complete_spec, is_built_in, world_of_any_seed
 from agents.inspection import Inspection, compile_inspection, inspect
 from agents.mesa_import import mesa
 from agents.mesa_interface import FlockSpace, Member, TickClock
@@ -24,7 +24,7 @@ from agents.option import whole_number
 from agents.recordings.recorder import STATES, Recorder
 from agents.recordings.recording import Recording
 from agents.snapshot import Snapshot
-from agents.spec import DEFAULT, OPTIONS, CompleteSpec, Spec, versions
+from agents.spec import DEFAULT, LARGEST_SEED, OPTIONS, CompleteSpec, Spec, versions
 from agents.state.agent_rows import (
     demand_memory_for,
     join_arrays,
@@ -42,7 +42,11 @@ from agents.state.start import (
     random_start,
     start_gap,
 )
+<<<<<<< HEAD
 from agents.strips.strip_engine import checked_ranks
+=======
+from worlds.generators import draw_obstacles
+>>>>>>> h-studies
 from worlds.input_error import InputError, unknown
 
 MOST_THREADS = 1024
@@ -137,18 +141,21 @@ class Flock(TickClock, Motion):
         self.threads = whole_number("threads", threads, 1, MOST_THREADS)
         spec = complete_spec(spec_request, self.model)
         demand_memory_for(self.model, spec.count, self.threads)
-        self.seed = spec.seed
-        self.options = spec.model_copy(update={"start": "random" if start is None else "given"})
         self.interpret = interpret
+<<<<<<< HEAD
         self.ranks = checked_ranks(ranks)
+=======
+        spec = spec.model_copy(update={"start": "random" if start is None else "given"})
+>>>>>>> h-studies
         self.parameters = checked(
             self.model.parameters, spec.parameters, other_names=(*OPTIONS, *OWN_WORDS)
         )
-        self.world = find_world(self.options, self.model)
+        self._beginning = spec, world_of_any_seed(spec, self.model)
         if spec.informed and not self.model.rule.led:
             raise InputError(
                 f"informed = {spec.informed} is not allowed: {spec.model} has no information agents"
             )
+<<<<<<< HEAD
         super().__init__(rng=self.seed)
         self.tick = 0
         begin = self._random_start() if start is None else self._start_from_arrays(start)
@@ -160,15 +167,77 @@ class Flock(TickClock, Motion):
         self._make_arrays(begin)
         if self.ranks != 1:
             self._demand_strips()
+=======
+>>>>>>> h-studies
         reporters: dict[str, Any] = {
             name: partial(measure_observable, name=known_observable(name)) for name in collect
         }
         if spec_request.seed is None:
             reporters["seed"] = "seed"
+        self._reporters = reporters | dict(model_reporters or {}), dict(agent_reporters or {})
+        self.seed = spec.seed
+        self._begin_model()
+        self._begin(spec.seed, start)
+
+    def _begin(
+        self, seed: int, start: Mapping[str, Any] | None = None, is_same: bool = False
+    ) -> None:
+        """Be at tick 0 of the run with a seed. Raises InputError.
+
+        `is_same`: only the seed is another one than that of the run that it was at.
+        """
+        spec, world = self._beginning
+        self.seed = seed
+        self.world = draw_obstacles(world, seed)
+        self.tick = 0
+        self.options = spec
+        begin = self._random_start() if start is None else self._start_from_arrays(start)
+        informed_count = int(begin.informed.sum())
+        counts = {"agents": len(begin.position) - informed_count, "informed": informed_count}
+        self.options = spec.model_copy(update={"seed": seed} | counts)
+        self._members: list[Member] | None = None
+        self._acted: set[int] = set()
+        self.next_id = len(begin.position) + 1
+        arrays = start_arrays(begin, self.model, 1)
+        if is_same:
+            self._swap_arrays(arrays)
+        else:
+            self._set_arrays(arrays)
+        model_reporters, agent_reporters = self._reporters
         self.datacollector = mesa.DataCollector(
-            model_reporters=reporters | dict(model_reporters or {}),
-            agent_reporters=dict(agent_reporters or {}),
+            model_reporters=dict(model_reporters), agent_reporters=dict(agent_reporters)
         )
+
+    def restart(self, seed: int) -> None:
+        """Begin the same run anew with another seed, as a new flock would, to the bit.
+
+        It takes a tenth of the time of a new one: what was checked, found and compiled for the run
+        is used again. Agents, parameters and world are again those that the flock was made with;
+        its members are gone, and so is what was collected. Raises InputError for a seed that is
+        none, a run from given arrays, and obstacles of that seed among which there is no room.
+
+        >>> from flockscope import Flock
+        >>> flock = Flock("vem", agents=30, size=5.0, rng=1)
+        >>> flock.run(10)
+        >>> flock.restart(2)
+        >>> flock
+        <Flock vem, N = 30, world wrap, tick 0, seed 2>
+        """
+        if self._beginning[0].start == "given":
+            raise InputError(
+                "a run from given arrays has no random start: restart needs one, make a new Flock"
+            )
+        seed = whole_number("seed", seed, 0, LARGEST_SEED)
+        compile_draws()
+        spec, world = self._beginning
+        parameters = checked(self.model.parameters, spec.parameters)
+        is_same = self.world is world and self.parameters == parameters
+        self.parameters = parameters
+        for member in self._members or ():
+            member.leave()
+        self.__dict__.pop("space", None)
+        self._put_off_model()
+        self._begin(seed, is_same=is_same and len(self.ids) == spec.count)
 
     def _random_start(self) -> Start:
         """A random start, with the speeds that the body begins with. Raises InputError."""
@@ -200,11 +269,6 @@ class Flock(TickClock, Motion):
         chance = uniform_numbers(self.seed, FIRST, first_id + begin.number, 1, SPEED)[:, 0]
         speed = np.broadcast_to(body.begins(self.parameters, chance), n).copy()
         return replace(begin, speed=speed)
-
-    def _make_arrays(self, begin: Start) -> None:
-        """Make the arrays and the engine that runs over them."""
-        self._set_arrays(start_arrays(begin, self.model, 1))
-        self.next_id = len(begin.position) + 1
 
     def __repr__(self) -> str:
         return (

@@ -44,31 +44,33 @@ def complete_spec(spec: Spec, model: Model) -> CompleteSpec:
 
 
 def world_of_any_seed(spec: CompleteSpec, model: Model) -> World:
-    """The world of a run before its random obstacles are drawn. Raises InputError.
+    """The world of a run before its random obstacles are drawn, in as many dimensions as the model
+    is defined in.
 
-    By default it has room for the agents.
+    By default it has room for the agents. Raises InputError.
     """
     if isinstance(spec.world, World):
-        return spec.world
-    if spec.layout is not None:
-        return world_from_layout(spec.layout, spec.world, spec.dim, spec.size)
-    return build_world(
-        spec.world, spec.dim, spec.size, lambda dim: (spec.count / model.density) ** (1.0 / dim)
-    )
-
-
-def find_world(spec: CompleteSpec, model: Model) -> World:
-    """The world of a run, in the dimensions in which the model is defined.
-
-    Obstacles that it leaves to chance are drawn from the seed. Raises InputError.
-    """
-    world = draw_obstacles(world_of_any_seed(spec, model), spec.seed)
+        world = spec.world
+    elif spec.layout is not None:
+        world = world_from_layout(spec.layout, spec.world, spec.dim, spec.size)
+    else:
+        world = build_world(
+            spec.world, spec.dim, spec.size, lambda dim: (spec.count / model.density) ** (1.0 / dim)
+        )
     if world.dim not in model.dimensions:
         allowed = " and ".join(f"{d}-D" for d in model.dimensions)
         raise InputError(
             f"dim = {world.dim!r} is not allowed: {model.name} is defined in {allowed}"
         )
     return world
+
+
+def find_world(spec: CompleteSpec, model: Model) -> World:
+    """The world of a run, with obstacles that it leaves to chance drawn from the seed.
+
+    Raises InputError.
+    """
+    return draw_obstacles(world_of_any_seed(spec, model), spec.seed)
 
 
 def is_built_in(world: World, seed: int) -> bool:

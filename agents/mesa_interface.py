@@ -282,6 +282,46 @@ class TickClock(mesa.Model):
     """How many of Mesa's event loops are under way, one inside the other."""
     _took_step = False
     """Whether the step that Mesa would call next was taken out of its list."""
+    _of_mesa: frozenset[str] = frozenset()
+    """The attributes that Mesa gives a model as it is made."""
+    seed: int
+    next_id: int
+
+    def _begin_model(self) -> None:
+        """Be a new model of Mesa's."""
+        others = {*vars(self)}
+        super().__init__(rng=self.seed)
+        self._of_mesa = frozenset(vars(self).keys() - others)
+
+    def _put_off_model(self) -> None:
+        """Be a new model of Mesa's as soon as anybody asks for anything of it.
+
+        To make one takes as long as a good deal of a short run, which never asks.
+        """
+        for name in (*self._of_mesa, "_took_step"):
+            self.__dict__.pop(name, None)
+        self.step = self._first_step
+
+    @property
+    def _is_put_off(self) -> bool:
+        return "_event_list" not in self.__dict__
+
+    def _begin_put_off(self) -> None:
+        tick, next_id = self._tick, self.next_id
+        self.__dict__.pop("step", None)  # Mesa puts its own over the class's
+        self._begin_model()
+        self.tick, self.next_id = tick, next_id
+
+    def _first_step(self) -> None:
+        self._begin_put_off()
+        self.step()
+
+    def __getattr__(self, name: str) -> Any:
+        """What is there as soon as it is asked for."""
+        if name in self._of_mesa and self._is_put_off:
+            self._begin_put_off()
+            return getattr(self, name)
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     @property
     def tick(self) -> int:
@@ -290,7 +330,10 @@ class TickClock(mesa.Model):
 
     @tick.setter
     def tick(self, value: int) -> None:
-        self._tick = self.steps = value
+        self._tick = value
+        if self._is_put_off:
+            return
+        self.steps = value
         if self.time != value:
             self.time = float(value)
 
@@ -309,12 +352,16 @@ class TickClock(mesa.Model):
 
     def _ticks_to_event(self, ticks: int) -> int:
         """How many of so many ticks, one at least, can run before an event; fires what is due."""
+        if self._is_put_off:
+            return ticks
         self._fire(math.nextafter(self._tick + 1, 0.0))
         due = self._next_event()
         return ticks if due >= self._tick + ticks else max(1, math.floor(due) - self._tick)
 
     def _fire_due(self) -> None:
         """Fire the events of this tick, unless a loop of Mesa's is about to."""
+        if self._is_put_off:
+            return
         if not self._loops:
             self._fire(self.time)
         elif self._took_step:

@@ -83,6 +83,15 @@ class Motion(FlockState):
         self.context = self._make_context()
         self._make_past()
 
+    def _swap_arrays(self, arrays: Arrays) -> None:
+        """Take arrays of as many agents, which begin the same run with another seed."""
+        self.arrays = arrays
+        if self._engine is not None:
+            self._engine.arrays, self._engine.seed = arrays, self.seed
+        if self.options.is_windy:
+            self._wind = Wind(self.options, self.seed, self.dt, self.world.dim)
+        self._make_past()
+
     def _make_past(self) -> None:
         """Keep as much of the past as messages may tell of."""
         ages = ticks_back(self.options, self.dt)

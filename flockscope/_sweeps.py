@@ -5,6 +5,7 @@ from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is i
 # isort: split
 from app.studies.optimisation.optimisation_api import optimise
 from app.studies.sensitivity.sensitivity_api import sensitivity
+from app.studies.sweeps.batch_run import batch_run
 from app.studies.sweeps.sweep_api import sweep
 
-__all__ = ["optimise", "sensitivity", "sweep"]
+__all__ = ["batch_run", "optimise", "sensitivity", "sweep"]

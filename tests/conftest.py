@@ -59,6 +59,7 @@ NOT_QUICK = (
     "test_page.py",
     "test_processes.py",
     "test_payload.py",
+    "test_restart.py",
     "test_scheduling.py",
     "test_trim.py",
 )

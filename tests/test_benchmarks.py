@@ -185,6 +185,19 @@ def test_the_rate_of_sweeps_is_printed_for_each_kind_of_run():
     assert [int(one[3]) for one in kinds] == [40, 20, 8]
 
 
+def test_the_ways_to_make_short_runs_take_turns():
+    calls, ways, process = printed("short_runs.py", "--runs", "8", "--rounds", "1").split("\n\n")
+    assert len(calls.splitlines()) == 6
+    head, bare, *others = ways.splitlines()
+    assert head.split()[:2] == ["8", "runs,"]
+    assert bare.split()[:2] == ["bare", "ticks"]
+    assert bare.split()[3] == "1.00"
+    names = [line[:34].strip() for line in others]
+    assert {"a sweep", "a paper", "flockscope.batch_run"} <= set(names)
+    assert all(float(line.split()[-2]) > 0.0 for line in others)
+    assert process.startswith("a process for runs begins within ")
+
+
 def test_the_store_of_sweeps_gives_back_what_it_took():
     lines = printed("sweep_store.py", "--rows", "2000").splitlines()
     assert lines[0].startswith("2000 runs written in ")

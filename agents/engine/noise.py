@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from agents.engine.block import BodyMove, Decision
+from agents.engine.cache import compile_to_disk
 from agents.engine.vector_lanes import (
     as_float,
     as_unsigned,
@@ -20,7 +21,7 @@ from agents.engine.vector_lanes import (
     power_of_two,
     where,
 )
-from worlds.compilation import compiled, plain_python
+from worlds.compilation import PLAIN, compiled, plain_python
 
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 M1 = np.uint64(0xBF58476D1CE4E5B9)
@@ -76,7 +77,14 @@ def uniform_numbers(
     seed: int, tick: int, ids: np.ndarray, draws: int, first: int = 0
 ) -> np.ndarray:
     """What `uniform` gives for agents (N,) and the draws from `first` on, (N, draws)."""
+<<<<<<< HEAD
     numbers = np.empty((len(ids), draws))
+=======
+    if fill_uniform.overloads and not PLAIN.get():
+        chance = np.empty((len(ids), draws))
+        fill_uniform(chance, seed, tick, np.ascontiguousarray(ids, np.int64), first)
+        return chance
+>>>>>>> h-studies
     with plain_python():
         key, draw = tick_key(seed, tick), np.arange(first, first + draws, dtype=np.uint64)
         for begin in range(0, len(ids), AT_ONCE):
@@ -84,6 +92,21 @@ def uniform_numbers(
             counter = ids[some].astype(np.uint64)[:, None] * DRAWS + draw
             numbers[some] = (mix(key + counter * GOLDEN) >> S11) * 2.0**-53
     return numbers
+
+
+@compile_to_disk
+def fill_uniform(chance, seed, tick, ids, first):
+    """The same for `chance` (N, draws): a tenth of the time, once it is compiled."""
+    key = tick_key(seed, tick)
+    for i in range(np.uintp(chance.shape[0])):
+        for k in range(np.uintp(chance.shape[1])):
+            chance[i, k] = uniform(key, ids[i], np.int64(first) + np.int64(k))
+
+
+def compile_draws() -> None:
+    """Have random numbers of many agents drawn by compiled code from now on: the same ones."""
+    if not fill_uniform.overloads and not PLAIN.get():
+        fill_uniform(np.empty((1, 1)), 0, 0, np.zeros(1, np.int64), 0)
 
 
 @compiled

@@ -55,6 +55,7 @@ def warm(
 
 def compile_model(name: str) -> tuple[bool, float]:
     """Compile a model's loop and observables: whether its loop was compiled before, and seconds."""
+    from agents.engine.noise import compile_draws
     from agents.flock import Flock
     from app.studies.workers.kernels import compile_measures
     from app.viewer.run.kernel_compiler import call_all
@@ -65,6 +66,7 @@ def compile_model(name: str) -> tuple[bool, float]:
     call_all(flock)
     flock.warm()
     compile_measures(flock)
+    compile_draws()
     return before, round(time.perf_counter() - started, 2)
 
 

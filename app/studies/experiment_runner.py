@@ -7,13 +7,15 @@ import inspect
 import json
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
+from agents.catalogue import is_built_in
 from agents.engine.cache import fingerprint as feed
+from agents.flock import Flock
 from agents.spec import versions
 from app.studies.experiment import Case, Experiment, flock_of
 from app.studies.experiment_file import PLAIN
@@ -21,8 +23,10 @@ from app.studies.measure import Number, Settings
 from app.studies.runs.database import BROKEN, FIXED, Outcome
 from app.studies.runs.store import canonical
 from app.studies.study_runner import At, StudyReport, StudyRunner, Tell
+from app.studies.workers.flock_pool import FlockPool
 from app.studies.workers.kernels import compile_loop
 from app.studies.workers.run_executors import Task
+from app.studies.workers.run_worker import stop_if_unwanted
 from worlds.input_error import InputError
 from worlds.number_text import counted, duration
 
@@ -43,17 +47,6 @@ def guess_seconds(ticks: float, agents: int, signals: int) -> float:
 
 
 @dataclass(frozen=True)
-class Trial:
-    """What makes a run: its cases and its seed.
-
-    There are several cases where the run goes through several values of a parameter, in that order.
-    """
-
-    cases: tuple[Case, ...]
-    seed: int
-
-
-@dataclass(frozen=True)
 class Result:
     """What a run has given in one of its cases."""
 
@@ -64,19 +57,22 @@ class Result:
     """The first agent that was seen where it cannot be, in words; empty if none was."""
 
 
-def run_trial(trial: Trial, settings: Settings) -> list[Result]:
-    """Run a flock to the end of each of its cases."""
+def run_cases(flock: Flock, cases: Sequence[Case], settings: Settings) -> list[Result]:
+    """Run a flock to the end of each of its cases, the first of which it is made for.
+
+    There are several where the run goes through several values of a parameter, in that order.
+    """
     started = time.perf_counter()
-    flock = flock_of(trial.cases[0], trial.seed)
     astray: list[str] = []
 
     def look() -> None:
+        stop_if_unwanted()
         stray_agents = None if astray else flock.stray()
         if stray_agents is not None:
             astray.append(str(stray_agents))
 
     results: list[Result] = []
-    for case in trial.cases:
+    for case in cases:
         if results:  # it has begun with the parameters of the first
             flock.set(**case.spec.parameters)
         measures = settings.run(flock, look)
@@ -97,13 +93,16 @@ class Trials:
 
     paths: tuple[tuple[Case, ...], ...]
     settings: Settings
+    flocks: FlockPool = field(default_factory=FlockPool, compare=False)
 
     def prepare(self) -> None:
         """There is nothing to prepare."""
 
     def run(self, path: int, seed: int) -> Outcome:
         """Make a run; what it gave in its later cases is the rest."""
-        results = run_trial(Trial(self.paths[path], seed), self.settings)
+        cases = self.paths[path]
+        with self.flocks.begin(cases[0], seed, lambda: flock_of(cases[0], seed)) as flock:
+            results = run_cases(flock, cases, self.settings)
         first, *rest = [outcome_of(result) for result in results]
         return first._replace(rest=tuple(rest))
 
@@ -160,7 +159,7 @@ def fingerprint(case: Case, settings: Settings) -> str:
     return digest.hexdigest()[:12]
 
 
-ENOUGH, MOST_TICKS = 0.005, 4096
+ENOUGH, MOST_TICKS = 0.002, 4096
 """Seconds after which ticks that are timed are enough, and ticks."""
 
 
@@ -371,6 +370,7 @@ def run_experiment(
         lambda: None,
         workers=workers,
         retry=retry,
+        is_own_code=not all(is_built_in(case.spec.model) for case in cases),
         tell=tell,
         at=at,
     )

@@ -21,7 +21,8 @@ from app.studies.runs.database import BROKEN, Outcome
 from app.studies.runs.store import Store, number
 from app.studies.runs.store_reader import StoreReader, readable
 from app.studies.workers.process_executor import ProcessExecutor
-from app.studies.workers.run_executors import InlineExecutor, RunExecutor, Task
+from app.studies.workers.run_executors import RunExecutor, Task
+from app.studies.workers.thread_executor import ThreadExecutor
 from worlds.file_writer import write_text
 from worlds.input_error import InputError
 
@@ -30,8 +31,6 @@ STOP = ".stop"
 """A file that asks the process that makes runs to stop."""
 LATELY = 0.2
 """How much the last second weighs in the rate."""
-SOON = 2.0
-"""Seconds of work that are done before other processes have begun."""
 Tell = Callable[[str], Any]
 At = Callable[[float, float, str], Any]
 """It hears of the share that is done, the seconds left, and both in words."""
@@ -164,6 +163,8 @@ class StudyRunner:
     """What makes the runs, instead of processes of this machine."""
     timeout: float | None = None
     """Seconds that a run may take."""
+    is_own_code: bool = False
+    """Whether runs call code that is not flockscope's: it may hang, or crash its process."""
     spec: str = ""
     """The study's own text, kept beside its runs."""
     remembered: Sequence[str] | None = None
@@ -235,12 +236,10 @@ class StudyRunner:
         return len(allowed) == len(next_tasks)
 
     def make_executor(self) -> RunExecutor:
-        """What makes runs: a cluster, processes, or for so little that it is soon done, neither."""
+        """What makes runs, which begins with the first of them."""
         if self.executor is None:
             self.prepare()
-            soon = bool(self.progress.guesses) and self.progress.seconds < SOON
-            executor = InlineExecutor(self.job) if soon else executor_of(self)
-            self.executor = self.stack.enter_context(executor)
+            self.executor = self.stack.enter_context(executor_of(self))
         return self.executor
 
     def store_outcome(self, task: Task, outcome: Outcome) -> None:
@@ -271,7 +270,11 @@ class StudyRunner:
 
 
 def executor_of(runner: StudyRunner) -> RunExecutor:
-    """A cluster if one is asked for, or processes of this machine."""
+    """A cluster if one is asked for, or processes, or threads as long as those do not pay.
+
+    Only a process of its own can be ended as a run takes too long, or be nicer than this one, or
+    crash and leave this one and the runs that are made.
+    """
     if runner.cluster.kind:
         # Imports Dask: 0.4 s, and an extra that other studies do without.
         from app.studies.cluster.cluster_executor import ClusterExecutor
@@ -279,9 +282,16 @@ def executor_of(runner: StudyRunner) -> RunExecutor:
         return ClusterExecutor(
             runner.job, runner.cluster, runner.workers, runner.nice, runner.timeout, runner.tell
         )
-    return ProcessExecutor(
-        runner.job, runner.workers, runner.nice, runner.timeout, tell=runner.tell
-    )
+
+    def begin_processes() -> ProcessExecutor:
+        return ProcessExecutor(
+            runner.job, runner.workers, runner.nice, runner.timeout, tell=runner.tell
+        )
+
+    if runner.is_own_code or runner.nice or runner.timeout is not None:
+        return begin_processes()
+    expected = runner.progress.seconds if runner.progress.guesses else 0.0
+    return ThreadExecutor(runner.job, runner.workers, begin_processes, expected)
 
 
 def demand_kind(folder: Path, kind: str) -> None:

@@ -3,18 +3,18 @@
     uv run python benchmarks/studies/sweep_rate.py [--workers 2] [--runs 4000]
 
 Three kinds of runs: 50 and 300 agents for 100 ticks, and 1000 agents for 1000. Processor time of a
-run, in the loop and in a sweep with all of its processes; by the clock the sweep is faster by the
-number of cores that it has for itself. What a sweep takes before its first run is left out of its
-rate, and what its processes take to begin, measured by a sweep of a run each, out of its time.
+run, in the loop and in a sweep with all that it begins; by the clock the sweep is faster by the
+number of cores that it has for itself.
 """
 
 from __future__ import annotations
 
 import argparse
-import resource
 import tempfile
 import time
 from pathlib import Path
+
+from batch_run import core_seconds
 
 from agents import Flock
 from app.studies.sweeps.checked_sweep import Sweep
@@ -38,38 +38,19 @@ def plain_loop(agents: int, ticks: int, runs: int) -> float:
 
 
 def measure_sweep(sweep: Sweep, workers: int) -> tuple[float, float, int]:
-    """Processor time and runs a second by the clock once all processes run, and bytes on disk."""
-    marks: list[tuple[float, float]] = []
-
-    def at(share: float, _left: float, words: str) -> None:
-        if share > 0.0:
-            marks.append((time.perf_counter(), float(words.split()[0])))
-
+    """Processor time of a run, runs a second by the clock, and bytes on disk."""
     with tempfile.TemporaryDirectory() as folder:
-        before = resource.getrusage(resource.RUSAGE_CHILDREN), time.process_time()
-        done = run_sweep(sweep, Path(folder), workers=workers, at=at)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        spent = after.ru_utime + after.ru_stime - before[0].ru_utime - before[0].ru_stime
-        spent += time.process_time() - before[1]
+        core, clock = core_seconds(), time.perf_counter()
+        done = run_sweep(sweep, Path(folder), workers=workers)
+        rate = done.made / (time.perf_counter() - clock)
         size = (Path(folder) / "runs.sqlite").stat().st_size
-    (first, some), (last, all_of_them) = marks[0], marks[-1]
-    rate = (all_of_them - some) / max(last - first, 1e-9)
-    return spent / done.made, rate, size
-
-
-def measure_start(sweep: Sweep, workers: int) -> float:
-    """Seconds of processor time that a sweep takes beside its runs: processes that begin."""
-    with tempfile.TemporaryDirectory() as folder:
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        run_sweep(sweep, Path(folder), workers=workers, limit=workers)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return (core_seconds() - core) / done.made, rate, size
 
 
 def main() -> None:
     """Print what a run costs in a loop and in a sweep."""
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("--workers", type=int, default=2, help="processes")
+    arguments.add_argument("--workers", type=int, default=2, help="runs at a time")
     arguments.add_argument("--runs", type=int, default=4000, help="runs of the shortest kind")
     options = arguments.parse_args()
     heads = ("agents x ticks", "runs", "loop, ms", "sweep, ms", "more", "runs/s", "bytes/run")
@@ -82,9 +63,7 @@ def main() -> None:
         sweep = study.sweep({"kind": "grid", "axes": {"eta": ETA}}, None)
         plain_loop(agents, ticks, len(ETA))
         loop = plain_loop(agents, ticks, min(runs, 800))
-        start = measure_start(sweep, options.workers)
         cost, rate, size = measure_sweep(sweep, options.workers)
-        cost -= start / runs
         cells = (f"{agents} x {ticks}", runs, f"{1e3 * loop:.3f}", f"{1e3 * cost:.3f}")
         more = f"{100.0 * (cost / loop - 1.0):+.0f} %"
         print(

@@ -123,6 +123,7 @@ def test_a_file_that_is_not_there_is_one_line(tmp_path):
 def test_an_edited_file_replaces_its_rule_and_the_same_one_stays(mine):
     first = from_file(mine)
     assert from_file(mine) is first
+    assert not catalogue.is_built_in(first.name), "its runs are made in processes"
     mine.write_text(CODE.replace("0.5,", "0.7,"))
     assert Flock("fading", agents=2, rng=1).parameters.fade == 0.5
     assert from_file(mine) is not first

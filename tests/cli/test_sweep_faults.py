@@ -1,4 +1,7 @@
-"""`flockscope sweep run` when something goes wrong beside it: only what was under way is lost."""
+"""`flockscope sweep run` when something goes wrong beside it: only what was under way is lost.
+
+Its runs have a timeout, and so are made in processes: without it they are too short for these.
+"""
 
 import json
 import os
@@ -20,6 +23,7 @@ model = "vem"
 agents = 30
 size = 3.0
 ticks = 2000
+timeout = 600.0
 [[design]]
 kind = "grid"
 axes = { eta = [0.0, 3.0] }
@@ -83,6 +87,24 @@ def test_ctrl_c_ends_all_its_processes_and_loses_nothing_that_was_finished(tmp_p
     assert gone_on_with(undisturbed, tmp_path)["taken"] == before >= 5
 
 
+def test_ctrl_c_ends_runs_on_threads_and_loses_nothing_that_was_kept(tmp_path):
+    text = TEXT.replace("timeout = 600.0\n", "").replace("count = 30", "count = 1500")
+    (tmp_path / "s.toml").write_text(text)
+    out = tmp_path / "out"
+    process = begun((tmp_path / "s.toml", ""), out, start_new_session=True)
+    assert children(process) == [], "so short runs need none"
+    os.killpg(process.pid, signal.SIGINT)
+    _, stderr = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "go on with: flockscope sweep run" in stderr
+    before = done(out)
+    assert 5 <= before < 3000
+    options = ("--out", out, "--quiet", "--json", "--limit", 3)
+    result = call("sweep", "run", tmp_path / "s.toml", *options)
+    assert json.loads(result.stdout)["taken"] == before
+    assert done(out) == before + 3
+
+
 def test_a_process_that_is_killed_is_replaced(tmp_path, undisturbed):
     process = begun(undisturbed, tmp_path)
     makers = children(process)
@@ -105,7 +127,7 @@ def test_its_processes_end_with_a_parent_that_is_killed(tmp_path, undisturbed):
 
 def test_a_machine_that_sleeps_loses_no_run_and_no_time(tmp_path, undisturbed):
     """All processes are halted, and go on, longer than a run may take."""
-    text = TEXT.replace("ticks = 2000", "ticks = 2000\ntimeout = 8.0")
+    text = TEXT.replace("timeout = 600.0", "timeout = 8.0")
     (tmp_path / "s.toml").write_text(text)
     out = tmp_path / "out"
     alone = "--workers", 1  # one that has made runs: a second might just begin
@@ -139,13 +161,14 @@ def test_a_measure_that_hangs_is_killed_and_named(tmp_path):
     own = "def m(flock):\n    while flock.seed == 2:\n        pass\n    return 1.0\n"
     (tmp_path / "mine.py").write_text(own)
     text = TEXT.replace('name = "polarisation"', 'measure = "mine.py:m"').replace("30", "3")
-    (tmp_path / "s.toml").write_text(text.replace("ticks = 2000", "ticks = 30\nseconds = 8"))
+    text = text.replace("ticks = 2000\ntimeout = 600.0", "ticks = 30\nseconds = 8")
+    (tmp_path / "s.toml").write_text(text)
     out = tmp_path / "out"
     result = call("sweep", "run", tmp_path / "s.toml", "--out", out, "--quiet")
     assert result.exit_code == 3, result.stderr
     assert "cell 1, seed 2: killed: it took longer than 8 s" in result.stdout
     assert StoreReader(out).counts == {"ok": 4, "gave-up": 0, "failed": 0, "killed": 2}
-    (tmp_path / "s.toml").write_text(text.replace("ticks = 2000", "ticks = 30\ntimeout = 0"))
+    (tmp_path / "s.toml").write_text(text.replace("seconds = 8", "timeout = 0"))
     assert "run.timeout: a number > 0 is needed" in refusal("sweep", "run", tmp_path / "s.toml")
 
 

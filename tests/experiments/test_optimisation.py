@@ -8,7 +8,7 @@ from app.studies.optimisation.optimisation_runner import optimise
 from app.studies.optimisation.study import OptimisationFile, read_study
 from app.studies.runs.store_reader import StoreReader
 from app.studies.sweeps.sweep_table import wide_table
-from app.studies.workers.run_executors import InlineExecutor
+from experiments.test_sweep import on_one_thread
 from worlds.input_error import InputError
 
 SMALL = """
@@ -86,8 +86,7 @@ def study(folder, *changes, text=SMALL):
 @pytest.fixture
 def here(monkeypatch):
     """Runs are made in this process: for tests that are not of processes."""
-    executor_of = "app.studies.study_runner.executor_of"
-    monkeypatch.setattr(executor_of, lambda runner: InlineExecutor(runner.job))
+    monkeypatch.setattr("app.studies.study_runner.executor_of", on_one_thread)
 
 
 def answer(folder, *changes, text=SMALL):

@@ -1,5 +1,6 @@
 """The runs of an experiment are kept: what is there is not run again, whatever was lost is."""
 
+import math
 import sqlite3
 
 import pytest
@@ -52,7 +53,7 @@ def test_only_what_is_not_there_is_run_again(tmp_path):
 
 def test_processes_make_the_same_numbers(tmp_path, monkeypatch):
     here = carry_out(small(tmp_path), tmp_path / "here")
-    monkeypatch.setattr("app.studies.study_runner.SOON", 0.0)
+    monkeypatch.setattr("app.studies.workers.thread_executor.SHARE", math.inf)
     there = carry_out(small(tmp_path), tmp_path / "there")
     assert there.measured == here.measured
 
@@ -80,11 +81,11 @@ def test_a_paper_stops_when_it_is_asked_to_and_goes_on_later(tmp_path):
         (tmp_path / STOP).touch()
 
     with pytest.raises(KeyboardInterrupt):
-        run_experiment(experiment, tmp_path, runs=4, seed=1, workers=1, tell=None, at=ask)
+        run_experiment(experiment, tmp_path, runs=400, seed=1, workers=1, tell=None, at=ask)
     assert StoreReader(tmp_path).state["progress"] is None
-    again = carry_out(experiment, tmp_path)
-    assert 0 < again.taken < 8
-    assert again.made + again.taken == 8
+    again = carry_out(experiment, tmp_path, runs=400)
+    assert 0 < again.taken < 800
+    assert again.made + again.taken == 800
 
 
 def test_a_paper_leaves_the_runs_of_a_sweep_alone(tmp_path):

@@ -15,7 +15,7 @@ from app.studies.sweeps.sweep_job import RunRequest
 from app.studies.sweeps.sweep_results import Results
 from app.studies.sweeps.sweep_runner import FIRST_LOOK, run_sweep
 from app.studies.sweeps.sweep_table import as_csv, long_table, wide_table
-from app.studies.workers.run_executors import InlineExecutor
+from app.studies.workers.thread_executor import ThreadExecutor
 from experiments.test_sweep_file import read
 
 SMALL = """
@@ -36,9 +36,12 @@ name = "polarisation"
 
 @pytest.fixture
 def here(monkeypatch):
-    """Runs are made in this process."""
-    makers = "app.studies.study_runner.ProcessExecutor"
-    monkeypatch.setattr(makers, lambda job, *_, **__: InlineExecutor(job))
+    """Runs are made in this process, those of a measure of one's own too."""
+    monkeypatch.setattr("app.studies.study_runner.executor_of", on_one_thread)
+
+
+def on_one_thread(runner):
+    return ThreadExecutor(runner.job, 1, lambda: pytest.fail("no process is worth it"))
 
 
 def carry_out(sweep, folder, **more):

@@ -4,7 +4,7 @@ import pytest
 
 from app.studies.experiment import flock_of
 from app.studies.experiment_reader import read_experiment
-from app.studies.experiment_runner import Trial, run_trial
+from app.studies.experiment_runner import run_cases
 from worlds.input_error import InputError
 
 SMALL = {"evaluations": 12, "population": 4, "seeds": 3, "fresh": 10}
@@ -13,7 +13,8 @@ SMALL = {"evaluations": 12, "population": 4, "seeds": 3, "fresh": 10}
 def run(name, seed=1, **more):
     experiment = read_experiment(name)
     settings = experiment.settings.model_copy(update=SMALL | more)
-    (result,) = run_trial(Trial((experiment.cases[0],), seed), settings)
+    case = experiment.cases[0]
+    (result,) = run_cases(flock_of(case, seed), [case], settings)
     assert list(result.measures) != []
     assert set(result.measures) == {one.name for one in settings.measures}
     return result.measures

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import math
+import os
 import re
 import shutil
 import tomllib
@@ -263,6 +264,8 @@ def test_it_is_stopped_gone_on_with_and_outlives_the_laboratory(tmp_path):
     until(lambda: is_locked(tmp_path / name), 60)
     until(lambda: sweeps.seen.of(name).done > done, 60)
     making = sweeps.making
+    own = os.getpriority(os.PRIO_PROCESS, 0)
+    assert os.getpriority(os.PRIO_PROCESS, making.process.pid) > own, "it gives way to the page"
     assert sweeps.close() == name
     assert making.runs, "a laboratory that ends leaves its sweep running"
     other = Sweeps(tmp_path)

@@ -16,7 +16,7 @@ from app.studies.study_runner import StudyRunner, Tell
 from app.studies.sweeps.designs import Point
 from app.studies.sweeps.sweep_cells import Cell
 from app.studies.sweeps.sweep_job import RunRequest, SweepJob
-from app.studies.sweeps.sweep_runner import prepare
+from app.studies.sweeps.sweep_runner import is_own_code, prepare
 from app.studies.workers.run_executors import Task
 from worlds.input_error import InputError
 
@@ -80,6 +80,7 @@ class Evaluations:
             limit=limit,
             cluster=study.file.cluster,
             timeout=study.file.run.timeout,
+            is_own_code=any(is_own_code(variant.sweep) for variant in study.variants),
             spec=study.text,
             tell=tell,
         )

@@ -11,7 +11,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,11 +25,10 @@ from agents.spec import Spec
 from app.studies.runs.database import FIXED, Outcome, Status
 from app.studies.sweeps.designs import find_file
 from app.studies.sweeps.sweep_file import ObservableBound, Observe
+from app.studies.workers.flock_pool import FlockPool, run_ticks
+from app.studies.workers.run_worker import stop_if_unwanted
 from worlds.input_error import InputError, unknown
 from worlds.text_file import read_text
-
-if TYPE_CHECKING:
-    from agents.flock import Flock
 
 # What is measured of a run: observables by name and functions of one's own, now or over time.
 
@@ -210,6 +209,7 @@ class SweepJob:
     measures: tuple[SweepMeasure, ...]
     until: StopCondition | None = None
     getters: list[Callable[[Flock], float]] = field(default_factory=list)
+    flocks: FlockPool = field(default_factory=FlockPool, compare=False)
 
     def __getstate__(self) -> dict[str, Any]:
         """Without what a process makes for itself."""
@@ -237,12 +237,18 @@ class SweepJob:
 
     def run(self, request: RunRequest, seed: int) -> Outcome:
         """Make a run."""
-        flock = Flock(request.spec.but(seed=seed))
+        spec = request.spec
+        with self.flocks.begin(spec, seed, lambda: Flock(spec.but(seed=seed))) as flock:
+            return self.run_flock(flock, request)
+
+    def run_flock(self, flock: Flock, request: RunRequest) -> Outcome:
+        """Run a flock to its end."""
         looks = RunObserver(self.measures, self.getters)
         k: int | None = None
         astray: list[str] = []
 
         def glance() -> None:
+            stop_if_unwanted()
             stray_agents = None if astray else flock.stray()
             if stray_agents is not None:
                 astray.append(str(stray_agents))
@@ -321,7 +327,7 @@ class SweepJob:
                 nexts.append(next_multiple(now, self.until.every))
             if frame:
                 nexts.append(next_multiple(now, frames))
-            flock.run(min(nexts) - now)
+            run_ticks(flock, min(nexts) - now)
             if flock.world.is_solid:
                 glance()
             looks.look(flock, bool(self.window) and flock.tick > windows_from)

@@ -10,7 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
+from agents.catalogue import is_built_in
 from agents.flock import Flock
+from agents.observables.catalogue import BUILT_IN
 from app.studies.cluster.cluster_options import Cluster
 from app.studies.judge import statistics
 from app.studies.judge.judge import INTERVAL_CONFIDENCE, ranges_of
@@ -199,6 +201,7 @@ def run_sweep(
         limit=limit,
         cluster=cluster or file.cluster,
         timeout=file.run.timeout,
+        is_own_code=is_own_code(sweep),
         spec=sweep.text,
         remembered=[precision.observable] if precision else [],
         tell=tell,
@@ -222,6 +225,15 @@ def run_sweep(
         runner.store.tell(runs=rounds.rounds.total)
         gave_up = runner.statuses["gave-up"]
         return StudyReport(runner.made, runs_taken, runner.failed_count, gave_up, is_complete)
+
+
+def is_own_code(sweep: Sweep) -> bool:
+    """Whether its runs call a rule, a body or a measure that is not flockscope's."""
+    models = {sweep.base.model, *(cell.spec.model for cell in sweep.cells)}
+    until = sweep.making.until
+    observables = {measure.name for measure in sweep.making.measures}  # "": of a file
+    observables |= {until.says.name} if until else set()
+    return not (all(map(is_built_in, models)) and observables <= BUILT_IN.keys())
 
 
 def tell_changes(sweep: Sweep, runner: StudyRunner, numbers: list[int], tell: Tell) -> None:

@@ -1,4 +1,4 @@
-"""What makes runs: processes of this machine, this process itself, or a cluster, all alike."""
+"""What makes runs: threads or processes of this machine, or a cluster, all alike."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any, Protocol, Self
 
 from app.studies.runs.database import Outcome
-from app.studies.workers import run_worker
 
 LOOK = 1.0
 """Seconds between two looks at the clock, beyond which the machine was asleep."""
@@ -52,30 +51,6 @@ class RunExecutor(Protocol):
         `keep` receives each in the calling thread, and so once. Raises InputError if none can be
         made.
         """
-
-
-class InlineExecutor:
-    """For so little work that no other process would have begun before it is done."""
-
-    workers = 1
-
-    def __init__(self, job: Any):
-        self.job = job
-
-    def __enter__(self) -> InlineExecutor:
-        self.job.prepare()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        pass
-
-    def run(self, tasks: Iterable[Task], keep: Keep, beat: Beat = lambda: False) -> bool:
-        """Make the runs in their order; False if `beat` wanted them stopped."""
-        for task in tasks:
-            keep(task, run_worker.make_run(self.job, task.payload, task.seed))
-            if beat():
-                return False
-        return True
 
 
 class AwakeClock:

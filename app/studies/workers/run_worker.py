@@ -20,6 +20,22 @@ BEATS = 1.0
 """Seconds between two signs of life."""
 
 
+STOPPED = threading.local()
+"""`event` of a thread that makes runs beside others of this process: set once they are not wanted
+any more."""
+
+
+class RunStoppedError(BaseException):
+    """A run on a thread is not wanted any more."""
+
+
+def stop_if_unwanted() -> None:
+    """Called now and then within a run: raises RunStoppedError where nobody waits for it."""
+    event = getattr(STOPPED, "event", None)
+    if event is not None and event.is_set():
+        raise RunStoppedError
+
+
 @dataclass(frozen=True)
 class WorkerSetup:
     """What a process is told first."""

@@ -6,6 +6,7 @@ more often than it can afford: what the page shows is replaced as a whole.
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
@@ -78,7 +80,10 @@ class SweepSubprocess:
     def begin(cls, folder: Path, what: Path) -> SweepSubprocess:
         """Begin a sweep, or go on with one: `what` is its file or its folder. Raises InputError."""
         command = [sys.executable, "-P", "-m", "flockscope", "sweep", "run", str(what)]
-        command += ["--out", str(folder), "--workers", str(workers()), "--nice", str(NICE)]
+        command += ["--out", str(folder), "--workers", str(workers())]
+        # As a whole it gives way, threads too: with --nice its runs would have to have processes.
+        is_niced = hasattr(os, "setpriority")
+        command += [] if is_niced else ["--nice", str(NICE)]
         try:
             with open(folder / MESSAGES, "wb") as said:
                 process = subprocess.Popen(
@@ -88,6 +93,8 @@ class SweepSubprocess:
                     stderr=said,
                     start_new_session=True,
                 )
+            if is_niced:
+                give_way(process.pid)
         except OSError as error:
             raise InputError(
                 f"the sweep {folder.name} cannot be begun: {error.strerror or error}"
@@ -119,6 +126,13 @@ class SweepSubprocess:
             return ""
         last = next((line.strip() for line in reversed(lines) if line.strip()), "")
         return last.removeprefix("flockscope: ")
+
+
+def give_way(pid: int) -> None:
+    """Have a process that has just begun, and all that it begins, give way to this one."""
+    nice = min(19, os.getpriority(os.PRIO_PROCESS, 0) + NICE)
+    with suppress(ProcessLookupError):
+        os.setpriority(os.PRIO_PROCESS, pid, nice)
 
 
 EVERY, SELDOM = 1.0, 4.0

@@ -1,0 +1,130 @@
+"""`flock.restart(seed)`: the same run with another seed is as a new flock, whatever was done."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from agents import Flock, Member
+from agents.catalogue import MODELS
+from agents.engine import noise
+from agents.state.start import FIRST
+from worlds.compilation import DISABLED, plain_python
+from worlds.input_error import InputError
+
+OTHERS = [
+    {"model": "vem", "activation": "random"},
+    {"model": "vem", "activation": "sequential", "noise": "vectorial"},
+    {"model": "hwvem", "gusts": 0.2, "wind": 0.1, "pulse": 0.3},
+    {"model": "hwvem", "delay": 2.0, "jitter": 1.0, "lost": 0.1, "place_error": 0.01},
+    {"model": "reynolds", "world": "thesis-blocks", "agents": 5},
+    {"model": "couzin", "dim": 3, "spacing": 0.2},
+    {"model": "vem-a", "informed": 3, "threads": 2},
+]
+
+
+def as_new(flock: Flock, new: Flock) -> None:
+    """Nothing tells the one from the other: not to the last bit."""
+    assert (flock.spec, flock.tick, flock.next_id) == (new.spec, new.tick, new.next_id)
+    assert (flock.world, flock.parameters) == (new.world, new.parameters)
+    for name, array in flock.arrays._asdict().items():
+        assert np.array_equal(array, getattr(new.arrays, name), equal_nan=array.dtype == float), (
+            name
+        )
+    assert (flock.time, flock.steps, flock.running) == (new.time, new.steps, new.running)
+    assert flock.random.getstate() == new.random.getstate()
+    assert flock.rng.bit_generator.state == new.rng.bit_generator.state
+    assert flock.datacollector.model_vars == new.datacollector.model_vars
+
+
+@pytest.mark.parametrize(
+    "words", [*({"model": name} for name in MODELS), *OTHERS], ids=lambda words: str(words)
+)
+def test_it_is_as_a_new_flock(words):
+    words = {"agents": 12} | words
+    flock = Flock(**words, rng=1)
+    flock.run(15)
+    flock.restart(7)
+    new = Flock(**words, rng=7)
+    as_new(flock, new)
+    for either in (flock, new):
+        either.run(15)
+    as_new(flock, new)
+    for either in (flock, new):
+        either.step()
+    as_new(flock, new)
+
+
+def test_what_was_done_to_it_is_undone():
+    flock = Flock("vem-a", agents=20, rng=1)
+    flock.step()
+    members, space = list(flock.agents), flock.space
+    members[3].remove()
+    Member(flock, position=(0.5, 0.5), heading=(1.0, 0.0))
+    members[0].step()
+    flock.set(eta=3.0)
+
+    def event():
+        flock.set(eta=5.0)
+
+    flock.schedule_event(event, after=3.0)
+    flock.running = False
+    flock.restart(2)
+    new = Flock("vem-a", agents=20, rng=2)
+    as_new(flock, new)
+    assert all(member.is_gone for member in members)
+    assert flock.space is not space
+    assert len(flock.agents) == 21
+    for either in (flock, new):
+        for _ in range(5):
+            either.step()
+        either.agents.shuffle_do("step")
+    as_new(flock, new)
+
+
+def test_a_world_of_random_obstacles_is_drawn_anew():
+    flock = Flock("reynolds", world="thesis-blocks", agents=10, rng=1)
+    flock.run(3)
+    before = flock.world
+    flock.restart(2)
+    assert flock.world != before
+    flock.restart(1)
+    assert flock.world == before
+
+
+def test_what_cannot_be_begun_again_is_refused():
+    start = {"position": [(1.0, 1.0)], "heading": [(1.0, 0.0)]}
+    given = Flock("vem", start=start, size=4.0)
+    with pytest.raises(InputError, match="a run from given arrays has no random start"):
+        given.restart(2)
+    flock = Flock("vem", agents=5, rng=1)
+    flock.run(3)
+    with pytest.raises(InputError, match="seed = -1 is not allowed"):
+        flock.restart(-1)
+    assert (flock.tick, flock.seed) == (3, 1)
+
+
+def test_the_compiled_call_is_used_again_where_nothing_of_it_has_changed():
+    flock = Flock("hwvem", agents=12, rng=1)
+    engine = flock.engine
+    flock.restart(2)
+    assert flock.engine is engine
+    flock.set(v0=0.2)
+    flock.restart(3)
+    assert flock.engine is not engine
+
+
+def test_compiled_code_draws_the_same_random_numbers():
+    """Those of a start, of an order of turns, of gusts: before it is compiled and after."""
+    asked = [
+        (seed, tick, np.arange(first, first + 50), draws, first)
+        for seed in (0, 7, 2**63 - 1)
+        for tick in (0, noise.ORDERS + 3, FIRST + 2)
+        for draws, first in ((1, 0), (2, 0), (3, 4), (6, 0))
+    ]
+    with plain_python():
+        plain = [noise.uniform_numbers(*one) for one in asked]
+    noise.compile_draws()
+    assert noise.fill_uniform.overloads or DISABLED
+    for one, numbers in zip(asked, plain, strict=True):
+        assert np.array_equal(noise.uniform_numbers(*one), numbers)
