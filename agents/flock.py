@@ -42,11 +42,8 @@ from agents.state.start import (
     random_start,
     start_gap,
 )
-<<<<<<< HEAD
 from agents.strips.strip_engine import checked_ranks
-=======
 from worlds.generators import draw_obstacles
->>>>>>> h-studies
 from worlds.input_error import InputError, unknown
 
 MOST_THREADS = 1024
@@ -142,11 +139,8 @@ class Flock(TickClock, Motion):
         spec = complete_spec(spec_request, self.model)
         demand_memory_for(self.model, spec.count, self.threads)
         self.interpret = interpret
-<<<<<<< HEAD
         self.ranks = checked_ranks(ranks)
-=======
         spec = spec.model_copy(update={"start": "random" if start is None else "given"})
->>>>>>> h-studies
         self.parameters = checked(
             self.model.parameters, spec.parameters, other_names=(*OPTIONS, *OWN_WORDS)
         )
@@ -155,20 +149,6 @@ class Flock(TickClock, Motion):
             raise InputError(
                 f"informed = {spec.informed} is not allowed: {spec.model} has no information agents"
             )
-<<<<<<< HEAD
-        super().__init__(rng=self.seed)
-        self.tick = 0
-        begin = self._random_start() if start is None else self._start_from_arrays(start)
-        informed_count = int(begin.informed.sum())
-        counts = {"agents": len(begin.position) - informed_count, "informed": informed_count}
-        self.options = self.options.model_copy(update=counts)
-        self._members: list[Member] | None = None
-        self._acted: set[int] = set()
-        self._make_arrays(begin)
-        if self.ranks != 1:
-            self._demand_strips()
-=======
->>>>>>> h-studies
         reporters: dict[str, Any] = {
             name: partial(measure_observable, name=known_observable(name)) for name in collect
         }
@@ -178,6 +158,8 @@ class Flock(TickClock, Motion):
         self.seed = spec.seed
         self._begin_model()
         self._begin(spec.seed, start)
+        if self.ranks != 1:
+            self._demand_strips()
 
     def _begin(
         self, seed: int, start: Mapping[str, Any] | None = None, is_same: bool = False
@@ -231,7 +213,7 @@ class Flock(TickClock, Motion):
         compile_draws()
         spec, world = self._beginning
         parameters = checked(self.model.parameters, spec.parameters)
-        is_same = self.world is world and self.parameters == parameters
+        is_same = self.ranks == 1 and self.world is world and self.parameters == parameters
         self.parameters = parameters
         for member in self._members or ():
             member.leave()

@@ -77,14 +77,10 @@ def uniform_numbers(
     seed: int, tick: int, ids: np.ndarray, draws: int, first: int = 0
 ) -> np.ndarray:
     """What `uniform` gives for agents (N,) and the draws from `first` on, (N, draws)."""
-<<<<<<< HEAD
     numbers = np.empty((len(ids), draws))
-=======
     if fill_uniform.overloads and not PLAIN.get():
-        chance = np.empty((len(ids), draws))
-        fill_uniform(chance, seed, tick, np.ascontiguousarray(ids, np.int64), first)
-        return chance
->>>>>>> h-studies
+        fill_uniform(numbers, seed, tick, np.ascontiguousarray(ids, np.int64), first)
+        return numbers
     with plain_python():
         key, draw = tick_key(seed, tick), np.arange(first, first + draws, dtype=np.uint64)
         for begin in range(0, len(ids), AT_ONCE):

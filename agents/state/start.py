@@ -51,7 +51,6 @@ def start_gap(body: Any) -> Callable[[Any], float] | None:
 
 def random_headings(seed: int, ids: np.ndarray, dim: int) -> np.ndarray:
     """Unit vectors of agents (N,), uniform on the circle or the sphere, (N, dim)."""
-<<<<<<< HEAD
     heading = np.empty((len(ids), dim))
     for begin in range(0, len(ids), AT_ONCE):
         some = slice(begin, begin + AT_ONCE)
@@ -63,16 +62,6 @@ def random_headings(seed: int, ids: np.ndarray, dim: int) -> np.ndarray:
             heading[some, :2] *= np.sqrt(1.0 - z * z)[:, None]
             heading[some, 2] = z
     return heading
-=======
-    chance = uniform_numbers(seed, FIRST, ids, dim - 1)
-    angle = 2.0 * np.pi * chance[:, 0]
-    flat = np.empty((len(angle), 2))
-    flat[:, 0], flat[:, 1] = np.cos(angle), np.sin(angle)
-    if dim == 2:
-        return flat
-    z = 2.0 * chance[:, 1:] - 1.0
-    return np.hstack([np.sqrt(1.0 - z * z) * flat, z])
->>>>>>> h-studies
 
 
 def goal_heading(dim: int) -> np.ndarray:
@@ -105,21 +94,12 @@ def random_start(
     ids = np.arange(1, n + 1)
     if mission is None or mission.start is None:
         low, size = np.array(world.low), np.array(world.size)
-<<<<<<< HEAD
-        first = free_positions(world, ids[:informed], seed)
-        if not world.is_solid:
-            first[:1] = 0.0
-        others = free_positions(world, ids[informed:], seed, spacing or 0.0, gap)
-        position = np.concatenate([first, others]) if informed else others
-=======
         position = free_positions(world, ids[informed:], seed, spacing or 0.0, gap)
         if informed:
             first = free_positions(world, ids[:informed], seed)
             if not world.is_solid:
                 first[:1] = 0.0
             position = np.concatenate([first, position])
-            heading[:informed] = goal_heading(world.dim)
->>>>>>> h-studies
     else:
         region = mission.start
         low, size = start_box(region, n)
@@ -196,23 +176,12 @@ def try_positions(
     world: World, low, size, ids: np.ndarray, spacing: float, seed: int, gap: float
 ) -> tuple[np.ndarray, int]:
     """Positions as `spread` asks for them, (N, dim), and how many of the last ones are good."""
-<<<<<<< HEAD
-    is_bad = np.ones(len(ids), bool)
-    position = np.zeros((len(ids), world.dim))
-    for attempt in range(1, TRIES + 2):
-        chance = uniform_numbers(seed, FIRST + attempt, ids[is_bad], world.dim)
-        chance *= size
-        chance += low
-        if is_bad.all():
-            position = chance
-        else:
-            position[is_bad] = chance
-=======
-    position = uniform_numbers(seed, FIRST + 1, ids, world.dim) * size + low
+    position = uniform_numbers(seed, FIRST + 1, ids, world.dim)
+    position *= size
+    position += low
     if not world.is_solid and spacing <= 0.0:
         return position, len(ids)
     for attempt in range(2, TRIES + 3):
->>>>>>> h-studies
         is_bad = np.zeros(len(ids), bool)
         if world.is_solid:
             is_bad |= clearance(world, position) <= gap
@@ -254,17 +223,11 @@ def along_space(position: np.ndarray, low: np.ndarray, size: np.ndarray) -> np.n
     `low`."""
     n, dim = position.shape
     strips = max(1.0, (n / 4.0) ** (1.0 / dim))
-<<<<<<< HEAD
     cells = [
         np.floor((position[:, axis] - low[axis]) / size[axis] * strips).astype(np.int32)
         for axis in range(dim)
     ]
     return np.lexsort(cells)
-=======
-    # By columns: NumPy takes many times as long for rows of two numbers.
-    columns = zip(position.T, size, strict=True)
-    return np.lexsort([np.floor(column / side * strips) for column, side in columns])
->>>>>>> h-studies
 
 
 def given_start(world: World, arrays: Mapping[str, Any], passing: bool = False) -> Start:

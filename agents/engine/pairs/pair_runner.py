@@ -55,7 +55,8 @@ class PairEngine:
         self.parts = max(1, threads)
         self.slots = padded_slots(n, dim, module.ASKS_SPEED)
         self.grid = empty_grid(n, self.parts)
-        self.notes = [pairs.empty_notes(module.SUMS) for _ in range(self.parts)]
+        self.index = self.grid.start.dtype
+        self.notes = [pairs.empty_notes(module.SUMS, self.index) for _ in range(self.parts)]
         self.meeting = np.zeros(BAD + self.parts, np.int64)
         self.team = Team(self.parts)
         self.slot_of = np.empty(0, np.int64)
@@ -64,7 +65,7 @@ class PairEngine:
         """One call of the compiled loop."""
         part = work[1]
         if context.nearest > len(self.notes[part].least):
-            self.notes[part] = pairs.empty_notes(self.module.SUMS, context.nearest)
+            self.notes[part] = pairs.empty_notes(self.module.SUMS, self.index, context.nearest)
         done, last_off, bad_row = self.called(
             self.module.advance,
             self.arrays,

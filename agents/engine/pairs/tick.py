@@ -109,15 +109,15 @@ class PairWorkspace(NamedTuple):
     """Where the slots of that cell begin and end, (2,)."""
 
 
-def empty_notes(number: int, nearest: int = 1) -> PairWorkspace:
-    """Notes of nothing yet, for so many sums, and so many nearest agents."""
+def empty_notes(number: int, index: Any, nearest: int = 1) -> PairWorkspace:
+    """Notes of nothing yet, for so many sums and nearest agents; slots are numbered by `index`."""
     return PairWorkspace(
         np.zeros((max(SPEED + 1, number), WIDTH)),
         np.zeros(WIDTH, np.int64),
         np.zeros(CHOSEN, np.uint64),
         np.zeros((nearest, WIDTH)),
         np.ones(3, np.int64),
-        np.zeros(2, np.int32),
+        np.zeros(2, index),
     )
 
 
@@ -241,7 +241,13 @@ def nearest_sums(grid, space, slots, line, low, high, there, me, context, lone, 
     while is_any(seeking):
         if rings > MOST_RINGS or not holds_rings(grid, space, DIM, rings):
             grid = CellGrid(
-                grid.origin, grid.extent, grid.inverse, notes.one_cell, notes.all_slots, grid.tally
+                grid.origin,
+                grid.extent,
+                grid.inverse,
+                notes.one_cell,
+                notes.all_slots,
+                grid.tally,
+                grid.corners,
             )
             notes.all_slots[1] = slots.row.shape[0]
             lone = is_any_lone(space, grid)
