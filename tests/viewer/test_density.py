@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from PIL import Image
 
+from agents.spec import Spec
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.measuring import flock_readings
 from app.viewer.measuring.flock_readings import FlockReadings
@@ -452,6 +453,21 @@ def test_a_flock_that_is_set_up_small_is_drawn_agent_by_agent_again(laboratory):
         client = next(iter(laboratory.server.get_clients().values()))
         assert describe_sight(laboratory.scene.in_sight(client)) == ""
         until(lambda: laboratory.drawing.drawn[0].ids.size == 30)
+
+
+def test_two_flocks_beside_each_other_are_two_pictures(laboratory):
+    with DensityBrowser(laboratory.port) as browser:
+        until(lambda: browser.image is not None)
+        spec = preset_spec("vem", agents=600, seed=2)
+        laboratory.simulation.setup(spec, Spec("hwvem"))
+        until(lambda: "/sight1/density" in browser.nodes)
+        client = next(iter(laboratory.server.get_clients().values()))
+        until(lambda: [one.count for one in laboratory.scene.in_sight(client)] == [600, 600])
+        first, second = laboratory.scene.in_sight(client)
+        assert first.node.position.tolist() == [0.0, 0.0, 0.0]
+        assert second.node.position.tolist() == laboratory.scene._sights[1].aside.tolist()
+        laboratory.simulation.setup(spec)
+        until(lambda: len(laboratory.scene.in_sight(client)) == 1)
 
 
 def test_an_image_is_a_jpeg_of_the_region(laboratory):
