@@ -318,7 +318,31 @@ def test_who_has_flown_out_of_the_box_is_in_the_region_of_the_flock():
     world = World("open", (20.0, 20.0), ("open", "open"))
     made = many(5, world=world)
     made.position[2] = -7.0, 31.0
-    assert flock_region(made) == PlaneRegion((-7.0, 0.0), (20.0, 31.0))
+    region = flock_region(made)
+    assert region.low == (-7.0, 0.0)
+    assert region.high == pytest.approx((20.0, 31.0))
+    assert count_within(made.position, *region.low, *region.high) == 5
+
+
+@pytest.mark.parametrize(
+    "junk",
+    [
+        {"position": (np.nan, 0.0, 1.0)},
+        {"position": (0.0, 0.0, 0.0)},
+        {"position": (1e300, 0.0, 1e-300)},
+        {"target": (np.inf, 0.0, 0.0)},
+        {"up": (0.0, 0.0, 0.0)},
+        {"fov": np.pi},
+        {"fov": np.nan},
+        {"tall": 0},
+    ],
+)
+def test_a_camera_that_is_none_has_nothing_or_something_in_sight(junk):
+    made = shown(many(5))
+    known = {"position": (0.0, 0.0, 10.0), "target": (0.0, 0.0, 0.0)}
+    seen = region_in_sight(camera(**(known | junk)), made, np.zeros(3))
+    inside = seen.intersection(flock_region(made.frame))
+    assert inside is None or 0.0 < inside.area <= 400.0
 
 
 def test_a_player_refuses_what_would_be_density(monkeypatch):
