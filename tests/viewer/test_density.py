@@ -15,11 +15,18 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from PIL import Image
 
+from agents.flock import Flock
+from agents.spec import Spec
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.measuring import flock_readings
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.panels.monitors import describe_sight
+from app.viewer.pictures.film_writer import seen_picture
+from app.viewer.pictures.picture_camera import Camera
+from app.viewer.pictures.picture_sheet import Sheet
+from app.viewer.pictures.plane import FAINT
 from app.viewer.pictures.player import Player
+from app.viewer.pictures.shot import look_of, shot
 from app.viewer.run.run_preset import preset_spec
 from app.viewer.scene.cameras.density_views import KEEPS, region_in_sight
 from app.viewer.scene.draw.density import (
@@ -311,13 +318,77 @@ def test_who_has_flown_out_of_the_box_is_in_the_region_of_the_flock():
     world = World("open", (20.0, 20.0), ("open", "open"))
     made = many(5, world=world)
     made.position[2] = -7.0, 31.0
-    assert flock_region(made) == PlaneRegion((-7.0, 0.0), (20.0, 31.0))
+    region = flock_region(made)
+    assert region.low == (-7.0, 0.0)
+    assert region.high == pytest.approx((20.0, 31.0))
+    assert count_within(made.position, *region.low, *region.high) == 5
+
+
+@pytest.mark.parametrize(
+    "junk",
+    [
+        {"position": (np.nan, 0.0, 1.0)},
+        {"position": (0.0, 0.0, 0.0)},
+        {"position": (1e300, 0.0, 1e-300)},
+        {"target": (np.inf, 0.0, 0.0)},
+        {"up": (0.0, 0.0, 0.0)},
+        {"fov": np.pi},
+        {"fov": np.nan},
+        {"tall": 0},
+    ],
+)
+def test_a_camera_that_is_none_has_nothing_or_something_in_sight(junk):
+    made = shown(many(5))
+    known = {"position": (0.0, 0.0, 10.0), "target": (0.0, 0.0, 0.0)}
+    seen = region_in_sight(camera(**(known | junk)), made, np.zeros(3))
+    inside = seen.intersection(flock_region(made.frame))
+    assert inside is None or 0.0 < inside.area <= 400.0
 
 
 def test_a_player_refuses_what_would_be_density(monkeypatch):
     monkeypatch.setattr(drawing_style, "DENSITY_BEYOND", 50)
     with Player(51) as player, pytest.raises(InputError, match="too many for an HTML file"):
         player.add(many(51), DrawingStyle(), 0.0)
+
+
+@pytest.fixture
+def quarter(monkeypatch):
+    """A flock that is all in the lower left quarter of its world, and goes north."""
+    monkeypatch.setattr(drawing_style, "DENSITY_BEYOND", 50)
+    flock = Flock("vem", agents=400, rng=1)
+    flock.position[:] %= 0.5 * np.array(flock.world.size)
+    flock.heading[:] = NORTH
+    return flock
+
+
+def coloured_share(sheet, x, y):
+    """The share of vivid pixels in a quarter of the scene of a sheet, (0, 0) the lower left."""
+    box = sheet.scene.axes.get_window_extent()
+    left, lower = box.x0 + 0.5 * x * box.width, box.y0 + 0.5 * y * box.height
+    rows = slice(int(sheet.size[1] - lower - 0.5 * box.height), int(sheet.size[1] - lower))
+    part = sheet.pixels()[rows, int(left) : int(left + 0.5 * box.width)].astype(int)
+    return float(np.mean(np.ptp(part, axis=2) > 40))
+
+
+def test_pictures_and_films_are_of_density_too(quarter):
+    now = quarter.snapshot(signals=True)
+    sheet = Sheet(shot(now, look_of(now, None)), (640, 480))
+    assert not len(sheet.scene.bodies.get_paths())
+    assert FAINT in [text.get_text() for text in sheet.figure.legends[0].get_texts()]
+    assert coloured_share(sheet, 0, 0) > 0.6
+    assert coloured_share(sheet, 1, 1) < 0.05
+    quarter.position[:] += 0.5 * np.array(quarter.world.size)
+    later = quarter.snapshot(signals=True)
+    sheet.show(shot(later, look_of(later, None)))
+    assert coloured_share(sheet, 0, 0) < 0.05
+    assert coloured_share(sheet, 1, 1) > 0.6
+
+
+def test_a_browser_that_draws_pictures_refuses_density(quarter):
+    now = quarter.snapshot(signals=True)
+    one = shot(now, look_of(now, None))
+    with pytest.raises(InputError, match="400 agents in the plane"):
+        seen_picture(one, None, (640, 480), Camera.of(one))
 
 
 # A large flock is measured aside.
@@ -452,6 +523,21 @@ def test_a_flock_that_is_set_up_small_is_drawn_agent_by_agent_again(laboratory):
         client = next(iter(laboratory.server.get_clients().values()))
         assert describe_sight(laboratory.scene.in_sight(client)) == ""
         until(lambda: laboratory.drawing.drawn[0].ids.size == 30)
+
+
+def test_two_flocks_beside_each_other_are_two_pictures(laboratory):
+    with DensityBrowser(laboratory.port) as browser:
+        until(lambda: browser.image is not None)
+        spec = preset_spec("vem", agents=600, seed=2)
+        laboratory.simulation.setup(spec, Spec("hwvem"))
+        until(lambda: "/sight1/density" in browser.nodes)
+        client = next(iter(laboratory.server.get_clients().values()))
+        until(lambda: [one.count for one in laboratory.scene.in_sight(client)] == [600, 600])
+        first, second = laboratory.scene.in_sight(client)
+        assert first.node.position.tolist() == [0.0, 0.0, 0.0]
+        assert second.node.position.tolist() == laboratory.scene._sights[1].aside.tolist()
+        laboratory.simulation.setup(spec)
+        until(lambda: len(laboratory.scene.in_sight(client)) == 1)
 
 
 def test_an_image_is_a_jpeg_of_the_region(laboratory):

@@ -5,7 +5,6 @@ in what its camera has in sight, and from near the agents themselves.
 from __future__ import annotations
 
 import io
-import math
 import threading
 import time
 from collections.abc import Mapping
@@ -45,19 +44,21 @@ def region_in_sight(camera: CameraHandle, picture: Picture, aside: np.ndarray) -
     """The part of the world of a picture, whose room stands `aside` (3,), that a camera may see:
     a rectangle around it."""
     eye = np.asarray(camera.position, float) - aside
-    ahead = np.asarray(camera.look_at, float) - camera.position
-    ahead /= max(float(np.linalg.norm(ahead)), 1e-9)
-    right = np.cross(ahead, np.asarray(camera.up_direction, float))
-    right /= max(float(np.linalg.norm(right)), 1e-9)
-    over = np.cross(right, ahead)
-    tall = math.tan(0.5 * camera.fov)
-    wide = tall * camera.image_width / max(camera.image_height, 1)
-    ways = np.array([ahead + x * wide * right + y * tall * over for x in (-1, 1) for y in (-1, 1)])
     farthest = FARTHEST * picture.stage.side
-    with np.errstate(divide="ignore"):
+    with np.errstate(all="ignore"):  # a browser may say what it likes of its camera
+        ahead = np.asarray(camera.look_at, float) - camera.position
+        ahead /= max(float(np.linalg.norm(ahead)), 1e-9)
+        right = np.cross(ahead, np.asarray(camera.up_direction, float))
+        right /= max(float(np.linalg.norm(right)), 1e-9)
+        over = np.cross(right, ahead)
+        tall = np.tan(0.5 * camera.fov)
+        wide = tall * camera.image_width / max(camera.image_height, 1)
+        ways = np.array(
+            [ahead + x * wide * right + y * tall * over for x in (-1, 1) for y in (-1, 1)]
+        )
         away = -eye[2] / ways[:, 2]
-    away = np.where((away > 0.0) & (away < farthest), away, farthest)
-    corners = picture.stage.world(eye + away[:, None] * ways)
+        away = np.where((away > 0.0) & (away < farthest), away, farthest)
+        corners = picture.stage.world(eye + away[:, None] * ways)
     return PlaneRegion(tuple(corners.min(axis=0).tolist()), tuple(corners.max(axis=0).tolist()))
 
 

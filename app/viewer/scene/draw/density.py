@@ -84,6 +84,7 @@ def flock_region(frame: Frame) -> PlaneRegion:
     corners = np.array([frame.low, frame.low + frame.size])
     if not frame.wraps.all():
         fill_extent(frame.position, corners)
+        corners[1] = np.nextafter(corners[1], np.inf)  # a region ends before its upper corner
     low, high = corners.tolist()
     return PlaneRegion((low[0], low[1]), (high[0], high[1]))
 

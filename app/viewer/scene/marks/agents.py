@@ -290,7 +290,7 @@ class Agents:
 
 def dart_rows(picture: Picture) -> np.ndarray | slice:
     """Rows drawn as darts: all, or of very many the few agents that matter."""
-    if picture.count <= POINTS_BEYOND:
+    if picture.count <= POINTS_BEYOND and not picture.shows_density:
         return slice(None)
     informed = np.flatnonzero(picture.frame.informed)
     inspected = picture.inspected
