@@ -59,7 +59,6 @@ NOT_QUICK = (
     "test_page.py",
     "test_processes.py",
     "test_payload.py",
-    "test_restart.py",
     "test_scheduling.py",
     "test_trim.py",
 )
@@ -100,6 +99,7 @@ EXHAUSTIVE = (
     "tests/test_kernel_cache.py",
     "tests/test_new_rule.py",
     "tests/test_observables_of_few.py",
+    "tests/test_restart.py",
     "tests/test_solid_walls.py",
     "tests/test_tutorials.py",
     "tests/test_wind.py",
@@ -144,7 +144,7 @@ DEAR = (
     "tests/cli",
 )
 """What takes longest (`--durations=20` says), first."""
-LATE = ("tests/test_conformance.py", "tests/pages")
+LATE = ("tests/test_conformance.py", "tests/test_restart.py", "tests/pages")
 """What runs every model or every printed command: late, when other tests have compiled them."""
 
 WINDOWS: set[Path] = set()
