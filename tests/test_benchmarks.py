@@ -146,6 +146,11 @@ def test_ranks_are_measured_and_needs_are_those_of_the_engine():
     lines = printed("ranks.py", "--quick").splitlines()
     assert lines[3] == "the same bits: yes"
     assert lines[-2:] == [Needs(10**8, 16).line(), Needs(10**9, 100).line()]
+    page = (ROOT / "docs" / "scale.md").read_text(encoding="utf-8")
+    for needs in (Needs(10**8, 16), Needs(10**9, 100)):
+        _, ranks, ticks, ghosts, sent, _, rank, _, first, _ = needs.line().split()
+        numbers = f"{ranks} | {ticks} | {ghosts[:-1]} % | {sent} MB | {rank} GB | {first} GB"
+        assert f"| {numbers} |" in page, "docs/scale.md has other needs"
     few = flock(4_000, 1)
     rows = sum(column.itemsize * column.size for column in few.arrays) / 4_000 + 8
     assert rows == MESSAGE

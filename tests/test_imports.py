@@ -19,6 +19,8 @@ import worlds
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("app", "agents", "worlds")
 LAZY = {
+    ("agents/strips/strip_engine.py", "distributed"),  # an extra, for flocks in ranks
+    ("agents/strips/strip_engine.py", "agents"),  # the file beside it that imports the same
     ("agents/recordings/parquet_table.py", "pyarrow"),  # as for those who record
     ("agents/recordings/snapshot_reader.py", "pyarrow"),
     ("agents/recordings/part_stream.py", "pyarrow"),

@@ -64,7 +64,7 @@ def run(
     ticks: Ticks = None,
     seconds: Seconds = None,
     threads: Annotated[
-        int, typer.Option(help="Threads, used from 10 000 or 20 000 agents on.")
+        int, typer.Option(help="Threads, used from 10 000 agents on, or 20 000.")
     ] = 1,
     ranks: Annotated[
         int, typer.Option(help="Processes that share each tick, for large flocks; same numbers.")

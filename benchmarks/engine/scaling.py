@@ -5,7 +5,7 @@
 CPU time of one thread, but of threads wall time; least of several rounds in which all who meet the
 same value take turns. Nobody is run where a tick would last longer than `--longest`. Neighbours are
 those that each density brings: a longer range is a denser flock in other units. A knee is where an
-agent costs more than 1.3 times the least over agents. `--only` measures some of it.
+agent costs more than 1.3 times the least of smaller flocks. `--only` measures some of it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from turns import with_progress
 SIZES = (100, 1_000, 10_000, 100_000, 1_000_000, 4_000_000, 10_000_000)
 PARTS = ("agents", "density", "obstacles", "gathering", "threads", "pairs", "memory")
 KNEE = 1.3
-"""Times the least cost of an agent-step over agents from which on it is a knee."""
+"""Times the least cost of an agent-step in smaller flocks from which on it is a knee."""
 FEW = 1_000
 """Agents from which on it counts: smaller flocks share the cost of a call among few."""
 LEAST_HELD, MOST_HELD = 100_000, 1_000_000
@@ -38,7 +38,7 @@ LEAST_HELD, MOST_HELD = 100_000, 1_000_000
 def table(sweep: Sweep, points: list[Point], left_out: list[str]) -> str:
     """Nanoseconds of an agent-step: a line for each name, a column for each value."""
     lines = [f"ns per agent-step over {sweep.title}"]
-    lines += [f"{sweep.axis:22}" + "".join(f"{value:11,.7g}" for value in sweep.values)]
+    lines += [f"{sweep.axis:22}" + "".join(f"{value:11,.8g}" for value in sweep.values)]
     for name in sweep.makers:
         by_value = {point.value: point for point in points if point.name == name}
         if by_value:
@@ -56,13 +56,13 @@ def table(sweep: Sweep, points: list[Point], left_out: list[str]) -> str:
 
 
 def knees(points: list[Point]) -> list[str]:
-    """For each of our models what an agent costs at most over agents, in times the least."""
+    """For each of our models what an agent costs at most, in times the least of smaller flocks."""
     lines = []
     for name in HOMES:
         costs = {p.value: p.least for p in points if p.name == name and p.value >= FEW}
         if len(costs) > 1:
-            value, most = max(costs.items(), key=lambda item: item[1])
-            times = most / min(costs.values())
+            growth = {n: costs[n] / min(costs[m] for m in costs if m <= n) for n in costs}
+            value, times = max(growth.items(), key=lambda item: item[1])
             verdict = "a knee" if times > KNEE else "no knee"
             lines.append(f"{name}: {verdict}, at most {times:.2f} times the least, at {value:,}")
     return lines
