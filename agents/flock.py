@@ -193,7 +193,7 @@ class Flock(TickClock, Motion):
     def restart(self, seed: int) -> None:
         """Begin the same run anew with another seed, as a new flock would, to the bit.
 
-        It takes a tenth of the time of a new one: what was checked, found and compiled for the run
+        It takes a third of the time of a new one: what was checked, found and compiled for the run
         is used again. Agents, parameters and world are again those that the flock was made with;
         its members are gone, and so is what was collected. Raises InputError for a seed that is
         none, a run from given arrays, and obstacles of that seed among which there is no room.
