@@ -31,7 +31,7 @@ from agents.rules.vicsek import VEM, Vicsek
 from flockscope._old_names import old_names as _old_names
 from worlds.compilation import compiled
 from worlds.input_error import InputError
-from worlds.queries.surroundings import nearest_surface
+from worlds.queries.surroundings import nearest_surface, surface_within
 
 __all__ = [
     "CAR",
@@ -62,6 +62,7 @@ __all__ = [
     "of_pairs",
     "parameter",
     "sum_of",
+    "surface_within",
     "uniform",
     "where",
 ]

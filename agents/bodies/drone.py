@@ -16,7 +16,7 @@ from agents.engine.block import BodyMove
 from agents.models.declare import Body, Parameters, Rule, declared, parameter
 from agents.models.model import Model
 from worlds.compilation import compiled
-from worlds.queries.surroundings import nearest_surface
+from worlds.queries.surroundings import surface_within
 
 
 class Drone(Parameters):
@@ -110,9 +110,9 @@ def move(me, near, surroundings, want, p, out):
     """Velocity, then position; at rest the heading is kept."""
     vx, vy, vz = follow_velocity(me, want, p)
     if p.guard > 0.0:
-        at = nearest_surface(surroundings, me.x, me.y, me.z)
         step = p.dt * math.sqrt(vx * vx + vy * vy + vz * vz)
         reach = max(p.margin, 2.0 * step)
+        at = surface_within(surroundings, me.x, me.y, me.z, reach)
         if at.distance <= reach:
             gx, gy, gz = guard_velocity(
                 surroundings, at, me, p.dt * vx, p.dt * vy, p.dt * vz, reach

@@ -15,7 +15,7 @@ from agents.models.declare import Body, Parameters, Rule, parameter
 from agents.models.model import Model
 from agents.models.tries import LessonCheck, LessonStep
 from worlds.compilation import compiled
-from worlds.queries.surroundings import nearest_surface
+from worlds.queries.surroundings import surface_within
 
 HEARD, AVOIDS = 1.0, 0.0
 """The body's signal o_i (19): whether its heading counts for its neighbours."""
@@ -193,7 +193,7 @@ def move(me, near, surroundings, want, p, out):
         return BodyMove(
             me.x + v * want.x, me.y + v * want.y, me.z + v * want.z, want.x, want.y, want.z, v
         )
-    at = nearest_surface(surroundings, me.x, me.y, me.z)
+    at = surface_within(surroundings, me.x, me.y, me.z, p.r_avoid)
     u, obstacle_share = avoid_along_tangent(want, at, me.x, me.y, me.z, me, p)
     out[last] = obstacle_share
     rx, ry, rz, ax, ay, az = spring(me, near, p)

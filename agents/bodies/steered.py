@@ -12,7 +12,7 @@ from agents.bodies.guard import guard_velocity
 from agents.engine.block import BodyMove
 from agents.models.declare import Body, Parameters, parameter
 from worlds.compilation import compiled
-from worlds.queries.surroundings import nearest_surface
+from worlds.queries.surroundings import surface_within
 
 
 class SteeredVehicle(Parameters):
@@ -106,9 +106,9 @@ def move(me, near, surroundings, want, p, out):
     """Velocity, then position; at rest the heading is kept."""
     ux, uy, uz, speed = steer(me, want, p)
     if p.guard > 0.0:
-        at = nearest_surface(surroundings, me.x, me.y, me.z)
         step = p.dt * speed
         reach = max(p.margin, 2.0 * step)
+        at = surface_within(surroundings, me.x, me.y, me.z, reach)
         if at.distance <= reach:
             gx, gy, gz = guard_velocity(
                 surroundings, at, me, step * ux, step * uy, step * uz, reach

@@ -19,7 +19,7 @@ from agents.models.declare import Parameters, Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.terms.sums import of_pairs, sums_around
 from worlds.compilation import compiled
-from worlds.queries.surroundings import nearest_surface
+from worlds.queries.surroundings import surface_within
 
 # Steering without neighbours: around surfaces ahead, and to a goal (Reynolds 1999).
 
@@ -57,8 +57,12 @@ def avoidance(me, surroundings, p):
     """
     for k in range(PROBES):
         distance = p.look_ahead * k / (PROBES - 1)
-        at = nearest_surface(
-            surroundings, me.x + distance * me.ux, me.y + distance * me.uy, me.z + distance * me.uz
+        at = surface_within(
+            surroundings,
+            me.x + distance * me.ux,
+            me.y + distance * me.uy,
+            me.z + distance * me.uz,
+            p.clearance,
         )
         towards = at.nx * me.ux + at.ny * me.uy + at.nz * me.uz
         if at.distance < p.clearance and towards <= SLIGHT:

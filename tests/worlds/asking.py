@@ -12,6 +12,7 @@ from worlds.queries.surroundings import (
     solid_of,
     solids_around,
     surface,
+    surface_within,
 )
 
 
@@ -23,6 +24,14 @@ def _surfaces(surroundings, place, out):
         out[i, 0], out[i, 1], out[i, 2], out[i, 3] = at.distance, at.x, at.y, at.z
         out[i, 4], out[i, 5], out[i, 6], out[i, 7] = at.nx, at.ny, at.nz, at.smooth
         out[i, 8] = signed_distance(surroundings, x, y, z)
+
+
+@compile_to_disk
+def _surfaces_within(surroundings, place, r, out):
+    for i in range(place.shape[0]):
+        at = surface_within(surroundings, place[i, 0], place[i, 1], place[i, 2], r)
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = at.distance, at.x, at.y, at.z
+        out[i, 4], out[i, 5], out[i, 6], out[i, 7] = at.nx, at.ny, at.nz, at.smooth
 
 
 @compile_to_disk
@@ -71,6 +80,14 @@ class Answer:
         _surfaces(surroundings, place, out)
         self.distance, self.smooth, self.signed = out[:, 0], out[:, 7], out[:, 8]
         self.point, self.normal = out[:, 1:4], out[:, 4:7]
+
+
+def surfaces_within(surroundings, place, r):
+    """What `surface_within` says: distance, point, normal, whether it is smooth; (N, 8)."""
+    place = in_space(place)
+    out = np.empty((len(place), 8))
+    _surfaces_within(surroundings, place, r, out)
+    return out
 
 
 def each_solid(surroundings, place, solids):

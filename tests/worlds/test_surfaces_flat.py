@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from asking import Answer, each_solid
+from asking import Answer, each_solid, surfaces_within
 from fine import demand_round, united
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
@@ -58,6 +58,19 @@ def test_distance_point_and_normal_are_shapelys(obstacles, seed, reach):
     assert point + normal * expected[near, None] == pytest.approx(place[near], abs=1e-7 + slack)
     assert np.linalg.norm(normal, axis=1) == pytest.approx(1.0)
     assert (answer.normal[:, 2] == 0.0).all()
+
+
+@settings(max_examples=40, deadline=None)
+@given(crowds, st.integers(0, 1000), st.sampled_from([0.0, 0.5, 3.0, 50.0]))
+def test_the_surface_within_a_distance_is_the_nearest_to_the_bit_or_none(obstacles, seed, r):
+    surroundings = survey_world(flat(*obstacles), 20.0)
+    place = places(seed)
+    nearest = surfaces_within(surroundings, place, FAR)
+    within = surfaces_within(surroundings, place, r)
+    near = nearest[:, 0] <= r
+    assert np.array_equal(within[near], nearest[near])
+    assert np.isinf(within[~near, 0]).all()
+    assert np.array_equal(nearest[:, 0], Answer(surroundings, place).distance)
 
 
 @settings(max_examples=40, deadline=None)

@@ -137,7 +137,8 @@ def line_of_sight(surroundings, ax, ay, az, bx, by, bz):
     """
     if surroundings.columns == 0:
         return True
-    d, _, entry, _, _ = nearest_solid(surroundings, ax, ay, az, surroundings.plane.shape[0])
+    planes = surroundings.plane.shape[0]
+    d, _, entry, _, _ = nearest_solid(surroundings, ax, ay, az, planes, 0.0)
     if entry >= 0 and d < 0.0:
         return False
     dx, dy, dz = bx - ax, by - ay, bz - az

@@ -263,14 +263,26 @@ def surface(surroundings, nearby, k, x, y, z):
 
 
 @compiled
-def nearest_solid(surroundings, x, y, z, first):
-    """The solid of least signed distance within reach: distance, plane, entry, edge, t.
+def is_beyond(surroundings, entry, x, y, r):
+    """True only if an outline listed in a cell is further than r from a place, by its box alone."""
+    solid = surroundings.entry_solid[entry]
+    if solid >= surroundings.span.shape[0]:
+        return False
+    box = surroundings.box[solid]
+    dx = max(max(box[0] - x, x - box[2]), 0.0)
+    dy = max(max(box[1] - y, y - box[3]), 0.0)
+    return dx * dx + dy * dy > r * r
+
+
+@compiled
+def nearest_solid(surroundings, x, y, z, first, r):
+    """The solid of least signed distance, at most r and the reach: distance, plane, entry, edge, t.
 
     `plane` and `entry` are -1 where it is not one, both if there is none. Planes count from the
     number `first` on: 0 for all of them, surroundings.plane.shape[0] for obstacles only.
     """
     planes = surroundings.plane.shape[0]
-    distance, plane, entry, edge, share = surroundings.reach, -1, -1, -1, 0.0
+    distance, plane, entry, edge, share = min(r, surroundings.reach), -1, -1, -1, 0.0
     for k in range(first, planes):
         d = plane_distance(surroundings, k, x, y, z)
         if d <= distance:
@@ -280,6 +292,9 @@ def nearest_solid(surroundings, x, y, z, first):
     for e in range(nearby.first, last):
         if surroundings.entry_least[e] > distance:
             break
+        # r = 0 asks whether a place is inside: boxes rule out little of what is listed then.
+        if r > 0.0 and is_beyond(surroundings, e, x, y, distance):
+            continue
         d, i, t = entry_distance(surroundings, e, x, y, z)
         if d < distance or (d == distance and plane < 0 and entry < 0):
             distance, plane, entry, edge, share = d, -1, e, i, t
@@ -293,9 +308,18 @@ def nearest_surface(surroundings, x, y, z):
     Where solids overlap, that of the least signed distance: exact outside, and inside a lower bound
     of how far it is out of all of them. At a distance inf if none is in reach.
     """
+    return surface_within(surroundings, x, y, z, surroundings.reach)
+
+
+@compiled
+def surface_within(surroundings, x, y, z, r):
+    """The `nearest_surface` if it is within r (length), to the bit; else at a distance inf.
+
+    What is further away is not looked at, so it costs less the smaller r is.
+    """
     if surroundings.solids == 0:
         return nowhere()
-    d, plane, entry, edge, t = nearest_solid(surroundings, x, y, z, 0)
+    d, plane, entry, edge, t = nearest_solid(surroundings, x, y, z, 0, r)
     if plane >= 0:
         return plane_surface(surroundings, plane, d, x, y, z)
     if entry >= 0:
@@ -308,5 +332,5 @@ def signed_distance(surroundings, x, y, z):
     """Signed distance of a place to the nearest surface, length; see `nearest_surface`."""
     if surroundings.solids == 0:
         return math.inf
-    d, plane, entry, _, _ = nearest_solid(surroundings, x, y, z, 0)
+    d, plane, entry, _, _ = nearest_solid(surroundings, x, y, z, 0, surroundings.reach)
     return d if plane >= 0 or entry >= 0 else math.inf

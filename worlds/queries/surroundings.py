@@ -5,6 +5,7 @@ z = 0. A *solid* is one connected outline (the union of flat obstacles that over
 one solid edge of the box. Queries, all compiled:
 
     at = nearest_surface(surroundings, x, y, z)        the nearest surface of all, a `Surface`
+    at = surface_within(surroundings, x, y, z, r)      the same if it is within r: found sooner
     d = signed_distance(surroundings, x, y, z)         its distance only
     free = line_of_sight(surroundings, ax, ay, az, bx, by, bz)
     n = points_within(surroundings, x, y, r, found)    boundary points
@@ -36,6 +37,7 @@ from worlds.queries.surface import (
     solid_of,
     solids_around,
     surface,
+    surface_within,
 )
 
 __all__ = [
@@ -50,6 +52,7 @@ __all__ = [
     "solid_of",
     "solids_around",
     "surface",
+    "surface_within",
 ]
 
 
@@ -65,6 +68,8 @@ class Surroundings(NamedTuple):
     """Solid edges of the box: unit normal into the box and offset, float64 (P, 4)."""
     span: np.ndarray
     """Bottom and top of each outline, infinite in two dimensions, float64 (B, 2)."""
+    box: np.ndarray
+    """Least x, y and largest x, y of each outline, a little wider than it is, float64 (B, 4)."""
     ball: np.ndarray
     """Centre and radius of each sphere, float64 (S, 4)."""
 

@@ -35,6 +35,9 @@ MOST_ENTRIES = 2**16
 WIDER = 1.0 + 1e-6
 """Cells are taken larger by this factor, so that rounding never hides an edge."""
 
+BOX_MARGIN = 1e-9
+"""By how much boxes of outlines are wider, for each unit of length that they reach out."""
+
 
 class Chunks(NamedTuple):
     """Runs of consecutive edges of one outline that are listed together, (C,) each."""
@@ -270,6 +273,7 @@ def build_surroundings(world: World, reach: float) -> Surroundings:
         len(edges.edge) + len(ball) + len(plane),
         plane,
         np.array(spans, float).reshape(-1, 2),
+        outline_boxes(outlines),
         ball,
         edges.edge,
         edges.corner,
@@ -287,6 +291,14 @@ def build_surroundings(world: World, reach: float) -> Surroundings:
         mission.path.closed if mission.path else False,
         *goal_route(mission.goal),
     )
+
+
+def outline_boxes(outlines: list[Solid]) -> np.ndarray:
+    """Least x, y and largest x, y of each outline, wider by more than rounding is, (B, 4)."""
+    boxes = shapely.bounds([outline.polygon for outline in outlines]).reshape(-1, 4)
+    slack = np.array([outline.slack for outline in outlines]).reshape(-1, 1)
+    margin = slack + BOX_MARGIN * (1.0 + np.abs(boxes).max(axis=1, initial=0.0, keepdims=True))
+    return boxes + margin * np.array([-1.0, -1.0, 1.0, 1.0])
 
 
 def outline_edges(solids: list[Solid]) -> Edges:
