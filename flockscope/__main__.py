@@ -31,6 +31,9 @@ def main() -> None:
     except ImportError as error:
         stop(str(error))
     try:
+        if memory_limit():
+            # Where others have taken the memory before it, OpenBLAS ends the process by itself.
+            import scipy.linalg  # noqa: F401
         from app.cli.main import main as command
 
         command()

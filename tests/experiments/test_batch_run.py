@@ -104,6 +104,7 @@ def test_what_cannot_be_is_refused_in_a_line(arguments, more, message):
         batch_run(*arguments, **more, **QUIET)
 
 
+@pytest.mark.exhaustive
 def test_every_model_runs_in_a_batch():
     names = list(MODELS)
     rows = batch_run(Flock, {"model": names, "agents": 6}, rng=[3], max_steps=2, **QUIET)

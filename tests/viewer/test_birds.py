@@ -13,7 +13,7 @@ from app.viewer.scene.draw.agent_meshes import SHOULDER, TIP, body, wing_scales,
 from app.viewer.scene.draw.agent_shapes import BIRD, MOTION
 from app.viewer.scene.draw.attitude import OF_LENGTH, attitude, nose, roll_attitudes
 from app.viewer.scene.draw.drawn_frame import KEPT, POINTS_BEYOND
-from app.viewer.scene.drawing import AGENT_BYTES, BIRD_BYTES, load
+from app.viewer.scene.drawing import AGENT_BYTES, BIRD_BYTES, POINT_BYTES, load
 from app.viewer.scene.marks.agents import (
     FlockMotion,
     left_directions,
@@ -126,8 +126,8 @@ def test_a_flock_is_birds_or_darts_or_points(count, dim, birds, kind):
         if scene.there(node).visible
     }
     assert seen == ({kind} if kind != "nobody" else set())
-    wanted = BIRD_BYTES / AGENT_BYTES if kind == "birds" else 1.0
-    assert load(one, DrawingStyle(birds=birds)) == pytest.approx(count * wanted)
+    sent = {"birds": BIRD_BYTES, "points": POINT_BYTES}.get(kind, AGENT_BYTES)
+    assert load(one, DrawingStyle(birds=birds)) == pytest.approx(count * sent / AGENT_BYTES)
 
 
 def test_wings_are_at_the_shoulders_of_their_bodies():
