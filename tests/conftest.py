@@ -39,6 +39,7 @@ SERIAL = (
     "tests/browser",
     "tests/experiments/test_cluster.py",
     "tests/live/test_slow_browser.py",
+    "tests/live/test_strange_datagrams.py",
     "tests/live/test_while_driving.py",
 )
 """What is run test by test after the rest, with nothing beside it."""
