@@ -90,8 +90,8 @@ def dismiss(inboxes: list[SimpleQueue]) -> None:
 UNTRACED = np.empty((0, 0, 0))
 """In place of a trace: positions are not kept."""
 SPLIT_FROM = 20_000
-"""Agents below which one thread is faster than several: two take some 0.5 ms more of a tick, whose
-phases are calls of Python (`benchmarks/engine/scaling.py`)."""
+"""Agents from which several threads are faster than one on a busy machine too: two take some 0.2 to
+0.5 ms more of a tick, whose phases are calls of Python (`benchmarks/engine/scaling.py`)."""
 CHUNKS = 4
 """Shares of a sweep per thread: whoever is done early takes one of another thread's."""
 
