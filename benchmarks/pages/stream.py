@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection
 import msgspec
 import viser
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import connect
+from websockets.sync.client import ClientConnection, connect
 
 SECONDS = 8.0
 CAMERA = {
@@ -59,18 +59,24 @@ def serve(agents: int, speed: float, pipe: Connection) -> None:
     laboratory.close()
 
 
+def open_page(port: int) -> ClientConnection:
+    """The connection of a page, introduced as viser's own page does."""
+    socket = connect(
+        f"ws://localhost:{port}",
+        subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
+        max_size=None,
+    )
+    socket.send(msgspec.msgpack.encode(CAMERA))
+    return socket
+
+
 class Reader:
     """A client that counts what it gets."""
 
     def __init__(self, port: int, agents: int):
         self.frame_bytes = 12 * agents
         self.frames = self.bytes = 0
-        self.socket = connect(
-            f"ws://localhost:{port}",
-            subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
-            max_size=None,
-        )
-        self.socket.send(msgspec.msgpack.encode(CAMERA))
+        self.socket = open_page(port)
         threading.Thread(target=self.read, daemon=True).start()
 
     def read(self) -> None:

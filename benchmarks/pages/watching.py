@@ -25,11 +25,9 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 import msgspec
-import viser
 import zstandard
-from stream import CAMERA
+from stream import open_page
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import connect
 
 SECONDS = 10.0
 SETTLE = 8.0
@@ -71,12 +69,7 @@ class Reader:
         self.looks = looks
         self.pictures = self.bytes = self.panels = self.packed = 0
         self.packer = zlib.compressobj(1, wbits=-15)
-        self.socket = connect(
-            f"ws://localhost:{port}",
-            subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
-            max_size=None,
-        )
-        self.socket.send(msgspec.msgpack.encode(CAMERA))
+        self.socket = open_page(port)
         threading.Thread(target=self.read, daemon=True).start()
 
     def read(self) -> None:
@@ -225,12 +218,7 @@ class PictureReader:
         self.pictures = self.bytes = 0
         self.moved = threading.Event()
         self.moved_at = 0.0
-        self.socket = connect(
-            f"ws://localhost:{port}",
-            subprotocols=[f"viser-v{viser.__version__}"],  # type: ignore[list-item]
-            max_size=None,
-        )
-        self.socket.send(msgspec.msgpack.encode(CAMERA))
+        self.socket = open_page(port)
         threading.Thread(target=self.read, daemon=True).start()
 
     def read(self) -> None:
