@@ -260,6 +260,8 @@ def test_two_processes_and_one_that_is_killed():
     assert is_alike(one, two)
     pids = two.processes.client.run(os.getpid)
     assert len({os.getpid(), *pids.values()}) == 3
+    heard = two.processes.client.run(signal.getsignal, signal.SIGINT)
+    assert set(heard.values()) == {signal.SIG_IGN}  # a terminal sends Ctrl-C to all of them
     errors = []
 
     def run_on():

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import atexit
 import logging
+import multiprocessing
+import signal
 from contextlib import suppress
 from typing import Any
 
@@ -23,6 +25,12 @@ class TlsScheduler(Scheduler):
 
 class TlsWorker(Worker):
     """A worker that listens by TLS only, as its scheduler does."""
+
+    def __init__(self, *arguments: Any, **options: Any):
+        if multiprocessing.parent_process() is not None:
+            # Ctrl-C is for the process that has begun it, and that ends it.
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        super().__init__(*arguments, **options)
 
     def start_http_server(self, *_: Any, **__: Any) -> None:
         """Open no server."""

@@ -10,6 +10,7 @@ import asyncio
 import contextlib
 import functools
 import threading
+import warnings
 import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -37,6 +38,10 @@ PROTOCOL = f"viser-v{viser.__version__}"
 """The subprotocol of viser's page: it and the server have to be of one version."""
 PAGE = Path(viser.__file__).parent / "client" / "build" / "index.html"
 """viser's page, which is served with our scripts. Public once viser takes scripts of its user."""
+
+# A browser may leave while something is drawn for it alone: nobody misses that. Unnecessary once
+# viser says so to whoever asks, and not to the terminal.
+warnings.filterwarnings("ignore", r"Queued a \w+ on a closed connection", UserWarning)
 
 
 def identifier(handle: Any) -> str:
