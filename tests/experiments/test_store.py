@@ -81,11 +81,11 @@ def test_a_paper_stops_when_it_is_asked_to_and_goes_on_later(tmp_path):
         (tmp_path / STOP).touch()
 
     with pytest.raises(KeyboardInterrupt):
-        run_experiment(experiment, tmp_path, runs=400, seed=1, workers=1, tell=None, at=ask)
+        run_experiment(experiment, tmp_path, runs=4000, seed=1, workers=1, tell=None, at=ask)
     assert StoreReader(tmp_path).state["progress"] is None
-    again = carry_out(experiment, tmp_path, runs=400)
-    assert 0 < again.taken < 800
-    assert again.made + again.taken == 800
+    again = carry_out(experiment, tmp_path, runs=4000)
+    assert 0 < again.taken < 8000
+    assert again.made + again.taken == 8000
 
 
 def test_a_paper_leaves_the_runs_of_a_sweep_alone(tmp_path):
