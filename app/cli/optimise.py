@@ -15,10 +15,10 @@ from app.cli.sweep.run import (
     Quiet,
     RunnerOptions,
     print_warnings,
-    progress_bar,
 )
 from app.cli.terminal.console import make_console
 from app.cli.terminal.outcome_table import as_json, print_stderr, print_written_files
+from app.cli.terminal.progress import runs_progress
 from app.cli.terminal.usage import with_option_groups
 from app.results_folder import PICTURES
 
@@ -98,7 +98,7 @@ def carry_out_search(
     """Carry out the search."""
     from app.studies.optimisation.optimisation_runner import optimise as carry_out
 
-    with progress_bar(folder, quiet) as progress:
+    with runs_progress(folder.name, folder, quiet) as progress:
         return carry_out(
             study,
             folder,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,9 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.terminal.console import INTERRUPTED, make_console
-from app.cli.terminal.outcome_table import ASTRAY, as_json, print_written_files
-from app.cli.terminal.progress import Progress, StopSignals
+from app.cli.terminal.console import make_console
+from app.cli.terminal.outcome_table import (
+    ASTRAY,
+    as_json,
+    print_stderr,
+    print_written_files,
+)
+from app.cli.terminal.progress import runs_progress
 from app.cli.terminal.usage import PrintJson, Quiet
 from app.results_folder import demand_folder, picture_files
 from app.settings import check_whole_number, names, whole_numbers
@@ -159,23 +162,17 @@ def carry_out_paper(
     from app.studies.workers.process_executor import cores
 
     started = time.monotonic()
-    again = f"flockscope {shlex.join(sys.argv[1:])}"
-    stopped = f"flockscope: stopped; finished runs are in {folder / RUNS}; go on with: {again}"
-    try:
-        with StopSignals(at_once=stopped), Progress(experiment.name, quiet) as progress:
-            done = run_experiment(
-                experiment,
-                folder,
-                runs=runs,
-                seed=seed,
-                workers=workers or cores(),
-                tell=None if quiet else print_stderr,
-                at=progress.update,
-                retry=retry,
-            )
-    except KeyboardInterrupt:
-        print_stderr(stopped)
-        raise typer.Exit(INTERRUPTED) from None
+    with runs_progress(experiment.name, folder / RUNS, quiet) as progress:
+        done = run_experiment(
+            experiment,
+            folder,
+            runs=runs,
+            seed=seed,
+            workers=workers or cores(),
+            tell=None if quiet else print_stderr,
+            at=progress.update,
+            retry=retry,
+        )
     if not quiet:
         spent = duration(time.monotonic() - started)
         runs_text = counted(done.made, "run")
@@ -260,8 +257,3 @@ def report(outcomes: list[PaperOutcome], everything: bool, json_asked: bool, qui
 def folders_of(outcomes: list[PaperOutcome]) -> list[Path]:
     """The folders that files were written to."""
     return list(dict.fromkeys(outcome.files["runs"].parent for outcome in outcomes))
-
-
-def print_stderr(line: str) -> None:
-    """A line on stderr."""
-    typer.echo(line, err=True)

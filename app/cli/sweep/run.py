@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import shlex
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -26,9 +23,8 @@ from app.cli.sweep.clusters import (
     read_cluster_options,
 )
 from app.cli.sweep.sweep_choice import SweepOptions
-from app.cli.terminal.console import INTERRUPTED
 from app.cli.terminal.outcome_table import as_json, print_stderr
-from app.cli.terminal.progress import Progress, StopSignals
+from app.cli.terminal.progress import runs_progress
 from app.cli.terminal.usage import PrintJson, Quiet, with_option_groups
 from app.settings import check_whole_number
 from worlds.number_text import counted, duration
@@ -74,19 +70,6 @@ class RunnerOptions:
         check_whole_number("--limit", self.limit, 1)
 
 
-@contextmanager
-def progress_bar(folder: Path, quiet: bool) -> Iterator[Progress]:
-    """A bar while runs are made; after Ctrl-C a line tells how to go on."""
-    again = f"flockscope {shlex.join(sys.argv[1:])}"
-    stopped = f"flockscope: stopped; finished runs are in {folder}; go on with: {again}"
-    try:
-        with StopSignals(at_once=stopped), Progress(folder.name, quiet) as progress:
-            yield progress
-    except KeyboardInterrupt:
-        print_stderr(stopped)
-        raise typer.Exit(INTERRUPTED) from None
-
-
 def print_warnings(sweep: Sweep) -> None:
     """Warn of worlds that are not those of the papers."""
     from app.studies.sweeps.estimate import describe_other_worlds
@@ -110,7 +93,7 @@ def carry_out_sweep(
         from app.cli.sweep.clusters import describe_cluster
 
         print_stderr(describe_cluster(cluster, bool(sweep.file.record)))
-    with progress_bar(folder, quiet) as progress:
+    with runs_progress(folder.name, folder, quiet) as progress:
         return run_sweep(
             sweep,
             folder,

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import os
+import shlex
 import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
+import typer
+
 from app.cli.terminal.console import INTERRUPTED, make_console
+from app.cli.terminal.outcome_table import print_stderr
 from worlds.number_text import duration
 
 if TYPE_CHECKING:
@@ -28,9 +33,10 @@ LINE_EVERY = 30.0
 class Progress:
     """A context manager; call `update` as often as you like."""
 
-    def __init__(self, title: str, quiet: bool = False):
+    def __init__(self, title: str, quiet: bool = False, stopping: StopSignals | None = None):
         self.title = title
         self.quiet = quiet
+        self.stopping = stopping
         self.begun = self.told = time.monotonic()
         self.bar: Any = None
         self.task: Any = None
@@ -43,7 +49,13 @@ class Progress:
             self.bar.stop()
 
     def update(self, share: float, left: float | None = None, text: str = "") -> None:
-        """Tell the share done, in [0, 1], and the seconds left, by default in proportion."""
+        """Tell the share done, in [0, 1], and the seconds left, by default in proportion.
+
+        Raises KeyboardInterrupt once `stopping` is asked: Python drops one that a signal raises
+        while it calls a finalizer.
+        """
+        if self.stopping is not None and self.stopping.asked:
+            raise KeyboardInterrupt
         now = time.monotonic()
         spent = now - self.begun
         if self.quiet or spent < TIMEOUT:
@@ -129,6 +141,19 @@ class StopSignals:
         self.asked = True
         if interrupts:
             raise KeyboardInterrupt
+
+
+@contextmanager
+def runs_progress(title: str, runs: Path, quiet: bool) -> Iterator[Progress]:
+    """A bar while runs are made and kept in `runs`; after Ctrl-C a line tells how to go on."""
+    again = f"flockscope {shlex.join(sys.argv[1:])}"
+    stopped = f"flockscope: stopped; finished runs are in {runs}; go on with: {again}"
+    try:
+        with StopSignals(at_once=stopped) as stopping, Progress(title, quiet, stopping) as progress:
+            yield progress
+    except KeyboardInterrupt:
+        print_stderr(stopped)
+        raise typer.Exit(INTERRUPTED) from None
 
 
 def exit_process() -> None:
