@@ -121,6 +121,14 @@ OTHERWISE = (
         None,
         "minutes; tests/papers/test_liu2021_weights.py has some",
     ),
+    Otherwise(
+        "paper gregoire-chate2004",
+        None,
+        "12 000 ticks a run; tests/experiments/test_ordering.py makes shorter ones",
+    ),
+    Otherwise("paper vicsek1995-fig2", None, "as vicsek1995-headings, which is run, but longer"),
+    Otherwise("paper thesis-delay", None, "as liu2021-delay, which is run, but longer"),
+    Otherwise("paper wu2023-delay", None, "as liu2021-delay, which is run, but longer"),
     Otherwise("paper --all", None, "minutes; tests/cli/test_paper.py runs some of them"),
     Otherwise(
         "paper",
