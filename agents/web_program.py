@@ -128,6 +128,7 @@ def web_program(
         "agents": len(flock.ids),
         "size": [float(side) for side in flock.world.size],
         "low": [float(edge) for edge in flock.world.low],
+        "edges": list(flock.world.edges),
         "images": [bool(axis) for axis in flock.world.images],
         "car": car_sides(flock),
         "time_unit": flock.model.body.unit,

@@ -95,7 +95,7 @@ ORDER = [
         ),
         quick=True,
         beside="polarisation",
-        card=MonitorCard("rotation"),
+        card=MonitorCard("angular momentum"),
         compiled=of_rows.angular_momentum,
     ),
     Observable(

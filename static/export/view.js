@@ -159,13 +159,19 @@ class View {
     });
   }
 
-  // The edges of the box, two ends each.
+  // The edges of the box, two ends each: whole where solid, dashed where they wrap, dotted where open.
   edges() {
-    const { low, size, dim } = this.manifest, ends = [];
+    const { low, size, dim, edges } = this.manifest, ends = [];
     const corner = (bits) => [0, 1, 2].map((axis) => axis < dim ? low[axis] + (bits >> axis & 1) * size[axis] : 0);
     for (let bits = 0; bits < 1 << dim; bits++)
       for (let axis = 0; axis < dim; axis++)
-        if (!(bits >> axis & 1)) ends.push(corner(bits), corner(bits | 1 << axis));
+        if (!(bits >> axis & 1)) {
+          const faces = edges.filter((_, other) => other !== axis);
+          const [count, share] = faces.includes("solid") ? [1, 1] : faces.includes("wrap") ? [48, 0.6] : [96, 0.2];
+          const from = corner(bits), to = corner(bits | 1 << axis);
+          const at = (part) => from.map((start, k) => start + part * (to[k] - start));
+          for (let k = 0; k < count; k++) ends.push(at(k / count), at((k + share) / count));
+        }
     return ends;
   }
 

@@ -164,7 +164,7 @@ def test_cards_are_written_as_declared_and_a_dash_stands_for_what_is_not_known_y
     assert cards("flock", world, values, vem) == {
         "polarisation": "0.988",
         "consistency": "0.9877",
-        "rotation": "–",
+        "angular momentum": "–",
         "neighbours": "4.0",
         "groups": "–",
         "largest group": "–",

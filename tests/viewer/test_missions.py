@@ -207,7 +207,7 @@ def test_browsers_are_counted_when_there_are_several_and_rotation_where_there_ar
     frame = frame_of(World("wrap", (5.0, 5.0), ("wrap", "wrap")))
     assert "browsers" not in numbers(SimulationState(preset_spec("vem")), frame, {}, 1)
     told = numbers(SimulationState(preset_spec("couzin")), frame, {"angular-momentum": 0.5}, 2)
-    assert (told["browsers"], told["rotation"]) == ("2", "0.500")
+    assert (told["browsers"], told["angular momentum"]) == ("2", "0.500")
     assert "consistency" not in told
 
 

@@ -8,15 +8,18 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import viser
 
 from agents.flock import Flock
-from app.viewer.lab.panels.run_panel import status
+from app.viewer.lab.panels.run_panel import TimeLinePanel, status
 from app.viewer.run.kernel_compiler import KernelCompiler, last_duration, remember
 from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
+from app.viewer.run.simulation_state import TimeLineState
 from tests.viewer.stub_flock import StubCompiling, StubFlock
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
@@ -64,6 +67,18 @@ def test_a_preview_moves_says_so_and_is_not_measured(simulate):
     shown = status(simulation.state)
     assert "<b>preview</b>" in shown
     assert "Preview</b> until compiled: about 8 s more" in shown
+
+
+def test_the_time_line_stands_at_the_tick_of_a_preview_and_not_of_the_run_before():
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        panel = TimeLinePanel(server.gui, SimpleNamespace(time_line=None))
+        panel.refresh(SimpleNamespace(line=TimeLineState(0, 174, 174)), SimpleNamespace(tick=174))
+        assert (panel.slider.value, panel.slider.max) == (174, 174)
+        panel.refresh(SimpleNamespace(line=None), SimpleNamespace(tick=3))
+        assert (panel.slider.value, panel.slider.max, panel.slider.disabled) == (3, 3, True)
+    finally:
+        server.stop()
 
 
 def test_the_compiled_run_repeats_it_from_tick_0_and_goes_on_from_the_tick_on_screen(simulate):
@@ -223,6 +238,7 @@ import numpy as np
 from agents.flock import Flock
 from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
+from app.viewer.run.simulation_state import TimeLineState
 
 spec = preset_spec("vem", agents=20, seed=5)
 simulation = Simulation(spec, speed=100.0)

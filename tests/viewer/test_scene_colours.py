@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from app.viewer.panels.monitors import Monitors, climb_gradient, level_gradient, wheel
+from app.viewer.pictures.browser import darkened
 from app.viewer.scene.draw.drawn_frame import picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
@@ -51,6 +52,17 @@ def test_every_colouring_gives_colours_in_range_and_marks_the_leader(colour, dim
     assert entries
     assert all(words and len(shade) == 7 and shade[0] == "#" for words, shade in entries)
     assert palette.css(palette.LEADER) in [shade for _, shade in entries]
+
+
+def test_who_leads_is_red_by_day_and_by_night():
+    def hue(colour):
+        lab = np.linalg.inv(palette._RGB_FROM_LMS) @ srgb_to_linear(colour)
+        _, a, b = np.linalg.inv(palette._LMS_FROM_LAB) @ np.cbrt(lab)
+        return np.degrees(np.arctan2(b, a))
+
+    drawn = np.rint(255.0 * palette.LEADER).astype(np.uint8)[None, None]
+    for colour in (palette.LEADER, darkened(drawn)[0, 0] / 255.0):
+        assert 20.0 < hue(colour) < 35.0, "pink is below 15, orange above 45"
 
 
 def test_an_unknown_colouring_is_an_error():
@@ -122,7 +134,14 @@ def test_layer_legend_names_the_layers_that_occur():
     words = [
         entry[0] for entry in legend(DrawingStyle(colour="layer"), flock(5, layer=np.arange(1, 6)))
     ]
-    assert words == ["1 information agent", "layer 2", "layer 3", "layer 4", "layer 5", "unknown"]
+    assert words == [
+        "layer 1: information agent",
+        "layer 2",
+        "layer 3",
+        "layer 4",
+        "layer 5",
+        "unknown",
+    ]
 
 
 def test_oklch_has_known_white_black_and_red():

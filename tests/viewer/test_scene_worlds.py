@@ -21,7 +21,7 @@ from app.viewer.scene.marks.obstacle_marks import (
     drawn_height,
     find_changed,
 )
-from app.viewer.scene.marks.world_box import Walls
+from app.viewer.scene.marks.world_box import Walls, edges_by_kind
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame, MissionProgress
 from tests.viewer.test_solids import is_closed, volume
@@ -215,6 +215,21 @@ def test_a_rim_stands_along_solid_edges_and_panes_in_space():
     scene = Stand()
     Walls(scene).draw(shown(World("wrap", (4.0, 4.0), ("wrap", "wrap"))))
     assert not scene.sent
+
+
+def test_edges_are_whole_where_solid_dashed_where_they_wrap_and_apart_where_open():
+    solid = Stage(2, (2.0, 2.0), (False, True), solid=(True, False, False))
+    closed, opened = edges_by_kind(solid)
+    along_y = closed[closed[:, 0, 0] == closed[:, 1, 0]]
+    along_x = closed[closed[:, 0, 1] == closed[:, 1, 1]]
+    assert (len(along_y), len(opened)) == (2, 0)
+    assert len(along_x) > 20
+    length = np.linalg.norm(along_x[:, 1] - along_x[:, 0], axis=1).sum()
+    assert 0.5 < length / (2.0 * solid.side) < 0.7
+    closed, opened = edges_by_kind(Stage(3, (2.0, 2.0, 2.0), (False, False, True)))
+    upright = opened[opened[:, 0, 2] != opened[:, 1, 2]]
+    assert len(upright) == len(opened) == 4
+    assert (closed[:, 0, 2] == closed[:, 1, 2]).all()
 
 
 def test_waypoints_left_behind_are_dim():

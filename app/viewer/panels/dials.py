@@ -35,20 +35,21 @@ GREEK = {
     "sqrt": "√",
 }  # fmt: skip
 LOWERED = str.maketrans("0123456789+-aehijklmnoprstuvx", "₀₁₂₃₄₅₆₇₈₉₊₋ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ")
-RAISED = str.maketrans("0123456789*", "⁰¹²³⁴⁵⁶⁷⁸⁹*")
+RAISED = str.maketrans("0123456789*abcdefghijklmnoprstuvwxyz",
+                       "⁰¹²³⁴⁵⁶⁷⁸⁹*ᵃᵇᶜᵈᵉᶠᵍʰⁱʲᵏˡᵐⁿᵒᵖʳˢᵗᵘᵛʷˣʸᶻ")  # fmt: skip
 SMALL = {"_": LOWERED, "^": RAISED}
 
 
 def plain_symbol(symbol: str) -> str:
-    r"""A LaTeX symbol as text; what Unicode has no small figures for keeps its `_` or `^`.
+    r"""A LaTeX symbol as text; what Unicode has no small figures for follows after a thin space.
 
-    >>> tuple(map(plain_symbol, (r"v_{max}", r"\\eta", r"k_{IU}", r"w^{nei}", r"v^0")))
-    ('vₘₐₓ', 'η', 'k_IU', 'w^nei', 'v⁰')
+    >>> tuple(map(plain_symbol, (r"v_{max}", r"\\eta", r"n_{c}", r"w^{nei}", r"v^0")))
+    ('vₘₐₓ', 'η', 'n\u202fc', 'wⁿᵉⁱ', 'v⁰')
     """
     text = re.sub(r"\\(?:mathrm|text|operatorname|mathcal)\b", "", symbol)
     text = re.sub(r"\\+([A-Za-z]+)", lambda match: GREEK.get(match[1], match[1]), text)
     text = re.sub(r"([_^])(\{[^{}]*\}|.)", small_figures, text)
-    return " ".join(re.sub(r"[{}\\]+", "", text).split())
+    return " ".join(re.sub(r"[{}\\]+", "", text).split(" "))
 
 
 def small_figures(match: re.Match[str]) -> str:
@@ -56,7 +57,7 @@ def small_figures(match: re.Match[str]) -> str:
     sign, written = match[1], match[2].strip("{}")
     figures = SMALL[sign]
     has_all = all(ord(part) in figures for part in written)
-    return written.translate(figures) if has_all else f"{sign}{written}"
+    return written.translate(figures) if has_all else f"\N{NARROW NO-BREAK SPACE}{written}"
 
 
 @functools.cache

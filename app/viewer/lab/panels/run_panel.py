@@ -201,10 +201,12 @@ class TimeLinePanel:
         offered = (GO_ON,) if recorded else (GO_ON, TO_NOW)
         if past and tuple(self.actions.options) != offered:
             self.actions.options = offered
-        if line is None or frame is None:
+        if frame is None:
             return
-        if past:
+        if past and line is not None:
             self.words.content = block(describe_time_line(line, frame))
+        if line is None:  # a preview: nothing to move along yet
+            line = TimeLineState(0, frame.tick, frame.tick)
         for name, value in (("min", line.first), ("max", max(line.last, line.first + 1))):
             if getattr(self.slider, name) != value:
                 setattr(self.slider, name, value)

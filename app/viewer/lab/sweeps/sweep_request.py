@@ -44,7 +44,7 @@ def describe_limits() -> str:
     processes = "1 process that gives" if one else f"{workers()} processes that give"
     return (
         f"From the page at most {MOST_CELLS} cells, {MOST_RUNS:,} runs, {MOST_AGENTS:,} agents, "
-        f"{MOST_TICKS:,} ticks and 10 thousand million steps of an agent; one sweep at a time, in "
+        f"{MOST_TICKS:,} ticks and 10 billion steps of an agent; one sweep at a time, in "
         f"{processes} way to the laboratory. "
         "More: <code>flockscope sweep run FILE.toml</code>"
     )

@@ -109,6 +109,8 @@ def chosen_sides(
 
 SMALL = 0.75
 """Size of a number."""
+INFORMED = "information agent"
+"""What it is called wherever a page tells of it, in the air or on wheels."""
 
 
 class Labels:
@@ -119,7 +121,7 @@ class Labels:
         self._root = root
         self._leader = scene.add_label(
             f"{root}/flock/leader",
-            "information UAV",
+            INFORMED,
             anchor="bottom-center",
             font_screen_scale=1.1,
             visible=False,
@@ -134,8 +136,7 @@ class Labels:
             changes.append((self._leader, "position", self._label_place(picture, picture.leader)))
             changes.append((self._leader, "anchor", anchor(picture, picture.leader)))
             informed = int(np.count_nonzero(picture.frame.informed))
-            what = "information car" if picture.as_cars else "information UAV"
-            words = what if informed == 1 else f"{what} (1 of {informed})"
+            words = INFORMED if informed == 1 else f"{INFORMED} (1 of {informed})"
             changes.append((self._leader, "text", words))
         return changes + self._draw_identities(picture)
 

@@ -11,7 +11,7 @@ from viser import SceneApi
 
 from app.front.viser_internals import show_background
 from app.viewer.scene.draw.drawn_frame import Changes, Picture
-from app.viewer.scene.draw.shapes import box_edges
+from app.viewer.scene.draw.shapes import box_edges, dashes
 from app.viewer.scene.draw.solids import border, panes, prism, rims
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
@@ -142,6 +142,10 @@ class Fog:
         )
 
 
+DASH = 0.012
+"""Of an edge that wraps: length of a dash as a multiple of the longest side."""
+
+
 class WorldBox:
     """Floor and box; rebuilt when the stage changes, moved when the flock leaves its box."""
 
@@ -152,6 +156,7 @@ class WorldBox:
         self._run: int | None = None
         self._left = False
         self._ground: Any = None
+        self._edges: dict[str, Any] = {}
 
     def draw(self, picture: Picture) -> Changes:
         again = self._left and picture.frame.run != self._run
@@ -178,7 +183,9 @@ class WorldBox:
     def _build(self, stage: Stage) -> None:
         width, depth = 2.0 * stage.half[:2]
         self._lay_floor(stage, float(width), float(depth), fade=100.0)
-        self._draw_edges(stage, palette.EDGE if stage.dim == 2 else palette.EDGE_SPACE, 1.6)
+        closed, opened = edges_by_kind(stage)
+        self._draw_edges("edges", closed, palette.EDGE if stage.dim == 2 else palette.EDGE_SPACE)
+        self._draw_edges("open", opened, palette.EDGE_LIGHT)
         if self._root == "":
             self._lay_ground(stage)
 
@@ -213,7 +220,8 @@ class WorldBox:
         The floor lies lower than a box beside it, which it reaches under.
         """
         self._lay_floor(stage, 8.0 * stage.side, 8.0 * stage.side, fade=4.0)
-        self._draw_edges(stage, palette.EDGE_LIGHT, 1.2)
+        self._draw_edges("edges", np.empty((0, 2, 3)), palette.EDGE_LIGHT)
+        self._draw_edges("open", box_edges(stage.half), palette.EDGE_LIGHT)
 
     def _lay_floor(self, stage: Stage, width: float, depth: float, fade: float) -> None:
         self._floor = self._scene.add_grid(
@@ -235,14 +243,34 @@ class WorldBox:
             position=(0.0, 0.0, stage.floor - 0.01),
         )
 
-    def _draw_edges(self, stage: Stage, colour: np.ndarray, thickness: float) -> None:
-        self._scene.add_line_segments(
-            f"{self._root}/world/edges",
-            box_edges(stage.half),
-            palette.node_colour(colour),
-            thickness=thickness,
-            thickness_units="screen",
-        )
+    def _draw_edges(self, name: str, lines: np.ndarray, colour: np.ndarray) -> None:
+        if name in self._edges:
+            self._edges.pop(name).remove()
+        if len(lines):
+            self._edges[name] = self._scene.add_line_segments(
+                f"{self._root}/world/{name}",
+                lines,
+                palette.node_colour(colour),
+                thickness=1.6,
+                thickness_units="screen",
+            )
+
+
+def edges_by_kind(stage: Stage) -> tuple[np.ndarray, np.ndarray]:
+    """The edges of the box, (K, 2, 3), and the open ones: solid ones whole, wrapping ones dashed.
+
+    In space an edge is what the closer of its two faces is: solid, wrapping, open in this order.
+    """
+    closed, opened = [np.empty((0, 2, 3))], [np.empty((0, 2, 3))]
+    for ends in box_edges(stage.half):
+        faces = [axis for axis in range(stage.dim) if ends[0, axis] == ends[1, axis]]
+        if any(stage.solid[axis] for axis in faces):
+            closed.append(ends[None])
+        elif any(stage.wraps[axis] for axis in faces):
+            closed.append(dashes(ends, DASH * stage.side, 0.7 * DASH * stage.side)[0])
+        else:
+            opened.append(ends[None])
+    return np.concatenate(closed), np.concatenate(opened)
 
 
 def has_left_box(picture: Picture) -> bool:

@@ -130,7 +130,7 @@ def _layer_legend(frame: Frame, _measured: str) -> Legend:
     layers = np.empty(0, int) if frame.layer is None else np.asarray(frame.layer)
     present = layers[layers <= len(layers)]
     deepest = min(int(present.max(initial=1)), last)
-    entries = [("1 information agent", palette.css(palette.LAYERS[0]))]
+    entries = [("layer 1: information agent", palette.css(palette.LAYERS[0]))]
     for layer in range(2, deepest + 1):
         words = f"layer {layer}" if layer < last else f"layer {last} and farther"
         entries.append((words, palette.css(palette.LAYERS[layer - 1])))

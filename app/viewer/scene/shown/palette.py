@@ -108,7 +108,9 @@ GOAL = srgb("#7c3aed")
 POINT = srgb("#e08214")
 
 PLAIN = srgb("#2f6fde")
-LEADER = srgb("#e11d48")
+LEADER = srgb("#f8403a")
+"""Red on a light ground, and still red where the dark theme has turned it round: darker ones are
+pink there."""
 HALO = srgb("#f6a609")
 SELECTED = srgb("#0f172a")
 UNKNOWN = srgb("#aab4c2")
@@ -116,7 +118,7 @@ UNKNOWN = srgb("#aab4c2")
 LAYERS = np.array(
     [
         LEADER,
-        srgb("#f97316"),
+        srgb("#fa7d14"),
         srgb("#e0a800"),
         srgb("#4fae2b"),
         srgb("#0ea5a0"),
