@@ -127,11 +127,12 @@ def test_the_page_is_told_of_every_slider_and_only_when_something_is_new(gui):
         assert dials.place.content is text
 
 
-def test_a_slider_spans_more_for_a_value_outside_until_the_default_is_back(gui):
+def test_a_slider_spans_more_for_a_value_outside_until_its_first_one_is_back(gui):
     dials = Dials(gui)
     one = next(p for p in declared(MODELS["reynolds"].parameters) if p.name == "r_separation")
-    control = add_control(gui, one, 70.0)
+    control = add_control(gui, one, one.default)
     dials.add(one, control)
+    control.value = 70.0
     uuid = control._impl.uuid
     ends = lambda: (told(dials)[uuid]["stops"][0], told(dials)[uuid]["stops"][-1])  # noqa: E731
     dials.refresh()

@@ -16,6 +16,7 @@ import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import KEYS
@@ -78,7 +79,16 @@ def test_every_parameter_of_the_model_has_a_control_with_its_range(laboratory):
         assert one.source in controls[one.name].hint
 
 
-def test_what_is_not_at_its_default_is_listed_and_goes_back(laboratory, browser):
+def test_what_a_scene_sets_is_no_change(laboratory):
+    panel, state = laboratory.parameters, laboratory.simulation.state
+    for eta in (0.7, state.values["eta"]):
+        laboratory.open(SavedScene("A scene", state.spec.with_values(parameters={"eta": eta})))
+        until(lambda eta=eta: panel.begun["eta"] == eta and not panel.is_new)
+        assert (panel.changed.content, panel.changes, panel.back.visible) == ("", {}, False)
+    laboratory.simulation.pause()
+
+
+def test_what_is_changed_is_listed_and_goes_back(laboratory, browser):
     panel, simulation = laboratory.parameters, laboratory.simulation
     eta = lambda: simulation.run.flock.parameters.eta  # noqa: E731
     assert not panel.back.visible
@@ -86,7 +96,7 @@ def test_what_is_not_at_its_default_is_listed_and_goes_back(laboratory, browser)
         turn(browser, panel.controls["eta"], value)
     until(lambda: "<td>Noise η</td><td>0 → 1.5</td>" in panel.changed.content)
     assert panel.back.visible
-    turn(browser, panel.back, "All to defaults")
+    turn(browser, panel.back, "All back")
     until(lambda: eta() == 0.0)
     until(lambda: panel.changed.content == "" and panel.controls["eta"].value == 0.0)
     turn(browser, panel.back, "Undo")

@@ -284,6 +284,7 @@ class Laboratory:
             stored = None if isinstance(opened, SavedScene) else opened
             self.allowance.demand(opened.spec, getattr(opened, "beside", None), stored)
         self.waits = False
+        self.parameters.expect_scene()
         self.select(None)
         self.run.pace(opened.speed or lively_speed(opened.spec))
         if not isinstance(opened, SavedScene):

@@ -1,4 +1,4 @@
-"""What a slider spans, in which steps, and which controls are not at their default.
+"""What a slider spans, in which steps, and which controls are changed.
 
 viser's slider is linear over all that is allowed. The page's script `dials.js` draws another in its
 place, of what is told here; the value, its box and what the server takes of a browser stay viser's.
@@ -118,23 +118,25 @@ class Dial:
 
     one: NumberParameter
     control: Any
+    begun: float
+    """The value that a double click brings back."""
     shown: Range
 
     def fit(self) -> None:
-        """Span what is proposed, and more where the value is outside: until the default is back."""
+        """Span what is proposed, and more where the value is outside: until what it began with is
+        back."""
         value = self.control.value
-        if value == self.one.default:
+        if value == self.begun:
             self.shown = self.one.proposed
-        else:
-            self.shown = widen_range(self.shown, value, self.one.bounds)
+        self.shown = widen_range(self.shown, value, self.one.bounds)
 
     def page_state(self) -> dict[str, Any]:
         """What the page is told of it."""
         low, high = self.shown
         return {
             "log": is_wide(low, high),
-            "default": self.one.default,
-            "stops": slider_stops(low, high, step_of(self.one), self.one.default),
+            "default": self.begun,
+            "stops": slider_stops(low, high, step_of(self.one), self.begun),
         }
 
 
@@ -145,7 +147,8 @@ class Dials:
         self.place = gui.add_html("")
         self.marks = gui.add_html("")
         self.dials: list[Dial] = []
-        self.controls: list[tuple[DeclaredParameter, Any]] = []
+        self.controls: list[tuple[Any, Any]] = []
+        """Each with the value that it began with."""
         self.told: list[Any] = []
         """Of which sliders the page has been told what they span."""
 
@@ -155,12 +158,12 @@ class Dials:
 
     def add(self, parameter: DeclaredParameter, control: Any) -> None:
         """Another control."""
-        self.controls.append((parameter, control))
+        self.controls.append((control.value, control))
         if isinstance(parameter, NumberParameter):
-            self.dials.append(Dial(parameter, control, parameter.proposed))
+            self.dials.append(Dial(parameter, control, control.value, parameter.proposed))
 
     def refresh(self) -> None:
-        """Tell the page what sliders span and what is not at its default, if it is new."""
+        """Tell the page what sliders span and what is changed, if it is new."""
         for dial in self.dials:
             dial.fit()
         now = [(identifier(dial.control), dial.shown) for dial in self.dials]
@@ -169,9 +172,7 @@ class Dials:
             states = {identifier(dial.control): dial.page_state() for dial in self.dials}
             text = html.escape(json.dumps(states, separators=(",", ":")))
             self.place.content = f'<div data-dials="{text}" hidden></div>'
-        marked = [
-            identifier(value) for control, value in self.controls if value.value != control.default
-        ]
+        marked = [identifier(control) for begun, control in self.controls if control.value != begun]
         content = label_style(marked)
         if content != self.marks.content:
             self.marks.content = content

@@ -24,7 +24,7 @@ from app.viewer.run.simulation import Models, Simulation
 from app.viewer.run.simulation_state import SimulationState
 from worlds.input_error import InputError
 
-UNDO, DEFAULTS = "Undo", "All to defaults"
+UNDO, ALL_BACK = "Undo", "All back"
 DRAG = 1.0
 """Changes of a slider that are less than this apart are one, s."""
 REMEMBERED = 100
@@ -48,13 +48,17 @@ class ParametersPanel:
         self.gui = gui
         self.simulation = simulation
         self.changed = gui.add_html("")
-        self.back = gui.add_button_group("Changes", (UNDO, DEFAULTS), visible=False)
+        self.back = gui.add_button_group("Changes", (UNDO, ALL_BACK), visible=False)
         self.back.on_click(self.restore_values)
         self.past: list[Step] = []
         self.touched: dict[tuple[str, bool], float] = {}
         """When a parameter was changed last, by its name and whether of the model beside."""
+        self.begun: dict[str, Any] = {}
+        """What the parameters were when the scene was opened: what a scene sets is no change."""
+        self.is_new = True
+        """Whether the next run is of another scene."""
         self.changes: dict[str, Any] = {}
-        """Parameters that are not at their default -> the default, as they are shown."""
+        """Parameters that are changed -> what they were, as they are shown."""
         self.dials = Dials(gui)
         self.folder = gui.add_folder(None)
         self.controls: dict[str, Any] = {}
@@ -63,14 +67,19 @@ class ParametersPanel:
         self.models: Models | None = None
         self.shown_run = -1
 
+    def expect_scene(self) -> None:
+        """The next run is of another scene: nothing of it is changed."""
+        self.is_new = True
+
     def refresh(self, state: SimulationState) -> None:
-        """Follow a new set-up, and say what is not at its default."""
+        """Follow a new set-up, and say what is changed."""
         if not state.values:
             return
         if state.run != self.shown_run:
             self.shown_run = state.run
-            if state.models != self.models:
-                self.models, self.past = state.models, []
+            if self.is_new or state.models != self.models:
+                self.models, self.past, self.is_new = state.models, [], False
+                self.begun = dict(state.values)
                 self.rebuild(state)
         self.follow_flock(state)
         fixed = state.line is not None and (bool(state.line.recording) or state.line.looks_back)
@@ -78,18 +87,16 @@ class ParametersPanel:
             if control.disabled != fixed:
                 control.disabled = fixed
         own = declared(MODELS[state.spec.model].parameters)
-        changed = [
-            parameter for parameter in own if state.values.get(parameter.name) != parameter.default
-        ]
-        text = describe_changes(changed, state.values)
-        self.changes = {parameter.name: parameter.default for parameter in changed}
+        changed = [one for one in own if state.values.get(one.name) != self.begun.get(one.name)]
+        text = describe_changes(changed, self.begun, state.values)
+        self.changes = {one.name: self.begun[one.name] for one in changed}
         self.back.visible = bool(self.changes or self.past) and not fixed
         if text != self.changed.content:
             self.changed.content = text
         self.dials.refresh()
 
     async def restore_values(self, _event: viser.GuiEvent) -> None:
-        """Undo the last change, or give every parameter its default."""
+        """Undo the last change, or give every parameter the value that it began with."""
         if self.back.value == UNDO:
             self.undo()
             return
@@ -198,6 +205,8 @@ class ParametersPanel:
 def add_control(gui: viser.GuiApi, parameter: DeclaredParameter, value: Any) -> Any:
     """A switch, a choice, or a slider with a box, which takes all that is allowed."""
     label, hint = parameter_label(parameter)
+    if parameter.kind == "number":
+        hint += f" Double click: back to {format_value(value)}."
     if parameter.kind == "switch":
         return gui.add_checkbox(label, bool(value), hint=hint)
     if parameter.kind == "choice":
@@ -228,7 +237,6 @@ def parameter_label(parameter: DeclaredParameter) -> tuple[str, str]:
     hint = f"{parameter.description}. {allowed}. {parameter.source}."
     if parameter.kind != "number":
         return parameter.words, hint
-    hint += f" Double click: back to {format_value(parameter.default)}."
     unit = "" if parameter.unit == "1" else f", {raised_powers(parameter.unit)}"
     return f"{parameter.words} {plain_symbol(parameter.symbol)}{unit}", hint
 
@@ -247,11 +255,13 @@ def raised_figure(match: re.Match[str]) -> str:
     return match[1].translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
-def describe_changes(changed: list[DeclaredParameter], values: dict[str, Any]) -> str:
-    """What is not at its default, what that is, and what it is now: a line each."""
+def describe_changes(
+    changed: list[DeclaredParameter], begun: dict[str, Any], values: dict[str, Any]
+) -> str:
+    """What is changed, what it was, and what it is now: a line each."""
     rows = {
         html.escape(f"{parameter.words} {plain_symbol(parameter.symbol)}"): html.escape(
-            f"{format_value(parameter.default)} \u2192 {format_value(values[parameter.name])}"
+            f"{format_value(begun[parameter.name])} \u2192 {format_value(values[parameter.name])}"
         )
         for parameter in changed
     }
