@@ -235,11 +235,10 @@ class Model:
         A rule whose `decide` is not made of its term, but has been put in its place, goes by that.
         """
         rule, body = self.rule, self.body
-        needs = (rule.perceive, rule.prepare, body.measure, body.touches)
+        needs = (self.signals, rule.perceive, rule.prepare, body.measure, body.touches)
         return (
             rule.term is not None
             and calls(rule.term, rule.decide)
-            and not self.columns
             and not rule.sees_points
             and not any(needs)
             and not uses_argument("near", body.move)

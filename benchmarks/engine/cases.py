@@ -91,6 +91,7 @@ CASES = {
     "vem-mixed": Case("vem", 100_000, 20, mixed_rows, VICSEK),
     "topological": Case("topological", 10_000, 60),
     "couzin-3d": Case("couzin", 100_000, 8, density_box(3, 100 / 40.0**3)),
+    "inertial-spin": Case("inertial-spin", 100_000, 10, density_box(2, 4.0)),
     "hwvem": Case("hwvem", 10_000, 60),
     "hwvem-nav": Case("hwvem-nav", 1_000, 500),
     "hwvem-nav-grove": Case("hwvem-nav", 1_000, 300, grove),

@@ -1,14 +1,14 @@
 """A tick of a rule that is a sum over pairs: eight agents at once, in the order of their cells.
 
-A template as `agents.engine.ticks.synchronous_tick` is, for flocks in which nobody has signals or a
-memory, can crash, or has a body that asks who is near. Agents whose cells are neighbours along x
+A template as `agents.engine.ticks.synchronous_tick` is, for flocks in which nobody has signals, can
+crash, or has a body that asks who is near. Agents whose cells are neighbours along x
 lie side by side in the slots: eight of them are the lanes of a vector, and everyone in the rows of
 cells around is a candidate, met by all eight at once. So nothing is copied into blocks, and no sum
 runs across lanes.
 
 Between the ticks of one call the flock's positions and headings stay in the order of the slots; the
 last tick puts them back into their rows. Threads meet between the phases of a tick without leaving
-compiled code.
+compiled code. What an agent keeps to itself stays in its row: nobody else reads it.
 
 The bits of an agent are those of its own lane: its candidates come in the order of cells and rows,
 and those that are too far add nothing. So they do not depend on who else is in the vector, and are
@@ -54,7 +54,7 @@ from agents.engine.pairs.cell_sort import (
 from agents.engine.pairs.term_sums import add_terms, choose_sums, keep_sums, no_sums, sums_of
 from agents.engine.pairs.thread_barrier import BAD, NEXT, STOP, add, meet_threads, read
 from agents.engine.solid_collision import PASSES, keep_out_of_solids
-from agents.engine.vector_lanes import WIDTH, is_any, load, store, where
+from agents.engine.vector_lanes import WIDTH, is_any, lane_rows, load, store, where
 from agents.engine.waypoint_heading import waypoint_heading
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import set_goal
@@ -67,6 +67,7 @@ if TYPE_CHECKING:
         HEADS,
         MEETS,
         NEAREST,
+        PRIVATE,
         SIFTS,
         SUMS,
         WINDY,
@@ -103,19 +104,23 @@ class PairWorkspace(NamedTuple):
     """Slots of candidates that are within reach, (CHOSEN,)."""
     least: np.ndarray
     """The least squares of distances of eight agents so far, in order, (k, 8)."""
+    memory: np.ndarray
+    """What eight agents keep to themselves, (PRIVATE, 8)."""
     one_cell: np.ndarray
     """The shape of a grid of one cell, (3,)."""
     all_slots: np.ndarray
     """Where the slots of that cell begin and end, (2,)."""
 
 
-def empty_notes(number: int, index: Any, nearest: int = 1) -> PairWorkspace:
-    """Notes of nothing yet, for so many sums and nearest agents; slots are numbered by `index`."""
+def empty_notes(number: int, private: int, index: Any, nearest: int = 1) -> PairWorkspace:
+    """Notes of nothing yet, for so many sums, numbers that each agent keeps to itself, and nearest
+    agents; slots are numbered by `index`."""
     return PairWorkspace(
         np.zeros((max(SPEED + 1, number), WIDTH)),
         np.zeros(WIDTH, np.int64),
         np.zeros(CHOSEN, np.uint64),
         np.zeros((nearest, WIDTH)),
+        np.zeros((private, WIDTH)),
         np.ones(3, np.int64),
         np.zeros(2, index),
     )
@@ -337,8 +342,20 @@ def pair_sums(sums, grid, space, slots, line, low, high, me, context, lone, note
 
 
 @compiled
+def recall(flock, slots, slot, last, memory):
+    """Read what the agents of slots `slot` to `last`, at most eight, keep to themselves."""
+    begin = np.uintp(slot)
+    for lane in range(np.uintp(last - slot)):
+        row = np.uintp(slots.row[begin + lane])
+        for k in range(np.uintp(PRIVATE)):
+            memory[k, lane] = flock.memory[k, row]
+
+
+@compiled
 def agents_of_lanes(flock, slots, slot, last, notes, identities, tick, key):
     """`Me` of eight slots from one on; those from `last` on are of no account."""
+    if PRIVATE > 0:
+        recall(flock, slots, slot, last, notes.memory)
     if not identities:
         for lane in range(last - slot):
             notes.ids[lane] = flock.ids[slots.row[slot + lane]]
@@ -351,7 +368,7 @@ def agents_of_lanes(flock, slots, slot, last, notes, identities, tick, key):
         load(slots.uz, slot) if DIM == 3 else 0.0,
         load(slots.speed, slot) if ASKS_SPEED else 0.0,
         notes.table[0],
-        notes.table[0],
+        lane_rows(notes.memory),
         False,
         1.0,
         load(slots.row, slot) + flock.ids[0] if identities else load(notes.ids, 0),
@@ -362,8 +379,8 @@ def agents_of_lanes(flock, slots, slot, last, notes, identities, tick, key):
 
 
 @compiled
-def agent_of_slot(flock, slots, slot, table, tick, key):
-    """`Me` of one slot."""
+def agent_of_slot(flock, slots, slot, lane, notes, tick, key):
+    """`Me` of one slot, the lane of eight whose memory is written down."""
     i = slots.row[slot]
     return Me(
         slots.x[slot],
@@ -373,8 +390,8 @@ def agent_of_slot(flock, slots, slot, table, tick, key):
         slots.uy[slot],
         slots.uz[slot] if DIM == 3 else 0.0,
         flock.speed[i],
-        table[0],
-        table[0],
+        notes.table[0],
+        notes.memory[:, lane],
         flock.informed[i],
         1.0,
         flock.ids[i],
@@ -413,11 +430,11 @@ def move_of_lane(table, lane):
 
 
 @compiled
-def move_one(flock, space, surroundings, slots, slot, lane, me, table, context):
+def move_one(flock, space, surroundings, slots, slot, lane, me, notes, context):
     """The move of one slot, the lane of eight, of which sums or moves are written down."""
-    p, out = context.parameters, table[0]
+    p, table, out = context.parameters, notes.table, notes.table[0]
     q = context.unbounded if NEAREST else p
-    agent = agent_of_slot(flock, slots, slot, table, me.tick, me.key)
+    agent = agent_of_slot(flock, slots, slot, lane, notes, me.tick, me.key)
     if BY_LANES and not agent.informed:
         moved = move_of_lane(table, lane)
     else:
@@ -436,15 +453,17 @@ def move_one(flock, space, surroundings, slots, slot, lane, me, table, context):
 
 
 @compiled
-def act(flock, space, surroundings, slots, slot, last, me, sums, table, context, to_rows):
+def act(flock, space, surroundings, slots, slot, last, me, sums, notes, context, to_rows):
     """Slots `slot` to `last`, at most eight, decide on their sums and move.
 
     An information agent listens to nobody: it follows the mission's path, or keeps its heading.
     """
-    p, out = context.parameters, table[0]
+    p, table, out = context.parameters, notes.table, notes.table[0]
     q = context.unbounded if NEAREST else p
     if BY_LANES:
-        want = add_heading_noise(me, answer(me, sums, surroundings, q), context.noise, p.eta, DIM)
+        want = answer(me, sums, surroundings, q)
+        if HEADS:
+            want = add_heading_noise(me, want, context.noise, p.eta, DIM)
         body_move = move(me, empty_block(), surroundings, want, p, out)
         store(table, X, body_move.x)
         store(table, Y, body_move.y)
@@ -463,8 +482,11 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, table, context,
         if BY_LANES and not WINDY and MEETS == PASSES and not flock.informed[row]:
             moved = move_of_lane(table, lane)
         else:
-            moved = move_one(flock, space, surroundings, slots, at, lane, me, table, context)
+            moved = move_one(flock, space, surroundings, slots, at, lane, me, notes, context)
         write_move(flock, space, row, to, moved)
+        if PRIVATE > 0 and not flock.informed[row]:
+            for k in range(np.uintp(PRIVATE)):
+                flock.memory[k, row] = notes.memory[k, lane]
         slots.queue[to] = row
 
 
@@ -511,7 +533,7 @@ def sweep(flock, space, surroundings, grid, slots, notes, context, tick, key, sp
                 1,
                 0.0,
             )
-        act(flock, space, surroundings, slots, slot, end, me, sums, notes.table, context, to_rows)
+        act(flock, space, surroundings, slots, slot, end, me, sums, notes, context, to_rows)
         slot = end
 
 

@@ -20,9 +20,9 @@ def of_pairs(
     """A rule that answers to sums over pairs: `term`, `answer`, and the `decide` that they make.
 
     `term(me, other, p)`, compiled, has `number` numbers, all 0 for agents that are out of reach;
-    `answer(me, sums, surroundings, p)` makes a Wish of their sums. The engine takes the terms of
-    eight agents at once, so there is no `if` in a term; `by_lanes` says that there is none in
-    `answer` either.
+    `answer(me, sums, surroundings, p)` makes a Wish of their sums, and may write `me.memory`. The
+    engine takes the terms of eight agents at once, so there is no `if` in a term; `by_lanes` says
+    that there is none in `answer` either.
     """
 
     around = sums_around(number, term)
