@@ -172,6 +172,7 @@ def exhaustive(model, options):
             "reynolds", {"agents": 100, "world": "wrap", "size": 12.0, "dim": 3, "fov": 360.0}
         ),
         exhaustive("olfati-saber", {"agents": 40}),
+        ("boundary-points", {}),
         exhaustive("olfati-saber", {"agents": 60, "world": "open", "size": 30.0, "dim": 3}),
     ],
 )
@@ -202,23 +203,22 @@ def test_a_flock_in_space_may_have_agents_whose_spin_stays_in_a_plane(monkeypatc
 
 
 @compiled
-def counts(me, other, p):
-    """A neighbour, and what it is reminded of, for each of them."""
-    near = is_neighbour(other, p.r)
-    return near * 1.0, near * (1.0 + me.memory[1])
+def counts(me, other, p):  # noqa: ARG001
+    """A neighbour."""
+    return (is_neighbour(other, p.r),)
 
 
 @compiled
 def remembers(me, sums, surroundings, p):  # noqa: ARG001
     """How many neighbours there were in the ticks so far, and in the last; asks with `if`."""
     if sums[0] > 0.0:
-        me.memory[0] += sums[1] / sums[0]
+        me.memory[0] += sums[0]
     me.memory[1] = sums[0]
     return Decision(me.ux, me.uy, me.uz)
 
 
 def test_agents_remember_whether_they_act_eight_at_once_or_alone(monkeypatch):
-    made = of_pairs(2, counts, remembers)
+    made = of_pairs(1, counts, remembers)
     rule = dataclasses.replace(VEM, name="mindful", memory=("sum", "last"), weigh=None, **made)
     monkeypatch.setitem(MODELS, "mindful", Model(rule, CONSTANT_SPEED))
     options = {"agents": 200, "size": 8.0, "informed": 9, "rng": 1}
@@ -231,9 +231,43 @@ def test_agents_remember_whether_they_act_eight_at_once_or_alone(monkeypatch):
     other = one_by_one(monkeypatch, "mindful", **options)
     for flock in (members, other):
         assert np.array_equal(flock.arrays.memory, whole.arrays.memory)
-    alone, led = whole.arrays.memory[1] == 0.0, whole.informed
-    assert not whole.arrays.memory[:, led].any()
-    assert (whole.arrays.memory[0, ~led & ~alone] >= 1.0).all()
+    total, last = whole.arrays.memory
+    assert not total[whole.informed].any()
+    assert (total[last > 0.0] >= last[last > 0.0]).all()
+    assert total.max() > last.max()
+
+
+@compiled
+def goes_by_memory(me, other, p):
+    """A neighbour, and as much as it was reminded of."""
+    return (is_neighbour(other, p.r) * (1.0 + me.memory[0]),)
+
+
+@compiled
+def remembers_in_lanes(me, sums, surroundings, p):  # noqa: ARG001
+    """As many as there were in the last tick, by a half of those before."""
+    me.memory[0] = 0.5 * sums[0]
+    return Decision(me.ux, me.uy, me.uz)
+
+
+@pytest.mark.parametrize("by_lanes", [True, False])
+def test_a_term_may_go_by_what_its_agent_remembers(monkeypatch, by_lanes):
+    """Eight at once have it where they answer at once; else they act one by one."""
+    made = of_pairs(1, goes_by_memory, remembers_in_lanes, by_lanes)
+    rule = dataclasses.replace(VEM, name="mindful", memory=("sum",), weigh=None, **made)
+    monkeypatch.setitem(MODELS, "mindful", Model(rule, CONSTANT_SPEED))
+    options = {"agents": 90, "size": 8.0, "rng": 1}
+    flock = Flock("mindful", **options)
+    flock.run(12)
+    assert flock.of_pairs == by_lanes
+    other = one_by_one(monkeypatch, "mindful", **options)
+    np.testing.assert_allclose(flock.arrays.memory, other.arrays.memory, rtol=1e-12)
+    assert flock.arrays.memory.max() > 1.0
+
+
+def test_what_sees_points_does_not_answer_by_lanes():
+    with pytest.raises(TypeError, match="boundary points are not seen by lanes"):
+        of_pairs(1, counts, remembers, by_lanes=True, sees_points=True)
 
 
 @pytest.mark.parametrize("k", [3, 6, 7, 10, 100])

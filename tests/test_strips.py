@@ -73,6 +73,7 @@ CASES = [
     ("vem-a", {"agents": 100, "informed": 3, **FAST}),
     ("ivem", {"agents": 300, "size": 9.0, **FAST}),
     ("inertial-spin", {"agents": 300, "size": 9.0, "T": 0.5}),
+    ("boundary-points", {}),
 ]
 
 

@@ -63,7 +63,8 @@ class PairEngine:
 
     def empty_notes(self, nearest: int = 1) -> pairs.PairWorkspace:
         """A thread's notes, for so many nearest agents."""
-        return pairs.empty_notes(self.module.SUMS, self.module.PRIVATE, self.index, nearest)
+        loop, points = self.module, self.surroundings.most_points
+        return pairs.empty_notes(loop.SUMS, loop.PRIVATE, points, self.index, nearest)
 
     def call(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED):
         """One call of the compiled loop."""

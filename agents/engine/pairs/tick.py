@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from agents.engine.block import BodyMove, Me, NeighbourBlock, OtherAgent
+from agents.engine.block import BodyMove, Me, NeighbourBlock, OtherAgent, PointBlock, see_points
 from agents.engine.cells import (
     FAR,
     CellGrid,
@@ -68,6 +68,7 @@ if TYPE_CHECKING:
         MEETS,
         NEAREST,
         PRIVATE,
+        SEES_POINTS,
         SIFTS,
         SUMS,
         WINDY,
@@ -105,22 +106,36 @@ class PairWorkspace(NamedTuple):
     least: np.ndarray
     """The least squares of distances of eight agents so far, in order, (k, 8)."""
     memory: np.ndarray
-    """What eight agents keep to themselves, (PRIVATE, 8)."""
+    """What eight agents keep to themselves, (PRIVATE, 8), where they answer at once."""
+    found: np.ndarray
+    """Boundary points around one agent: indices, int32 (points,)."""
+    points: np.ndarray
+    """Their coordinates, (2, points)."""
+    spare: np.ndarray
+    """For the rule's own working with them, (4, points)."""
     one_cell: np.ndarray
     """The shape of a grid of one cell, (3,)."""
     all_slots: np.ndarray
     """Where the slots of that cell begin and end, (2,)."""
 
 
-def empty_notes(number: int, private: int, index: Any, nearest: int = 1) -> PairWorkspace:
-    """Notes of nothing yet, for so many sums, numbers that each agent keeps to itself, and nearest
-    agents; slots are numbered by `index`."""
+def empty_notes(
+    number: int, private: int, points: int, index: Any, nearest: int = 1
+) -> PairWorkspace:
+    """Notes of nothing yet; slots are numbered by `index`.
+
+    For so many sums, numbers that each agent keeps to itself, boundary points around one, and
+    nearest agents.
+    """
     return PairWorkspace(
         np.zeros((max(SPEED + 1, number), WIDTH)),
         np.zeros(WIDTH, np.int64),
         np.zeros(CHOSEN, np.uint64),
         np.zeros((nearest, WIDTH)),
         np.zeros((private, WIDTH)),
+        np.zeros(points, np.int32),
+        np.zeros((2, points)),
+        np.zeros((4, points)),
         np.ones(3, np.int64),
         np.zeros(2, index),
     )
@@ -354,7 +369,7 @@ def recall(flock, slots, slot, last, memory):
 @compiled
 def agents_of_lanes(flock, slots, slot, last, notes, identities, tick, key):
     """`Me` of eight slots from one on; those from `last` on are of no account."""
-    if PRIVATE > 0:
+    if PRIVATE > 0 and BY_LANES:
         recall(flock, slots, slot, last, notes.memory)
     if not identities:
         for lane in range(last - slot):
@@ -379,8 +394,8 @@ def agents_of_lanes(flock, slots, slot, last, notes, identities, tick, key):
 
 
 @compiled
-def agent_of_slot(flock, slots, slot, lane, notes, tick, key):
-    """`Me` of one slot, the lane of eight whose memory is written down."""
+def agent_of_slot(flock, slots, slot, table, tick, key):
+    """`Me` of one slot, whose memory is that of its row."""
     i = slots.row[slot]
     return Me(
         slots.x[slot],
@@ -390,8 +405,8 @@ def agent_of_slot(flock, slots, slot, lane, notes, tick, key):
         slots.uy[slot],
         slots.uz[slot] if DIM == 3 else 0.0,
         flock.speed[i],
-        notes.table[0],
-        notes.memory[:, lane],
+        table[0],
+        flock.memory[:, i],
         flock.informed[i],
         1.0,
         flock.ids[i],
@@ -430,18 +445,29 @@ def move_of_lane(table, lane):
 
 
 @compiled
+def wish_of_one(surroundings, agent, sums, notes, p, reach):
+    """What an agent wishes; a rule that sees boundary points is given those within reach."""
+    if SEES_POINTS:
+        n = see_points(surroundings, reach, agent, notes)
+        points = PointBlock(n, notes.points[0], notes.points[1], notes.spare)
+        return answer(agent, sums, points, surroundings, p)
+    return answer(agent, sums, surroundings, p)
+
+
+@compiled
 def move_one(flock, space, surroundings, slots, slot, lane, me, notes, context):
     """The move of one slot, the lane of eight, of which sums or moves are written down."""
     p, table, out = context.parameters, notes.table, notes.table[0]
     q = context.unbounded if NEAREST else p
-    agent = agent_of_slot(flock, slots, slot, lane, notes, me.tick, me.key)
+    agent = agent_of_slot(flock, slots, slot, table, me.tick, me.key)
     if BY_LANES and not agent.informed:
         moved = move_of_lane(table, lane)
     else:
         if agent.informed:
             wish = waypoint_heading(flock, surroundings, int(slots.row[slot]), agent)
         else:
-            wish = answer(agent, sums_of(table, SUMS, lane), surroundings, q)
+            sums = sums_of(table, SUMS, lane)
+            wish = wish_of_one(surroundings, agent, sums, notes, q, context.reach)
             if HEADS:
                 wish = add_heading_noise(agent, wish, context.noise, p.eta, DIM)
         moved = move(agent, empty_block(), surroundings, wish, p, out)
@@ -484,7 +510,7 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, notes, context,
         else:
             moved = move_one(flock, space, surroundings, slots, at, lane, me, notes, context)
         write_move(flock, space, row, to, moved)
-        if PRIVATE > 0 and not flock.informed[row]:
+        if PRIVATE > 0 and BY_LANES and not flock.informed[row]:
             for k in range(np.uintp(PRIVATE)):
                 flock.memory[k, row] = notes.memory[k, lane]
         slots.queue[to] = row
