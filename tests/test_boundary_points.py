@@ -13,7 +13,7 @@ from oracles.goal_scenes import GoalScene, goal_of, goal_scene, goal_scenes, vel
 from oracles.olfati_saber import moved
 
 from agents import Flock
-from agents.engine.block import Me, NeighbourBlock
+from agents.engine.block import Me, PointBlock
 from agents.engine.cache import compile_to_disk
 from agents.rules import boundary_points as rule
 from worlds.input_error import InputError
@@ -112,7 +112,6 @@ def test_three_ticks_are_those_of_the_reading(scene, given_):
 
 @compile_to_disk
 def explain(me, near, surroundings, p, out):
-    rule.perceive(me, near, surroundings, p)
     rule.explain(me, near, surroundings, p, out)
 
 
@@ -171,13 +170,13 @@ def test_a_whole_way_round_an_obstacle(shape, sense):
 
 
 @compile_to_disk
-def boundary_end(me, near, ax, ay, p):
-    return rule.boundary_end(me, near, ax, ay, p)
+def boundary_end(me, points, ax, ay, p):
+    return rule.boundary_end(me, points, ax, ay, p)
 
 
 @compile_to_disk
-def is_blocked(me, near, gx, gy, width):
-    return rule.is_blocked(me, near, gx, gy, width)
+def is_blocked(me, points, gx, gy, width):
+    return rule.is_blocked(me, points, gx, gy, width)
 
 
 def around(points):
@@ -186,12 +185,7 @@ def around(points):
     none, key = np.zeros(0), np.uint64(0)
     me = Me(0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, none, np.zeros(10), False, 1.0, 1, 0, key, 1)
     x, y = points.T.copy()
-    table = np.zeros((1, 0))
-    spare = np.empty((4, len(x)))
-    near = NeighbourBlock(
-        0, none, none, none, none, none, none, none, table, none, len(x), x, y, spare
-    )
-    return me, near
+    return me, PointBlock(len(x), x, y, np.empty((4, len(x))))
 
 
 def parameters(**values):
@@ -216,9 +210,9 @@ def at_phases(phases):
 )
 def test_the_boundary_ends_at_the_first_gap_of_dtheta(phases, counterclockwise, clockwise):
     """By hand: gaps of pi / 4 = 0.7854; from 1.0 to 3.0 in the first case, and round the back."""
-    me, near = around(at_phases(phases))
+    me, seen = around(at_phases(phases))
     for sense, phase in (("counterclockwise", counterclockwise), ("clockwise", clockwise)):
-        x, y, found = boundary_end(me, near, 1.0, 0.0, parameters(sense=sense))
+        x, y, found = boundary_end(me, seen, 1.0, 0.0, parameters(sense=sense))
         assert (x, y) == pytest.approx(at_phases([phase])[0], abs=1e-12)
         assert found == pytest.approx(phase, abs=1e-12)
 
@@ -237,8 +231,8 @@ def test_jumping_ahead_finds_what_sorting_finds(seed, number, dtheta, sense):
     p = SimpleNamespace(sense=sense, dtheta=dtheta)
     expected = oracle.by_phase(np.zeros(2), list(points), towards, p, slack)
     demand(min(slack) > 1e-9)
-    me, near = around(points)
-    found = boundary_end(me, near, *towards, parameters(sense=sense, dtheta=dtheta))
+    me, seen = around(points)
+    found = boundary_end(me, seen, *towards, parameters(sense=sense, dtheta=dtheta))
     assert found[:2] == tuple(expected)
 
 

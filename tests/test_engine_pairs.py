@@ -13,6 +13,7 @@ import scipy  # its parts are imported when they are asked for
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays as drawn
+from oracles.scenes import unit_vectors
 
 from agents import Flock
 from agents.catalogue import MODELS
@@ -25,7 +26,7 @@ from agents.engine.vector_lanes import WIDTH, exponent, load, mantissa, store, w
 from agents.models.model_calls import ModelCodeError
 from agents.motion import Motion
 from agents.rules.terms.sums import of_pairs
-from flockscope.rules import CONSTANT_SPEED, VEM, Decision, Model
+from flockscope.rules import CONSTANT_SPEED, VEM, Decision, Model, is_neighbour
 from worlds.compilation import compiled
 
 finite = st.floats(-1e6, 1e6)
@@ -74,6 +75,13 @@ def test_logarithm_exponential_cosine_and_sine_are_those_of_the_library_in_every
     assert np.allclose(table[5], by_itself, rtol=5e-16, atol=0.0)
     alone = [(log.py_func(a), *cos_sin.py_func(b)) for a, b in zip(x, angle, strict=True)]
     assert np.allclose(table[:3].T, alone, rtol=1e-15, atol=3e-16)
+
+
+def test_cosine_and_sine_of_many_turns_are_as_exact_as_the_angle():
+    angle = np.geomspace(20.0, 1e12, 20_001)
+    found = np.array([cos_sin(one) for one in angle])
+    off = np.abs(found - np.column_stack([np.cos(angle), np.sin(angle)]))
+    assert (off <= 1e-15 + np.spacing(angle)[:, None]).all()
 
 
 def test_the_exponential_is_one_at_zero_and_nothing_far_below():
@@ -156,12 +164,15 @@ def exhaustive(model, options):
         ("vem", {"agents": 200, "size": 8.0, "world": "open", "eta": 0.1}),
         ("couzin", {"agents": 200, "sigma": 0.0}),
         ("topological", {"agents": 300, "size": 9.0, "eta": 0.4}),
+        ("inertial-spin", {"agents": 300, "informed": 5, "T": 0.5, "eta": 1.0}),
+        exhaustive("inertial-spin", {"agents": 100, "world": "open", "size": 9.0, "T": 0.5}),
         exhaustive("couzin", {"agents": 200, "dim": 2, "sigma": 0.05}),
         exhaustive("reynolds", {"agents": 300}),
         exhaustive(
             "reynolds", {"agents": 100, "world": "wrap", "size": 12.0, "dim": 3, "fov": 360.0}
         ),
         exhaustive("olfati-saber", {"agents": 40}),
+        ("boundary-points", {}),
         exhaustive("olfati-saber", {"agents": 60, "world": "open", "size": 30.0, "dim": 3}),
     ],
 )
@@ -173,6 +184,90 @@ def test_eight_at_once_do_what_each_would(monkeypatch, model, options):
     np.testing.assert_allclose(flock.heading, other.heading, atol=1e-7)
     np.testing.assert_allclose(flock.position, other.position, atol=1e-7)
     np.testing.assert_allclose(flock.speed, other.speed)
+    np.testing.assert_allclose(flock.arrays.memory, other.arrays.memory, atol=1e-7)
+
+
+def test_a_flock_in_space_may_have_agents_whose_spin_stays_in_a_plane(monkeypatch):
+    """Which of the two an agent is differs between the eight that act at once."""
+    rng = np.random.default_rng(2)
+    heading = unit_vectors(rng, 60, 3)
+    heading[rng.random(60) < 0.5, 2] = 0.0
+    heading /= np.linalg.norm(heading, axis=1)[:, None]
+    start = {"position": rng.uniform(0.0, 5.0, (60, 3)), "heading": heading}
+    options = {"start": start, "size": 5.0, "dim": 3, "J": 0.0, "T": 0.5, "rng": 3}
+    flock = Flock("inertial-spin", **options)
+    flock.run(12)
+    other = one_by_one(monkeypatch, "inertial-spin", **options)
+    np.testing.assert_allclose(flock.arrays.memory, other.arrays.memory, atol=1e-9)
+    assert np.array_equal(flock.heading[:, 2] == 0.0, heading[:, 2] == 0.0)
+
+
+@compiled
+def counts(me, other, p):  # noqa: ARG001
+    """A neighbour."""
+    return (is_neighbour(other, p.r),)
+
+
+@compiled
+def remembers(me, sums, surroundings, p):  # noqa: ARG001
+    """How many neighbours there were in the ticks so far, and in the last; asks with `if`."""
+    if sums[0] > 0.0:
+        me.memory[0] += sums[0]
+    me.memory[1] = sums[0]
+    return Decision(me.ux, me.uy, me.uz)
+
+
+def test_agents_remember_whether_they_act_eight_at_once_or_alone(monkeypatch):
+    made = of_pairs(1, counts, remembers)
+    rule = dataclasses.replace(VEM, name="mindful", memory=("sum", "last"), weigh=None, **made)
+    monkeypatch.setitem(MODELS, "mindful", Model(rule, CONSTANT_SPEED))
+    options = {"agents": 200, "size": 8.0, "informed": 9, "rng": 1}
+    whole, members = Flock("mindful", **options), Flock("mindful", **options)
+    assert isinstance(whole.engine, PairEngine)
+    whole.run(12)
+    for _ in range(12):
+        for member in list(members.agents)[::-1]:
+            member.step()
+    other = one_by_one(monkeypatch, "mindful", **options)
+    for flock in (members, other):
+        assert np.array_equal(flock.arrays.memory, whole.arrays.memory)
+    total, last = whole.arrays.memory
+    assert not total[whole.informed].any()
+    assert (total[last > 0.0] >= last[last > 0.0]).all()
+    assert total.max() > last.max()
+
+
+@compiled
+def goes_by_memory(me, other, p):
+    """A neighbour, and as much as it was reminded of."""
+    return (is_neighbour(other, p.r) * (1.0 + me.memory[0]),)
+
+
+@compiled
+def remembers_in_lanes(me, sums, surroundings, p):  # noqa: ARG001
+    """As many as there were in the last tick, by a half of those before."""
+    me.memory[0] = 0.5 * sums[0]
+    return Decision(me.ux, me.uy, me.uz)
+
+
+@pytest.mark.parametrize("by_lanes", [True, False])
+def test_a_term_may_go_by_what_its_agent_remembers(monkeypatch, by_lanes):
+    """Eight at once have it where they answer at once; else they act one by one."""
+    made = of_pairs(1, goes_by_memory, remembers_in_lanes, by_lanes)
+    rule = dataclasses.replace(VEM, name="mindful", memory=("sum",), weigh=None, **made)
+    monkeypatch.setitem(MODELS, "mindful", Model(rule, CONSTANT_SPEED))
+    options = {"agents": 90, "size": 8.0, "rng": 1}
+    flock = Flock("mindful", **options)
+    flock.run(12)
+    assert flock.of_pairs == by_lanes
+    other = one_by_one(monkeypatch, "mindful", **options)
+    np.testing.assert_allclose(flock.arrays.memory, other.arrays.memory, rtol=1e-12)
+    assert flock.arrays.memory.max() > 1.0
+
+
+def test_what_sees_points_does_not_answer_by_lanes():
+    with pytest.raises(TypeError, match="boundary points are not seen by lanes"):
+        of_pairs(1, counts, remembers, by_lanes=True, sees_points=True)
 
 
 @pytest.mark.parametrize("k", [3, 6, 7, 10, 100])
@@ -193,9 +288,10 @@ def test_of_those_equally_far_the_first_are_the_nearest(monkeypatch, k, offset):
     np.testing.assert_allclose(flock.heading, other.heading, atol=1e-9)
 
 
-def test_a_run_is_its_ticks_one_by_one_to_the_bit():
+@pytest.mark.parametrize("model", ["vem", "inertial-spin"])
+def test_a_run_is_its_ticks_one_by_one_to_the_bit(model):
     whole, ticks, members, traced = (
-        Flock("vem", agents=500, size=8.0, eta=0.5, rng=2) for _ in range(4)
+        Flock(model, agents=500, size=8.0, eta=0.5, rng=2) for _ in range(4)
     )
     whole.run(7)
     for _ in range(7):
@@ -206,6 +302,7 @@ def test_a_run_is_its_ticks_one_by_one_to_the_bit():
     for flock in (ticks, members, traced):
         assert np.array_equal(flock.position, whole.position)
         assert np.array_equal(flock.heading, whole.heading)
+        assert np.array_equal(flock.arrays.memory, whole.arrays.memory)
     assert np.array_equal(positions[-1], whole.position)
 
 

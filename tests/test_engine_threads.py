@@ -24,7 +24,14 @@ def run(model: str, threads: int, dim: int, side: float, ticks: int = 6) -> Floc
 
 @pytest.mark.parametrize(
     ("model", "dim", "side"),
-    [("vem", 2, 53.0), ("vem-a", 2, 53.0), ("vem", 3, 14.0), ("hwvem", 2, 53.0), ("ivem", 2, 53.0)],
+    [
+        ("vem", 2, 53.0),
+        ("vem-a", 2, 53.0),
+        ("vem", 3, 14.0),
+        ("inertial-spin", 2, 53.0),
+        ("hwvem", 2, 53.0),
+        ("ivem", 2, 53.0),
+    ],
 )
 def test_threads_do_not_change_the_bits(model, dim, side):
     one, three = run(model, 1, dim, side), run(model, 3, dim, side)

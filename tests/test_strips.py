@@ -72,6 +72,8 @@ CASES = [
     ("vem", {"agents": 200, "size": 8.0, "wind": 0.2, "gusts": 0.1, **FAST}),
     ("vem-a", {"agents": 100, "informed": 3, **FAST}),
     ("ivem", {"agents": 300, "size": 9.0, **FAST}),
+    ("inertial-spin", {"agents": 300, "size": 9.0, "T": 0.5}),
+    ("boundary-points", {}),
 ]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from agents.engine.block import BodyMove
+from agents.engine.noise import cos_sin
 from agents.engine.vector_lanes import where
 from agents.models.declare import Body, Parameters, parameter
 from worlds.compilation import compiled
@@ -43,8 +44,7 @@ def move(me, near, surroundings, want, p, out):
     along = want.x * me.ux + want.y * me.uy + want.z * me.uz
     ax, ay, az = want.x - along * me.ux, want.y - along * me.uy, want.z - along * me.uz
     a = math.sqrt(ax * ax + ay * ay + az * az)
-    angle = a * p.dt / p.v0
-    c, s = math.cos(angle), math.sin(angle)
+    c, s = cos_sin(a * p.dt / p.v0)
     s = s / where(a == 0.0, 1.0, a)
     ux, uy, uz = c * me.ux + s * ax, c * me.uy + s * ay, c * me.uz + s * az
     length = math.sqrt(ux * ux + uy * uy + uz * uz)
@@ -66,6 +66,7 @@ BODY = Body(
     source="Cavagna et al. 2015, |v| = v_0",
     parameters=SwervingBody,
     move=move,
+    by_lanes=True,
     takes="acceleration",
     begins=begins,
     lasts=lambda p: p.dt,

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from worlds.compilation import compiled
+from worlds.queries.surroundings import points_within
 
 
 class Me(NamedTuple):
@@ -68,6 +69,16 @@ class NeighbourBlock(NamedTuple):
     """A place for the rule's own working, four rows, each at least as long as n and points."""
 
 
+class PointBlock(NamedTuple):
+    """The boundary points of obstacles within reach of one agent; arrays hold at least `n`."""
+
+    n: int
+    x: np.ndarray
+    y: np.ndarray
+    spare: np.ndarray
+    """A place for the rule's own working, four rows, each at least as long as n."""
+
+
 class OtherAgent(NamedTuple):
     """Another agent, as seen by one; eight see it at once where a rule's `term` is given lanes."""
 
@@ -109,6 +120,22 @@ class BodyMove(NamedTuple):
     uy: float
     uz: float
     speed: float
+
+
+@compiled
+def points_of(near):
+    """The boundary points of a block, without its agents."""
+    return PointBlock(near.points, near.point_x, near.point_y, near.spare)
+
+
+@compiled
+def see_points(surroundings, reach, me, workspace):
+    """Copy the boundary points within reach of an agent to a workspace; returns how many."""
+    n = points_within(surroundings, me.x, me.y, reach, workspace.found)
+    for k in range(n):
+        workspace.points[0, k] = surroundings.point_x[workspace.found[k]]
+        workspace.points[1, k] = surroundings.point_y[workspace.found[k]]
+    return n
 
 
 @compiled

@@ -109,6 +109,7 @@ def compile_draws() -> None:
 def cos_sin(angle):
     """Cosine and sine of |angle| <= 20 rad, within 2 units in the last place, without a branch.
 
+    Of a larger angle they are those of one that differs from it by less than its last place.
     Argument reduction and polynomials are those of fdlibm; written out so that the bits do not
     depend on the machine's mathematical library.
     """

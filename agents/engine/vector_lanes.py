@@ -338,8 +338,13 @@ def store(typingctx, table, row, lanes):  # noqa: ARG001
     return types.none(table, row, lanes), codegen
 
 
+def is_any(truths: Any) -> Any:
+    """Whether a condition holds for any of eight agents; for one, whether it holds."""
+    return truths
+
+
 @compile_in_llvm
-def is_any(typingctx, truths):  # noqa: ARG001
+def is_any_of_eight(typingctx, truths):  # noqa: ARG001
     """1 where a condition holds for any of eight agents, else 0."""
 
     def codegen(context, builder, sig, args):  # noqa: ARG001
@@ -348,3 +353,62 @@ def is_any(typingctx, truths):  # noqa: ARG001
         return builder.zext(any_bit, INT64)
 
     return types.uint64(truths), codegen
+
+
+@overload(is_any)
+def is_any_compiled(truths):
+    """Of eight agents, or of one."""
+    if truths == TRUTHS:
+        return lambda truths: is_any_of_eight(truths)
+    return (lambda truths: truths) if isinstance(truths, types.Boolean) else None
+
+
+class LaneRows(types.Type):
+    """Numba type of a table (rows, 8) each row of which is read and written as lanes."""
+
+    def __init__(self, table: types.Array):
+        super().__init__(name=f"LaneRows({table})")
+        self.table = table
+
+
+register_model(LaneRows)(
+    lambda manager, kind: models.StructModel(manager, kind, [("table", kind.table)])
+)
+
+
+@compile_in_llvm
+def lane_rows(typingctx, table):  # noqa: ARG001
+    """A table (rows, 8) of which `rows[k]` is row k as lanes."""
+
+    def codegen(context, builder, sig, args):
+        rows = cgutils.create_struct_proxy(sig.return_type)(context, builder)
+        rows.table = args[0]
+        return rows._getvalue()
+
+    return LaneRows(table)(table), codegen
+
+
+@compile_in_llvm
+def table_of(typingctx, rows):  # noqa: ARG001
+    """The table of lane rows."""
+
+    def codegen(context, builder, sig, args):
+        return cgutils.create_struct_proxy(sig.args[0])(context, builder, value=args[0]).table
+
+    return rows.table(rows), codegen
+
+
+@overload(operator.getitem)
+def lanes_of_row(rows, at):  # noqa: ARG001
+    """`rows[k]`."""
+    if isinstance(rows, LaneRows):
+        return lambda rows, at: load(table_of(rows)[at], 0)
+    return None
+
+
+@overload(operator.setitem)
+def write_lanes_of_row(rows, at, lanes):  # noqa: ARG001
+    """`rows[k] = lanes`."""
+    if isinstance(rows, LaneRows):
+        return lambda rows, at, lanes: store(table_of(rows), at, lanes)
+    return None

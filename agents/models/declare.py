@@ -260,7 +260,8 @@ class Rule:
     term: Callable | None = None
     """Compiled: (me, other, p) -> the terms of a pair, for a rule that is a sum over pairs."""
     answer: Callable | None = None
-    """Compiled: (me, sums, surroundings, p) -> Wish, from the sums of those terms."""
+    """Compiled: (me, sums, surroundings, p) -> Wish, from the sums of those terms. It may write
+    `me.memory`. `agents.rules.terms.sums.of_pairs` says how it is given boundary points."""
     sums: int = 0
     """How many terms a pair has."""
     by_lanes: bool = False

@@ -14,7 +14,7 @@ import numpy as np
 from numba.core.dispatcher import Dispatcher
 from pydantic import create_model
 
-from agents.engine.block import neighbour_of
+from agents.engine.block import neighbour_of, points_of
 from agents.engine.cache import global_values
 from agents.engine.neighbour_search import UNKNOWN
 from agents.engine.solid_collision import BOUNCES, PASSES, SLIDES, STOPS
@@ -233,14 +233,15 @@ class Model:
         """Whether its agents can act eight at once: see `agents.engine.pairs`.
 
         A rule whose `decide` is not made of its term, but has been put in its place, goes by that.
+        Where `answer` is asked for one agent, lanes of what each keeps to itself are not made.
         """
         rule, body = self.rule, self.body
-        needs = (rule.perceive, rule.prepare, body.measure, body.touches)
+        needs = (self.signals, rule.perceive, rule.prepare, body.measure, body.touches)
         return (
             rule.term is not None
             and calls(rule.term, rule.decide)
-            and not self.columns
-            and not rule.sees_points
+            and (rule.by_lanes or not reads("memory", rule.term))
+            and (not rule.sees_points or calls(points_of, rule.decide))
             and not any(needs)
             and not uses_argument("near", body.move)
         )

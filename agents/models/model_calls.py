@@ -13,7 +13,7 @@ from typing import Any
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 
-from agents.engine.block import BodyMove, Decision, Me, NeighbourBlock
+from agents.engine.block import BodyMove, Decision, Me, NeighbourBlock, PointBlock
 from agents.engine.cache import global_values
 from agents.models.declare import OF_BODIES, OF_RULES, Body, Rule
 from agents.models.model import Model
@@ -24,6 +24,7 @@ from worlds.queries.surroundings import Surroundings
 GIVEN: dict[str, tuple[str, Any]] = {
     "Me": ("me", Me),
     "NeighbourBlock": ("near", NeighbourBlock),
+    "PointBlock": ("points", PointBlock),
     "Surroundings": ("surroundings", Surroundings),
 }
 """What a rule is given, by its type's name."""

@@ -15,19 +15,22 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from agents.engine.block import Decision, neighbour_of
+from agents.engine.block import Decision, is_neighbour, points_of
 from agents.models.declare import Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
 from agents.rules.terms.sigma import (
     FORCES,
     Interaction,
-    flockmate,
+    fade,
     has_goal,
     level,
     push,
+    sigma_norm,
+    stretch,
     weigh,
     write_forces,
 )
+from agents.rules.terms.sums import of_pairs, sums_around
 from worlds.compilation import compiled
 
 MEMORY = (
@@ -132,7 +135,7 @@ def alarm(p):
 
 
 @compiled
-def is_blocked(me, near, gx, gy, width):
+def is_blocked(me, points, gx, gy, width):
     """1.0 if a perceived point lies ahead and within `width` (m) of the line to the gamma agent."""
     x, y = gx - me.x, gy - me.y
     length = math.sqrt(x * x + y * y)
@@ -140,9 +143,9 @@ def is_blocked(me, near, gx, gy, width):
         return 0.0
     ux, uy = x / length, y / length
     count = 0.0
-    for k in range(near.points):
-        dx = near.point_x[k] - me.x
-        dy = near.point_y[k] - me.y
+    for k in range(points.n):
+        dx = points.x[k] - me.x
+        dy = points.y[k] - me.y
         along = dx * ux + dy * uy
         offset = math.fabs(dx * uy - dy * ux)
         inside = (along > 0.0) & (along <= length) & (offset <= width)
@@ -151,7 +154,7 @@ def is_blocked(me, near, gx, gy, width):
 
 
 @compiled
-def boundary_end(me, near, ax, ay, p):
+def boundary_end(me, points, ax, ay, p):
     """The point q_k(m) at which the boundary ends, by phase from the axis to (ax, ay): (15), (16).
 
     The first phase in ascending order that the next exceeds by dtheta or more, else the last.
@@ -161,27 +164,27 @@ def boundary_end(me, near, ax, ay, p):
     axis = math.atan2(ay - me.y, ax - me.x)
     sign = -1.0 if p.sense == CLOCKWISE else 1.0
     current = math.inf
-    for k in range(near.points):
-        phase = math.atan2(near.point_y[k] - me.y, near.point_x[k] - me.x) - axis
+    for k in range(points.n):
+        phase = math.atan2(points.y[k] - me.y, points.x[k] - me.x) - axis
         phase = sign * (phase + TURN if phase < 0.0 else phase)
-        near.spare[0, k] = phase
+        points.spare[0, k] = phase
         current = phase if phase < current else current
     while True:
         last_step = current
-        for k in range(near.points):
-            phase = near.spare[0, k]
+        for k in range(points.n):
+            phase = points.spare[0, k]
             last_step = phase if (phase - current < p.dtheta) & (phase > last_step) else last_step
         if last_step == current:
             break
         current = last_step
     k = 0
-    while near.spare[0, k] != current:
+    while points.spare[0, k] != current:
         k += 1
-    return near.point_x[k], near.point_y[k], sign * current
+    return points.x[k], points.y[k], sign * current
 
 
 @compiled
-def perceive(me, near, surroundings, p):
+def perceive(me, points, surroundings, p):
     """Split point, rejoin point and expected position (table 2, figures 3 and 4)."""
     m = me.memory
     m[SCENARIO] = 0.0
@@ -189,7 +192,7 @@ def perceive(me, near, surroundings, p):
         return
     gx, gy = surroundings.goal[0, 0], surroundings.goal[0, 1]
     was = m[BLOCKED]
-    m[BLOCKED] = is_blocked(me, near, gx, gy, alarm(p))
+    m[BLOCKED] = is_blocked(me, points, gx, gy, alarm(p))
     scenario = AT_SPLIT if m[BLOCKED] > 0.0 else FREE
     if m[FOLLOWING] > 0.0:
         away = math.hypot(me.x - gx, me.y - gy)
@@ -208,18 +211,18 @@ def perceive(me, near, surroundings, p):
         ax, ay = m[SPLIT], m[SPLIT + 1]
     else:
         m[SPLIT], m[SPLIT + 1] = me.x, me.y
-    if near.points > 0:
-        m[AIM], m[AIM + 1], m[PHASE] = boundary_end(me, near, ax, ay, p)
+    if points.n > 0:
+        m[AIM], m[AIM + 1], m[PHASE] = boundary_end(me, points, ax, ay, p)
 
 
 @compiled
-def boundary(me, near, p):
+def boundary(me, points, p):
     """The sums of (14) and (18) over the boundary points: gradient (x, y), then sum of b_ik."""
     warning = alarm(p)
     fx = fy = heed = 0.0
-    for k in range(near.points):
-        dx = near.point_x[k] - me.x
-        dy = near.point_y[k] - me.y
+    for k in range(points.n):
+        dx = points.x[k] - me.x
+        dy = points.y[k] - me.y
         d2 = dx * dx + dy * dy
         force, rho = push(d2, p)
         f = level(d2, warning, p.d, p.tau_a, p.tau_e, p.tau_s) * force
@@ -230,32 +233,45 @@ def boundary(me, near, p):
 
 
 @compiled
-def flockmates(me, near, p):
-    """The sums of (13) over the neighbours: gradient (x, y) and consensus (x, y), without gains."""
-    warning = alarm(p)
-    fx = fy = cx = cy = 0.0
-    for j in range(near.n):
-        other = neighbour_of(me, near, j)
-        gx, gy, _, wx, wy, _ = flockmate(me, other, p)
-        eta = level(other.d2, warning, p.d, p.tau_a, p.tau_e, p.tau_s)
-        fx += eta * gx
-        fy += eta * gy
-        cx += wx
-        cy += wy
-    return fx, fy, cx, cy
+def quick_push(d2, p):
+    """`push` of eight agents at once: with quotients of parameters, which are taken once."""
+    c = math.fabs(p.a - p.b) / math.sqrt(4.0 * p.a * p.b)
+    per_range, per_fading = 1.0 / (stretch(p.r * p.r, p.eps) - 1.0), 1.0 / (1.0 - p.h)
+    per_eps = 1.0 / p.eps
+    wide = stretch(d2, p.eps)
+    z = (wide - 1.0) * per_range
+    rho = fade(z, (z - p.h) * per_fading)
+    x = (wide - 1.0) * per_eps - sigma_norm(p.d * p.d, p.eps) + c
+    root = math.sqrt(1.0 + x * x)
+    return rho * 0.5 * ((p.a + p.b) * x + (p.a - p.b) * root) / (root * wide), rho
 
 
 @compiled
-def terms(me, near, surroundings, p):
+def term(me, other, p):
+    """What another agent adds to (13): gradient (x, y) and consensus (x, y), without gains."""
+    force, rho = quick_push(other.d2, p)
+    is_near = is_neighbour(other, p.r)
+    f = is_near * (force * level(other.d2, alarm(p), p.d, p.tau_a, p.tau_e, p.tau_s))
+    w = is_near * rho
+    return (
+        f * other.dx,
+        f * other.dy,
+        w * (other.speed * other.ux - me.speed * me.ux),
+        w * (other.speed * other.uy - me.speed * me.uy),
+    )
+
+
+@compiled
+def terms(me, sums, points, surroundings, p):
     """The terms of u_i (19), a row (x, y, z) for each of FORCES, m/s^2.
 
     Without a gamma agent nothing is in the way, and boundary points push but do not tow.
     """
     vx, vy = me.speed * me.ux, me.speed * me.uy
-    fx, fy, cx, cy = flockmates(me, near, p)
+    fx, fy, cx, cy = sums
     bx = by = ex = ey = gx = gy = 0.0
-    if near.points > 0:
-        bx, by, heed = boundary(me, near, p)
+    if points.n > 0:
+        bx, by, heed = boundary(me, points, p)
         if me.memory[SCENARIO] > 0.0:
             ex = heed * ((me.memory[AIM] - me.x) / p.dt - vx)
             ey = heed * ((me.memory[AIM + 1] - me.y) / p.dt - vy)
@@ -272,16 +288,22 @@ def terms(me, near, surroundings, p):
 
 
 @compiled
-def decide(me, near, surroundings, p):
+def answer(me, sums, points, surroundings, p):
     """u_i = u_i^alpha + u_i^beta + u_i^gamma (19)."""
-    f, c, b, e, g = terms(me, near, surroundings, p)
+    perceive(me, points, surroundings, p)
+    f, c, b, e, g = terms(me, sums, points, surroundings, p)
     return Decision(f[0] + c[0] + b[0] + e[0] + g[0], f[1] + c[1] + b[1] + e[1] + g[1], 0.0)
+
+
+around = sums_around(4, term)
 
 
 @compiled
 def explain(me, near, surroundings, p, out):
     """The terms of (19) one by one."""
-    write_forces(terms(me, near, surroundings, p), out)
+    points = points_of(near)
+    perceive(me, points, surroundings, p)
+    write_forces(terms(me, around(me, near, p), points, surroundings, p), out)
 
 
 RULE = Rule(
@@ -296,7 +318,7 @@ RULE = Rule(
     source="Wu et al. 2023, (12) to (19), table 2",
     checked="{wu2023-fig5#2}; {wu2023-fig5#3} (`uv run flockscope paper wu2023-fig5`)",
     parameters=BoundaryPoints,
-    decide=decide,
+    **of_pairs(4, term, answer, sees_points=True),
     wish="acceleration",
     dimensions=(2,),
     memory=MEMORY,
@@ -312,12 +334,11 @@ RULE = Rule(
     },
     places=("split", "rejoin", "aim"),
     places_while="following",
-    perceive=perceive,
     weigh=weigh,
     forces=FORCES,
     explain=explain,
     sees_obstacles=True,
-    sees_points=True,
+    sifts=True,
     led=False,
     tries=(
         LessonStep(

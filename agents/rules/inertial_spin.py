@@ -22,10 +22,12 @@ from __future__ import annotations
 
 import math
 
-from agents.engine.block import Decision, adjacent
-from agents.engine.noise import normal
+from agents.engine.block import Decision, is_neighbour
+from agents.engine.noise import cos_sin, normal
+from agents.engine.vector_lanes import is_any, where
 from agents.models.declare import Parameters, Rule, parameter
 from agents.models.tries import LessonCheck, LessonStep
+from agents.rules.terms.sums import of_pairs
 from worlds.compilation import compiled
 
 SMALL = 0.01
@@ -130,23 +132,26 @@ def noise_shares(a, decay, mean):
 def random_torque(me, size, draw):
     """u x xi: normal, of standard deviation `size` along each axis across the heading.
 
-    In the plane it is along z alone.
+    In the plane it is along z alone. Draws for space are left out where no agent is in space.
     """
     deviation = size * normal(me.key, me.id, draw)
-    if me.uz == 0.0 and me.memory[0] == 0.0 and me.memory[1] == 0.0:
-        return 0.0, 0.0, deviation
-    two, three = size * normal(me.key, me.id, draw + 2), size * normal(me.key, me.id, draw + 4)
-    return cross(me.ux, me.uy, me.uz, deviation, two, three)
+    s = me.memory
+    is_in_space = math.fabs(me.uz) + math.fabs(s[0]) + math.fabs(s[1]) > 0.0
+    x, y, z = 0.0, 0.0, deviation
+    if is_any(is_in_space):
+        two, three = size * normal(me.key, me.id, draw + 2), size * normal(me.key, me.id, draw + 4)
+        tx, ty, tz = cross(me.ux, me.uy, me.uz, deviation, two, three)
+        x, y, z = where(is_in_space, tx, x), where(is_in_space, ty, y), where(is_in_space, tz, z)
+    return x, y, z
 
 
 @compiled
 def turn_with(s, angle):
     """Turn the spin s[0:3] as its agent turns, about s[3:6] by so much for each unit of it."""
     size = math.sqrt(s[3] * s[3] + s[4] * s[4] + s[5] * s[5])
-    if size == 0.0:
-        return
-    ax, ay, az = s[3] / size, s[4] / size, s[5] / size
-    c, si = math.cos(angle * size), math.sin(angle * size)
+    length = where(size == 0.0, 1.0, size)
+    ax, ay, az = s[3] / length, s[4] / length, s[5] / length
+    c, si = cos_sin(angle * size)
     x, y, z = cross(ax, ay, az, s[0], s[1], s[2])
     along = (1.0 - c) * (ax * s[0] + ay * s[1] + az * s[2])
     s[0] = c * s[0] + si * x + along * ax
@@ -155,20 +160,21 @@ def turn_with(s, angle):
 
 
 @compiled
-def perceive(me, near, surroundings, p):
+def term(me, other, p):
+    """The heading of a neighbour: n_ij u_j."""
+    n = is_neighbour(other, p.r)
+    return n * other.ux, n * other.uy, n * other.uz
+
+
+@compiled
+def bring_spin_on(me, sums, p):
     """The spin after this tick, and its mean over it: ds/dt = J u x sum_j u_j - (eta / chi) s +
     u x xi.
 
     With dv/dt = s x v / chi the friction v x (eta / v_0^2) dv/dt is (eta / chi) s, as s stays
     across v.
     """
-    x = y = z = 0.0
-    for j in range(near.n):
-        n = adjacent(me, near, j, p.r)
-        x += n * near.ux[j]
-        y += n * near.uy[j]
-        z += n * near.uz[j]
-    tx, ty, tz = cross(me.ux, me.uy, me.uz, x, y, z)
+    tx, ty, tz = cross(me.ux, me.uy, me.uz, *sums)
     s = me.memory
     along = s[0] * me.ux + s[1] * me.uy + s[2] * me.uz  # 0 but where an edge has turned the heading
     a = p.eta * p.dt / p.chi
@@ -192,8 +198,9 @@ def perceive(me, near, surroundings, p):
 
 
 @compiled
-def decide(me, near, surroundings, p):
+def answer(me, sums, surroundings, p):
     """dv/dt = (1 / chi) s x v, with the mean of s over the tick."""
+    bring_spin_on(me, sums, p)
     h = p.v0 / p.chi
     s = me.memory
     x, y, z = cross(s[3], s[4], s[5], me.ux, me.uy, me.uz)
@@ -210,13 +217,12 @@ RULE = Rule(
     r"\frac{\eta}{v_0^2} \frac{dv_i}{dt} + \frac{\xi_i}{v_0}\Big]",
     source="Attanasi et al. 2014; Cavagna et al. 2015",
     parameters=Spins,
-    decide=decide,
+    **of_pairs(3, term, answer, by_lanes=True),
     wish="acceleration",
     memory=("spin_x", "spin_y", "spin_z", "mean_spin_x", "mean_spin_y", "mean_spin_z"),
     written=("mean_spin_x", "mean_spin_y", "mean_spin_z"),
     units={"spin": "s", "mean_spin": "s"},
     words={"spin": "spin", "mean_spin": "mean spin of a tick"},
-    perceive=perceive,
     checked="a turn runs through the flock as a wave, the faster the stronger it is ordered "
     "(Attanasi et al. 2014, figures 2 and 4; a: exponent of distance over delay, c: speed of the "
     "wave): {attanasi2014#1}; {attanasi2014#3}; {attanasi2014#7} (`uv run flockscope paper "

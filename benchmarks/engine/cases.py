@@ -15,6 +15,8 @@ from agents import Flock
 from agents.catalogue import model
 from agents.flock_world import complete_spec, find_world
 from agents.spec import Spec
+from worlds.generators import generate
+from worlds.mission import Goal, Mission
 from worlds.world import World
 
 
@@ -85,16 +87,40 @@ def grove(case: Case) -> Mapping[str, Any]:
     return {"start": scattered_start(world, case.agents), "world": world}
 
 
+def discs(case: Case) -> Mapping[str, Any]:
+    """Discs and agents as dense as in `crowds.py`, and a goal beyond them."""
+    side = 12.0 * math.sqrt(case.agents)
+    world = generate(
+        "discs",
+        1,
+        (side, side),
+        edges="open",
+        count=case.agents // 10,
+        radius_low=2.0,
+        radius_high=5.0,
+    )
+    goal = Mission(goal=Goal(route=((side + 50.0, 0.5 * side),)))
+    return {
+        "start": scattered_start(world, case.agents),
+        "world": dataclasses.replace(world, mission=goal),
+    }
+
+
 VICSEK = {"r": 1.0, "v0": 0.03, "eta": 0.3}
 CASES = {
     "vem": Case("vem", 100_000, 40, density_box(2, 4.0), VICSEK),
     "vem-mixed": Case("vem", 100_000, 20, mixed_rows, VICSEK),
     "topological": Case("topological", 10_000, 60),
     "couzin-3d": Case("couzin", 100_000, 8, density_box(3, 100 / 40.0**3)),
+    "inertial-spin": Case("inertial-spin", 100_000, 10, density_box(2, 4.0)),
     "hwvem": Case("hwvem", 10_000, 60),
     "hwvem-nav": Case("hwvem-nav", 1_000, 500),
     "hwvem-nav-grove": Case("hwvem-nav", 1_000, 300, grove),
     "boundary-points": Case("boundary-points", 60, 10_000),
+    "boundary-points-box": Case(
+        "boundary-points", 100_000, 10, density_box(2, 0.1), {"world": "wrap"}
+    ),
+    "boundary-points-discs": Case("boundary-points", 10_000, 40, discs),
     "guarded": Case("guarded", 500, 80),
     "pedestrian": Case("pedestrian", 250, 400),
     "squashing": Case("squashing", 100, 3_000, lattice(-2.5, 0.5)),

@@ -52,7 +52,7 @@ HOMES = {
     "guarded": Home(50 / 24.0**3, 3),
 }
 SHARED = ("vem", "hwvem", "boundary-points")
-"""Models whose ticks threads share: a sum over pairs, and two that are given blocks."""
+"""Models whose ticks threads share: two sums over pairs, and one that is given blocks."""
 GATHERS = "couzin"
 """A model whose agents gather: they come to have more and more neighbours."""
 SEEING = ("couzin", "hwvem-nav", "reynolds", "boundary-points", "guarded")

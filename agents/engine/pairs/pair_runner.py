@@ -56,16 +56,21 @@ class PairEngine:
         self.slots = padded_slots(n, dim, module.ASKS_SPEED)
         self.grid = empty_grid(n, self.parts)
         self.index = self.grid.start.dtype
-        self.notes = [pairs.empty_notes(module.SUMS, self.index) for _ in range(self.parts)]
+        self.notes = [self.empty_notes() for _ in range(self.parts)]
         self.meeting = np.zeros(BAD + self.parts, np.int64)
         self.team = Team(self.parts)
         self.slot_of = np.empty(0, np.int64)
+
+    def empty_notes(self, nearest: int = 1) -> pairs.PairWorkspace:
+        """A thread's notes, for so many nearest agents."""
+        loop, points = self.module, self.surroundings.most_points
+        return pairs.empty_notes(loop.SUMS, loop.PRIVATE, points, self.index, nearest)
 
     def call(self, context, tick, ticks, work, until=NEVER, trace=UNTRACED):
         """One call of the compiled loop."""
         part = work[1]
         if context.nearest > len(self.notes[part].least):
-            self.notes[part] = pairs.empty_notes(self.module.SUMS, self.index, context.nearest)
+            self.notes[part] = self.empty_notes(context.nearest)
         done, last_off, bad_row = self.called(
             self.module.advance,
             self.arrays,

@@ -1,14 +1,14 @@
 """A tick of a rule that is a sum over pairs: eight agents at once, in the order of their cells.
 
-A template as `agents.engine.ticks.synchronous_tick` is, for flocks in which nobody has signals or a
-memory, can crash, or has a body that asks who is near. Agents whose cells are neighbours along x
+A template as `agents.engine.ticks.synchronous_tick` is, for flocks in which nobody has signals, can
+crash, or has a body that asks who is near. Agents whose cells are neighbours along x
 lie side by side in the slots: eight of them are the lanes of a vector, and everyone in the rows of
 cells around is a candidate, met by all eight at once. So nothing is copied into blocks, and no sum
 runs across lanes.
 
 Between the ticks of one call the flock's positions and headings stay in the order of the slots; the
 last tick puts them back into their rows. Threads meet between the phases of a tick without leaving
-compiled code.
+compiled code. What an agent keeps to itself stays in its row: nobody else reads it.
 
 The bits of an agent are those of its own lane: its candidates come in the order of cells and rows,
 and those that are too far add nothing. So they do not depend on who else is in the vector, and are
@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from agents.engine.block import BodyMove, Me, NeighbourBlock, OtherAgent
+from agents.engine.block import BodyMove, Me, NeighbourBlock, OtherAgent, PointBlock, see_points
 from agents.engine.cells import (
     FAR,
     CellGrid,
@@ -54,7 +54,7 @@ from agents.engine.pairs.cell_sort import (
 from agents.engine.pairs.term_sums import add_terms, choose_sums, keep_sums, no_sums, sums_of
 from agents.engine.pairs.thread_barrier import BAD, NEXT, STOP, add, meet_threads, read
 from agents.engine.solid_collision import PASSES, keep_out_of_solids
-from agents.engine.vector_lanes import WIDTH, is_any, load, store, where
+from agents.engine.vector_lanes import WIDTH, is_any, lane_rows, load, store, where
 from agents.engine.waypoint_heading import waypoint_heading
 from worlds.compilation import compiled, entry
 from worlds.queries.surroundings import set_goal
@@ -67,6 +67,8 @@ if TYPE_CHECKING:
         HEADS,
         MEETS,
         NEAREST,
+        PRIVATE,
+        SEES_POINTS,
         SIFTS,
         SUMS,
         WINDY,
@@ -103,19 +105,37 @@ class PairWorkspace(NamedTuple):
     """Slots of candidates that are within reach, (CHOSEN,)."""
     least: np.ndarray
     """The least squares of distances of eight agents so far, in order, (k, 8)."""
+    memory: np.ndarray
+    """What eight agents keep to themselves, (PRIVATE, 8), where they answer at once."""
+    found: np.ndarray
+    """Boundary points around one agent: indices, int32 (points,)."""
+    points: np.ndarray
+    """Their coordinates, (2, points)."""
+    spare: np.ndarray
+    """For the rule's own working with them, (4, points)."""
     one_cell: np.ndarray
     """The shape of a grid of one cell, (3,)."""
     all_slots: np.ndarray
     """Where the slots of that cell begin and end, (2,)."""
 
 
-def empty_notes(number: int, index: Any, nearest: int = 1) -> PairWorkspace:
-    """Notes of nothing yet, for so many sums and nearest agents; slots are numbered by `index`."""
+def empty_notes(
+    number: int, private: int, points: int, index: Any, nearest: int = 1
+) -> PairWorkspace:
+    """Notes of nothing yet; slots are numbered by `index`.
+
+    For so many sums, numbers that each agent keeps to itself, boundary points around one, and
+    nearest agents.
+    """
     return PairWorkspace(
         np.zeros((max(SPEED + 1, number), WIDTH)),
         np.zeros(WIDTH, np.int64),
         np.zeros(CHOSEN, np.uint64),
         np.zeros((nearest, WIDTH)),
+        np.zeros((private, WIDTH)),
+        np.zeros(points, np.int32),
+        np.zeros((2, points)),
+        np.zeros((4, points)),
         np.ones(3, np.int64),
         np.zeros(2, index),
     )
@@ -337,8 +357,20 @@ def pair_sums(sums, grid, space, slots, line, low, high, me, context, lone, note
 
 
 @compiled
+def recall(flock, slots, slot, last, memory):
+    """Read what the agents of slots `slot` to `last`, at most eight, keep to themselves."""
+    begin = np.uintp(slot)
+    for lane in range(np.uintp(last - slot)):
+        row = np.uintp(slots.row[begin + lane])
+        for k in range(np.uintp(PRIVATE)):
+            memory[k, lane] = flock.memory[k, row]
+
+
+@compiled
 def agents_of_lanes(flock, slots, slot, last, notes, identities, tick, key):
     """`Me` of eight slots from one on; those from `last` on are of no account."""
+    if PRIVATE > 0 and BY_LANES:
+        recall(flock, slots, slot, last, notes.memory)
     if not identities:
         for lane in range(last - slot):
             notes.ids[lane] = flock.ids[slots.row[slot + lane]]
@@ -351,7 +383,7 @@ def agents_of_lanes(flock, slots, slot, last, notes, identities, tick, key):
         load(slots.uz, slot) if DIM == 3 else 0.0,
         load(slots.speed, slot) if ASKS_SPEED else 0.0,
         notes.table[0],
-        notes.table[0],
+        lane_rows(notes.memory),
         False,
         1.0,
         load(slots.row, slot) + flock.ids[0] if identities else load(notes.ids, 0),
@@ -363,7 +395,7 @@ def agents_of_lanes(flock, slots, slot, last, notes, identities, tick, key):
 
 @compiled
 def agent_of_slot(flock, slots, slot, table, tick, key):
-    """`Me` of one slot."""
+    """`Me` of one slot, whose memory is that of its row."""
     i = slots.row[slot]
     return Me(
         slots.x[slot],
@@ -374,7 +406,7 @@ def agent_of_slot(flock, slots, slot, table, tick, key):
         slots.uz[slot] if DIM == 3 else 0.0,
         flock.speed[i],
         table[0],
-        table[0],
+        flock.memory[:, i],
         flock.informed[i],
         1.0,
         flock.ids[i],
@@ -413,9 +445,19 @@ def move_of_lane(table, lane):
 
 
 @compiled
-def move_one(flock, space, surroundings, slots, slot, lane, me, table, context):
+def wish_of_one(surroundings, agent, sums, notes, p, reach):
+    """What an agent wishes; a rule that sees boundary points is given those within reach."""
+    if SEES_POINTS:
+        n = see_points(surroundings, reach, agent, notes)
+        points = PointBlock(n, notes.points[0], notes.points[1], notes.spare)
+        return answer(agent, sums, points, surroundings, p)
+    return answer(agent, sums, surroundings, p)
+
+
+@compiled
+def move_one(flock, space, surroundings, slots, slot, lane, me, notes, context):
     """The move of one slot, the lane of eight, of which sums or moves are written down."""
-    p, out = context.parameters, table[0]
+    p, table, out = context.parameters, notes.table, notes.table[0]
     q = context.unbounded if NEAREST else p
     agent = agent_of_slot(flock, slots, slot, table, me.tick, me.key)
     if BY_LANES and not agent.informed:
@@ -424,7 +466,8 @@ def move_one(flock, space, surroundings, slots, slot, lane, me, table, context):
         if agent.informed:
             wish = waypoint_heading(flock, surroundings, int(slots.row[slot]), agent)
         else:
-            wish = answer(agent, sums_of(table, SUMS, lane), surroundings, q)
+            sums = sums_of(table, SUMS, lane)
+            wish = wish_of_one(surroundings, agent, sums, notes, q, context.reach)
             if HEADS:
                 wish = add_heading_noise(agent, wish, context.noise, p.eta, DIM)
         moved = move(agent, empty_block(), surroundings, wish, p, out)
@@ -436,15 +479,17 @@ def move_one(flock, space, surroundings, slots, slot, lane, me, table, context):
 
 
 @compiled
-def act(flock, space, surroundings, slots, slot, last, me, sums, table, context, to_rows):
+def act(flock, space, surroundings, slots, slot, last, me, sums, notes, context, to_rows):
     """Slots `slot` to `last`, at most eight, decide on their sums and move.
 
     An information agent listens to nobody: it follows the mission's path, or keeps its heading.
     """
-    p, out = context.parameters, table[0]
+    p, table, out = context.parameters, notes.table, notes.table[0]
     q = context.unbounded if NEAREST else p
     if BY_LANES:
-        want = add_heading_noise(me, answer(me, sums, surroundings, q), context.noise, p.eta, DIM)
+        want = answer(me, sums, surroundings, q)
+        if HEADS:
+            want = add_heading_noise(me, want, context.noise, p.eta, DIM)
         body_move = move(me, empty_block(), surroundings, want, p, out)
         store(table, X, body_move.x)
         store(table, Y, body_move.y)
@@ -463,8 +508,11 @@ def act(flock, space, surroundings, slots, slot, last, me, sums, table, context,
         if BY_LANES and not WINDY and MEETS == PASSES and not flock.informed[row]:
             moved = move_of_lane(table, lane)
         else:
-            moved = move_one(flock, space, surroundings, slots, at, lane, me, table, context)
+            moved = move_one(flock, space, surroundings, slots, at, lane, me, notes, context)
         write_move(flock, space, row, to, moved)
+        if PRIVATE > 0 and BY_LANES and not flock.informed[row]:
+            for k in range(np.uintp(PRIVATE)):
+                flock.memory[k, row] = notes.memory[k, lane]
         slots.queue[to] = row
 
 
@@ -511,7 +559,7 @@ def sweep(flock, space, surroundings, grid, slots, notes, context, tick, key, sp
                 1,
                 0.0,
             )
-        act(flock, space, surroundings, slots, slot, end, me, sums, notes.table, context, to_rows)
+        act(flock, space, surroundings, slots, slot, end, me, sums, notes, context, to_rows)
         slot = end
 
 

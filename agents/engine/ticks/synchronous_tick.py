@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from agents.engine.arrays import COUNT, FILL, PLACE, PLAN, PREPARE, SHARE, SWEEP
-from agents.engine.block import Me, NeighbourBlock
+from agents.engine.block import Me, NeighbourBlock, see_points
 from agents.engine.cells import (
     FAR,
     count_rows,
@@ -36,7 +36,7 @@ from agents.engine.noise import add_heading_noise, carry_with_wind, tick_key
 from agents.engine.solid_collision import PASSES, crash, fall, keep_out_of_solids
 from agents.engine.waypoint_heading import waypoint_heading
 from worlds.compilation import compiled, entry
-from worlds.queries.surroundings import points_within, set_goal
+from worlds.queries.surroundings import set_goal
 
 if TYPE_CHECKING:
     from agents.engine.template import (
@@ -174,16 +174,6 @@ def ready(flock, space, grid, slots, workspace, p, tick, key):
         for slot in range(slots.row.shape[0]):
             for k in range(SIGNALS):
                 flock.memory[k, slots.row[slot]] = slots.signal[k, slot]
-
-
-@compiled
-def see_points(surroundings, reach, me, workspace):
-    """Copy the boundary points within reach of an agent to its workspace; returns how many."""
-    n = points_within(surroundings, me.x, me.y, reach, workspace.found)
-    for k in range(n):
-        workspace.points[0, k] = surroundings.point_x[workspace.found[k]]
-        workspace.points[1, k] = surroundings.point_y[workspace.found[k]]
-    return n
 
 
 @compiled

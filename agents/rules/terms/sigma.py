@@ -176,11 +176,16 @@ def sigma_norm(d2, eps):
 
 @compiled
 def bump(z, h):
-    """rho_h(z) (9) for z >= 0: 1 up to h, then falling smoothly to 0 at 1.
+    """rho_h(z) (9) for z >= 0: 1 up to h, then falling smoothly to 0 at 1."""
+    return fade(z, (z - h) / (1.0 - h))
+
+
+@compiled
+def fade(z, t):
+    """rho_h(z) (9) from z and t = (z - h) / (1 - h).
 
     1/2 (1 + cos 2y) = cos^2 y = (1 - 2 sin^2 (y / 2))^2, with the sine of fdlibm on [0, pi / 4].
     """
-    t = (z - h) / (1.0 - h)
     y = QUARTER * min(max(t, 0.0), 1.0)
     w = y * y
     s = y + y * w * (
@@ -243,8 +248,8 @@ def push(d2, p):
 @compiled
 def level(d2, alarm, d, tau_a, tau_e, tau_s):
     """eta(|z|) (12) for |z|^2 = d2: tau_s nearer than `alarm`, tau_e up to d, tau_a beyond."""
-    radius = tau_e if d2 <= d * d else tau_a
-    return tau_s if d2 < alarm * alarm else radius
+    radius = where(d2 <= d * d, tau_e, tau_a)
+    return where(d2 < alarm * alarm, tau_s, radius)
 
 
 @compiled

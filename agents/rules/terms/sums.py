@@ -9,29 +9,43 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from agents.engine.block import Decision, neighbour_of
+from agents.engine.block import Decision, neighbour_of, points_of
 from agents.engine.pairs.term_sums import add_terms, no_sums
 from worlds.compilation import compiled
 
 
 def of_pairs(
-    number: int, term: Callable, answer: Callable, by_lanes: bool = False
+    number: int,
+    term: Callable,
+    answer: Callable,
+    by_lanes: bool = False,
+    sees_points: bool = False,
 ) -> dict[str, Any]:
     """A rule that answers to sums over pairs: `term`, `answer`, and the `decide` that they make.
 
     `term(me, other, p)`, compiled, has `number` numbers, all 0 for agents that are out of reach;
-    `answer(me, sums, surroundings, p)` makes a Wish of their sums. The engine takes the terms of
-    eight agents at once, so there is no `if` in a term; `by_lanes` says that there is none in
-    `answer` either.
+    `answer(me, sums, surroundings, p)` makes a Wish of their sums, and may write `me.memory`. The
+    engine takes the terms of eight agents at once, so there is no `if` in a term; `by_lanes` says
+    that there is none in `answer` either. With `sees_points` it is
+    `answer(me, sums, points, surroundings, p)`, one agent at a time: `points` are the boundary
+    points within reach, a `PointBlock`. Raises TypeError for both.
     """
-
+    if by_lanes and sees_points:
+        raise TypeError("of_pairs: boundary points are not seen by lanes, but by one agent each")
     around = sums_around(number, term)
 
     @compiled
     def decide(me, near, surroundings, p):
         return answer(me, around(me, near, p), surroundings, p)
 
-    return {"decide": decide, "term": term, "answer": answer, "sums": number, "by_lanes": by_lanes}
+    @compiled
+    def decide_by_points(me, near, surroundings, p):
+        return answer(me, around(me, near, p), points_of(near), surroundings, p)
+
+    made = {"term": term, "answer": answer, "sums": number, "by_lanes": by_lanes}
+    if sees_points:
+        return made | {"decide": decide_by_points, "sees_points": True}
+    return made | {"decide": decide}
 
 
 def sums_around(number: int, term: Callable) -> Callable:
