@@ -259,6 +259,12 @@ class Model:
             return 0
         return int(float(getattr(parameters, NUMBER)) + 0.5)
 
+    def idle(self, values: Mapping[str, Any]) -> frozenset[str]:
+        """The parameters that count for nothing beside these values."""
+        if NEIGHBOURS not in values:
+            return frozenset()
+        return frozenset([self.bound if values[NEIGHBOURS] == "nearest" else NUMBER])
+
     @property
     def bound(self) -> str:
         """The parameter that does not count where the nearest are neighbours."""

@@ -106,6 +106,13 @@ def test_what_is_changed_is_listed_and_goes_back(laboratory, browser):
     until(lambda: not panel.back.visible)
 
 
+def test_what_counts_for_nothing_cannot_be_moved(laboratory, browser):
+    controls = laboratory.parameters.controls
+    for choice, idle in (("nearest", "r"), ("metric", "k")):
+        turn(browser, controls["neighbours"], choice)
+        until(lambda idle=idle: [one for one in controls if controls[one].disabled] == [idle])
+
+
 def test_an_answer_to_an_older_value_takes_a_slider_nowhere(laboratory, browser, monkeypatch):
     panel, simulation = laboratory.parameters, laboratory.simulation
     eta, answers = panel.controls["eta"], []

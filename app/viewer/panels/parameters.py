@@ -83,9 +83,11 @@ class ParametersPanel:
                 self.rebuild(state)
         self.follow_flock(state)
         fixed = state.line is not None and (bool(state.line.recording) or state.line.looks_back)
-        for control in (*self.controls.values(), *self.beside_controls.values()):
-            if control.disabled != fixed:
-                control.disabled = fixed
+        idle = MODELS[state.spec.model].idle(state.values)
+        for controls in (self.controls, self.beside_controls):
+            for name, control in controls.items():
+                if control.disabled != (fixed or name in idle):
+                    control.disabled = fixed or name in idle
         own = declared(MODELS[state.spec.model].parameters)
         changed = [one for one in own if state.values.get(one.name) != self.begun.get(one.name)]
         text = describe_changes(changed, self.begun, state.values)
