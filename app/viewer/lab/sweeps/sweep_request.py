@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Protocol
 
 import numpy as np
@@ -84,7 +86,12 @@ class Axis:
     log: bool = False
 
     def values(self, model: str) -> list[Any]:
-        """Each once, rising or falling. Raises InputError."""
+        """Each once, rising or falling, round to two figures of their distance. Raises
+        InputError.
+
+        >>> Axis("eta", 1.0, 5.0, 7).values("vem")
+        [1.0, 1.67, 2.33, 3.0, 3.67, 4.33, 5.0]
+        """
         low, high = allowed(model, self.name)
         if not 2 <= self.count <= MOST_VALUES:
             raise InputError(
@@ -98,10 +105,14 @@ class Axis:
         if self.log and min(self.low, self.high) <= 0.0:
             raise InputError(f"{self.name} is swept by logarithms from 0: begin above it")
         between = np.geomspace if self.log else np.linspace
-        made = between(self.low, self.high, self.count)
+        made = between(self.low, self.high, self.count).tolist()
         if is_whole(model, self.name):
-            return list(dict.fromkeys(round(one) for one in made.tolist()))
-        return [float(f"{one:.12g}") for one in made.tolist()]
+            return list(dict.fromkeys(round(one) for one in made))
+        inner = [
+            round(one, 1 - math.floor(math.log10(abs(following - one))))
+            for one, following in pairwise(made[1:])
+        ]
+        return [self.low, *inner, self.high]
 
 
 class SweepSource(Protocol):
