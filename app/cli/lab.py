@@ -205,6 +205,8 @@ def serve(laboratory: Any, stopping: StopSignals) -> None:
             )
         while not stopping.asked:
             time.sleep(LOOK)
+            if laboratory.rest():
+                typer.echo("paused: no browser has watched for ten minutes", err=True)
     finally:
         typer.echo("", err=True)
         laboratory.close()

@@ -17,7 +17,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.laboratory import UNWATCHED, Laboratory
 from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import KEYS
 from app.viewer.run.run_preset import preset_spec
@@ -111,6 +111,17 @@ def test_what_counts_for_nothing_cannot_be_moved(laboratory, browser):
     for choice, idle in (("nearest", "r"), ("metric", "k")):
         turn(browser, controls["neighbours"], choice)
         until(lambda idle=idle: [one for one in controls if controls[one].disabled] == [idle])
+
+
+def test_a_flock_that_nobody_watches_stands_after_a_while(laboratory):
+    laboratory.simulation.go()
+    until(lambda: laboratory.simulation.state.running)
+    assert not laboratory.rest(), "somebody has just watched it"
+    laboratory.watched_at -= UNWATCHED
+    assert laboratory.rest()
+    until(lambda: not laboratory.simulation.state.running)
+    laboratory.watched_at -= UNWATCHED
+    assert not laboratory.rest(), "it stands already"
 
 
 def test_an_answer_to_an_older_value_takes_a_slider_nowhere(laboratory, browser, monkeypatch):

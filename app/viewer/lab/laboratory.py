@@ -57,6 +57,8 @@ from app.viewer.scene.shown.frame import Frame
 from app.viewer.scene.shown.frame_interpolator import FrameInterpolator
 
 FROM_THE_START = ", from tick 0"
+UNWATCHED = 600.0
+"""Time after which a flock that nobody watches stands, s."""
 """Said of a scene that is made of a state or a recording: it has their run, not their tick."""
 
 
@@ -133,6 +135,8 @@ class Laboratory:
         self.pointing: tuple[int, str] | None = None
         """After which run, and to what, all cameras are to be pointed."""
         self.waits = running and waits
+        self.watched_at = time.monotonic()
+        """When it was watched last, s of the monotonic clock."""
         self.sweeps: Sweeps | None = None
         self.sweep: SweepPanel | None = None
         if allowance is None or allowance.sweeps:
@@ -421,7 +425,10 @@ class Laboratory:
 
     def want(self) -> None:
         """Tell browsers what the simulation has to say, and the simulation what is wanted."""
-        self.simulation.set_watched(self.browsers() + self.elsewhere.browsers > 0)
+        is_watched = self.browsers() + self.elsewhere.browsers > 0
+        if is_watched:
+            self.watched_at = time.monotonic()
+        self.simulation.set_watched(is_watched)
         self.notices.tell()
         self.world.refresh()
         look = self.view.drawing_style()
@@ -492,6 +499,15 @@ class Laboratory:
         if watched != self.watched:
             self.watched = watched
             self.simulation.watch(watched)
+
+    def rest(self) -> bool:
+        """Pause a flock that nobody has watched for long; whether it was paused now."""
+        left = time.monotonic() - self.watched_at > UNWATCHED
+        if left and self.simulation.state.running:
+            self.simulation.pause()
+            self.watched_at = time.monotonic()
+            return True
+        return False
 
     def browsers(self) -> int:
         """Number of browsers that watch."""
