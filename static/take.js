@@ -76,6 +76,7 @@
     }
     show();
     if (state.said) complain(sheet("Not taken", "fs-ask"), state.said);
+    if (state.cut) complain(sheet("Taken, but cut", "fs-ask"), state.cut);
     if (state.filming || state.busy) due = setTimeout(follow, 500);
   };
 
@@ -93,7 +94,8 @@
     if (!state.flat) for (const kind of ["svg", "pdf"]) still.kind.querySelector(`[value=${kind}]`).disabled = true;
     const film = part(inner, "film", "Film", "Record", begin("film"));
     film.made.append(make("p", "fs-quiet", "What this browser shows from now on, until Stop: at most " +
-      "three minutes. HTML plays by itself, and whoever opens it turns it round."));
+      `three minutes, as HTML ${Math.round(state.html_seconds)} s of so many agents. HTML plays by itself, and ` +
+      "whoever opens it turns it round."));
     if (state.missing) {
       film.made.append(make("p", "fs-quiet", `MP4, WebM, GIF: ${state.missing}`));
       for (const kind of ["mp4", "webm", "gif"]) film.kind.querySelector(`[value=${kind}]`).disabled = true;

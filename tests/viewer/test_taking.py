@@ -209,6 +209,28 @@ def test_a_film_ends_by_itself(laboratory, page, monkeypatch):
     monkeypatch.setattr(picture_exporter, "LONGEST", 0.4)
     wanted(laboratory, page, do="film", kind="gif", size="400x320")
     until(lambda: page.files, 60)
+    assert told_cut(laboratory, page) == "The film ends after 0 s: none is longer than 0.4 s."
+    assert json.loads(wanted(laboratory, page).text)["cut"] == "", "it is told once"
+
+
+def test_a_page_of_frames_says_how_long_it_can_be_and_that_it_was_cut(
+    laboratory, page, monkeypatch
+):
+    agents = len(laboratory.drawing.drawn[0].ids)
+    monkeypatch.setattr(picture_exporter, "LIGHT", 2 * agents)
+    assert json.loads(wanted(laboratory, page).text)["html_seconds"] == 2 / picture_exporter.FPS
+    laboratory.simulation.go()
+    wanted(laboratory, page, do="film", kind="html", size="400x320")
+    until(lambda: page.files, 60)
+    laboratory.simulation.pause()
+    assert f"as HTML 2 pictures of {agents} agents fit" in told_cut(laboratory, page)
+
+
+def told_cut(laboratory, page) -> str:
+    """Why the film is shorter than was asked for, as the page is told once."""
+    told = []
+    until(lambda: told.append(json.loads(wanted(laboratory, page).text)["cut"]) or told[-1], 60)
+    return told[-1]
 
 
 def test_a_browser_that_draws_nothing_is_told(laboratory, page, monkeypatch):

@@ -88,6 +88,8 @@ class FilmRecorder(threading.Thread):
         self.is_wanted = True
         self.begun = time.monotonic()
         self.bytes = 0
+        self.cut = ""
+        """What ended it before anybody did, in words."""
 
     @property
     def seconds(self) -> float:
@@ -109,10 +111,17 @@ class FilmRecorder(threading.Thread):
         except Exception as error:
             self.failed(f"the film cannot be made: {type(error).__name__}")
 
+    def note_cut(self, why: str) -> None:
+        """It ends now though nobody has stopped it."""
+        self.cut = f"The film ends after {self.seconds:.0f} s: {why}."
+
     def goes_on(self, due: float) -> bool:
         """Wait for the next picture; whether there is to be one."""
-        late = self.seconds > LONGEST or self.bytes > LARGEST
-        return not late and not self.ending.wait(max(0.0, due - time.monotonic()))
+        if self.seconds > LONGEST:
+            self.note_cut(f"none is longer than {LONGEST:g} s")
+        elif self.bytes > LARGEST:
+            self.note_cut(f"none has more than {LARGEST // 10**6} MB")
+        return not self.cut and not self.ending.wait(max(0.0, due - time.monotonic()))
 
     def film(self) -> bytes:
         """Pictures until the end, as a film. Raises InputError."""
@@ -151,7 +160,10 @@ class FilmRecorder(threading.Thread):
         begun, first, last, taken, then = time.monotonic(), shot, None, 0, 0.0
         with Player(LIGHT) as player:
             due = begun
-            while self.goes_on(due) and taken * len(shot.now.ids) < LIGHT:
+            while self.goes_on(due):
+                if taken * len(shot.now.ids) >= LIGHT:
+                    self.note_cut(f"as HTML {taken} pictures of {len(shot.now.ids):,} agents fit")
+                    break
                 due = time.monotonic() + 1.0 / FPS
                 shot = self.eyes.shot()
                 if last is not None and shot.made.frame is last.made.frame:
@@ -208,6 +220,8 @@ class ExportClient:
     dots: float = 1.0
     said: str = ""
     """What has gone wrong last, until it is told."""
+    cut: str = ""
+    """Why the last film is shorter than was asked for, until it is told."""
 
 
 class PictureExporter:
@@ -342,6 +356,7 @@ class PictureExporter:
 
         def done(made: bytes) -> None:
             visit.client.send_file_download(self.name(kind), made, save_immediately=True)
+            visit.cut = visit.filming.cut if visit.filming else ""
             visit.filming = None
 
         def failed(why: str) -> None:
@@ -376,9 +391,10 @@ class PictureExporter:
 
     def told(self, visit: ExportClient) -> dict[str, Any]:
         """How it stands with a browser."""
-        filming, said = visit.filming, visit.said
-        visit.said = ""
+        filming, said, cut = visit.filming, visit.said, visit.cut
+        visit.said = visit.cut = ""
         drawn = self.laboratory.drawing.drawn
+        agents = max(1, len(drawn[0].ids)) if drawn else 1
         return {
             "busy": visit.is_busy,
             "filming": filming is not None,
@@ -386,6 +402,8 @@ class PictureExporter:
             "seconds": 0.0 if filming is None else filming.seconds,
             "bytes": 0 if filming is None else filming.bytes,
             "said": said,
+            "cut": cut,
+            "html_seconds": min(LONGEST, LIGHT / agents / FPS),
             "flat": drawn is not None and drawn[0].dim == 2 and drawn[0].beside is None,
             "pair": self.laboratory.simulation.state.models[1] is not None,
             "missing": missing(),
