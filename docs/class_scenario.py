@@ -211,7 +211,7 @@ class Scenario:
         """The link in the QR code that the teacher shows."""
         with self.step("the code is on the wall, and read from its picture"):
             self.teacher.keyboard.press("q")
-            wall = self.teacher.locator(".fs-wall img")
+            wall = self.teacher.locator("dialog .fs-wall img")
             wall.wait_for()
             self.teacher.wait_for_timeout(500)
             link = read_code(wall.screenshot(), self.shown()["links"])

@@ -60,6 +60,7 @@ def presenting(page: Any) -> None:
     """The panels are hidden and the text is large."""
     page.keyboard.press("x")
     page.keyboard.press("p")
+    page.keyboard.press("p")
     page.wait_for_function(
         "() => document.querySelector('canvas[data-engine]').clientWidth === innerWidth"
     )

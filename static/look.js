@@ -5,12 +5,16 @@
    the choice changes. */
 {
   const root = document.documentElement;
-  const choices = { theme: ["light", "dark"], text: ["M", "L", "S"], panels: ["shown", "hidden"] };
+  const choices = { theme: ["light", "dark"], text: ["M", "L", "S"], panels: ["shown", "plots", "hidden"] };
   const keys = { KeyM: "theme", KeyX: "text", KeyP: "panels" };
   const words = {
     theme: (now) => `Light or dark: now ${now} (key M)`,
     text: (now) => `Size of the text, S, M or L: now ${now} (key X)`,
-    panels: (now) => now === "shown" ? "Hide the panels (key P)" : "Show the panels (key P)",
+    panels: (now) => ({
+      shown: "Hide the panels but the plots (key P)",
+      plots: "Hide the plots, too (key P)",
+      hidden: "Show the panels (key P)",
+    })[now],
   };
   const drawn = (way) => `<svg viewBox="0 0 24 24" aria-hidden="true"><path d="${way}"/></svg>`;
   const signs = {
@@ -82,6 +86,8 @@
     if (!held && !field && event.code in keys) next(keys[event.code]);
   });
 
+  window.addEventListener("flockscope-panels", () => set("panels", "shown")); /* layout.js opens a drawer */
+
   /* The buttons stand in the corner of the picture, wherever the panels leave it. */
   const tools = document.createElement("div");
   tools.className = "fs-tools";
@@ -110,12 +116,12 @@
     views.append(button);
     views.append(...Object.keys(cameras).filter((key) => key in buttons).map((key) => buttons[key]));
   };
-  /* What stands at the top of the panels, while they are hidden. */
+  /* What stands at the top of the panels, while that is hidden. */
   const caption = document.createElement("div");
   caption.className = "fs-caption";
   setInterval(() => {
-    if (now("panels") !== "hidden") return;
-    const said = document.querySelector(".fs-banner b, .fs-status > span:not(.fs-dot)");
+    if (now("panels") === "shown" && now("layout") === "wide") return;
+    const said = document.querySelector(".fs-banner b, .fs-status > span:not(.fs-dot), .fs > .fs-error");
     const text = [...said ? said.childNodes : []]
       .filter((part) => !(part.classList && part.classList.contains("fs-compiling")))
       .map((part) => part.textContent).join("");

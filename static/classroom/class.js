@@ -122,14 +122,23 @@
       if (!known.students.some((one) => one.number === number || !number)) { parts.card.remove(); cards.delete(number); }
     }
     wanted.forEach((card, row) => { if (place.children[row] !== card) place.insertBefore(card, place.children[row] || null); });
-    const none = place.querySelector(".fs-none");
-    if (!wanted.length && !none) place.append(make("p", "fs-none", "Nobody is here yet. Show them the code: key Q."));
-    if (wanted.length && none) none.remove();
+    invite(place, wanted.length > 0 || known.over);
     for (const act of window.flockscopeClass.changed) act(known);
     if (!known.over) return;
     line.close();
     at("lost").textContent = "This class is over.";
     at("lost").hidden = false;
+  };
+  /* While nobody is in, the code stands on the page as large as on the wall. */
+  const invite = (place, enough) => {
+    const now = place.querySelector(".fs-none"), links = known.links.join();
+    if (enough) return now && now.remove();
+    if (now && now.dataset.links === links) return;
+    const made = make("div", "fs-none");
+    made.dataset.links = links;
+    made.append(make("p", "", "Nobody is here yet. Students enter with this code, or at this address:"),
+      window.flockscopeWall(known.links, say));
+    if (now) now.replaceWith(made); else place.append(made);
   };
   const sheet = (content) => {
     const one = at("sheet");

@@ -1,5 +1,6 @@
 /* The address of the class and its picture, large: for the wall. `links` are the addresses, the
-   likeliest first; the page's own address is taken where others can reach it too. */
+   likeliest first; the page's own address is taken where others can reach it too. It has a button that
+   closes it if there is `close`. */
 window.flockscopeWall = (links, say, close) => {
   const loopback = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
   const home = location.origin + location.pathname.replace(/(class|index\.html)?$/, "");
@@ -25,9 +26,8 @@ window.flockscopeWall = (links, say, close) => {
     at = links[(links.indexOf(at) + 1) % links.length];
     show();
   }));
-  const last = button("Close", close);
-  last.autofocus = true;
-  below.append(button("New code", () => say({ do: "renew" })), last);
+  below.append(button("New code", () => say({ do: "renew" })));
+  if (close) below.append(Object.assign(button("Close", close), { autofocus: true }));
   made.append(picture, words, below);
   show();
   return made;

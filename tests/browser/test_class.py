@@ -9,11 +9,14 @@ import pytest
 from agents.flock import Flock
 from tests.browser.contrast import faint
 from tests.classroom.running import running
+from tests.viewer.waiting import until
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 STUDENTS = 6
 THEMES = ("light", "dark")
+LARGE = "#students .fs-wall img"
+"""The code, on a teacher's page while nobody is in."""
 
 
 @pytest.fixture
@@ -36,6 +39,7 @@ def test_a_class_answers_a_question_from_the_code_on_the_wall_to_the_table(scena
     link = scenario.read_wall()
     assert link == scenario.ours.link
     scenario.all_enter(link, [(PHONE, "light")], STUDENTS)
+    scenario.teacher.locator(LARGE).wait_for(state="detached")
     page = scenario.students[0]
     with scenario.looking():
         scenario.ask()
@@ -75,10 +79,12 @@ def test_a_picture_that_is_no_code_of_the_class_is_not_read_as_one(scenario):
     from class_scenario import read_code
 
     scenario.open()
-    scenario.teacher.keyboard.press("q")
-    wall = scenario.teacher.locator(".fs-wall img")
+    page = scenario.teacher
+    until(lambda: page.locator(LARGE).bounding_box()["height"] > 0.5 * page.viewport_size["height"])
+    page.keyboard.press("q")
+    wall = page.locator("dialog .fs-wall img")
     wall.wait_for()
-    scenario.teacher.wait_for_timeout(500)
+    page.wait_for_timeout(500)
     link = scenario.ours.link
     other = link[:-1] + "-"  # no link of a class ends so
     assert read_code(wall.screenshot(), [other, link]) == link

@@ -28,7 +28,7 @@ class Pictures:
 
 
 def test_a_students_page_shows_its_flock_again_by_itself(chromium, tmp_path, capsys):
-    page = chromium.new_page(viewport={"width": 900, "height": 640})
+    page = chromium.new_page(viewport={"width": 1000, "height": 640})
     pictures = Pictures(page)
     try:
         with running(tmp_path, "--out", "kept.zip") as first:

@@ -50,7 +50,7 @@ class Operator:
 
     def __init__(self, chromium, room_page):
         self.code = room_page.session.code.digits
-        self.page = chromium.new_page(viewport={"width": 900, "height": 600})
+        self.page = chromium.new_page(viewport={"width": 1000, "height": 600})
         self.page.goto(room_page.address)
         self.page.locator(".fs-banner").wait_for(timeout=1000 * OPENS)
 

@@ -67,9 +67,11 @@ def test_the_picture_can_stand_alone(window):
     page = window.page
     canvas, panel = page.locator("canvas[data-engine]"), page.locator(".fs-status")
     before = canvas.bounding_box()["width"]
-    page.keyboard.press("p")
-    assert not panel.is_visible()
-    until(lambda: canvas.bounding_box()["width"] == 1000, 60)
+    for panels in ("plots", "hidden"):
+        page.keyboard.press("p")
+        assert said(page, "panels") == panels
+        assert not panel.is_visible()
+        until(lambda: canvas.bounding_box()["width"] == 1000, 60)
     until(lambda: "paused" in page.locator(".fs-caption").inner_text(), 60)
     page.keyboard.press("p")
     assert panel.is_visible()

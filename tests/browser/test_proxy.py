@@ -20,7 +20,7 @@ def test_a_page_behind_an_allowed_proxy_works_and_can_be_loaded_again(chromium, 
     server = open_server(port=0, front=front)
     server.gui.add_html('<div id="here">a flock</div>')
     admit_browsers(server)
-    page = chromium.new_page(viewport={"width": 900, "height": 600})
+    page = chromium.new_page(viewport={"width": 1000, "height": 600})
     lines: list[str] = []
     page.on("websocket", lambda line: lines.append(line.url))
     try:

@@ -80,6 +80,7 @@ def test_the_buttons_on_the_picture_turn_this_browser_s_camera(own, laboratory):
     page.keyboard.press("Enter")
     until(lambda: tilt(client) < 0.4, 30, "the side by the keyboard")
     page.keyboard.press("p")
+    page.keyboard.press("p")
     page.get_by_label("Camera: perspective (key 2)").click()
     until(lambda: tilt(client) > 0.6, 30, "while the panels are hidden")
     page.keyboard.press("p")

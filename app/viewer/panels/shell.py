@@ -165,7 +165,7 @@ KEYS = {
 }
 """Key -> what it does; every one has an action in some call of `add_hotkeys`."""
 OWN_KEYS = {
-    "P": "Panels: hide them, or show them again",
+    "P": "Panels: only the plots, then none, then all again",
     "M": "Light or dark",
     "X": "Size of the text: S, M or L",
     "G": "Gallery of scenes, models and worlds",
