@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from tests.browser.conftest import obeyed
+from app.viewer.run.run_preset import preset_spec
+from tests.browser.conftest import START, obeyed
 from tests.browser.contrast import faint
+from tests.browser.window import COMPILED
 from tests.viewer.waiting import until
 
 SIZES = {
@@ -14,7 +16,7 @@ SIZES = {
     (390, 844): ("tall", 0.8),
     (720, 450): ("flat", 0.8),
     (844, 390): ("flat", 0.8),
-    (1024, 640): ("wide", 0.35),
+    (1024, 640): ("wide", 0.3),
     (1440, 860): ("wide", 0.5),
     (1920, 900): ("wide", 0.6),
 }
@@ -158,3 +160,12 @@ def test_the_plots_can_be_shown_over_the_picture_alone(page, laboratory, size):
     until(lambda: not plot.is_visible())
     until(lambda: page.evaluate(LAID_OUT)["share"] == 1.0)
     page.keyboard.press("p")
+
+
+def test_of_two_flocks_a_plot_is_seen_without_scrolling(page, laboratory):
+    page.set_viewport_size({"width": 1440, "height": 860})
+    laboratory.simulation.setup(START, preset_spec("vem", agents=60, seed=3))
+    page.locator(".fs-pair").first.wait_for()
+    plot = page.locator(".uplot-container").first
+    until(lambda: (box := plot.bounding_box()) and box["y"] + box["height"] < 860, COMPILED)
+    assert page.locator(".fs-bars").first.bounding_box()["y"] > 860

@@ -24,7 +24,7 @@ from app.front.uploads import accept_uploads
 from app.results_folder import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.downloads import Downloads, SceneFiles
-from app.viewer.lab.panels.flock_monitors import BLOCKS, CrashLists, contents
+from app.viewer.lab.panels.flock_monitors import BELOW, BLOCKS, CrashLists, contents
 from app.viewer.lab.panels.flock_view import FlockView
 from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.lab.panels.laboratory_plots import LaboratoryPlots
@@ -220,6 +220,7 @@ class Laboratory:
             self.monitors = Monitors(gui, BLOCKS, "tick")
             self.sight_lines = self.monitors.sight_lines(self.server, numbers)
             self.plots = LaboratoryPlots(self.server, self.making)
+            self.monitors.add(gui, BELOW)
             self.crashes = CrashLists(gui, self.show_crash)
             self.more = MoreNumbers(gui)
             self.numbers = NumbersTable(self.server, self.more, self.plots.sender)

@@ -115,8 +115,13 @@ class Monitors:
 
     def __init__(self, gui: viser.GuiApi, names: Sequence[str], first: str):
         """`first` is the card that stands there until there is anything to tell."""
-        self.blocks = {name: gui.add_html("", visible=False) for name in names}
+        self.blocks: dict[str, viser.GuiHtmlHandle] = {}
+        self.add(gui, names)
         self.show({CARDS: grid({first: "–"})})
+
+    def add(self, gui: viser.GuiApi, names: Sequence[str]) -> None:
+        """Blocks below whatever has come into the panel since."""
+        self.blocks |= {name: gui.add_html("", visible=False) for name in names}
 
     def sight_lines(self, server: viser.ViserServer, place: viser.GuiTabHandle) -> SightLines:
         """Room below the key to colours for a line of each browser."""

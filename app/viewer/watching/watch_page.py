@@ -21,7 +21,7 @@ from app.front.origin import local_address
 from app.front.page_front import Front
 from app.front.server import admit_browsers, close_server, on_browser_message, open_server
 from app.viewer.lab.laboratory import Laboratory
-from app.viewer.lab.panels.flock_monitors import BLOCKS
+from app.viewer.lab.panels.flock_monitors import BELOW, BLOCKS
 from app.viewer.lab.panels.laboratory_plots import EARLIER
 from app.viewer.lab.panels.run_panel import describe_scene, status
 from app.viewer.measuring.run_conditions import format_setting
@@ -184,7 +184,7 @@ class WatchPage:
         self.values = gui.add_html("")
         left = gui.add_panel()
         with left.add_tab("Monitors", viser.Icon.CHART_LINE) as self.left:
-            self.monitors = Monitors(gui, BLOCKS, "tick")
+            self.monitors = Monitors(gui, (*BLOCKS, *BELOW), "tick")
         self.sight_lines = self.monitors.sight_lines(self.server, self.left)
         dock(gui, left)
         add_hotkeys(

@@ -229,8 +229,10 @@ def place(where: np.ndarray) -> str:
     return ", ".join(f"{value:.1f}" for value in where)
 
 
-BLOCKS = (CARDS, "titles", "compared", "mission", "crash-count", "more", KEY, "bars")
+BLOCKS = (CARDS, "titles", "compared", "mission", "crash-count", "more", KEY)
 """From the top down."""
+BELOW = ("bars",)
+"""Those below the plots, which are to be seen without scrolling."""
 COMMON = ("agents", "ticks / s", "browsers")
 """What two flocks side by side have in common."""
 CLOCK = ("tick", "time")
