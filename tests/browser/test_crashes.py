@@ -49,7 +49,7 @@ def test_a_flock_that_can_crash_is_watched_and_another_is_not(window, laboratory
     choose(window, "Plot 3", "largest group")
     until(lambda: "largest-group" in laboratory.plots.names)
 
-    other = Window(chromium.new_page(viewport={"width": 1000, "height": 600}), laboratory)
+    other = Window(chromium.new_page(viewport={"width": 1100, "height": 600}), laboratory)
     assert other.page.get_by_label("Plot 3").input_value() == "largest group"
     choose(other, "Plot 3", "crashes")
     until(lambda: chosen(window, 3) == "crashes")

@@ -169,7 +169,7 @@ def test_a_polygon_is_drawn_corner_by_corner_and_one_that_crosses_itself_is_refu
 
 
 def test_a_layout_is_saved_and_opened_in_two_browsers(builder, chromium, tmp_path):
-    other = Window(chromium.new_page(viewport={"width": 1000, "height": 600}), builder.laboratory)
+    other = Window(chromium.new_page(viewport={"width": 1100, "height": 600}), builder.laboratory)
     other.tab("World")
     builder.choose("A click to", "place a box")
     builder.click(44.0, 20.0)
@@ -217,7 +217,7 @@ def test_a_drawing_that_may_mean_two_things_is_asked_about(builder, chromium, tm
     corners = [(1, 1), (21, 1), (21, 11), (1, 11)]
     document.modelspace().add_lwpolyline(corners, close=True, dxfattribs={"layer": "WALLS"})
     document.saveas(plan)
-    other = Window(chromium.new_page(viewport={"width": 1000, "height": 600}), builder.laboratory)
+    other = Window(chromium.new_page(viewport={"width": 1100, "height": 600}), builder.laboratory)
     run = builder.simulation.state.run
     opened_plan(builder.window, plan)
     assert other.page.get_by_text("What does this drawing mean?").count() == 0

@@ -64,7 +64,7 @@ def test_the_gallery_closes_by_escape_a_click_beside_it_and_its_button(window):
 def test_an_address_opens_its_scene_and_asks_where_others_watch(window, anew, chromium):
     assert window.page.url
     scene = pack_scene(SavedScene("mine", preset_spec("vem", agents=44, seed=9)))
-    other = chromium.new_page(viewport={"width": 1000, "height": 600})
+    other = chromium.new_page(viewport={"width": 1100, "height": 600})
     other.goto(f"{anew.address}/?scene={scene}")
     other.get_by_text("It replaces the run that others watch too.").wait_for(timeout=60_000)
     assert anew.simulation.state.spec.model == "hwvem"

@@ -142,7 +142,7 @@ def test_an_agent_is_inspected_until_its_window_is_closed(window, laboratory):
 
 def test_two_browsers_see_the_same_run_and_the_same_sliders(window, laboratory, chromium):
     slider = laboratory.parameters.controls["eta"]
-    other = Window(chromium.new_page(viewport={"width": 1000, "height": 600}), laboratory)
+    other = Window(chromium.new_page(viewport={"width": 1100, "height": 600}), laboratory)
     until(lambda: window.card("browsers") == "2")
     window.enter(slider, "2.5")
     until(lambda: other.number(slider).input_value() == "2.5")
