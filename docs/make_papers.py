@@ -24,7 +24,7 @@ from typing import Any
 HERE = Path(__file__).parent / "papers"
 TEXT, PAGE = HERE / "papers.md.in", HERE.parent / "papers.md"
 BEFORE = HERE / "before.json"
-"""The words by Student's t alone, by experiment and by what they were said of."""
+"""The words of the runs with random numbers 1, by experiment and by what they were said of."""
 KEPT = ("name", "title", "source", "claims")
 ROW = (
     *("label", "agents", "parameter", "value", "against", "at", "way", "tick"),
@@ -117,7 +117,7 @@ def count_words(rows: list[dict[str, Any]]) -> str:
 
 
 def changed_list() -> str:
-    """The words that are others than by the rule before, by experiment."""
+    """The words that are others than of the runs before, by experiment."""
     lines = []
     for name, before in json.loads(BEFORE.read_text(encoding="utf-8")).items():
         now = words_of(json.loads((HERE / f"{name}.json").read_text(encoding="utf-8")))
