@@ -129,6 +129,7 @@ def laboratory(served):
     simulation.pause()
     simulation.run_at(60.0)
     served.select(None)
+    served.parameters.expect_scene()
     simulation.setup(START)
     refill(served.setup)
     until(lambda: simulation.state.run > before and simulation.frame.run == simulation.state.run)
