@@ -257,9 +257,18 @@ def from_file(path: str) -> Model:
     if name in MODELS and FILES.get(name) != Path(path).resolve():
         raise InputError(f"{path}: there is a model {name!r} already; its rule needs another name")
     if name not in MODELS or loaded_model.rule is not MODELS[name].rule:
-        MODELS[name] = loaded_model
+        take_over(name, loaded_model)
         FILES[name] = Path(path).resolve()
     return MODELS[name]
+
+
+def take_over(name: str, taken: Model) -> None:
+    """Put a model in the place of the one of that name, whose rule no other model has from now on:
+    `NAME-cars` is made anew when it is asked for."""
+    before = MODELS.get(name)
+    for other in [one for one in MODELS if before is not None and MODELS[one].rule is before.rule]:
+        del MODELS[other]
+    MODELS[name] = taken
 
 
 def model(name: str) -> Model:

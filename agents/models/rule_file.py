@@ -54,11 +54,17 @@ def run(file: Path, text: str, name: str) -> ModuleType:
 
 def describe_fault(file: Path, full_path: str, error: BaseException) -> InputError:
     """What is wrong with a file that could not be run: file, line and reason."""
-    frames = traceback.extract_tb(error.__traceback__)
+    frames = [
+        frame
+        for one in (error.__cause__, error)
+        if one is not None
+        for frame in traceback.extract_tb(one.__traceback__)
+    ]
     lines = [frame.lineno for frame in frames if frame.filename == full_path]
     line, reason = (lines[-1] if lines else None), f"{type(error).__name__}: {error}"
     if isinstance(error, SyntaxError) and error.filename == full_path:
         line, reason = error.lineno, f"{error.msg}"
     elif isinstance(error, InputError):
         reason = str(error)
-    return InputError(f"{file}, line {line}: {' '.join(reason.split())[:300]}")
+    place = f"{file}" if line is None else f"{file}, line {line}"
+    return InputError(f"{place}: {' '.join(reason.split())[:300]}")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from agents.catalogue import MODELS
+from agents.catalogue import FILES, MODELS
 from agents.catalogue import model as find_model
 from agents.flock_world import find_world
 from agents.models.declare import checked
@@ -203,8 +203,12 @@ def serve(laboratory: Any, stopping: StopSignals) -> None:
             typer.echo(
                 "compiling (first run only); you see a preview until it is ready ...", err=True
             )
+        from app.viewer.lab.rule_files import RuleFiles
+
+        rules = RuleFiles(FILES, laboratory.take_rule)
         while not stopping.asked:
             time.sleep(LOOK)
+            rules.look()
             if laboratory.rest():
                 typer.echo("paused: no browser has watched for ten minutes", err=True)
     finally:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from concurrent.futures import Future
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -30,6 +31,7 @@ from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.lab.panels.laboratory_plots import LaboratoryPlots
 from app.viewer.lab.panels.model_guide import Guide, TryRunner
 from app.viewer.lab.panels.numbers_table import MoreNumbers, NumbersTable
+from app.viewer.lab.panels.rule_source import RuleSource
 from app.viewer.lab.panels.run_panel import RunPanel, TimeLinePanel
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.lab.panels.sweep_panel import SweepPanel
@@ -44,6 +46,7 @@ from app.viewer.panels.sending import ExportPermit
 from app.viewer.panels.shell import add_hotkeys, dock, set_look
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.edits import leader, usable_pose
+from app.viewer.run.flock_run import describe_error
 from app.viewer.run.frame_builder import FrameRequest, WatchPageRequest
 from app.viewer.run.run_preset import drawing_defaults, lively_speed, preset_spec
 from app.viewer.run.simulation import Simulation
@@ -197,6 +200,7 @@ class Laboratory:
         with tabs.add_tab("Rule"):
             self.parameters = ParametersPanel(gui, self.simulation)
             marks = gui.add_html("")
+            self.rule_source = RuleSource(gui)
         with tabs.add_tab("Setup"):
             self.setup = SetupPanel(gui, state)
         with tabs.add_tab("World"):
@@ -304,6 +308,19 @@ class Laboratory:
             self.look_at(opened)
             self.simulation.setup(opened.spec, opened.beside)
         self.simulation.go()
+
+    def take_rule(self, path: Path) -> None:
+        """Have the flock go on under what the file of a rule says now; what is wrong is told."""
+        answer = self.simulation.take_rule(path)
+
+        def told(done: Future) -> None:
+            if (fault := done.exception()) is not None:
+                self.rule_source.refuse(describe_error(fault))
+            else:
+                self.rule_source.take(path)
+                self.parameters.expect_scene()
+
+        answer.add_done_callback(told)
 
     def look_at(self, scene: SavedScene) -> None:
         """Have the view and the plots as a scene has them."""
@@ -456,6 +473,7 @@ class Laboratory:
         self.setup.catch_up(state.spec)
         self.setup.refresh(state)
         self.parameters.refresh(state)
+        self.rule_source.refresh(state.spec.model)
         if self.sweep is not None:
             self.sweep.refresh(state, self.plots.offered, self.parameters.controls)
         if self.drawing.drawn is None or readings is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from concurrent.futures import Future
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,14 @@ class Simulation(SimulationThread):
     def open(self, stored: InitialState) -> Future:
         """Go on from a saved state, or play a recording."""
         return self.tell(lambda: self.begin(stored), "set up")
+
+    def take_rule(self, path: Path) -> Future:
+        """Read the file of a rule anew; a flock that goes by it goes on under what it says now.
+
+        The answer is the name of its model. What is wrong with it is refused, and the rule of
+        before goes on.
+        """
+        return self.tell(lambda: self.take_rule_now(path), f"rule {path}")
 
     def reset(self) -> Future:
         """The same flock again: same seed, same start, the parameters as they are now."""

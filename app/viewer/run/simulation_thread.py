@@ -12,11 +12,14 @@ from concurrent.futures import Future
 from copy import deepcopy
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from agents.catalogue import MODELS, from_file
 from agents.flock import Flock
+from agents.models.rule_file import describe_fault
 from agents.spec import CompleteSpec, Spec
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.time_series import refuse_too_dense
@@ -30,7 +33,7 @@ from app.viewer.run.kernel_compiler import KernelCompiler, Preview, preview_size
 from app.viewer.run.paired_run import companion
 from app.viewer.run.simulation_limits import SimulationLimits
 from app.viewer.run.simulation_state import ChangeNotifier, SimulationState
-from app.viewer.run.stored_flock import InitialState
+from app.viewer.run.stored_flock import InitialState, under_new_rule
 from app.viewer.run.time_line import TimeLine
 from app.viewer.scene.shown.drawing_style import DENSITY_PERIOD, shows_density
 from app.viewer.scene.shown.frame import Frame
@@ -38,6 +41,8 @@ from worlds.input_error import InputError
 
 LOOK = 0.05
 """Time between two looks whether the run is compiled, s."""
+TRIED = 30
+"""Agents with which a rule that was edited is tried before a flock goes by it."""
 OBEDIENCE = 0.03
 """Longest time for commands before ticks are run again, s."""
 
@@ -450,6 +455,35 @@ class SimulationThread:
 
     def begin(self, stored: InitialState) -> None:
         self.next = stored.spec, None, stored
+
+    def take_rule_now(self, path: Path) -> str:
+        """Raises InputError, after which everything is as before."""
+        before = dict(MODELS)
+        model = from_file(str(path))
+        try:
+            if model is not before.get(model.name):
+                self.go_on_under(model.name)
+        except Exception as error:
+            for name in MODELS.keys() - before.keys():
+                del MODELS[name]
+            MODELS.update(before)
+            raise describe_fault(path, str(path.resolve()), error) from error
+        return model.name
+
+    def go_on_under(self, name: str) -> None:
+        """Go on with the flock as it is under the rule that the model of a name has by now."""
+        run = self.run
+        if run is None or name not in self.state.models or isinstance(run, Playback):
+            return
+        spec, beside = self.state.current_specs()
+        stored = under_new_rule(spec, run.flock.snapshot(), self.building.build)
+        begun = self.state.stored
+        parameters = stored.run.parameters
+        spec = spec.with_values(parameters=parameters) if begun is None else stored.spec
+        self.measure_tick(spec, beside, min(TRIED, len(stored.now.ids)))
+        self.next = spec, beside, stored
+        self.set_up()
+        self.state = replace(self.state, stored=begun)
 
     def switch(self, on: bool) -> None:
         if on and self.next is None:

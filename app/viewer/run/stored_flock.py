@@ -6,13 +6,18 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from agents.catalogue import model as find_model
+from agents.engine.arrays import Arrays
 from agents.flock import Flock
+from agents.models.declare import checked
 from agents.recordings.recording import Recording
 from agents.snapshot import Snapshot
 from agents.spec import CompleteSpec
@@ -148,6 +153,30 @@ def resume(spec: CompleteSpec, saved: Snapshot, build: Callable[..., Flock], **m
     flock.options = spec
     flock.return_to(saved)
     return flock
+
+
+def under_new_rule(run: CompleteSpec, now: Snapshot, build: Callable[..., Flock]) -> InMemoryFlock:
+    """A flock as it is, to go on under the rule that its model has by now.
+
+    Parameters that the rule still has keep their values where they are in their range; what agents
+    tell or remember is kept by its name, and all else is as at a start. Raises InputError.
+    """
+    kept, parameters = {}, find_model(run.model).parameters
+    for name in parameters.model_fields.keys() & run.parameters.keys():
+        with suppress(InputError):
+            kept[name] = getattr(checked(parameters, {name: run.parameters[name]}), name)
+    spec = run.with_values(world=now.world, layout=None, parameters=kept)
+    flock = build(spec, start={"position": now.position, "heading": now.heading})
+    arrays, columns = flock.arrays._asdict(), now.model.columns
+    for name, array in now.arrays._asdict().items():
+        if name not in ("memory", "past") and array.shape == arrays[name].shape:
+            arrays[name] = array
+    memory = arrays["memory"] = np.array(arrays["memory"])
+    for row, name in enumerate(flock.model.columns):
+        if name in columns:
+            memory[row] = now.arrays.memory[columns.index(name)]
+    then = replace(flock.snapshot(), tick=now.tick, next_id=now.next_id, arrays=Arrays(**arrays))
+    return InMemoryFlock(flock.spec, then)
 
 
 def read_stored(name: str, content: bytes | None = None, path: Path | None = None) -> StoredFlock:
