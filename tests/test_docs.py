@@ -29,7 +29,7 @@ MODELS = collect()
 """As they are declared: what other tests asked for by NAME-cars is not among them."""
 PAGES = {f"{name}.md" for name in MODELS} | {"README.md"}
 pages = functools.cache(MAKE["pages"])
-GROUPS = ("world", "flight", "formation", "live", "sweep")
+GROUPS = ("world", "flight", "formation", "live", "sweep", "new")
 """Commands that have commands of their own."""
 WRITTEN = ["README.md", *(f"docs/{page.name}" for page in sorted((ROOT / "docs").glob("*.md")))]
 
@@ -100,11 +100,12 @@ def test_a_page_names_every_force_and_everything_remembered():
 
 
 def is_model(page, model):
-    """Whether there is such a model; a file must be one that the page has saved or recorded."""
+    """Whether there is such a model; a file must be one that the page has made."""
     if model.endswith(".parquet"):
         return f"--record {model}" in (ROOT / page).read_text(encoding="utf-8")
     if model.endswith(".py"):
-        return f"Saved as `{model}`" in (ROOT / page).read_text(encoding="utf-8")
+        written = (ROOT / page).read_text(encoding="utf-8")
+        return f"Saved as `{model}`" in written or f"new rule {model}" in written
     return by_name(model)
 
 

@@ -44,6 +44,7 @@ COMMANDS = {
     "world": Entry(".world", "world", "List, draw, check, import and make worlds."),
     "formation": Entry(".formation", "formation", "Say what birds save in formation flight."),
     "list": Entry(".listing", "listing", "List models, worlds, observables, papers, lessons."),
+    "new": Entry(".new", "new", "Write a start for a rule of your own."),
     "check": Entry(
         ".model_commands", "check", "Check that a model keeps to what every model does."
     ),

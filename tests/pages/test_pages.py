@@ -35,7 +35,7 @@ from pages.running import parse, run, visit
 from worlds.layout import world_from_layout
 from worlds.readers import read_geometry
 
-GROUPS = ("world", "flight", "formation", "live", "sweep")
+GROUPS = ("world", "flight", "formation", "live", "sweep", "new")
 """Commands that have commands of their own."""
 PLACE = re.compile(r"\[the\s+folder\s+of\s+the\s+checkout\]\((?:\.\./)+README\.md#start\)")
 ENDINGS = {"python": (".py",), "json": (".json", ".geojson"), "": ()}
