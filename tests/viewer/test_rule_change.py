@@ -104,6 +104,7 @@ def test_what_is_wrong_is_one_line_and_the_rule_before_goes_on(path, simulation,
         simulation.take_rule(path).result(60)
     assert words in str(fault.value)
     assert "\n" not in str(fault.value)
+    assert str(fault.value).count("changing.py") == 1
     assert MODELS["changing"] is before
     assert not simulation.state.error
     simulation.step(1).result(60)

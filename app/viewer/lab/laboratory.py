@@ -198,9 +198,10 @@ class Laboratory:
         run_place = gui.add_folder(None)
         tabs = gui.add_tab_group()
         with tabs.add_tab("Rule"):
+            self.rule_source = RuleSource(gui)
             self.parameters = ParametersPanel(gui, self.simulation)
             marks = gui.add_html("")
-            self.rule_source = RuleSource(gui)
+            self.rule_source.add(gui)
         with tabs.add_tab("Setup"):
             self.setup = SetupPanel(gui, state)
         with tabs.add_tab("World"):

@@ -467,6 +467,8 @@ class SimulationThread:
             for name in MODELS.keys() - before.keys():
                 del MODELS[name]
             MODELS.update(before)
+            if isinstance(error, InputError) and path.name in str(error):
+                raise
             raise describe_fault(path, str(path.resolve()), error) from error
         return model.name
 

@@ -24,10 +24,14 @@ class RuleSource:
 
     def __init__(self, gui: viser.GuiApi):
         self.fault = gui.add_html("", visible=False)
-        self.place = gui.add_html("")
+        self.place: viser.GuiHtmlHandle | None = None
         self.shown: object = None
         self.read: dict[Path, str] = {}
         """When a file was taken since the page began."""
+
+    def add(self, gui: viser.GuiApi) -> None:
+        """Equation, source and code stand here; what is wrong where this was made."""
+        self.place = gui.add_html("")
 
     def take(self, path: Path) -> None:
         """A file was read anew, and nothing is wrong with it."""
@@ -44,7 +48,7 @@ class RuleSource:
     def refresh(self, model_name: str) -> None:
         """Show the rule of a model, if it is another."""
         rule = MODELS[model_name].rule
-        if self.shown is not rule:
+        if self.place is not None and self.shown is not rule:
             self.shown = rule
             self.place.content = block(self.describe(model_name, rule))
 
