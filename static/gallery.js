@@ -16,15 +16,19 @@
   };
   const ask = (path) => fetch(home + path, {
     headers: mark, cache: "no-store", credentials: "same-origin" });
-  let shown = null, cards = null;
+  const TOPICS = ["biology", "physics", "robotics", "crowds", "classroom"];  /* of agents.models.declare */
+  let shown = null, cards = null, before = null;
 
   const close = () => {
     if (shown) shown.remove();
-    shown = null;
+    if (shown && before && before.isConnected) before.focus();
+    shown = before = null;
   };
   /* A sheet over the page; Escape, a click beside it and its button close it. */
   const sheet = (title, style) => {
+    const held = before || document.activeElement;
     close();
+    before = held;
     shown = make("div", "fs-sheet");
     const inner = make("div", style), head = make("header");
     head.append(make("h2", "", title), button("fs-close", "Close", close));
@@ -52,7 +56,11 @@
     } catch { return say("Not opened", "The server does not answer."); }
     if (!answer.ok) return say("Not opened", (await answer.text()).trim());
     const { title, asks } = await answer.json();
-    if (!asks) return close();
+    if (!asks) {
+      const name = new URLSearchParams(path.split("?")[1]).get("scene"), there = `?scene=${encodeURIComponent(name)}`;
+      if (name && path.startsWith("/open?") && location.search !== there) history.pushState(null, "", there);
+      return close();
+    }
     const inner = sheet(`Open “${title}”?`, "fs-ask");
     inner.append(make("p", "", "It replaces the run that others watch too."));
     inner.append(button("fs-main", "Open it for all", () => open(path, "&sure=1")));
@@ -71,7 +79,9 @@
       made.append(picture);
     } else made.append(make("i"));
     made.append(make("b", "", one.title), make("span", "", one.line));
-    made.dataset.words = `${one.title} ${one.line} ${one.name} ${one.group}`.toLowerCase();
+    made.dataset.words = 
+      [one.title, one.line, one.name, one.group, ...one.tags].join(" ").toLowerCase();
+    made.dataset.topics = one.tags.join(" ");
     return made;
   };
   const gallery = async () => {
@@ -93,20 +103,35 @@
       }
       parts.get(one.group).lastChild.append(cardOf(one));
     }
-    search.addEventListener("input", () => {
+    let topic = "";
+    const look = () => {
       const wanted = search.value.toLowerCase().split(/\s+/);
       let found = 0;
       for (const part of parts.values()) {
         const left = [...part.lastChild.children].filter((card) => {
-          card.hidden = !wanted.every((word) => card.dataset.words.includes(word));
+          card.hidden = !wanted.every((word) => card.dataset.words.includes(word)) ||
+            !card.dataset.topics.includes(topic);
           return !card.hidden;
         });
         part.hidden = !left.length;
         found += left.length;
       }
-      if (found) inner.querySelectorAll(".fs-wrong").forEach((one) => one.remove());
-      else complain(inner, `Nothing is called “${search.value}”.`);
-    });
+      for (const chip of topics.children) chip.setAttribute("aria-pressed", String(chip.value === topic));
+      inner.querySelectorAll(".fs-wrong").forEach((one) => one.remove());
+      if (!found) complain(inner, `Nothing is called “${search.value}”${topic && ` in ${topic}`}. ` +
+        "Try a word such as boids, phase transition, fish, traffic or 3d, or the year of a paper.");
+    };
+    const topics = make("div", "fs-topics");
+    topics.setAttribute("role", "group");
+    topics.setAttribute("aria-label", "Topics");
+    for (const name of TOPICS) {
+      const chip = button("", name, () => { topic = topic === name ? "" : name; look(); });
+      chip.value = name;
+      topics.append(chip);
+    }
+    inner.insertBefore(topics, inner.querySelector("section"));
+    search.addEventListener("input", look);
+    look();
     search.focus();
   };
 
@@ -150,6 +175,10 @@
     const tools = make("nav", "fs-open");
     tools.append(button("", "Gallery", gallery), button("", "Share", take));
     document.body.append(tools);
+  });
+  window.addEventListener("popstate", () => {
+    const name = new URLSearchParams(location.search).get("scene");
+    if (name) open(scene(name), "");
   });
   if (window.flockscopeScene !== null) open(scene(window.flockscopeScene), "&new=1");
 }

@@ -208,6 +208,10 @@ ALL_ALIKE: tuple[Symmetry, ...] = ("shift", "rotation", "mirror")
 """What space has no preferred place, direction or side for."""
 
 
+TOPICS = ("biology", "physics", "robotics", "crowds", "classroom")
+"""What rules are sorted by, beside what they are."""
+
+
 @dataclass(frozen=True)
 class Zone:
     """A zone around an agent, from the one before it outwards to a radius."""
@@ -332,6 +336,9 @@ class Rule:
     """Whether the flock is meant to converge to the information agent's heading."""
     symmetries: tuple[Symmetry, ...] = ALL_ALIKE
     """What makes no difference to agents in empty space, noise apart: `agents.conformance`."""
+    tags: tuple[str, ...] = ()
+    """Words by which somebody may look for it: topics of `agents.models.declare.TOPICS`, and what
+    it is known by elsewhere."""
     tries: tuple[LessonStep, ...] = ()
     """What there is to try with it: three things that a newcomer may do and see."""
 

@@ -118,6 +118,14 @@ RULE = Rule(
     equation=r"\dot r_i = v_0 u_i + \mu \sum_{r_{ij} < d} k\,(d - r_{ij})\, \hat r_{ji} + "
     r"\sqrt{2 D_t}\, \xi_i, \qquad \dot\theta_i = \sqrt{2 D_r}\, \eta_i",
     source="Fily and Marchetti 2012, (1); Bechinger et al. 2016",
+    tags=(
+        "physics",
+        "MIPS",
+        "motility-induced phase separation",
+        "active matter",
+        "bacteria",
+        "phase transition",
+    ),
     parameters=ActiveBrownian,
     **of_pairs(3, term, answer),
     wish="velocity",

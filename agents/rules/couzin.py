@@ -162,6 +162,17 @@ COUZIN = Rule(
     source="Couzin et al. 2002, (1) to (3)",
     checked="{couzin2002-phases#2}; {couzin2002-phases#5} (`uv run flockscope paper "
     "couzin2002-phases`)",
+    tags=(
+        "biology",
+        "classroom",
+        "fish",
+        "school",
+        "shoal",
+        "milling",
+        "vortex",
+        "collective memory",
+        "swarm",
+    ),
     parameters=CouzinAmong,
     **of_pairs(ZONE_SUMS, term, answer, by_lanes=True),
     sifts=True,

@@ -123,6 +123,7 @@ RULE = Rule(
     equation=r"\dot v_i = \sum_{j} a_{ij} (v_j - v_i), \qquad "
     r"a_{ij} = \frac{K}{\big(\sigma^2 + |x_i - x_j|^2\big)^{\beta}}",
     source="Cucker and Smale 2007, (1), (2)",
+    tags=("physics", "mathematics", "consensus", "emergence"),
     parameters=CuckerSmale,
     **of_pairs(3, term, answer),
     wish="acceleration",

@@ -179,6 +179,7 @@ RULE = Rule(
     equation=r"m \dot v_i = (\alpha - \beta |v_i|^2)\, v_i - \nabla_i \sum_{j \ne i} "
     r"\Big[C_r e^{-|x_i - x_j| / l_r} - C_a e^{-|x_i - x_j| / l_a}\Big]",
     source="D'Orsogna et al. 2006, (1), (2)",
+    tags=("physics", "biology", "milling", "vortex", "fish", "swarm", "Morse potential"),
     parameters=DOrsogna,
     **of_pairs(3, term, answer),
     wish="acceleration",

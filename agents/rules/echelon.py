@@ -333,6 +333,7 @@ ECHELON = Rule(
     source="Couzin et al. 2002, (1) to (3); slots after the thesis, 2.3; their search is ours",
     checked="formations save power: {formation-echelon#1} (`uv run flockscope paper "
     "formation-echelon`)",
+    tags=("biology", "birds", "geese", "V formation", "energy", "migration"),
     parameters=Echelon,
     decide=decide,
     wish="velocity",

@@ -53,6 +53,7 @@ RULE = Rule(
     equation=r"\theta_i(t+1) = \arg\Big[\sum_{j \in \mathcal{N}_i \cup \{i\}} e^{i\theta_j(t)} + "
     r"\eta\, n_i\, e^{i\xi_i(t)}\Big], \qquad x_i(t+1) = x_i(t) + v_0\, u(\theta_i(t+1))",
     source="Grégoire and Chaté 2004",
+    tags=("physics", "phase transition", "bands", "swarm"),
     parameters=GregoireChateAmong,
     noise="vectorial",
     checked="the transition is discontinuous, and with angular noise it is not: "

@@ -434,6 +434,7 @@ GUARDED = Rule(
     source="thesis, (3.6) to (3.12), (4.1), (4.2); the guard and the calls are ours",
     checked="the aim of the thesis, no crash: {guarded-alpha#1} (`uv run flockscope paper "
     "guarded-alpha`)",
+    tags=("robotics", "birds", "flapping wings", "collisions", "swarm"),
     parameters=GuardedZones,
     decide=decide,
     sifts=True,

@@ -169,6 +169,7 @@ HWVEM = Rule(
     "{liu2021-table1/hwvem/200/k_con}: `uv run flockscope paper liu2021-table1`; success on a "
     "mission of 50 UAVs {liu2021-table2/HWVEM-II/50/success}: `uv run flockscope paper "
     "liu2021-table2`",
+    tags=("robotics", "classroom", "UAV", "leader", "hierarchy", "information", "swarm"),
     parameters=HierarchicalWeighting,
     decide=decide,
     sifts=True,

@@ -216,6 +216,7 @@ RULE = Rule(
     r"\frac{ds_i}{dt} = v_i \times \Big[\frac{J}{v_0^2} \sum_j n_{ij} v_j - "
     r"\frac{\eta}{v_0^2} \frac{dv_i}{dt} + \frac{\xi_i}{v_0}\Big]",
     source="Attanasi et al. 2014; Cavagna et al. 2015",
+    tags=("biology", "physics", "starling", "waves", "turning", "information"),
     parameters=Spins,
     **of_pairs(3, term, answer, by_lanes=True),
     wish="acceleration",

@@ -127,6 +127,7 @@ IVEM = Rule(
     source="Liu et al. 2021, (30), (31)",
     checked="time to align at N = 100 {liu2021-table1/ivem/100/k_con}, at 200 "
     "{liu2021-table1/ivem/200/k_con}: `uv run flockscope paper liu2021-table1`",
+    tags=("robotics", "UAV", "consensus", "swarm"),
     parameters=VicsekAmong,
     decide=decide,
     sifts=True,
@@ -174,6 +175,7 @@ IVEM_A = Rule(
     "{liu2021-table1/ivem-a/200/k_con}: `uv run flockscope paper liu2021-table1`; success on a "
     "mission of 50 UAVs {liu2021-table2/IVEM-A/50/success}: `uv run flockscope paper "
     "liu2021-table2`",
+    tags=("robotics", "UAV", "leader", "consensus", "swarm"),
     parameters=ImprovedVicsekInformed,
     decide=decide_informed,
     dimensions=(2,),

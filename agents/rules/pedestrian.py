@@ -336,6 +336,16 @@ RULE = Rule(
     r"e^{-r_{\alpha B} / R}, \qquad 2 b_{\alpha\beta} = \sqrt{\big(|r_{\alpha\beta}| + "
     r"|r_{\alpha\beta} - v_\beta \Delta t\, e_\beta|\big)^2 - (v_\beta \Delta t)^2}",
     source="Helbing and Molnar 1995",
+    tags=(
+        "crowds",
+        "classroom",
+        "pedestrians",
+        "people",
+        "evacuation",
+        "traffic",
+        "social force",
+        "lanes",
+    ),
     parameters=Pedestrians,
     decide=decide,
     wish="acceleration",

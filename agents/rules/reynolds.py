@@ -354,6 +354,7 @@ REYNOLDS = Rule(
     r"c_i = \Big[\frac{\bar x - x_i}{r_c}\Big]_1",
     source="Reynolds 1987; Reynolds 1999",
     checked="{reynolds1987#1}; {reynolds1987#3} (`uv run flockscope paper reynolds1987`)",
+    tags=("biology", "classroom", "boids", "birds", "obstacles", "emergence", "computer graphics"),
     parameters=Boids,
     **of_pairs(SUMS, term, answer),
     wish="acceleration",

@@ -151,6 +151,7 @@ SAFE = Rule(
     source="thesis, (3.6) to (3.12), (4.1), (4.2); repulsion is ours",
     checked="table 5.1, no crash later on, {thesis-table5.1#4} (`uv run flockscope paper "
     "thesis-table5.1`)",
+    tags=("robotics", "birds", "flapping wings", "field of view", "collisions", "swarm"),
     parameters=SafeZones,
     decide=decide,
     wish="velocity",

@@ -363,6 +363,7 @@ SQUASHING = Rule(
     source="Jacobs and Koessler, (2) and (3)",
     checked="figure 3, {jacobs-fig3#1}; figure 11, {jacobs-fig11#1} (`uv run flockscope paper "
     "jacobs-fig3`, `jacobs-fig11`)",
+    tags=("robotics", "cars", "vehicles", "traffic", "motion capture", "predator"),
     parameters=Squashing,
     decide=decide,
     wish="velocity",

@@ -19,6 +19,7 @@ RULE = Rule(
     equation=r"\theta_i(t+1) = \arg \sum_{j \in \mathcal{N}_i \cup \{i\}} e^{i\theta_j(t)} + "
     r"\Delta\theta_i, \qquad \mathcal{N}_i = \text{the } n_c \text{ nearest of } i",
     source="Ballerini et al. 2008; Vicsek et al. 1995",
+    tags=("biology", "starling", "birds", "swarm"),
     parameters=VicsekAmong,
     checked="density makes no difference to those who heed the nearest, and much to others: "
     "{ballerini2008#1}; {ballerini2008#2} (eta = 2, densities 0.25 and 16; `uv run flockscope "

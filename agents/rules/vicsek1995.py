@@ -58,6 +58,7 @@ RULE = Rule(
     r"\theta_i(t+1) = \langle\theta(t)\rangle_r + \Delta\theta, \quad "
     r"\Delta\theta \in [-\tfrac{\eta}{2}, \tfrac{\eta}{2}]",
     source="Vicsek et al. 1995, (1), (2)",
+    tags=("physics", "phase transition", "self-propelled particles", "swarm"),
     parameters=Vicsek1995Among,
     checked="figure 2: order falls with noise and with size, and rises with density: "
     "{vicsek1995-fig2#5}; {vicsek1995-fig2#6} (`uv run flockscope paper vicsek1995-fig2`); "

@@ -98,6 +98,7 @@ WVEM = Rule(
     "{liu2021-table1/wvem/200/k_con}: `uv run flockscope paper liu2021-table1`; success on a "
     "mission of 50 UAVs {liu2021-table2/WVEM/50/success}: `uv run flockscope paper "
     "liu2021-table2`",
+    tags=("robotics", "UAV", "leader", "consensus", "swarm"),
     parameters=WeightedVicsek,
     decide=decide,
     signals=("layer",),

@@ -169,6 +169,7 @@ ZONES = Rule(
     source="thesis, (3.6) to (3.12), (4.1), (4.2)",
     checked="figure 5.4, {thesis-fig5.4#1}; {thesis-fig5.4#4} (`uv run flockscope paper "
     "thesis-fig5.4`)",
+    tags=("robotics", "biology", "birds", "flapping wings", "field of view", "swarm"),
     parameters=ZonesAmong,
     decide=decide,
     wish="velocity",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 import zlib
 
 import numpy as np
@@ -12,7 +13,9 @@ from hypothesis import strategies as st
 
 from agents.catalogue import MODELS
 from agents.flock import Flock
+from agents.models.declare import TOPICS
 from agents.spec import Spec
+from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import (
     PACKED,
     SavedScene,
@@ -56,6 +59,49 @@ SHOWN = (
     ("spins", {}, "polarisation", 400, "<", 0.85),
     ("spins", {"eta": 5.0}, "polarisation", 400, ">", 0.9),
 )
+
+
+def found(*words: str) -> set[str]:
+    """Names of the cards that a search shows, as `static/gallery.js` searches."""
+    texts = {
+        one.name: " ".join((one.title, one.line, one.name, one.group, *one.tags)).lower()
+        for one in cards()
+    }
+    return {name for name, text in texts.items() if all(word in text for word in words)}
+
+
+@pytest.mark.parametrize(
+    ("search", "name"),
+    [
+        ("phase transition", "model:vicsek1995"),
+        ("swarm", "model:couzin"),
+        ("starling", "model:topological"),
+        ("mips", "model:active-brownian"),
+        ("predator", "model:squashing"),
+        ("traffic", "model:pedestrian"),
+        ("evacuation", "model:pedestrian"),
+        ("emergence", "model:reynolds"),
+        ("boids", "model:reynolds"),
+        ("fish", "school"),
+        ("1995", "model:vicsek1995"),
+    ],
+)
+def test_what_people_call_it_finds_it(search, name):
+    assert name in found(*search.split())
+
+
+def test_a_search_for_space_finds_all_that_is_in_space():
+    in_space = {MODEL + model.name for model in MODELS.values() if 3 in model.dimensions}
+    assert found("3d") >= in_space
+    assert "model:boundary-points" not in found("3d")
+
+
+def test_every_rule_has_a_topic_and_the_page_offers_those_that_there_are():
+    for model in MODELS.values():
+        assert set(TOPICS) & set(model.rule.tags), model.name
+    script = (STATIC / "gallery.js").read_text("utf-8")
+    offered = re.search(r"const TOPICS = \[(.*?)\]", script)[1]
+    assert tuple(re.findall(r'"(\w+)"', offered)) == TOPICS
 
 
 @pytest.mark.parametrize(("name", "changes", "measure", "tick", "relation", "bound"), SHOWN)

@@ -39,6 +39,8 @@ class GalleryCard:
     """What it is, in a sentence or two."""
     picture: str = ""
     """Name of its picture, if it has one."""
+    tags: tuple[str, ...] = ()
+    """Words by which it is found too; topics are offered to choose from."""
 
 
 @cache
@@ -98,6 +100,7 @@ def cards_with(model_set: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
             built_in_scene(name).title,
             built_in_scene(name).watch,
             picture_name(name),
+            tags_of(find_model(built_in_scene(name).spec.model), built_in_scene(name).spec.dim),
         )
         for name in scene_names()
     ]
@@ -108,6 +111,7 @@ def cards_with(model_set: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
             model.title,
             model.summary,
             picture_name(f"model-{model.name}"),
+            tags_of(model, *model.dimensions),
         )
         for model in model_set
     ]
@@ -118,11 +122,23 @@ def cards_with(model_set: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
             world_title(name),
             describe_world(name),
             picture_name(f"world-{name}"),
+            dimension_words(world_defaults(name).dim),
         )
         for name in layout_names()
     ]
     order = {title: place for place, title in enumerate((*GROUPS, WORLDS))}
     return tuple(sorted([*scenes, *models, *worlds], key=lambda card: order[card.group]))
+
+
+def tags_of(model: Model, *dims: int) -> tuple[str, ...]:
+    """Words by which what has a model is found: of its rule, dimensions and source."""
+    words = [word for dim in dims for word in dimension_words(dim)]
+    return tuple(dict.fromkeys([*model.rule.tags, *words, model.rule.source]))
+
+
+def dimension_words(dim: int) -> tuple[str, ...]:
+    """How people write a number of dimensions."""
+    return ("3-D", "3d", "space") if dim == 3 else ("2-D", "2d", "plane")
 
 
 def group(model: Model) -> str:
