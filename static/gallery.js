@@ -176,6 +176,10 @@
     tools.append(button("", "Gallery", gallery), button("", "Share", take));
     document.body.append(tools);
   });
+  setInterval(() => {  /* the tab bears the name of what runs */
+    const said = document.querySelector("[data-scene]"), title = said && `${said.dataset.scene} · flockscope`;
+    if (title && document.title !== title) document.title = title;
+  }, 1000);
   window.addEventListener("popstate", () => {
     const name = new URLSearchParams(location.search).get("scene");
     if (name) open(scene(name), "");

@@ -59,6 +59,9 @@ def test_a_scene_opens_with_its_view_its_words_and_the_fields_of_setup(laborator
     assert simulation.state.beside.model == "vem"
     assert simulation.state.speed == 2.0
     until(lambda: "Watch" in laboratory.run.story.content, 60)
+    title = built_in_scene("beside").title
+    assert f"<h3>{title}</h3>" in laboratory.run.story.content
+    assert f'data-scene="{title}"' in laboratory.run.status.content
     assert laboratory.setup.agents.value == 300
     assert laboratory.setup.beside.value != NOBODY
     until(lambda: laboratory.plots.charts[0].choice.value == "polarisation", 60)
@@ -80,8 +83,9 @@ def test_a_scene_opens_with_its_view_its_words_and_the_fields_of_setup(laborator
 
 def test_a_page_that_is_loaded_again_leaves_its_scene_as_it_runs(laboratory):
     state = lambda: laboratory.simulation.state  # noqa: E731
+    before = state().run
     opened(laboratory, "model:vem")
-    until(lambda: runs(laboratory, "vem") and laboratory.told_scene() is not None)
+    until(lambda: state().run > before and runs(laboratory, "vem"))
     run = state().run
     again = ask(laboratory.port, "/open?scene=model:vem&new=1", OPENS)
     assert (again.status, json.loads(again.text)["asks"]) == (200, False)

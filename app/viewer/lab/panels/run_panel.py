@@ -86,7 +86,8 @@ class RunPanel:
 
     def refresh(self, state: SimulationState, scene: SavedScene | None = None) -> None:
         """Show how the simulation stands, and what there is to see in a scene."""
-        self.status.content = block(status(state))
+        title = MODELS[state.spec.model].title if scene is None else scene.title
+        self.status.content = block(status(state, title=title))
         self.story.content = "" if scene is None else describe_scene(scene)
         self.switch.label = "Pause" if state.running else "Go"
         self.switch.icon = viser.Icon.PLAYER_PAUSE if state.running else viser.Icon.PLAYER_PLAY
@@ -98,36 +99,39 @@ def speed_text(speed: float) -> str:
     return "as fast as it goes" if math.isinf(speed) else f"{speed:g} ticks/s"
 
 
-def status(state: SimulationState, mend: str = "Press Setup.") -> str:
-    """The state in a line, with a coloured dot; `mend` says what to do when it has stopped."""
+def status(state: SimulationState, mend: str = "Press Setup.", title: str = "") -> str:
+    """The state in a line, with a coloured dot; `mend` says what to do when it has stopped, `title`
+    what the browser's tab is called."""
     if state.error:
         why = html.escape(state.error)
         return f'<div class="fs-error"><b>Stopped.</b> {why}<br>{mend}</div>'
     model, beside = state.models
     words = MODELS[model].title if beside is None else f"{model} beside {beside}"
-    title = "" if state.busy else f" · {html.escape(words)}"
+    told = "" if state.busy else f" · {html.escape(words)}"
     line = state.line
     colour, words = GREY, "paused"
     if line is not None and line.looks_back:
         colour, words = VIOLET, "looking back"
     if state.compiling is not None:
         colour, words = (VIOLET, "preview") if state.preview else (ORANGE, "waiting")
-        title += compile_bar(state)
+        told += compile_bar(state)
     elif state.busy:
         colour, words = ORANGE, "setting up …"
     elif state.running:
         colour, words = GREEN, "playing" if line is not None and line.recording else "running"
     dot = f'<span class="fs-dot" style="background:{colour}"></span>'
-    return f'<div class="fs-status">{dot}<span><b>{words}</b>{title}</span></div>'
+    named = f' data-scene="{html.escape(title)}"' if title else ""
+    return f'<div class="fs-status"{named}>{dot}<span><b>{words}</b>{told}</span></div>'
 
 
 def describe_scene(scene: SavedScene) -> str:
-    """What to watch in a scene, and what to try."""
+    """What a scene is called, what to watch in it, and what to try."""
     lines = (("Watch", scene.watch), ("Try", scene.tries))
     paragraphs = "".join(
         f"<p><b>{name}</b> {html.escape(text)}</p>" for name, text in lines if text
     )
-    return block(f'<div class="fs-story">{paragraphs}</div>') if paragraphs else ""
+    title = f"<h3>{html.escape(scene.title)}</h3>"
+    return block(f'<div class="fs-story">{title}{paragraphs}</div>') if paragraphs else ""
 
 
 def compile_bar(state: SimulationState) -> str:
