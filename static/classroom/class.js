@@ -177,11 +177,11 @@
       if (at("sheet").open) close(); else wall();
     });
     at("end").addEventListener("click", () => {
-      const inner = make("div", "fs-asking"), link = make("a", "fs-button", "Save the class as a file");
+      const inner = make("div", "fs-asking"), link = make("a", "fs-button fs-main", "Save the class as a file");
       Object.assign(link, { href: "class/class.zip", download: "" });
       inner.append(make("h2", "", "End of class"),
         make("p", "", "One file has all flocks, results and plots; flockscope class FILE opens it again."), link,
-        button("End the class for all", async () => { if (await say({ do: "end" })) close(); }, "fs-main"),
+        button("End the class for all", async () => { if (await say({ do: "end" })) close(); }),
         button("Go on", close));
       sheet(inner);
     });

@@ -167,7 +167,9 @@ def test_results_are_points_and_the_same_numbers_as_a_run(ours, teacher):
     assert "polarisation over the last 10 ticks" in handed.text
     shown = roster(teacher)["question"]
     assert len(shown["points"]) == 1
-    rows = list(csv.DictReader(io.StringIO(teacher.ask("/class/results.csv").text)))
+    table = teacher.ask("/class/results.csv")
+    assert table.header("Content-Disposition") == 'attachment; filename="order-against-noise.csv"'
+    rows = list(csv.DictReader(io.StringIO(table.text)))
     assert rows[0]["student"] == "Gus"
     values = {"seed": int(rows[0]["seed"]), "eta": float(rows[0]["eta [rad]"])}
     again = Flock("vem", agents=30, size=5.0, **values)

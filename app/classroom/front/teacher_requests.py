@@ -29,6 +29,15 @@ PICTURES = {
 }
 
 
+def plain(title: str) -> str:
+    """A title as the name of a file.
+
+    >>> plain("Order against noise: how much?")
+    'order-against-noise-how-much'
+    """
+    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
+
+
 class TeacherRequests:
     """Answers them; `answer` gives None for what is a laboratory's.
 
@@ -72,14 +81,14 @@ class TeacherRequests:
             choices = self.classroom.asking.choices(self.classroom.scene)
             return web.json_response(choices)
         if path == "/class/results.csv" and get:
-            return file(self.classroom.asking.csv().encode(), "text/csv", "results.csv")
+            return file(self.classroom.asking.csv().encode(), "text/csv", self.name("csv"))
         if path == "/class/class.zip" and get:
             made = await self.classroom.asking.draw("packed", state_of(self.classroom))
             return file(made, "application/zip", "class.zip")
         if path in PICTURES and get:
             kind = path.rpartition(".")[2]
             picture = await self.classroom.asking.picture(kind)
-            return file(picture, PICTURES[path], f"results.{kind}")
+            return file(picture, PICTURES[path], self.name(kind))
         if path == "/class/do" and request.method == "POST":
             values = await values_of(request)
             action = self.actions.get(text_in(values, "do"))
@@ -87,6 +96,10 @@ class TeacherRequests:
                 raise InputError(f"do is to be one of {', '.join(self.actions)}")
             return web.Response(text=await action(values))
         return None
+
+    def name(self, kind: str) -> str:
+        """File name of the results of the latest question: what was asked."""
+        return f"{plain(self.classroom.asking.demand().question.title) or 'results'}.{kind}"
 
     def code(self, request: Request) -> bytes:
         """The address on the wall as a QR code, SVG; behind a proxy only the page knows it."""
