@@ -321,8 +321,8 @@ def mark_points(some: np.ndarray, at: np.ndarray, values: np.ndarray, lasts: flo
 def short_name(name: str) -> str:
     """An observable in the words of its card, if it has one of its own.
 
-    >>> short_name("angular-momentum"), short_name("connectivity")
-    ('rotation', 'connectivity')
+    >>> short_name("mean-neighbours"), short_name("connectivity")
+    ('neighbours', 'connectivity')
     """
     card = OBSERVABLES[name].card
     return (

@@ -6,6 +6,7 @@ import html
 import inspect
 import time
 from pathlib import Path
+from textwrap import dedent
 
 import viser
 
@@ -72,17 +73,21 @@ class RuleSource:
 def rule_code(rule: Rule) -> str:
     """The functions that a rule declares, as they are written; a line above says where.
 
-    >>> print(rule_code(MODELS["vem"].rule).splitlines()[0])
-    # term, agents/rules/vicsek.py, line 76
+    >>> rule_code(MODELS["vem"].rule).splitlines()[0].rpartition(" line")[0]
+    '# term, agents/rules/vicsek.py,'
     """
     parts, home = [], Path(__file__).parents[4]
     for title, function in declared_functions(rule, "rule"):
+        if rule.term is not None and title.endswith(", decide"):
+            continue  # it adds up the terms, and answers
         try:
             lines, first = inspect.getsourcelines(function.py_func)
         except (OSError, TypeError):  # typed at a prompt: nobody has written a file
             continue
         file = Path(function.py_func.__code__.co_filename)
         name = file.relative_to(home) if file.is_relative_to(home) else Path(file.name)
-        parts.append(f"# {title.split(', ')[1]}, {name.as_posix()}, line {first}\n{''.join(lines)}")
+        parts.append(
+            f"# {title.split(', ')[1]}, {name.as_posix()}, line {first}\n{dedent(''.join(lines))}"
+        )
     code = "\n".join(dict.fromkeys(parts))
     return code if len(code) <= MOST_CODE else f"{code[:MOST_CODE]}\n# The rest is left out."
