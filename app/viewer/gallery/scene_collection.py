@@ -136,7 +136,7 @@ def tags_of(model: Model, *dims: int) -> tuple[str, ...]:
     return tuple(dict.fromkeys([*model.rule.tags, *words, model.rule.source]))
 
 
-def dimension_words(dim: int) -> tuple[str, ...]:
+def dimension_words(dim: int | None) -> tuple[str, ...]:
     """How people write a number of dimensions."""
     return ("3-D", "3d", "space") if dim == 3 else ("2-D", "2d", "plane")
 

@@ -86,8 +86,7 @@ def rule_code(rule: Rule) -> str:
             continue
         file = Path(function.py_func.__code__.co_filename)
         name = file.relative_to(home) if file.is_relative_to(home) else Path(file.name)
-        parts.append(
-            f"# {title.split(', ')[1]}, {name.as_posix()}, line {first}\n{dedent(''.join(lines))}"
-        )
+        where = f"{title.split(', ')[1]}, {name.as_posix()}, line {first}"
+        parts.append(f"# {where}\n{dedent(''.join(lines))}")
     code = "\n".join(dict.fromkeys(parts))
     return code if len(code) <= MOST_CODE else f"{code[:MOST_CODE]}\n# The rest is left out."
