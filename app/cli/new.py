@@ -102,10 +102,12 @@ def copied(origin: str, name: str) -> str:
     model = find_model(origin)
     if not is_built_in(model.name):
         raise InputError(f"--from {origin!r} has a file of its own: copy that")
+    catalogue = find_model.__module__  # which a wheel has under a name of its own
+    rules = f"{catalogue.rpartition('.')[0]}.rules."
     home, variable = next(
         (module, key)
-        for module in list(sys.modules.values())
-        if module is not None and module.__name__.startswith("agents.rules.")
+        for place, module in list(sys.modules.items())
+        if place.startswith(rules)
         for key, value in vars(module).items()
         if value is model.rule
     )
@@ -113,7 +115,7 @@ def copied(origin: str, name: str) -> str:
         f"{inspect.getsource(home)}\n\n"
         f"# Its own name, with the body and the world of {model.name!r}.\n"
         "from dataclasses import replace  # noqa: E402\n\n"
-        "from agents.catalogue import model  # noqa: E402\n\n"
+        f"from {catalogue} import model  # noqa: E402\n\n"
         f'MODEL = replace(model("{model.name}"), rule=replace({variable}, name="{name}"))\n'
     )
 

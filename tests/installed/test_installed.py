@@ -55,6 +55,12 @@ def test_it_runs_to_the_same_bits(installed):
     assert there["spec"]["parameters"] == here["spec"]["parameters"]
 
 
+def test_a_rule_is_begun_from_another_and_runs(installed):
+    installed.run("flockscope", "new", "rule", "my_own.py", "--from", "couzin")
+    told = installed.run(*"flockscope run my_own.py --agents 5 --ticks 1 --interpret".split())
+    assert told.startswith("Couzin's zones: 5 agents")
+
+
 def test_a_paper_is_repeated(installed, tmp_path):
     table = installed.run(
         "flockscope", "paper", "liu2021-table1", "--runs", "2", "--no-pictures", "--out", tmp_path,
