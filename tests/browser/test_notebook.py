@@ -89,6 +89,8 @@ def inside(output):
     output.locator("iframe").wait_for(timeout=SLOW)
     output.locator("iframe").scroll_into_view_if_needed()
     frame = output.frame_locator("iframe")
+    monitors = frame.locator(".fs-strip").get_by_role("button", name="Monitors", exact=True)
+    monitors.click(timeout=SLOW)  # the frame is a small window: the picture is first
     frame.locator(".fs-card").first.wait_for(timeout=SLOW)
     canvas = frame.locator("canvas[data-engine]")
     until(lambda: canvas.evaluate(INK) > 20, COMPILED, "agents")
@@ -154,7 +156,7 @@ def test_a_page_frames_it_only_if_it_is_the_notebooks(chromium, monkeypatch, nam
             other.page = f'<iframe src="{view.address}" width="900" height="600"></iframe>'
             if named:
                 page.goto(other.address)
-                page.frames[1].locator(".fs-card").first.wait_for(timeout=SLOW)
+                page.frames[1].locator(".fs-strip button").first.wait_for(timeout=SLOW)
                 assert len(lines) == 1
             else:
                 with page.expect_console_message(lambda said: POLICY in said.text) as refusal:

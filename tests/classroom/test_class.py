@@ -168,7 +168,7 @@ def test_results_are_points_and_the_same_numbers_as_a_run(ours, teacher):
     shown = roster(teacher)["question"]
     assert len(shown["points"]) == 1
     table = teacher.ask("/class/results.csv")
-    assert table.header("Content-Disposition") == 'attachment; filename="order-against-noise.csv"'
+    assert table.headers["Content-Disposition"] == 'attachment; filename="order-against-noise.csv"'
     rows = list(csv.DictReader(io.StringIO(table.text)))
     assert rows[0]["student"] == "Gus"
     values = {"seed": int(rows[0]["seed"]), "eta": float(rows[0]["eta [rad]"])}

@@ -57,7 +57,9 @@ def test_it_runs_to_the_same_bits(installed):
 
 def test_a_rule_is_begun_from_another_and_runs(installed):
     installed.run("flockscope", "new", "rule", "my_own.py", "--from", "couzin")
-    told = installed.run(*"flockscope run my_own.py --agents 5 --ticks 1 --interpret".split())
+    told = installed.run(
+        *["flockscope", "run", "my_own.py", "--agents", "5", "--ticks", "1", "--interpret"]
+    )
     assert told.startswith("Couzin's zones: 5 agents")
 
 

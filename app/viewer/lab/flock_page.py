@@ -31,7 +31,7 @@ from agents.web_program import WebProgram, sliders, web_program
 from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene, command_line
 from app.viewer.gallery.scene_steps import SceneStep, demand_in_page
-from app.viewer.panels.dials import plain_symbol
+from app.viewer.panels.dials import marked_symbol
 from app.viewer.scene.draw.agent_shapes import AgentShape, shape_of
 from app.viewer.scene.shown import palette
 from worlds.file_writer import PAGES, demand_writable, write_text
@@ -222,7 +222,7 @@ def page_parts(
     first = {name: place for place, name in enumerate(dict.fromkeys(words.plots))}
     manifest["measures"].sort(key=lambda one: first.get(one["name"], len(first)))
     for parameter in manifest["parameters"]:
-        parameter["symbol"] = plain_symbol(parameter["symbol"])
+        parameter["symbol"] = marked_symbol(parameter["symbol"])
     if shape is not None:
         manifest["shape"] = page_shape(shape)
     script = page_script(shape is not None)

@@ -12,7 +12,7 @@ import io
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any
@@ -46,10 +46,31 @@ def plain_symbol(symbol: str) -> str:
     >>> tuple(map(plain_symbol, (r"v_{max}", r"\\eta", r"n_{c}", r"w^{nei}", r"v^0")))
     ('vₘₐₓ', 'η', 'n\u202fc', 'wⁿᵉⁱ', 'v⁰')
     """
+    return as_text(symbol, small_figures)
+
+
+def marked_symbol(symbol: str) -> str:
+    r"""The same, with `_` and `^` before letters: a page that runs sets these below and above.
+
+    >>> marked_symbol(r"w^{nei}"), marked_symbol("v_0")
+    ('w^nei', 'v₀')
+    """
+    return as_text(symbol, small_digits)
+
+
+def as_text(symbol: str, small: Callable[[re.Match[str]], str]) -> str:
+    """A LaTeX symbol as text, with what stands below or above as `small` gives it."""
     text = re.sub(r"\\(?:mathrm|text|operatorname|mathcal)\b", "", symbol)
     text = re.sub(r"\\+([A-Za-z]+)", lambda match: GREEK.get(match[1], match[1]), text)
-    text = re.sub(r"([_^])(\{[^{}]*\}|.)", small_figures, text)
+    text = re.sub(r"([_^])(\{[^{}]*\}|.)", small, text)
     return " ".join(re.sub(r"[{}\\]+", "", text).split(" "))
+
+
+def small_digits(match: re.Match[str]) -> str:
+    """Digits and signs in small figures; letters keep their mark."""
+    written = match[2].strip("{}")
+    has_letters = any(part.isalpha() for part in written)
+    return f"{match[1]}{written}" if has_letters else small_figures(match)
 
 
 def small_figures(match: re.Match[str]) -> str:
