@@ -100,7 +100,7 @@ def test_keys_step_and_open_the_guide(window):
     window.page.keyboard.press("t")
     until(lambda: window.card("tick") == "1")
     window.page.keyboard.press("h")
-    window.page.get_by_text("Neighbours count by how few hops").wait_for()
+    window.page.locator(".fs-page").get_by_text("Neighbours count by how few hops").wait_for()
     window.press("Close")
     until(lambda: "Neighbours count by how few hops" not in window.text())
 
