@@ -46,7 +46,7 @@ def test_a_curve_fills_in_opens_a_run_and_is_there_after_a_reload(laboratory, wi
     points.nth(1).click()
     until(lambda: laboratory.simulation.state.spec != spec)
     opened: Spec = laboratory.simulation.state.spec
-    assert opened.parameters["eta"] == pytest.approx(3.1416)
+    assert opened.parameters["eta"] == 3.1, "round to two figures of their distance"
     assert opened.seed in (1, 2)
     page.get_by_text("came to").first.wait_for()
 
