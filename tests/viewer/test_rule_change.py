@@ -6,11 +6,13 @@ from functools import partial
 
 import numpy as np
 import pytest
+import viser
 
 from agents.catalogue import FILES, MODELS, from_file
 from agents.flock import Flock
 from app.viewer.lab.panels.rule_source import MOST_CODE, rule_code
 from app.viewer.lab.rule_files import EVERY, RuleFiles
+from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.run.run_preset import preset_spec
 from app.viewer.run.simulation import Simulation
 from tests.viewer.waiting import until
@@ -78,6 +80,25 @@ def test_the_flock_goes_on_from_where_it_is_with_what_the_rule_has_new(path, sim
     np.testing.assert_allclose(simulation.frame.heading, left, atol=1e-12)
     simulation.reset()
     until(lambda: simulation.frame.tick == 0), "a reset begins at the start, not at the change"
+
+
+def test_what_a_rule_has_new_is_a_slider_and_no_change(path, simulation):
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    try:
+        panel = ParametersPanel(server.gui, simulation)
+        panel.refresh(simulation.state)
+        before = panel.controls["r"]
+        simulation.reset()
+        until(lambda: simulation.state.run > panel.shown_run)
+        panel.refresh(simulation.state)
+        assert panel.controls["r"] is before, "the same rule keeps its sliders"
+        path.write_text(text("return Decision(me.ux, me.uy, 0.0)", f"turn: float = {TURN}"))
+        simulation.take_rule(path).result(60)
+        panel.refresh(simulation.state)
+        assert panel.controls["turn"].value == 0.5
+        assert panel.changes == {}
+    finally:
+        server.stop()
 
 
 def test_a_value_that_is_out_of_the_new_range_takes_the_default(path, simulation):

@@ -88,7 +88,8 @@ def test_a_page_that_is_loaded_again_leaves_its_scene_as_it_runs(laboratory):
     until(lambda: state().run > before and runs(laboratory, "vem"))
     run = state().run
     again = ask(laboratory.port, "/open?scene=model:vem&new=1", OPENS)
-    assert (again.status, json.loads(again.text)["asks"]) == (200, False)
+    assert json.loads(again.text) == {"title": MODELS["vem"].title, "asks": False}
+    assert ask(laboratory.port, "/open?scene=&new=1", OPENS).status == 400
     opened(laboratory, "model:ivem")
     until(lambda: runs(laboratory, "ivem"))
     assert state().run == run + 1, "the page that was loaded again has begun nothing"

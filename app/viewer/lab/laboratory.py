@@ -140,6 +140,8 @@ class Laboratory:
         self.waits = running and waits
         self.watched_at = time.monotonic()
         """When it was watched last, s of the monotonic clock."""
+        self.rested = False
+        """Whether it stands since nobody watched, and nobody has been told."""
         self.sweeps: Sweeps | None = None
         self.sweep: SweepPanel | None = None
         if allowance is None or allowance.sweeps:
@@ -277,6 +279,9 @@ class Laboratory:
     async def welcome(self, _client: viser.ClientHandle) -> None:
         """Somebody watches, here or on the page of those who only watch: see `begin`."""
         self.begin()
+        if self.rested:
+            self.rested = False
+            self.simulation.notices.put("Paused: no browser had watched for ten minutes. Press Go.")
         self.drawing.show_to_newcomer()
 
     def begin(self) -> None:
@@ -319,7 +324,6 @@ class Laboratory:
                 self.rule_source.refuse(describe_error(fault))
             else:
                 self.rule_source.take(path)
-                self.parameters.expect_scene()
 
         answer.add_done_callback(told)
 
@@ -525,7 +529,7 @@ class Laboratory:
         left = time.monotonic() - self.watched_at > UNWATCHED
         if left and self.simulation.state.running:
             self.simulation.pause()
-            self.watched_at = time.monotonic()
+            self.watched_at, self.rested = time.monotonic(), True
             return True
         return False
 

@@ -80,8 +80,8 @@ class SceneRequests:
             return text_response(429, "another scene is being opened")
         try:
             name = asked.get("scene", [""])[0]
-            if "new" in asked and self.shows(name):
-                return web.json_response({"title": name, "asks": False})
+            if "new" in asked and self.opened is not None and self.shows(name):
+                return web.json_response({"title": self.opened[1].title, "asks": False})
             scene = find(asked)
             others = self.laboratory.browsers() > ("new" not in asked)
             if "sure" in asked or not others:
@@ -96,7 +96,7 @@ class SceneRequests:
 
     def shows(self, name: str) -> bool:
         """Whether what was opened by a name is what runs."""
-        return self.opened is not None and self.opened == (name, self.laboratory.told_scene())
+        return name != "" and self.opened == (name, self.laboratory.told_scene())
 
     def take(self, _: Request) -> web.Response:
         """The run as it is now, in all the ways in which it can be taken along."""

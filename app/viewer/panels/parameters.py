@@ -15,7 +15,7 @@ from typing import Any
 import viser
 
 from agents.catalogue import MODELS
-from agents.models.declare import DeclaredParameter, NumberParameter, declared
+from agents.models.declare import DeclaredParameter, NumberParameter, Parameters, declared
 from agents.models.model import Model
 from app.viewer.panels.dials import Dials, decimals, plain_symbol, step_of
 from app.viewer.panels.shell import block, table
@@ -65,6 +65,8 @@ class ParametersPanel:
         self.beside_controls: dict[str, Any] = {}
         """Of what only the second of two models has."""
         self.models: Models | None = None
+        self.declaring: list[type[Parameters]] = []
+        """What declares their parameters: others once a rule's file is taken anew."""
         self.shown_run = -1
 
     def expect_scene(self) -> None:
@@ -77,8 +79,10 @@ class ParametersPanel:
             return
         if state.run != self.shown_run:
             self.shown_run = state.run
-            if self.is_new or state.models != self.models:
+            declaring = [MODELS[name].parameters for name in state.models if name is not None]
+            if self.is_new or state.models != self.models or declaring != self.declaring:
                 self.models, self.past, self.is_new = state.models, [], False
+                self.declaring = declaring
                 self.begun = dict(state.values)
                 self.rebuild(state)
         self.follow_flock(state)
