@@ -11,6 +11,7 @@ from typing import Any
 import segno
 from aiohttp import web
 
+from app.classroom.class_file import slug
 from app.classroom.class_keeper import state_of
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import TEACHER
@@ -27,15 +28,6 @@ PICTURES = {
     "/class/results.png": "image/png",
     "/class/results.pdf": "application/pdf",
 }
-
-
-def plain(title: str) -> str:
-    """A title as the name of a file.
-
-    >>> plain("Order against noise: how much?")
-    'order-against-noise-how-much'
-    """
-    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
 
 
 class TeacherRequests:
@@ -99,7 +91,7 @@ class TeacherRequests:
 
     def name(self, kind: str) -> str:
         """File name of the results of the latest question: what was asked."""
-        return f"{plain(self.classroom.asking.demand().question.title) or 'results'}.{kind}"
+        return f"{slug(self.classroom.asking.demand().question.title)}.{kind}"
 
     def code(self, request: Request) -> bytes:
         """The address on the wall as a QR code, SVG; behind a proxy only the page knows it."""
