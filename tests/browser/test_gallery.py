@@ -78,6 +78,16 @@ def test_an_address_opens_its_scene_and_asks_where_others_watch(window, anew, ch
     until(lambda: anew.browsers() == 1)
 
 
+def test_a_page_that_is_loaded_again_leaves_the_run_as_it_is(window, laboratory):
+    page, run = window.page, laboratory.simulation.state.run
+    page.evaluate("history.pushState(null, '', '?scene=order')")
+    page.reload()
+    until(lambda: window.card("tick") == "0", 60)
+    assert page.evaluate("window.flockscopeScene") is None
+    assert laboratory.simulation.state.run == run
+    assert page.locator(".fs-sheet").count() == 0
+
+
 def test_what_runs_is_shared_in_words_that_say_it(window):
     page = window.page
     window.press("Share")

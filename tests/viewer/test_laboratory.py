@@ -83,7 +83,7 @@ def test_what_a_scene_sets_is_no_change(laboratory):
     panel, state = laboratory.parameters, laboratory.simulation.state
     for eta in (0.7, state.values["eta"]):
         laboratory.open(SavedScene("A scene", state.spec.with_values(parameters={"eta": eta})))
-        until(lambda eta=eta: panel.begun["eta"] == eta and not panel.is_new)
+        until(lambda eta=eta: panel.begun["eta"] == eta and panel.last_run is None)
         assert (panel.changed.content, panel.changes, panel.back.visible) == ("", {}, False)
     laboratory.simulation.pause()
 

@@ -81,22 +81,6 @@ def test_a_scene_opens_with_its_view_its_words_and_the_fields_of_setup(laborator
     assert laboratory.view.drawing_style().colour == "heading"
 
 
-def test_a_page_that_is_loaded_again_leaves_its_scene_as_it_runs(laboratory):
-    state = lambda: laboratory.simulation.state  # noqa: E731
-    before = state().run
-    opened(laboratory, "model:vem")
-    until(lambda: state().run > before and runs(laboratory, "vem"))
-    run = state().run
-    again = ask(laboratory.port, "/open?scene=model:vem&new=1", OPENS)
-    assert json.loads(again.text) == {"title": MODELS["vem"].title, "asks": False}
-    assert ask(laboratory.port, "/open?scene=&new=1", OPENS).status == 400
-    opened(laboratory, "model:ivem")
-    until(lambda: runs(laboratory, "ivem"))
-    assert state().run == run + 1, "the page that was loaded again has begun nothing"
-    ask(laboratory.port, "/open?scene=model:vem&new=1", OPENS)
-    until(lambda: runs(laboratory, "vem"))
-
-
 def test_a_run_that_is_shared_comes_back_as_it_is(laboratory):
     simulation = laboratory.simulation
     before = simulation.state.run

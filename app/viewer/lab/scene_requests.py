@@ -33,7 +33,6 @@ class SceneOpener(Protocol):
 
     def open(self, scene: SavedScene) -> None: ...
     def now(self, title: str = "") -> SavedScene: ...
-    def told_scene(self) -> SavedScene | None: ...
     def browsers(self) -> int: ...
 
 
@@ -54,8 +53,6 @@ class SceneRequests:
     def __init__(self, front: Front, laboratory: SceneOpener):
         self.laboratory = laboratory
         self.opening = threading.Lock()
-        self.opened: tuple[str, SavedScene] | None = None
-        """What was opened last, by which name: a page that is loaded again finds it as it is."""
         shown = listed(cards())
         front.route(GALLERY, lambda _: web.Response(body=shown, content_type=JSON))
         self.front = front
@@ -79,24 +76,16 @@ class SceneRequests:
         if not self.opening.acquire(blocking=False):
             return text_response(429, "another scene is being opened")
         try:
-            name = asked.get("scene", [""])[0]
-            if "new" in asked and self.opened is not None and self.shows(name):
-                return web.json_response({"title": self.opened[1].title, "asks": False})
             scene = find(asked)
             others = self.laboratory.browsers() > ("new" not in asked)
             if "sure" in asked or not others:
                 self.laboratory.open(scene)
-                self.opened = name, scene
             asks = others and "sure" not in asked
             return web.json_response({"title": scene.title, "asks": asks})
         except InputError as refusal:
             return text_response(400, str(refusal))
         finally:
             self.opening.release()
-
-    def shows(self, name: str) -> bool:
-        """Whether what was opened by a name is what runs."""
-        return name != "" and self.opened == (name, self.laboratory.told_scene())
 
     def take(self, _: Request) -> web.Response:
         """The run as it is now, in all the ways in which it can be taken along."""

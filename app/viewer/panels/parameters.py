@@ -55,8 +55,8 @@ class ParametersPanel:
         """When a parameter was changed last, by its name and whether of the model beside."""
         self.begun: dict[str, Any] = {}
         """What the parameters were when the scene was opened: what a scene sets is no change."""
-        self.is_new = True
-        """Whether the next run is of another scene."""
+        self.last_run: int | None = -1
+        """The last run of the scene before, until the first of another is seen."""
         self.changes: dict[str, Any] = {}
         """Parameters that are changed -> what they were, as they are shown."""
         self.dials = Dials(gui)
@@ -70,8 +70,8 @@ class ParametersPanel:
         self.shown_run = -1
 
     def expect_scene(self) -> None:
-        """The next run is of another scene: nothing of it is changed."""
-        self.is_new = True
+        """Runs after this one are of another scene: nothing of it is changed."""
+        self.last_run = self.simulation.state.run
 
     def refresh(self, state: SimulationState) -> None:
         """Follow a new set-up, and say what is changed."""
@@ -80,8 +80,10 @@ class ParametersPanel:
         if state.run != self.shown_run:
             self.shown_run = state.run
             declaring = [MODELS[name].parameters for name in state.models if name is not None]
-            if self.is_new or state.models != self.models or declaring != self.declaring:
-                self.models, self.past, self.is_new = state.models, [], False
+            is_new = self.last_run is not None and state.run > self.last_run
+            if is_new or state.models != self.models or declaring != self.declaring:
+                self.models, self.past = state.models, []
+                self.last_run = None if is_new else self.last_run
                 self.declaring = declaring
                 self.begun = dict(state.values)
                 self.rebuild(state)
