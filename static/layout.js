@@ -19,15 +19,17 @@
 
   const sheet = () => document.querySelector('.mantine-Paper-root[style*="20em"]');
   const tabs = () => {
-    const list = sheet()?.querySelector(".mantine-Tabs-list");
+    const list = sheet()?.querySelector(".mantine-Tabs-root > .mantine-Tabs-list");
     return list ? [...list.querySelectorAll("[role=tab]")] : [];
   };
-  const monitors = () => sheet()?.querySelector(".mantine-Tabs-root > [role=button][aria-expanded]");
+  /* What opens and closes the monitors. Of several tabs it stands beside them while it is open. */
+  const monitors = () => sheet()?.querySelector(
+    ".mantine-Tabs-root:not(:has(.fs-agent)) [role=button]:is([aria-label^='Expand panel'], [aria-label^='Collapse panel'])");
   const card = () => sheet()?.querySelector(".mantine-Tabs-root:has(.fs-agent)");
   const isShown = (tab) => tab.getAttribute("aria-selected") === "true";
   const setExpanded = (wanted) => {
     const head = monitors();
-    if (head && (head.getAttribute("aria-expanded") === "true") !== wanted) head.click();
+    if (head && head.getAttribute("aria-label").startsWith("Collapse") !== wanted) head.click();
   };
 
   /* Open a drawer by its name, or close the one that is open by "". The card of an agent is one, too. */
@@ -108,7 +110,7 @@
     measuring.observe(strip);
     watching.observe(root, {
       subtree: true, childList: true, attributes: true,
-      attributeFilter: ["aria-selected", "aria-expanded", "data-panels"],
+      attributeFilter: ["aria-selected", "aria-expanded", "aria-label", "data-panels"],
     });
   });
 }

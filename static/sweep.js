@@ -19,16 +19,17 @@
   }, 300);
   let text = "", marks = {};
 
-  const sweep = async (name) => {
+  const ask = async (what, name, title, part) => {
     let answer;
     try {
-      answer = await fetch(`${home}/sweep/over?name=${encodeURIComponent(name)}`, {
+      answer = await fetch(`${home}/sweep/${what}?name=${encodeURIComponent(name)}`, {
         headers: { "X-Flockscope": "scene" }, cache: "no-store", credentials: "same-origin" });
     } catch { return; }
-    if (!answer.ok) return sheet("Not swept", "fs-ask").append(make("p", "", (await answer.text()).trim()));
+    if (!answer.ok) return sheet(title, "fs-ask").append(make("p", "", (await answer.text()).trim()));
     openTab();
-    bring(".fs-new-sweep");
+    bring(part);
   };
+  const sweep = (name) => ask("over", name, "Not swept", ".fs-new-sweep");
   const look = () => {
     const told = document.querySelector("[data-sweeps]");
     const now = told ? told.dataset.sweeps : "";
@@ -76,6 +77,7 @@
   }, true);
   document.addEventListener("click", (event) => {
     const pressed = event.target.closest && event.target.closest("button");
+    if (pressed && pressed.dataset.sweepName) ask("show", pressed.dataset.sweepName, "Not shown", ".fs-sweeps");
     if (pressed && pressed.textContent === "Start the sweep") bring(".fs-sweeps");
   }, true);
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 import webbrowser
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -25,6 +26,7 @@ from app.cli.options.serving_options import AllowHost, Host, OpenBrowser, Port, 
 from app.cli.terminal.progress import StopSignals, exit_process
 from app.cli.terminal.usage import Rules, first_of, model_name
 from app.front.origin import parse_allowed_host
+from app.results_folder import RESULTS
 from app.settings import assignment
 from app.viewer.run.run_preset import preset_spec
 from worlds.input_error import InputError
@@ -70,6 +72,12 @@ def lab(
     ] = None,
     speed: Annotated[float | None, typer.Option(min=0.1, help="Ticks per second at first.")] = None,
     threads: Annotated[int, typer.Option(min=1, help="Threads for a large flock.")] = 1,
+    runs: Annotated[
+        Path,
+        typer.Option(
+            help="The file (.jsonl) in which its runs are kept, from which the tab Runs begins.",
+        ),
+    ] = RESULTS / "runs.jsonl",
     port: Port = 8080,
     host: Host = "127.0.0.1",
     allow_host: AllowHost = None,
@@ -104,8 +112,10 @@ def lab(
                 webbrowser.open(local_address(host, server.get_port()))
             from agents.flock import Flock
             from app.viewer.lab.laboratory import Laboratory
+            from app.viewer.lab.runs_file import RunsFile
             from app.viewer.run.paired_run import companion
 
+            kept = RunsFile(runs)
             with origins.naming_origins():
                 if not hasattr(opened, "recording"):  # which has been looked at as it was read
                     flock = Flock(spec, threads=threads)
@@ -123,6 +133,7 @@ def lab(
             server=server,
             opened=opened,
             waits=True,
+            runs=kept,
         )
         serve(laboratory, stopping)
     exit_process()

@@ -18,8 +18,9 @@ from agents.spec import Spec
 from app.front.server import admit_browsers, close_server, open_server
 from app.viewer.lab.panels.laboratory_plots import Overlay
 from app.viewer.lab.panels.numbers_table import NumbersTable, numbers_html
-from app.viewer.measuring.flock_numbers import KEPT, EarlierRuns, Number, numbers
+from app.viewer.measuring.flock_numbers import Number, numbers
 from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.kept_runs import KeptRuns
 from app.viewer.measuring.observable_curves import ObservableHistory, overlay_curves, thin_ticks
 from app.viewer.measuring.run_conditions import MOST, ConditionHistory, RunConditions, Stretch
 from app.viewer.panels.chart import KINDS, Chart, ChartContents, ChartCurve
@@ -51,10 +52,8 @@ def run(seed: int, ticks: int = 20, model: str = "vem", **given) -> FlockReading
     return read(Flock(model, agents=12, seed=seed, **given), ticks)
 
 
-def overlay(
-    *runs: FlockReadings, earlier: EarlierRuns | None = None, most=3, last=math.inf
-) -> Overlay:
-    return Overlay(runs, earlier or EarlierRuns(), most, last)
+def overlay(*runs: FlockReadings, earlier: KeptRuns | None = None, last=math.inf) -> Overlay:
+    return Overlay(runs, earlier or KeptRuns(), last)
 
 
 def taken(made: Overlay, *names: str) -> pd.DataFrame:
@@ -134,59 +133,39 @@ def test_two_clocks_are_one_time():
 
 
 def test_a_run_that_is_over_lies_under_the_next():
-    runs = EarlierRuns()
+    runs = KeptRuns()
     before, now = run(seed=1, ticks=40), run(seed=2, ticks=20)
     runs.follow([before])
-    assert runs.kept == []
+    assert runs.rows == ()
     runs.follow([now])
-    assert [one.conditions.seed for one in runs.kept] == [1]
+    assert [one.course.conditions.seed for one in runs.rows] == [1]
     made = overlay(now, earlier=runs)
     earlier, dots, current = made.chart_contents(("polarisation",), keyed=False).curves
-    assert earlier.label == "polarisation, before"
+    assert earlier.label == "polarisation, run 1"
     assert np.isnan(dots.values).all()
     at = made.chart_contents(("polarisation",), keyed=False).at
     assert at[-1] == 40
     assert np.isnan(current.values[at > 20]).all()
     assert np.isfinite(current.values[at <= 20]).all()
     assert earlier.values.tolist() == before.series("polarisation").recorded()[1].tolist()
-    assert "seed 1 (before)" in made.head(("polarisation",), keyed=True)
+    assert "run 1: seed 1" in made.head(("polarisation",), keyed=True)
     table = taken(made, "polarisation")
-    assert table.groupby("run").tick.max().to_dict() == {"now": 20, "seed 1 (before)": 40}
+    assert table.groupby("run").tick.max().to_dict() == {"now": 20, "run 1: seed 1": 40}
     assert (
         overlay(now, earlier=runs, last=15).chart_contents(("polarisation",), keyed=False).at[-1]
         == 20
     )
-    assert (
-        len(
-            overlay(now, earlier=runs, most=0).chart_contents(("polarisation",), keyed=False).curves
-        )
-        == 2
-    )
-
-
-def test_few_earlier_runs_are_kept_and_the_same_one_once():
-    runs = EarlierRuns()
-    for seed in (1, 2, 2, 3, 4, 5):
-        runs.follow([run(seed, ticks=5)])
-    assert [one.conditions.seed for one in runs.kept] == [4, 3, 2]
-    assert len(runs.kept) == KEPT
-    runs.follow([run(9, ticks=5, model="hwvem")])
-    for seed in (6, 7, 8):
-        runs.follow([run(seed, ticks=5, model="couzin")])
-    kept = [(one.conditions.model.name, one.conditions.seed) for one in runs.kept]
-    assert kept == [
-        ("couzin", 7), ("couzin", 6), ("hwvem", 9), ("vem", 5), ("vem", 4), ("vem", 3)
-    ]  # fmt: skip
-    runs.clear()
-    assert runs.kept == []
+    runs.show(1, False)
+    alone = overlay(now, earlier=runs).chart_contents(("polarisation",), keyed=False)
+    assert len(alone.curves) == 2
 
 
 def test_a_run_of_which_nothing_was_seen_is_not_kept():
-    runs = EarlierRuns()
+    runs = KeptRuns()
     runs.follow([FlockReadings(Flock("vem", agents=4, seed=1))])
     runs.follow([run(2, ticks=0)])
     runs.follow([run(3)])
-    assert runs.kept == []
+    assert runs.rows == ()
 
 
 def begun(model="vem", **given) -> ConditionHistory:
@@ -217,32 +196,32 @@ def changed(readings: FlockReadings, ticks: int = 10, **values) -> None:
 
 def test_a_run_keeps_the_parameters_that_it_was_made_with():
     """The first exercise of the first scene: a parameter is moved, Reset is pressed."""
-    runs = EarlierRuns()
+    runs = KeptRuns()
     before = run(seed=1, eta=0.5)
     runs.follow([before])
     before.flock.set(eta=2.0)
     before.note_conditions()
     now = run(seed=1, eta=2.0)
     runs.follow([now])
-    assert [one.label for one in overlay(now, earlier=runs).before] == ["eta 0.5 (before)"]
+    assert [one.label for one in overlay(now, earlier=runs).before] == ["run 1: eta 0.5"]
     table = taken(overlay(now, earlier=runs), "polarisation")
     assert table.groupby("run").eta.unique().map(list).to_dict() == {
         "now": [2.0],
-        "eta 0.5 (before)": [0.5],
+        "run 1: eta 0.5": [0.5],
     }
     lines = overlay(now, earlier=runs).plot_contents(("polarisation",)).caption.split("\n")
     assert lines[1:] == ["eta 2"]
 
 
 def test_a_change_is_a_mark_on_the_curve_and_a_step_in_the_table():
-    runs = EarlierRuns()
+    runs = KeptRuns()
     before, now = run(seed=1, eta=0.5), run(seed=1, eta=0.5)
     changed(before, eta=2.0)
     runs.follow([before])
     runs.follow([now])
     made = overlay(now, earlier=runs)
     (label,) = [one.label for one in made.before]
-    assert label == "eta 0.5 → 2 at tick 20 (before)"
+    assert label == "run 1: eta 0.5 → 2 at tick 20"
     assert label in made.head(("polarisation",), keyed=True)
     rows = taken(made, "polarisation").query("run != 'now'")
     assert rows[rows.eta == 0.5].tick.tolist() == [0, 5, 10, 15, 20]
@@ -268,7 +247,7 @@ def test_a_change_is_a_mark_on_the_curve_and_a_step_in_the_table():
 
 def test_a_chart_is_not_made_anew_by_a_change():
     """A browser that makes a chart anew while the run goes on may lose the end of its time."""
-    runs = EarlierRuns()
+    runs = KeptRuns()
     runs.keep(ObservableHistory.of(run(seed=1)))
     now = run(seed=2)
     pens = [one.pen for one in overlay(now, earlier=runs).chart_contents(ORDER, keyed=True).curves]
@@ -352,17 +331,6 @@ def test_of_too_many_changes_no_value_is_told_that_was_not():
     assert sum(one is None for one in told) >= 9
 
 
-def test_earlier_runs_of_one_name_are_told_apart():
-    runs = EarlierRuns()
-    now = run(seed=1, ticks=5)
-    one = ObservableHistory.of(run(seed=2, ticks=5))
-    runs.keep(one)
-    other = replace(one.history.first, dt=0.5)
-    runs.keep(replace(one, history=ConditionHistory((Stretch(0, other),))))
-    labels = [before.label for before in overlay(now, earlier=runs).before]
-    assert labels == ["seed 2 (before)", "seed 2 (before) #2"]
-
-
 def test_curves_of_now_end_and_those_before_go_on():
     at, (now,), (old,) = overlay_curves(
         np.array([0.0, 2.0]), [np.array([1.0, 3.0])], [(np.array([1.0, 5.0]), np.ones(2))], True
@@ -383,7 +351,7 @@ def test_the_points_that_are_drawn_stay_while_the_curve_moves_on(moved):
 
 
 def test_a_plot_is_taken_as_a_figure():
-    runs = EarlierRuns()
+    runs = KeptRuns()
     runs.keep(ObservableHistory.of(run(seed=1)))
     plotted = overlay(run(seed=2), earlier=runs).plot_contents(ORDER)
     assert plotted.file("PNG") == "vem-seed2-tick20-polarisation-angular-momentum.png"

@@ -33,13 +33,16 @@ from app.viewer.lab.panels.model_guide import Guide, TryRunner
 from app.viewer.lab.panels.numbers_table import MoreNumbers, NumbersTable
 from app.viewer.lab.panels.rule_source import RuleSource
 from app.viewer.lab.panels.run_panel import RunPanel, TimeLinePanel
+from app.viewer.lab.panels.runs_panel import RunsPanel
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.lab.panels.sweep_panel import SweepPanel
 from app.viewer.lab.panels.world_panel import WorldPanel
 from app.viewer.lab.picture_exporter import PictureExporter
+from app.viewer.lab.runs_file import ReadRuns, RunsFile
 from app.viewer.lab.scene_requests import SCRIPTS, SceneRequests
 from app.viewer.lab.sweeps.laboratory_sweeps import SweepRequestHandler, Sweeps, refuse_sweeps
 from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.kept_runs import KeptRuns
 from app.viewer.panels.monitors import Monitors
 from app.viewer.panels.parameters import ParametersPanel
 from app.viewer.panels.sending import ExportPermit
@@ -84,7 +87,8 @@ class Laboratory:
     `allow`: names by which browsers may reach it beside this machine's own. `server`: one that is
     open already, on this host. `opened`: a scene, a saved state, a recording or a flock in hand
     that it opens on, instead of a `spec`. `waits`: whether the flock stands until the first browser
-    is there. `results`: the folder of its sweeps. `allowance`: what it may take and do; None:
+    is there. `results`: the folder of its sweeps. `runs`: the file in which its runs are kept;
+    None: they are kept as long as it is there. `allowance`: what it may take and do; None:
     everything. Raises InputError if the port is busy.
     """
 
@@ -102,6 +106,7 @@ class Laboratory:
         opened: SavedScene | InitialState | None = None,
         waits: bool = False,
         results: Path = RESULTS,
+        runs: RunsFile | None = None,
         allowance: Allowance | None = None,
     ):
         self.server = server or open_server(host, port, Front(SCRIPTS, allow))
@@ -142,12 +147,14 @@ class Laboratory:
         """When it was watched last, s of the monotonic clock."""
         self.rested = False
         """Whether it stands since nobody watched, and nobody has been told."""
+        self.runs_file = runs
         self.sweeps: Sweeps | None = None
         self.sweep: SweepPanel | None = None
         if allowance is None or allowance.sweeps:
             self.sweeps = Sweeps(results, lambda: self.browsers() > 0)
         self.furnish()
         self.requests = SceneRequests(front_of(self.server), self)
+        self.runs.listen(self.requests)
         if self.sweeps is not None and self.sweep is not None:
             SweepRequestHandler(self.requests, self.sweeps, self.sweep)
         else:
@@ -190,6 +197,7 @@ class Laboratory:
             print(line, file=sys.stderr)
         self.drawing.close()
         self.simulation.close()
+        self.plots.runs.close()
         close_server(self.server)
 
     def furnish(self) -> None:
@@ -226,14 +234,32 @@ class Laboratory:
         with left.add_tab("Monitors", viser.Icon.CHART_LINE) as numbers:
             self.monitors = Monitors(gui, BLOCKS, "tick")
             self.sight_lines = self.monitors.sight_lines(self.server, numbers)
-            self.plots = LaboratoryPlots(self.server, self.making)
+            self.plots = LaboratoryPlots(self.server, self.kept_runs(), self.making)
             self.monitors.add(gui, BELOW)
             self.crashes = CrashLists(gui, self.show_crash)
             self.more = MoreNumbers(gui)
             self.numbers = NumbersTable(self.server, self.more, self.plots.sender)
+        with left.add_tab("Runs", viser.Icon.NOTEBOOK):
+            self.runs = RunsPanel(self.server, self.plots, self.sweeps, tell, self.where_kept())
         dock(gui, left)
         self.guide = Guide(self.server, TryRunner(self.simulation, self.parameters, self.setup))
         self.inspector = Inspector(gui, lambda: self.select(None))
+
+    def kept_runs(self) -> KeptRuns:
+        """Its runs, with those that are in its file."""
+        file = self.runs_file
+        if file is None:
+            return KeptRuns()
+        file.tell = self.simulation.notices.put
+        if file.found.skipped:
+            file.tell(file.found.told(str(file.path)))
+        return KeptRuns(file.found.runs, file)
+
+    def where_kept(self) -> str:
+        """Where its runs are kept, in a sentence."""
+        if self.runs_file is None:
+            return "Runs are kept until the laboratory ends: take them along as Runs."
+        return f"Runs are kept in {self.runs_file.path}."
 
     def take_uploads(self) -> None:
         """Take files through the buttons for them, as large as is allowed."""
@@ -290,11 +316,16 @@ class Laboratory:
             self.waits = False
             self.simulation.go()
 
-    def open(self, opened: SavedScene | InitialState) -> None:
-        """Set up a scene, a state or a recording in all browsers, and let it run.
+    def open(self, opened: SavedScene | InitialState | ReadRuns) -> None:
+        """Set up a scene, a state or a recording in all browsers, and let it run; runs of a file
+        become rows.
 
         Raises InputError for what an allowance does not allow.
         """
+        if isinstance(opened, ReadRuns):
+            self.plots.runs.take(opened.runs)
+            self.simulation.notices.put(opened.told("the file"))
+            return
         if self.allowance is not None:
             stored = None if isinstance(opened, SavedScene) else opened
             self.allowance.demand(opened.spec, getattr(opened, "beside", None), stored)
@@ -513,6 +544,7 @@ class Laboratory:
         """Show what has been measured, and say what is to be."""
         beside = None if frame.beside is None else self.simulation.readings_beside
         self.plots.refresh(readings, frame, beside)
+        self.runs.refresh(self.plots.runs.going)
         self.more.offer(self.plots.offered)
         last = self.plots.last
         self.contents = contents(state, frame, readings, self.browsers(), beside, self.more, last)

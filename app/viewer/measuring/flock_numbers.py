@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES
 from app.viewer.measuring.background_worker import BackgroundWorker
 from app.viewer.measuring.flock_readings import FlockReadings
-from app.viewer.measuring.observable_curves import ObservableHistory
 from app.viewer.measuring.observable_format import observable_words
 from worlds.input_error import InputError
 
@@ -128,49 +127,3 @@ def energy_in_trim(speed: float) -> float | None:
         return trim(speed=speed).energy_per_metre
     except InputError:
         return None
-
-
-# The last runs before the one that goes on, to be laid under it.
-
-KEPT = 3
-"""Runs of one model that are kept."""
-MODELS = 2
-"""Models of which runs are kept: as many as there are side by side."""
-
-
-class EarlierRuns:
-    """Keeps runs that are over, the latest first.
-
-    A run like one that is kept already, in seed, parameters and all that was changed, takes its
-    place.
-    """
-
-    def __init__(self) -> None:
-        self.going: tuple[FlockReadings, ...] = ()
-        self.kept: list[ObservableHistory] = []
-
-    def follow(self, runs: Sequence[FlockReadings]) -> None:
-        """Keep those that went on until now and do so no more; `runs` do."""
-        for run in self.going:
-            if all(run is not now for now in runs):
-                self.keep(ObservableHistory.of(run))
-        self.going = tuple(runs)
-
-    def keep(self, run: ObservableHistory) -> None:
-        """Keep a run, if there is anything to be seen of it."""
-        if not any(len(at) > 1 for at, _ in run.curves.values()):
-            return
-        run, model = run.at_end(), run.conditions.model
-        same = [history for history in self.runs_of(model) if history.history != run.history][
-            : KEPT - 1
-        ]
-        others = [history for history in self.kept if history.conditions.model is not model]
-        self.kept = [run, *same, *others][: KEPT * MODELS]
-
-    def runs_of(self, model: Model) -> list[ObservableHistory]:
-        """The kept runs of a model, the latest first."""
-        return [history for history in self.kept if history.conditions.model is model]
-
-    def clear(self) -> None:
-        """Keep none of them any more."""
-        self.kept = []

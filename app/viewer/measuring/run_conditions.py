@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from agents.flock import Flock
 from agents.flock_world import complete_spec
 from agents.models.model import Model
-from agents.spec import Spec
+from agents.spec import CompleteSpec, Spec
 from app.viewer.measuring.observable_format import format_short
 from worlds.world import World
 
@@ -40,6 +40,8 @@ class RunConditions:
     parameters: Mapping[str, Any]
     dt: float
     """Time that a tick stands for."""
+    spec: CompleteSpec = field(compare=False)
+    """The same, as a run that can be made."""
     by_hand: bool = False
     """Whether somebody has put agents elsewhere."""
 
@@ -54,6 +56,7 @@ class RunConditions:
             flock.options.chosen,
             flock.parameters.model_dump(),
             flock.dt,
+            flock.spec,
             by_hand,
         )
 
@@ -74,7 +77,7 @@ class RunConditions:
             name: value if self.parameters.get(name) == value else SEVERAL
             for name, value in later.parameters.items()
         }
-        return replace(later, parameters=parameters)
+        return replace(later, parameters=parameters, spec=self.spec)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,6 @@ from app.front.page_front import Front
 from app.front.server import admit_browsers, close_server, on_browser_message, open_server
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.flock_monitors import BELOW, BLOCKS
-from app.viewer.lab.panels.laboratory_plots import EARLIER
 from app.viewer.lab.panels.run_panel import describe_scene, status
 from app.viewer.measuring.run_conditions import format_setting
 from app.viewer.panels.dials import plain_symbol
@@ -325,9 +324,8 @@ class WatchPage:
         )
         if not watchers or not runs or not lab.plots.offered:
             return
-        most = EARLIER[lab.plots.earlier.value]
         measured = lab.watched | lab.elsewhere.names | ALWAYS
-        curves = CurveCache(runs, lab.plots.runs, most, lab.plots.offered, measured)
+        curves = CurveCache(runs, lab.plots.runs, lab.plots.offered, measured)
         for one in watchers:
             self.attempt(one, partial(one.plots.refresh, curves))
 

@@ -18,8 +18,8 @@ from agents.observables.catalogue import OBSERVABLES, default_charts
 from app.front.controls import set_value
 from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.lab.panels.laboratory_plots import WINDOWS, Overlay
-from app.viewer.measuring.flock_numbers import EarlierRuns
 from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.kept_runs import KeptRuns
 from app.viewer.measuring.observable_curves import chart_title, choices
 from app.viewer.measuring.observable_format import COUNTED, QUICK, STEADY
 from app.viewer.panels.chart import Chart, ChartContents
@@ -160,9 +160,8 @@ class CurveCache:
     """The curves of a run as they are now; worked out when first asked for."""
 
     runs: tuple[FlockReadings, ...]
-    earlier: EarlierRuns
-    most: int
-    """Earlier runs that are shown."""
+    kept: KeptRuns
+    """Runs before, of which some are shown."""
     offered: tuple[str, ...]
     """What can be plotted."""
     measured: frozenset[str]
@@ -179,7 +178,7 @@ class CurveCache:
         """What a chart of observables shows over the `last` ticks."""
         if (last, names) not in self.made:
             if last not in self.overlays:
-                self.overlays[last] = Overlay(self.runs, self.earlier, self.most, last)
+                self.overlays[last] = Overlay(self.runs, self.kept, last)
             shown = self.overlays[last].chart_contents(names, keyed=True)
             missing = [name for name in names if name not in self.measured]
             if missing:

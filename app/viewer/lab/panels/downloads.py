@@ -9,8 +9,10 @@ from concurrent.futures import Future
 
 import viser
 
+from app.viewer.editing.layout_file import plain_name
 from app.viewer.gallery.file_opener import ENDINGS, open_file
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
+from app.viewer.lab.runs_file import BEGIN, ENDING, ReadRuns, read_runs
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.stored_flock import LARGEST, PARQUET, StoredFlock
@@ -81,7 +83,7 @@ class SceneFiles:
         self,
         gui: viser.GuiApi,
         now: Callable[[str], SavedScene],
-        open: Callable[[SavedScene | StoredFlock], None],
+        open: Callable[[SavedScene | StoredFlock | ReadRuns], None],
         tell: Callable[[str], None],
         allowance: Allowance | None = None,
     ):
@@ -98,9 +100,10 @@ class SceneFiles:
             "Open a file ...",
             icon=viser.Icon.UPLOAD,
             color="gray",
-            mime_type=",".join(ENDINGS),
+            mime_type=",".join((*ENDINGS, ENDING)),
             hint="A scene or a spec (TOML), a saved state or a recording (Parquet) of up to "
-            f"{LARGEST // 10**6} MB; replaces the run in all browsers",
+            f"{LARGEST // 10**6} MB: replaces the run in all browsers. Runs (JSONL): become rows "
+            "of the tab Runs",
         )
         save.on_click(self.save)
 
@@ -110,7 +113,10 @@ class SceneFiles:
             try:
                 if self.allowance is not None and file.content.startswith(PARQUET):
                     self.allowance.demand_recordings(file.name)
-                self.open(open_file(file.name, file.content))
+                if file.content.startswith(BEGIN):
+                    self.open(read_runs(plain_name(file.name), file.content))
+                else:
+                    self.open(open_file(file.name, file.content))
             except InputError as refusal:
                 self.tell(str(refusal))
 

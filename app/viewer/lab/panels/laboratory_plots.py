@@ -15,8 +15,8 @@ from viser import uplot
 from agents.models.model import Model
 from agents.observables.catalogue import OBSERVABLES, default_charts
 from app.front.controls import set_value
-from app.viewer.measuring.flock_numbers import EarlierRuns
 from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.kept_runs import KeptRun, KeptRuns
 from app.viewer.measuring.observable_curves import (
     ObservableHistory,
     Points,
@@ -42,7 +42,7 @@ COLOURS = (BLUE, GREEN)
 """Of the first and of the second observable in a chart."""
 DOTS = ((2.0, 3.0), (2.0, 6.0), (6.0, 3.0, 1.0, 3.0))
 STRENGTHS = (0.75, 0.6, 0.5)
-"""How the last run is drawn, the one before it, and so on."""
+"""How the latest of those runs is drawn, the one before it, and so on."""
 THIN = 1.5
 SHARE, ROOM = (0.0, 1.02), 27
 """The axis of a share, and letters that an axis of a chart has room for."""
@@ -54,53 +54,52 @@ CAPTION = 105
 
 @dataclass(frozen=True)
 class OverlaidRun:
-    """A run before those of now, as it is shown."""
+    """A kept run as it is shown under those of now."""
 
-    course: ObservableHistory
+    run: KeptRun
     label: str
     age: int
-    """0 for the last one of its model."""
+    """0 for the latest one of its model."""
     each: float
     """Ticks of the first flock that last as long as one of its own."""
     whose: str = ""
     """The name of its model, of two."""
 
     @property
+    def course(self) -> ObservableHistory:
+        """How it went."""
+        return self.run.course
+
+    @property
     def short_label(self) -> str:
         """What its curves are called under the mouse, whatever is changed in the runs of now."""
-        before = "before" if not self.age else f"{self.age + 1} before"
-        return ", ".join(filter(None, (self.whose, before)))
+        return ", ".join(filter(None, (self.whose, f"run {self.run.number}")))
 
 
 class Overlay:
-    """The runs of now, one or two side by side, over at most so many earlier ones of each model.
+    """The runs of now, one or two side by side, over those kept runs of each model that are ticked.
 
     All are drawn over the time of the first, of which the `last` ticks are shown.
     """
 
-    def __init__(self, runs: Sequence[FlockReadings], earlier: EarlierRuns, most: int, last: float):
+    def __init__(self, runs: Sequence[FlockReadings], kept: KeptRuns, last: float):
         self.runs, self.last = runs, last
         self.histories = [run.conditions for run in runs]
         self.of = [history.last for history in self.histories]
         self.each = [self.ratio(conditions) for conditions in self.of]
         self.before: list[OverlaidRun] = []
         for now, history in zip(self.of, self.histories, strict=True):
-            for age, course in enumerate(earlier.runs_of(now.model)[:most]):
-                label = self.name_run(course.history.differences(history), now)
-                each = self.ratio(course.conditions)
+            for age, run in enumerate(kept.shown_of(now.model)):
+                differences = run.course.history.differences(history)
                 whose = now.model.name if len(runs) > 1 else ""
-                self.before.append(OverlaidRun(course, label, age, each, whose))
+                label = ", ".join(filter(None, (whose, run.label)))
+                label = f"{label}: {differences}" if differences else label
+                each = self.ratio(run.course.conditions)
+                self.before.append(OverlaidRun(run, label, age, each, whose))
 
     def ratio(self, of: RunConditions) -> float:
         """Ticks of the first flock that last as long as one of another."""
         return ratio(of.dt, of.unit, self.of[0].dt, self.of[0].unit)
-
-    def name_run(self, differences: str, now: RunConditions) -> str:
-        """What an earlier run is called, as no other is."""
-        whose = f"{now.model.name}, " if len(self.of) > 1 else ""
-        name = f"{whose}{differences or 'the same seed'} (before)"
-        count = sum(run.label.split(" #")[0] == name for run in self.before)
-        return f"{name} #{count + 1}" if count else name
 
     @property
     def models(self) -> list[Model]:
@@ -346,7 +345,6 @@ def axis(names: tuple[str, ...]) -> uplot.Scale:
 
 CHARTS = 3
 WINDOWS = {"whole run": math.inf, "last 3000 ticks": 3000.0, "last 500 ticks": 500.0}
-EARLIER = {"none": 0, "the last one": 1, "the last 2": 2, "the last 3": 3}
 
 
 class LaboratoryPlots:
@@ -355,14 +353,16 @@ class LaboratoryPlots:
     A model brings its usual ones; what is chosen stays until another model comes.
     """
 
-    def __init__(self, server: viser.ViserServer, allowed: ExportPermit | None = None):
+    def __init__(
+        self, server: viser.ViserServer, runs: KeptRuns, allowed: ExportPermit | None = None
+    ):
         gui = server.gui
         self.model: Model | None = None
         self.asked: tuple[Model, tuple[str, ...]] | None = None
         """What a scene shows of a model that is about to come."""
         self.offered: tuple[str, ...] = ()
         self.choices: dict[str, tuple[str, ...]] = choices(())
-        self.runs = EarlierRuns()
+        self.runs = runs
         self.sender = Sender(allowed)
         self.charts = [ChosenChart(server, number, self.sender) for number in range(1, CHARTS + 1)]
         self.window = gui.add_dropdown(
@@ -371,15 +371,6 @@ class LaboratoryPlots:
             hint="How much of the run is plotted. Susceptibility and Binder's cumulant are taken "
             "over it, too",
         )
-        self.earlier = gui.add_dropdown(
-            "Earlier runs",
-            tuple(EARLIER),
-            initial_value="the last one",
-            hint="Runs of the same model before this one, faint and dotted below it. Reset and "
-            "Setup end a run; three are kept",
-        )
-        self.forget = gui.add_button_group("Runs kept", ("Forget them",), visible=False)
-        self.forget.on_click(self.forget_runs)
 
     @property
     def names(self) -> frozenset[str]:
@@ -398,9 +389,6 @@ class LaboratoryPlots:
         now = tuple(chart.choice.value for chart in self.charts)
         return () if now == tuple(map(chart_title, usual)) else now
 
-    async def forget_runs(self, _event: viser.GuiEvent) -> None:
-        self.runs.clear()
-
     def refresh(
         self, readings: FlockReadings, frame: Frame, beside: FlockReadings | None = None
     ) -> None:
@@ -409,15 +397,12 @@ class LaboratoryPlots:
         runs = (readings,) if beside is None else (readings, beside)
         self.runs.follow(runs)
         self.offer(readings, beside)
-        overlay = Overlay(runs, self.runs, EARLIER[self.earlier.value], self.last)
+        overlay = Overlay(runs, self.runs, self.last)
         first = True
         for chart in self.charts:
             chart.names = self.choices[chart.choice.value]
             chart.refresh(overlay, changes=first)
             first = first and not chart.names
-        some = bool(self.runs.kept)
-        if self.forget.visible != some:
-            self.forget.visible = some
 
     def offer(self, readings: FlockReadings, beside: FlockReadings | None) -> None:
         """Let what these flocks have be chosen; of another model, choose the usual."""

@@ -403,7 +403,7 @@ def demand_from_page(folder: Path) -> None:
 
 # What the page asks of sweeps by HTTP: to sweep over a parameter, and to open a run.
 
-OVER, RUN = "/sweep/over", "/sweep/run"
+OVER, RUN, SHOW = "/sweep/over", "/sweep/run", "/sweep/show"
 NONE = "a class makes no sweeps: `flockscope lab` on your own machine does"
 LONGEST = 18
 """Figures of a seed."""
@@ -422,6 +422,19 @@ class SweepRequestHandler:
         self.sweeps, self.form = sweeps, form
         scenes.front.route(OVER, self.over)
         scenes.opens(RUN, self.run)
+        scenes.front.route(SHOW, self.show)
+
+    def show(self, request: Request) -> web.Response:
+        """Have a sweep drawn that is listed."""
+        if request.headers.getall(MARK, []) != [WORD]:
+            return text_response(403, f"sweeps are asked for with {MARK}: {WORD}")
+        name = parse_qs(request.raw_path.partition("?")[2]).get("name", [""])[0]
+        try:
+            self.sweeps.folder(name)
+        except InputError as refusal:
+            return text_response(400, str(refusal))
+        self.sweeps.choose(name)
+        return text_response(200, "chosen")
 
     def over(self, request: Request) -> web.Response:
         """Have the form begin with a parameter."""
@@ -444,7 +457,7 @@ class SweepRequestHandler:
 
 def refuse_sweeps(scenes: SceneRequests) -> None:
     """Refuse what pages ask of sweeps where there are none."""
-    for path in (OVER, RUN):
+    for path in (OVER, RUN, SHOW):
         scenes.front.route(path, lambda _: text_response(403, NONE))
 
 
