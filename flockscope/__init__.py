@@ -3,8 +3,8 @@
 What is named here and in the modules below is what a script, a notebook or a package of your own
 may import; nothing else is promised.
 
-- `flockscope`: flocks, the models by name, worlds, sweeps, batches, sensitivity, optima, and the
-  error for what cannot be used
+- `flockscope`: flocks, the models by name, worlds, sweeps, batches, sensitivity, optima, runs
+  of the laboratory, and the error for what cannot be used
 - `flockscope.rules`: for who writes a rule
 - `flockscope.worlds`: worlds, their obstacles and missions; layouts, readers, generators, checks
 - `flockscope.observables`: functions of arrays, for flocks and for tracks of real animals
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from flockscope._models import model as model
     from flockscope._sweeps import batch_run as batch_run
     from flockscope._sweeps import optimise as optimise
+    from flockscope._sweeps import runs_frame as runs_frame
     from flockscope._sweeps import sensitivity as sensitivity
     from flockscope._sweeps import sweep as sweep
     from flockscope.worlds import Box as Box
@@ -61,7 +62,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "_flocks": ("Flock", "Member", "MissionRecord", "Series", "fly", "follow"),
     "_models": ("MODELS", "Recording", "Spec", "from_file", "model"),
-    "_sweeps": ("batch_run", "optimise", "sensitivity", "sweep"),
+    "_sweeps": ("batch_run", "optimise", "runs_frame", "sensitivity", "sweep"),
     "worlds": (
         *("Box", "CShape", "Disc", "Goal", "InputError", "Mission", "Path", "Polygon", "Prism"),
         *("Refusal", "Ring", "Sphere", "StartRegion", "Union", "Wall", "World", "world"),

@@ -28,7 +28,8 @@ def newest(chart) -> float:
 @pytest.fixture
 def measured(window, laboratory):
     """The window, with a flock that has run for some ticks, and no run before it."""
-    laboratory.plots.runs.clear()
+    for run in laboratory.plots.runs.rows:
+        laboratory.plots.runs.delete(run.number)
     laboratory.simulation.go()
     until(lambda: laboratory.simulation.frame.tick > 60)
     laboratory.simulation.pause()

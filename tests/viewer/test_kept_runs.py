@@ -255,3 +255,24 @@ def test_a_file_needs_its_ending_and_must_be_readable(tmp_path: Path):
     (tmp_path / "runs.jsonl").mkdir()
     with pytest.raises(InputError, match="cannot be read"):
         RunsFile(tmp_path / "runs.jsonl")
+
+
+def test_python_reads_the_runs_and_makes_them_again(tmp_path: Path):
+    import flockscope
+
+    path = tmp_path / "runs.jsonl"
+    rows = KeptRuns(storage=RunsFile(path))
+    for run in (read(seed=3, eta=0.5), read(seed=4, eta=0.25)):
+        rows.follow([run])
+    rows.close()
+    frame = flockscope.runs_frame(path)
+    assert frame.seed.tolist() == [3, 4]
+    assert frame.eta.tolist() == [0.5, 0.25]
+    again = flockscope.Flock(frame.spec[1])
+    again.advance(10)
+    assert again.observe("polarisation") == pytest.approx(frame.polarisation[1], rel=1e-8)
+    with pytest.raises(InputError, match="no such file"):
+        flockscope.runs_frame(tmp_path / "other.jsonl")
+    path.write_bytes(path.read_bytes() + b"{\n")
+    with pytest.warns(UserWarning, match="line 4 is damaged"):
+        flockscope.runs_frame(path)

@@ -11,6 +11,7 @@ import json
 import os
 import secrets
 import tomllib
+import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,7 +25,7 @@ from agents.models.declare import checked
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import CompleteSpec
 from app.viewer.gallery.saved_scene import scene_of
-from app.viewer.measuring.kept_runs import LONGEST_NAME, MOST_RUNS, KeptRun
+from app.viewer.measuring.kept_runs import LONGEST_NAME, MOST_RUNS, KeptRun, runs_table
 from app.viewer.measuring.observable_curves import ObservableHistory, Points
 from app.viewer.measuring.run_conditions import (
     MOST,
@@ -262,6 +263,28 @@ def curves_of(values: Any) -> dict[str, Points]:
         if len(at):
             curves[name] = at, points
     return curves
+
+
+def runs_frame(path: str | Path) -> Any:
+    """The runs that a laboratory has kept in a file, as a `pandas.DataFrame`.
+
+    A row for each run in the order in which they ended: `run`, `name`, `model`, `seed`, `agents`,
+    `world`, `ticks`, every parameter and option with which it began, `changed` (what was changed
+    while it ran, in words) and what each observable came to, with its unit. `spec` is the run as it
+    began: `Flock(row.spec)` makes it again. Raises InputError for what is no such file; warns of
+    what was left out.
+    """
+    import pandas as pd
+
+    found = RunsFile(Path(path)).found
+    if not found.runs and not Path(path).exists():
+        raise InputError(f"runs {str(path)!r} cannot be read: there is no such file")
+    if found.skipped:
+        warnings.warn(found.told(str(path)), stacklevel=2)
+    frame = pd.DataFrame(runs_table(found.runs))
+    firsts = [run.course.conditions for run in reversed(found.runs)]
+    frame["spec"] = [at_start(first.spec, first.world) for first in firsts]
+    return frame
 
 
 class RunsFile:

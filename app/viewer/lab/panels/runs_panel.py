@@ -206,7 +206,7 @@ class RunsPanel:
         course = ObservableHistory.of(readings, names)
         about = self.about(course, readings.conditions, names)
         return (
-            f'<div class="fs-run fs-run-now"><i></i><div><b>now</b> {about}</div>'
+            f'<div class="fs-kept fs-kept-now"><i></i><div><b>now</b> {about}</div>'
             f"{small_curve(course, names)}</div>"
         )
 
@@ -225,12 +225,12 @@ class RunsPanel:
             for act, word in (("open", "Open"), ("name", "Name"), ("delete", "Delete"))
         )
         return (
-            f'<div class="fs-run"><button type="button" role="checkbox" aria-checked="{ticked}" '
+            f'<div class="fs-kept"><button type="button" role="checkbox" aria-checked="{ticked}" '
             f'data-run="{run.number}" data-act="show" '
             f'aria-label="Lay {called} under the plots"></button>'
             f"<div><b>{run.number}{name}</b> {line} "
             f"{self.about(run.course, run.course.history, names)}"
-            f'<div class="fs-run-acts">{buttons}</div></div>'
+            f'<div class="fs-kept-acts">{buttons}</div></div>'
             f"{small_curve(run.course, names)}</div>"
         )
 
@@ -288,7 +288,7 @@ def small_curve(course: ObservableHistory, names: Sequence[str]) -> str:
     )  # fmt: skip
     title = html.escape(f"{observable_words(names[0])} over the run")
     return (
-        f'<svg class="fs-run-curve" role="img" aria-label="{title}" width="{WIDTH}" '
+        f'<svg class="fs-kept-curve" role="img" aria-label="{title}" width="{WIDTH}" '
         f'height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}"><polyline points="{line}"/>{dots}</svg>'
     )
 
@@ -306,9 +306,9 @@ def sweep_row(sweep: ListedSweep) -> str:
     """The row of a sweep: a click shows it."""
     name = html.escape(sweep.name)
     return (
-        f'<div class="fs-run"><i></i><div><b>{name}</b> <span class="fs-quiet">sweep · '
+        f'<div class="fs-kept"><i></i><div><b>{name}</b> <span class="fs-quiet">sweep · '
         f"{html.escape(sweep.state)}</span>"
-        f'<div class="fs-run-acts"><button type="button" data-sweep-name="{name}" '
+        f'<div class="fs-kept-acts"><button type="button" data-sweep-name="{name}" '
         f'aria-label="Show the sweep {name}">Show</button></div></div><i></i></div>'
     )
 
