@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.panels import runs_panel
 from app.viewer.lab.runs_file import read_runs, runs_as_bytes
 from app.viewer.run.run_preset import preset_spec
 from tests.viewer.http_client import ask
@@ -55,3 +56,17 @@ def test_runs_of_a_file_are_added_with_numbers_of_their_own(laboratory):
     laboratory.open(read_runs("runs.jsonl", runs_as_bytes(kept(read(seed=9)).rows)))
     assert len(runs.rows) == before + 1
     assert runs.rows[0].number > max(run.number for run in runs.rows[1:])
+
+
+def test_of_many_runs_the_latest_and_those_that_are_ticked_are_rows(laboratory, monkeypatch):
+    monkeypatch.setattr(runs_panel, "LISTED", 2)
+    runs, panel = laboratory.plots.runs, laboratory.runs
+    laboratory.open(read_runs("runs.jsonl", runs_as_bytes(kept(read(seed=20), read(seed=21)).rows)))
+    assert len(runs.rows) > 3
+    oldest = runs.rows[-1].number
+    runs.show(oldest, True)
+    panel.refresh(())
+    listed = panel.list.content
+    assert listed.count('role="checkbox"') == 3
+    assert f'data-run="{oldest}"' in listed
+    assert f"{len(runs.rows) - 3} older run" in listed

@@ -22,6 +22,7 @@ from app.front.http_server import Request, text_response
 from app.studies.sweeps.sweep_table import as_csv, write_table
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
 from app.viewer.lab.panels.laboratory_plots import DOTS, LaboratoryPlots
+from app.viewer.lab.panels.sweep_panel import set_html
 from app.viewer.lab.runs_file import runs_as_bytes
 from app.viewer.lab.scene_requests import MARK, WORD, SceneRequests
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps, whole_number
@@ -40,6 +41,7 @@ from app.viewer.panels.sending import Sender
 from app.viewer.panels.shell import Sheets, block
 from app.viewer.run.stored_flock import at_start
 from worlds.input_error import InputError
+from worlds.number_text import counted
 
 PATH = "/runs/"
 """Begins the addresses by which the page asks."""
@@ -47,6 +49,8 @@ PERIOD = 0.5
 """Time between two looks at the run that goes on, s."""
 WIDTH, HEIGHT = 72, 26
 """Of the small curve, pixels."""
+LISTED = 60
+"""The latest runs, which are rows; those that are ticked are rows too."""
 POINTS = 48
 """Of the small curve, about."""
 TABLE, RUNS = "Table", "Runs"
@@ -69,6 +73,8 @@ class RunsPanel:
         self.runs, self.plots, self.sweeps, self.tell = plots.runs, plots, sweeps, tell
         self.due = 0.0
         self.seen: tuple[object, ...] = ()
+        self.differ: dict[Model, list[str]] = {}
+        """By model, what differs among its runs."""
         gui = server.gui
         self.going = gui.add_html("")
         self.list = gui.add_html("")
@@ -183,18 +189,27 @@ class RunsPanel:
         if changed:
             self.seen = seen
             set_value(self.last, self.runs.lays_last)
-            listed = "".join(self.row(run) for run in self.runs.rows)
-            if gone := self.runs.dropped:
-                words = f"{gone} older left the list: {MOST_RUNS} stay"
-                listed += f'<div class="fs-quiet">{words}</div>'
-            listed += "".join(map(sweep_row, sweeps))
-            content = block(listed)
-            if self.list.content != content:
-                self.list.content = content
+            rows = self.runs.rows
+            models = dict.fromkeys(run.model for run in rows)
+            self.differ = {model: differing_names(self.runs.runs_of(model)) for model in models}
+            listed = [run for place, run in enumerate(rows) if place < LISTED or run.is_shown]
+            text = "".join(self.row(run) for run in listed)
+            if len(listed) < len(rows) or self.runs.dropped:
+                text += f'<div class="fs-quiet">{self.left_out(len(rows) - len(listed))}</div>'
+            set_html(self.list, block(text + "".join(map(sweep_row, sweeps))))
             self.sheets.update_each(self.fill)
         if changed or now >= self.due:
             self.due = now + PERIOD
-            self.going.content = block("".join(self.going_row(run) for run in runs))
+            set_html(self.going, block("".join(self.going_row(run) for run in runs)))
+
+    def left_out(self, unlisted: int) -> str:
+        """What is not among the rows."""
+        gone, said = self.runs.dropped, []
+        if unlisted:
+            said.append(f"{counted(unlisted, 'older run')}: Table and the files have them")
+        if gone:
+            said.append(f"{counted(gone, 'run')} before those left: {MOST_RUNS} are kept")
+        return ". ".join(said)
 
     def fill(self, place: viser.GuiHtmlHandle) -> None:
         """Show the newest table."""
@@ -240,12 +255,11 @@ class RunsPanel:
         """What a run is, what differs, and what it came to."""
         first = history.first
         ticks = course.tick - history.stretches[0].begin
-        others = self.runs.runs_of(first.model)
-        differ = differing_names([*others, KeptRun(0, ObservableHistory(history, 0, {}))])
+        differ = self.differ.get(first.model, ())
         told = [
-            history.describe(name, history.steps[name])
-            for name in differ
-            if name not in ("seed", BY_HAND) and name in history.steps
+            history.describe(name, steps)
+            for name, steps in history.steps.items()
+            if name not in ("seed", BY_HAND) and (name in differ or len(steps) > 1)
         ]
         told += [change for change in history.changes() if BY_HAND in change]
         parts = [
