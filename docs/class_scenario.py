@@ -278,7 +278,8 @@ class Scenario:
 
     def scene(self) -> SavedScene:
         """What the class begins with."""
-        from app.classroom.lessons.lessons import find_lesson, lesson_titles
+        from app.viewer.gallery.lessons.lessons import lesson_titles
+        from app.viewer.gallery.scene_collection import find_lesson
 
         return find_lesson(lesson_titles()[self.shown()["title"]])
 

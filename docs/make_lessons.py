@@ -26,7 +26,7 @@ from make_screenshots import ARGUMENTS
 from PIL import Image
 from playwright.sync_api import sync_playwright
 
-from app.classroom.lessons.lessons import FIRST, lesson_names
+from app.viewer.gallery.lessons.lessons import FIRST, lesson_names
 from app.viewer.gallery.saved_scene import SavedScene
 from tests.classroom.running import running
 

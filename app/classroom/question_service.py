@@ -21,11 +21,11 @@ from app.classroom.collect.collection import Collection
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question, question_of
 from app.classroom.collect.question_choices import measures_of, parameters_of, ready_for
-from app.classroom.lessons.lessons import lesson_of
 from app.classroom.run_queue import RunQueue
 from app.classroom.workers.measuring import DRAW_NICENESS, CurveWorker, DrawWorker
 from app.classroom.workers.worker_process import WorkerProcess
 from app.processes import ProcessLostError
+from app.viewer.gallery.lessons.lessons import lesson_of
 from app.viewer.gallery.saved_scene import SavedScene
 from worlds.input_error import InputError
 

@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 DECLARED = (
     "agents/**/*.py",
     "worlds/layouts/*.toml",
-    "app/classroom/lessons/*.toml",
+    "app/viewer/gallery/lessons/*.toml",
     "experiments/*.toml",
 )
 """Where things are declared, below `ROOT`."""
@@ -119,7 +119,8 @@ def papers() -> Rows:
 
 def lessons() -> Rows:
     """Lessons that `flockscope class` opens a class on."""
-    from app.classroom.lessons.lessons import find_lesson, lesson_names
+    from app.viewer.gallery.lessons.lessons import lesson_names
+    from app.viewer.gallery.scene_collection import find_lesson
 
     lessons = [(name, find_lesson(name)) for name in lesson_names()]
     return [

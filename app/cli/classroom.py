@@ -19,7 +19,7 @@ from app.front.origin import LOOPBACK, parse_allowed_host
 from app.results_folder import RESULTS
 from app.studies.workers.process_executor import cores
 from worlds.file_writer import demand_writable
-from worlds.input_error import InputError
+from worlds.input_error import InputError, unknown
 
 if TYPE_CHECKING:
     from app.classroom.class_keeper import ClassKeeper
@@ -52,6 +52,9 @@ def classroom(
             "that is opened again.",
             show_default="order-against-noise",
         ),
+    ] = None,
+    lesson: Annotated[
+        str | None, typer.Option(help="A lesson: NAME, as `flockscope list lessons` has it.")
     ] = None,
     students: Annotated[
         int,
@@ -95,6 +98,8 @@ def classroom(
         raise InputError(
             f"{option} is given alone: a certificate needs its key (PEM), and the reverse"
         )
+    if lesson is not None:
+        scene = lesson_name(lesson, scene)
     path = out or (Path(scene) if scene and scene.endswith(FILE) else default_file())
     if path.suffix != FILE:
         raise InputError(f"--out {str(path)!r} is no name of a class's file: it ends in {FILE}")
@@ -113,6 +118,17 @@ def classroom(
     exit_process()
 
 
+def lesson_name(lesson: str, scene: str | None) -> str:
+    """The lesson that a class opens on. Raises InputError."""
+    from app.viewer.gallery.lessons.lessons import lesson_names
+
+    if scene is not None:
+        raise InputError(f"--lesson {lesson} has a scene of its own: leave {scene} out")
+    if lesson not in lesson_names():
+        raise unknown("lesson", lesson, lesson_names())
+    return lesson
+
+
 def open_class(
     name: str | None, seats: int, workers: int, flocks: FlockPlace | None = None
 ) -> Classroom:
@@ -120,9 +136,10 @@ def open_class(
     from app.classroom.class_file import load
     from app.classroom.class_keeper import restore_class
     from app.classroom.classroom import Classroom
-    from app.classroom.lessons.lessons import FIRST, find_lesson
     from app.viewer.gallery.file_opener import opened_file
+    from app.viewer.gallery.lessons.lessons import FIRST
     from app.viewer.gallery.saved_scene import SavedScene
+    from app.viewer.gallery.scene_collection import find_lesson
 
     name = name or FIRST
     if name.endswith(FILE):

@@ -29,7 +29,7 @@ from app.front.origin import parse_allowed_host
 from app.results_folder import RESULTS
 from app.settings import assignment
 from app.viewer.run.run_preset import preset_spec
-from worlds.input_error import InputError
+from worlds.input_error import InputError, unknown
 
 if TYPE_CHECKING:
     from app.viewer.gallery.saved_scene import SavedScene
@@ -56,6 +56,9 @@ def lab(
     scene: Annotated[
         str | None,
         typer.Option(help="A scene: NAME of a built-in one, or FILE.toml of a scene or a spec."),
+    ] = None,
+    lesson: Annotated[
+        str | None, typer.Option(help="A lesson: NAME, as `flockscope list lessons` has it.")
     ] = None,
     beside: Annotated[
         str | None,
@@ -92,6 +95,8 @@ def lab(
     names = tuple(parse_allowed_host(name) for name in allow_host or ())
     model = first_of(model, rule)
     file, model = (model, None) if is_file(model) else (None, model)
+    if lesson is not None:
+        scene = lesson_scene(lesson, scene, file)
     opened = open_argument(file, scene, model, beside, options, set)
     model = model or DEFAULT
     own, others = parameters(find_model(model).name, set or [], beside)
@@ -170,6 +175,19 @@ def open_argument(
     from app.viewer.gallery.file_opener import opened_file
 
     return opened_file(file or scene or "")
+
+
+def lesson_scene(lesson: str, scene: str | None, file: str | None) -> str:
+    """The name by which a lesson is opened as a scene. Raises InputError."""
+    from app.viewer.gallery.lessons.lessons import lesson_names
+    from app.viewer.gallery.scene_collection import LESSON
+
+    if scene is not None or file is not None:
+        other = file or "--scene"
+        raise InputError(f"--lesson has a run of its own: it cannot be given with {other}")
+    if lesson not in lesson_names():
+        raise unknown("lesson", lesson, lesson_names())
+    return LESSON + lesson
 
 
 def parameters(

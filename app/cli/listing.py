@@ -187,7 +187,7 @@ def paper(name: str) -> Thing:
 def lesson(name: str) -> Thing:
     """A lesson and the question that is ready for it."""
     from app.classroom.collect.question_choices import ready_for
-    from app.classroom.lessons.lessons import find_lesson
+    from app.viewer.gallery.scene_collection import find_lesson
 
     scene = find_lesson(name)
     first = ready_for(scene.spec, name)[0]

@@ -68,20 +68,30 @@ class StepCard {
     this.next.disabled = number === steps.length - 1;
     // There is one slider of each parameter: it stands with the step, else among the others.
     $("sliders").prepend(...Object.values(this.rows));
-    this.control.replaceChildren(...(step.control ? [this.rows[step.control]] : []));
+    this.control.replaceChildren(...(step.controls ?? []).flatMap((name) => this.rows[name] ?? []));
     this.prediction.hidden = !step.ask;
     this.question.textContent = step.ask ?? "";
     this.answers.replaceChildren(...(step.choices ?? []).map((words, k) => this.makeChoice(words, k)));
     this.plan.replaceChildren(...(step.ask ? this.describeRun(step) : []));
+    this.watch(step.watch ?? step.measure);
     this.showState();
+  }
+
+  // The first chart shows what the step is about.
+  watch(name) {
+    const [chart] = this.page.charts, measure = this.page.manifest.measures.find((known) => known.name === name);
+    if (!chart || !measure || chart.measure === measure) return;
+    chart.canvas.closest(".chart").querySelector("select").value = name;
+    chart.show(measure);
+    if (this.page.state) this.page.ask({});
   }
 
   // What the button runs.
   describeRun({ ticks, set = {} }) {
     const values = Object.entries(set).flatMap(([name, value], k) => {
-      const { symbol } = this.page.manifest.parameters.find((parameter) => parameter.name === name);
+      const known = this.page.manifest.parameters.find((parameter) => parameter.name === name);
       const letter = element("i", "");
-      letter.append(...withIndices(symbol));
+      letter.append(...withIndices(known ? known.symbol : name));
       return [k ? ", " : ", with ", letter, ` = ${plain(value)}`];
     });
     return [`${grouped(ticks)} ticks from the start`, ...values, "."];
@@ -107,12 +117,19 @@ class StepCard {
       const marks = [step.isFixed && k === step.choice && "your prediction", k === step.result && "this run"];
       label.lastChild.textContent = marks.filter(Boolean).join(", ");
     });
-    this.run.disabled = step.choice < 0;
+    const lack = step.choice < 0 ? "Choose an answer first." : this.lacks(step) ? `Run step ${step.than} first.` : "";
+    this.run.disabled = lack !== "";
     this.run.textContent = step.isFixed ? "Run it again" : "Run it";
-    this.first.hidden = step.choice >= 0;
+    this.first.hidden = !lack;
+    this.first.textContent = lack;
     this.progress.hidden = !isRunning;
     if (isRunning) Object.assign(this.progress, { max: step.ticks, value: this.page.state?.tick ?? 0 });
     this.verdict.replaceChildren(...step.verdict.map((words) => element("p", words)));
+  }
+
+  // Whether the step is to be compared with one that has shown nothing yet.
+  lacks({ than }) {
+    return Boolean(than) && this.steps[than - 1].mean === undefined;
   }
 
   // The step's run, from the start, with its own values: from here on the prediction stays as it is.
@@ -123,6 +140,7 @@ class StepCard {
       page.values[name] = step.set?.[name] ?? value;
       page.shown[name](page.values[name]);
     }
+    page.agents = step.set?.agents ?? page.manifest.agents - (page.manifest.start?.informed ?? 0);
     const isReady = page.reset();
     const running = this.running = { step, values: [] };
     page.trial = { measure: step.measure, after: step.ticks / 2, end: step.ticks };
@@ -159,19 +177,22 @@ class StepCard {
   }
 
   judge(step, values) {
-    const { measure, ticks, bounds, choices, choice } = step, name = spoken(measure);
+    const { measure, ticks, bounds, choices, choice, than, shows, why } = step, name = spoken(measure);
     const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
     if (!Number.isFinite(mean)) {
       step.verdict = [`${name} has no value in this run: it is not judged.`];
       return;
     }
     const { share, unit } = this.page.manifest.measures.find((known) => known.name === measure);
-    const number = `${share ? text(mean, 3) : plain(mean)}${unit === "1" ? "" : ` ${unit}`}`;
-    const first = grouped(ticks - values.length + 1);
-    step.result = bounds.filter((bound) => mean >= bound).length;
+    const few = (value) => `${share ? text(value, 3) : plain(value)}${unit === "1" ? "" : ` ${unit}`}`;
+    const first = grouped(ticks - values.length + 1), more = than ? mean - this.steps[than - 1].mean : mean;
+    const less = than ? `, ${few(Math.abs(more))} ${more < 0 ? "less" : "more"} than in step ${than}` : "";
+    step.mean = mean;
+    step.result = bounds.filter((bound) => more >= bound).length;
     step.verdict = [
-      `${name}: ${number}, the mean of ticks ${first} to ${grouped(ticks)}. This run shows “${choices[step.result]}”.`,
+      `${name}: ${few(mean)}, the mean of ticks ${first} to ${grouped(ticks)}${less}. This run shows “${choices[step.result]}”.`,
       `Your prediction “${choices[choice]}” ${choice === step.result ? "holds" : "does not hold"}.`,
+      ...(why && choices[step.result] === shows ? [why] : []),
     ];
   }
 }

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from agents.flock import Flock
-from app.classroom.lessons.lessons import find_lesson
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.scene_collection import find_lesson
 from app.viewer.lab.flock_page import PageWords, page_files
 from tests.browser.exported_page import page_text
 from tests.classroom.test_lesson_steps import RUN, mean_measured, scene_text

@@ -17,11 +17,12 @@ from agents import Flock
 from app.classroom.browser_flocks import MOST_WATCHING, BrowserFlocks
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import Flocks
-from app.classroom.lessons.lessons import find_lesson, lesson_names
 from app.classroom.student import Role
 from app.classroom.workers.page_worker import first_question, named_sliders
 from app.cli.classroom import FlockPlace, runs_in_browser
+from app.viewer.gallery.lessons.lessons import lesson_names
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.scene_collection import find_lesson
 from app.viewer.lab.sweeps.sweep_request import numbers
 from app.viewer.run.run_preset import preset_spec
 from tests.classroom.running import (

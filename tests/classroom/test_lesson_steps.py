@@ -9,10 +9,11 @@ import pytest
 from cli.calling import call, refusal
 
 from agents.flock import Flock
-from agents.spec import Spec
-from app.classroom.lessons.lessons import find_lesson, lesson_names
+from agents.spec import CompleteSpec
+from app.viewer.gallery.lessons.lessons import lesson_names
 from app.viewer.gallery.saved_scene import SavedScene, pack_scene, unpack_scene
-from app.viewer.gallery.scene_steps import SceneStep, demand_in_page
+from app.viewer.gallery.scene_collection import find_lesson
+from app.viewer.gallery.scene_steps import SceneStep, demand_in_page, step_spec
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.run_preset import preset_spec
 from tests.viewer.waiting import until
@@ -45,7 +46,7 @@ def test_a_step_is_read_as_it_stands_and_written_again():
     assert first.values() == {"say": "Begin."}
     assert second.values() == {
         "say": "Look.",
-        "control": "eta",
+        "controls": ["eta"],
         "ask": "How much order?",
         "choices": ["little", "much"],
         "measure": "polarisation",
@@ -94,6 +95,20 @@ REFUSED = {
     "part of a tick": ({"ticks": "9.5"}, "a whole number is needed"),
     "no ticks": ({"ticks": ""}, "ticks is missing: ask needs choices, measure, ticks, bounds"),
     "no question": ({"ask": ""}, "choices is given without ask"),
+    "three controls": (
+        {"control": "", "controls": '["eta", "r", "v0"]'},
+        "at most 2 are allowed, not 3",
+    ),
+    "a control twice": ({"control": "", "controls": '["eta", "eta"]'}, "each once"),
+    "control and controls": ({"controls": '["r"]'}, "control and controls are both given"),
+    "nothing to watch": ({"watch": '"orders"'}, "unknown watch 'orders' (known: "),
+    "no such choice": ({"shows": '"some"'}, "shows = 'some' is not allowed: one of"),
+    "a reason for nothing": ({"why": '"So it is."'}, "why is given without shows"),
+    "later than itself": ({"than": "2"}, "than = 2 is not allowed: an earlier step that measures"),
+    "no step before": ({"than": "1"}, "than = 1 is not allowed: an earlier step that measures"),
+    "a part of an agent": ({"set": "{ agents = 9.5 }"}, "set.agents = 9.5 is not allowed: a whole"),
+    "agents in a world that grows": ({"set": "{ agents = 9 }"}, "needs a size of the run"),
+    "a delay before now": ({"set": "{ delay = -1 }"}, "delay = -1"),
 }
 
 
@@ -130,14 +145,19 @@ def test_zones_that_change_places_are_refused():
 
 def test_a_page_refuses_what_its_flock_cannot_do():
     manifest = {
-        "parameters": [{"name": "eta", "slots": [1]}, {"name": "r", "slots": []}],
+        "parameters": [
+            {"name": "eta", "slots": [1], "low": 0.0, "high": 6.0},
+            {"name": "r", "slots": [], "low": 0.0, "high": 5.0},
+        ],
+        "start": None,
         "measures": [{"name": "polarisation"}],
     }
     (_, step) = SavedScene.from_toml(scene_text(), "mine.toml").steps
     demand_in_page([step], manifest, "mine.toml")
     for changed, why in (
-        ({"control": "r"}, "r cannot be changed in a page of this flock: steps may have eta"),
+        ({"controls": ["r"]}, "r cannot be changed in a page of this flock: steps may have eta"),
         ({"set": {"r": 1.0}}, "r cannot be changed in a page of this flock"),
+        ({"set": {"agents": 9}}, "agents cannot be changed in a page of this flock"),
         ({"measure": "consistency"}, "unknown measure 'consistency' (known: polarisation)"),
     ):
         with pytest.raises(InputError) as refused:
@@ -184,9 +204,10 @@ SHOWN = {
 """What the runs of each lesson show, prediction by prediction."""
 
 
-def mean_measured(spec: Spec, step: SceneStep) -> float:
-    """The mean of a step's measure over the last half of its run."""
-    flock = Flock(spec.but(parameters={**spec.parameters, **step.set}))
+def mean_measured(spec: CompleteSpec, step: SceneStep) -> float:
+    """The mean of a step's measure over the last half of its run, begun from a scene's or from the
+    step's own."""
+    flock = Flock(step_spec(spec, step))
     flock.run(step.ticks - len(range(step.ticks // 2, step.ticks)))
     values = []
     for _ in range(step.ticks // 2, step.ticks):

@@ -14,10 +14,11 @@ from agents.flock import Flock
 from agents.observables.catalogue import OBSERVABLES
 from app.classroom.collect.hand_in import hand_in
 from app.classroom.collect.question_choices import ready_for
-from app.classroom.lessons.lessons import find_lesson, lesson_names, lesson_of
 from app.classroom.question_service import QuestionService
 from app.cli.classroom import open_class
+from app.viewer.gallery.lessons.lessons import lesson_names, lesson_of
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.scene_collection import find_lesson
 from worlds.input_error import InputError
 
 SEEDS = range(1, 6)

@@ -10,9 +10,9 @@ import pytest
 from agents.catalogue import MODELS
 from agents.models.declare import declared
 from agents.observables.catalogue import OBSERVABLES
-from app.classroom.lessons.lessons import lesson_names
 from app.cli import lab as lab_module
 from app.cli import main as main_module
+from app.viewer.gallery.lessons.lessons import lesson_names
 from cli.calling import PROGRAM, call
 from worlds.layout import layout_names
 

@@ -8,9 +8,9 @@ import re
 import pytest
 
 from agents.flock import Flock
-from app.classroom.lessons.lessons import lesson_names
 from app.cli.take import page_gallery
 from app.cli.take.export import lesson_to_export
+from app.viewer.gallery.lessons.lessons import lesson_names
 from app.viewer.gallery.scene_collection import cards
 from app.viewer.lab.flock_page import PageWords, steps_to_try
 from tests.cli.calling import call, refusal

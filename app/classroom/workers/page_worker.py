@@ -18,10 +18,17 @@ from agents.flock import Flock
 from agents.web_program import demand_possible, zones
 from app.classroom.collect.question import Question
 from app.classroom.collect.question_choices import ready_for
-from app.classroom.lessons.lessons import lesson_of
 from app.package_files import STATIC
+from app.viewer.gallery.lessons.lessons import lesson_of
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.lab.flock_page import PageWords, packed, page_parts, page_policy, short_script
+from app.viewer.lab.flock_page import (
+    PageWords,
+    packed,
+    page_parts,
+    page_policy,
+    short_script,
+    with_steps,
+)
 from worlds.input_error import InputError
 
 SCRIPTS = ("../classroom/chart.js", "../classroom/flock.js")
@@ -109,7 +116,11 @@ class PageWorker:
         observable = "" if asked is None else asked.measure.observable
         plots = plots_with(observable, opened.plots)
         words = replace(PageWords.of_scene(opened, COMMAND), plots=plots)
-        page, script, style = page_parts(Flock(opened.spec), words, is_fixed=True)
+        # A step that sets how many agents there are needs a page that can begin anew.
+        is_fixed = not any("agents" in step.set for step in opened.steps)
+        page, script, style = page_parts(Flock(opened.spec), words, is_fixed=is_fixed)
+        if page.has_steps:
+            script, style = with_steps(script, style)
         module = hashlib.sha256(page.program.module).hexdigest()[:32]
         if module not in self.modules:
             self.modules[module] = gzip.compress(page.program.module, mtime=0)

@@ -194,7 +194,8 @@ def words_of_file(path: Path) -> PageWords:
 def lesson_to_export(name: str) -> SavedScene:
     """A lesson, for who is alone with it: of what to try the first sentence, as what follows speaks
     of a class. Raises InputError."""
-    from app.classroom.lessons.lessons import find_lesson, lesson_names
+    from app.viewer.gallery.lessons.lessons import lesson_names
+    from app.viewer.gallery.scene_collection import find_lesson
 
     if name not in lesson_names():
         raise unknown("lesson", name, lesson_names())

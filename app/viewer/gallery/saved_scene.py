@@ -134,7 +134,7 @@ class SavedScene:
                 camera=read_camera(values.get("camera", "")),
                 plots=read_plots(values.get("plots", [])),
                 look=read_look(table(values, "look"), spec),
-                steps=read_steps(values.get("steps", []), spec.model, spec.parameters, origin),
+                steps=read_steps(values.get("steps", []), spec, origin),
             )
         except InputError as refusal:
             message = str(refusal)

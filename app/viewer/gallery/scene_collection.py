@@ -1,4 +1,5 @@
-"""The collection: built-in scenes, every model where it is at home, every world with a flock."""
+"""The collection: built-in scenes and lessons, every model where it is at home, every world with a
+flock."""
 
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ from agents.catalogue import model as find_model
 from agents.models.model import Model
 from agents.spec import DEFAULT
 from app.package_files import STATIC
+from app.viewer.gallery.lessons.lessons import built_in_lesson, lesson_names
 from app.viewer.gallery.saved_scene import PACKED, SavedScene, unpack_scene
 from app.viewer.run.run_preset import preset_spec, world_defaults, world_title
 from worlds.input_error import InputError, unknown
@@ -21,9 +23,19 @@ FOLDER = Path(__file__).parent / "scenes"
 FIRST, NEXT = "spread", "order"
 """The scene that the page opens on, and the one that comes next."""
 PICTURES = STATIC / "gallery"
-MODEL, WORLD = "model:", "world:"
-"""Stand before the name of a model, or of a world, that is opened as a scene."""
-GROUPS = ("Scenes", "Alignment", "Zones", "Navigators", "Drones and birds", "Cars", "Others")
+MODEL, WORLD, LESSON = "model:", "world:", "lesson:"
+"""Stand before the name of a model, of a world or of a lesson, that is opened as a scene."""
+LESSONS = "Lessons"
+GROUPS = (
+    "Scenes",
+    LESSONS,
+    "Alignment",
+    "Zones",
+    "Navigators",
+    "Drones and birds",
+    "Cars",
+    "Others",
+)
 WORLDS = "Worlds"
 
 
@@ -51,7 +63,8 @@ def scene_names() -> tuple[str, ...]:
 
 
 def find_scene(name: str) -> SavedScene:
-    """What is called `name`: a scene, `model:NAME`, `world:NAME`, or one packed in an address.
+    """What is called `name`: a scene, `model:NAME`, `world:NAME`, `lesson:NAME`, or one packed in
+    an address.
 
     Names come from browsers too: none is that of a file. Raises InputError.
     """
@@ -63,9 +76,23 @@ def find_scene(name: str) -> SavedScene:
         return SavedScene(model.title, preset_spec(model.name), watch=model.summary, tries=tries)
     if name.startswith(WORLD):
         return scene_of_world(name.removeprefix(WORLD))
+    if name.startswith(LESSON):
+        lesson = name.removeprefix(LESSON)
+        if lesson not in lesson_names():
+            raise unknown("lesson", lesson, lesson_names())
+        return built_in_lesson(lesson)
     if name not in scene_names():
         raise unknown("scene", name, scene_names())
     return built_in_scene(name)
+
+
+def find_lesson(name: str) -> SavedScene:
+    """The scene of a lesson, or a scene of the gallery. Raises InputError."""
+    if name in lesson_names():
+        return built_in_lesson(name)
+    if ":" not in name and name not in scene_names():
+        raise unknown("lesson or scene", name, (*lesson_names(), *scene_names()))
+    return find_scene(name)
 
 
 @cache
@@ -104,6 +131,17 @@ def cards_with(model_set: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
         )
         for name in scene_names()
     ]
+    lessons = [
+        GalleryCard(
+            LESSON + name,
+            LESSONS,
+            built_in_lesson(name).title,
+            built_in_lesson(name).watch,
+            picture_name(f"lesson-{name}"),
+            lesson_tags(built_in_lesson(name)),
+        )
+        for name in lesson_names()
+    ]
     models = [
         GalleryCard(
             MODEL + model.name,
@@ -127,13 +165,19 @@ def cards_with(model_set: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
         for name in layout_names()
     ]
     order = {title: place for place, title in enumerate((*GROUPS, WORLDS))}
-    return tuple(sorted([*scenes, *models, *worlds], key=lambda card: order[card.group]))
+    return tuple(sorted([*scenes, *lessons, *models, *worlds], key=lambda card: order[card.group]))
 
 
 def tags_of(model: Model, *dims: int) -> tuple[str, ...]:
     """Words by which what has a model is found: of its rule, dimensions and source."""
     words = [word for dim in dims for word in dimension_words(dim)]
     return tuple(dict.fromkeys([*model.rule.tags, *words, model.rule.source]))
+
+
+def lesson_tags(lesson: SavedScene) -> tuple[str, ...]:
+    """Words by which a lesson is found: those of its model, and the topic of all lessons."""
+    words = tags_of(find_model(lesson.spec.model), lesson.spec.dim)
+    return tuple(dict.fromkeys(["classroom", "lesson", *words]))
 
 
 def dimension_words(dim: int | None) -> tuple[str, ...]:

@@ -29,6 +29,7 @@ from app.viewer.lab.panels.flock_monitors import BELOW, BLOCKS, CrashLists, cont
 from app.viewer.lab.panels.flock_view import FlockView
 from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.lab.panels.laboratory_plots import LaboratoryPlots
+from app.viewer.lab.panels.lesson_panel import LessonPanel
 from app.viewer.lab.panels.model_guide import Guide, TryRunner
 from app.viewer.lab.panels.numbers_table import MoreNumbers, NumbersTable
 from app.viewer.lab.panels.rule_source import RuleSource
@@ -227,6 +228,9 @@ class Laboratory:
             self.saving = SceneFiles(gui, self.now, self.open, tell, self.allowance)
         with run_place:
             self.run = RunPanel(gui, self.simulation, self.setup)
+            self.lesson = LessonPanel(
+                gui, self.simulation, self.parameters, self.setup.follow, self.plot_first
+            )
             self.time_line = TimeLinePanel(gui, self.simulation)
         guide = gui.add_button("Guide", icon=viser.Icon.BOOK, color="gray")
         guide.on_click(self.guide_clicked)
@@ -366,6 +370,15 @@ class Laboratory:
         self.scene.open_on(scene.camera)
         self.pointing = self.simulation.state.run, scene.camera
 
+    def plot_first(self, observable: str) -> None:
+        """Have the first chart show an observable, once the flock has it."""
+        model = MODELS[
+            self.simulation.state.spec.model
+            if self.shown_scene is None
+            else self.shown_scene.spec.model
+        ]
+        self.plots.asked = model, (observable,)
+
     def now(self, title: str = "") -> SavedScene:
         """The run, with the parameters as they are now, and the view, as a scene."""
         state, before = self.simulation.state, self.told_scene()
@@ -397,7 +410,8 @@ class Laboratory:
         coming = self.pointing is not None and state.run <= self.pointing[0]
         if scene is None or state.busy or coming:
             return scene
-        same = scene.spec.world == state.spec.world and scene.spec.agents == state.spec.agents
+        agents = {scene.spec.agents, *(step.set.get("agents") for step in scene.steps)}
+        same = scene.spec.world == state.spec.world and state.spec.agents in agents
         if same and (scene.spec.model, scene.beside and scene.beside.model) == state.models:
             return scene
         if self.pointing is None:
@@ -504,7 +518,9 @@ class Laboratory:
     def refresh(self) -> None:
         """Bring the panels up to date."""
         state, readings = self.simulation.state, self.simulation.readings
-        self.run.refresh(state, self.told_scene())
+        scene = self.told_scene()
+        self.run.refresh(state, scene)
+        self.lesson.follow(scene, state)
         self.time_line.refresh(state, self.simulation.frame)
         self.setup.catch_up(state.spec)
         self.setup.refresh(state)

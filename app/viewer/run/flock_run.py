@@ -17,6 +17,7 @@ from agents.state.agent_rows import StrayAgents
 from app.viewer.measuring.flock_readings import FlockReadings
 from app.viewer.measuring.time_series import refuse_too_dense
 from app.viewer.run.frame_builder import FrameBuilder, FrameRequest
+from app.viewer.run.step_trial import CHANGED, StepTrial
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
 
@@ -91,6 +92,8 @@ class FlockRun:
     """The run of the flock beside it, if there is one: see `beside.Pair`."""
     measures: bool = True
     """Whether it is measured; a preview is only looked at."""
+    trial: StepTrial | None = None
+    """What is measured of it tick by tick for the step of a lesson, if it is one's run."""
 
     def __init__(
         self,
@@ -165,6 +168,8 @@ class FlockRun:
 
     def change(self, change: Callable[[FlockRun], None]) -> None:
         """Carry out a change of this run, and note its conditions as they are from now on."""
+        if self.trial is not None:
+            self.trial.cancel(CHANGED)
         try:
             change(self)
         finally:
@@ -173,10 +178,17 @@ class FlockRun:
 
     def advance(self, ticks: int) -> None:
         """Run ticks. Raises whatever the rule raises."""
-        if self.measures:
-            self.readings.extremes.run(ticks)
-        else:
-            self.flock.advance(ticks)
+        left = ticks
+        while left > 0:
+            tick = self.flock.tick
+            part = left if self.trial is None else self.trial.ticks_together(tick, left)
+            if self.measures:
+                self.readings.extremes.run(part)
+            else:
+                self.flock.advance(part)
+            left -= part
+            if self.trial is not None:
+                self.trial.note(self.flock)
         self.compiled = True
 
     def look(self, closely: bool, measured: bool = True) -> Frame:

@@ -13,6 +13,7 @@ from agents.spec import CompleteSpec, Spec
 from app.viewer.run.command_queue import GO
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.simulation_thread import Models, SimulationThread
+from app.viewer.run.step_trial import StepTrial
 from app.viewer.run.stored_flock import InitialState
 
 
@@ -32,6 +33,11 @@ class Simulation(SimulationThread):
     def setup(self, spec: CompleteSpec, beside: Spec | None = None) -> Future:
         """Build a new flock; of several set-ups at once only the last is built."""
         return self.tell(lambda: self.schedule(spec, beside), "set up")
+
+    def try_step(self, spec: CompleteSpec, trial: StepTrial) -> Future:
+        """Build the flock of a lesson's step, which is measured on its way and stands at its
+        end."""
+        return self.tell(lambda: self.schedule(spec, None, trial=trial))
 
     def open(self, stored: InitialState) -> Future:
         """Go on from a saved state, or play a recording."""

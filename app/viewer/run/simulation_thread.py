@@ -33,6 +33,7 @@ from app.viewer.run.kernel_compiler import KernelCompiler, Preview, preview_size
 from app.viewer.run.paired_run import companion
 from app.viewer.run.simulation_limits import SimulationLimits
 from app.viewer.run.simulation_state import ChangeNotifier, SimulationState
+from app.viewer.run.step_trial import ANOTHER, StepTrial
 from app.viewer.run.stored_flock import InitialState, under_new_rule
 from app.viewer.run.time_line import TimeLine
 from app.viewer.scene.shown.drawing_style import DENSITY_PERIOD, shows_density
@@ -99,6 +100,8 @@ class SimulationThread:
         self.pace = self.keeping.pace(speed)
         self.next: PendingRun | None = spec, beside, stored
         """What is to be set up."""
+        self.next_trial: StepTrial | None = None
+        """What measures that run, if it is one of a lesson's step."""
         self.stale = False
         """Whether the flock has changed since the last frame."""
         self.next_frame = 0.0
@@ -190,6 +193,10 @@ class SimulationThread:
             return
         run = self.require_run()
         ticks = self.pace.ticks_due(self.clock())
+        if run.trial is not None:
+            ticks = run.trial.ticks_left(run.flock.tick, ticks)
+            if self.stand_at_end(run):
+                return
         if ticks == 0:
             return
         began, worked = self.clock(), time.thread_time()
@@ -203,6 +210,17 @@ class SimulationThread:
         if isinstance(run, Playback) and run.is_over:
             self.state = replace(self.state, running=False, rate=0.0)
             self.stale = True
+        self.stand_at_end(run)
+
+    def stand_at_end(self, run: FlockRun) -> bool:
+        """Have the flock stand where the run of a lesson's step ends, once; whether it does now."""
+        trial = run.trial
+        if trial is None or trial.fault or trial.has_paused or run.flock.tick < trial.last:
+            return False
+        trial.has_paused = True
+        self.state = replace(self.state, running=False, rate=0.0)
+        self.stale = True
+        return True
 
     def advance(self, run: FlockRun, ticks: int) -> None:
         """Run ticks; the first ones of a model may have to be loaded."""
@@ -253,13 +271,18 @@ class SimulationThread:
         if self.next is None:
             return
         (spec, beside, stored), self.next = self.next, None
+        trial, self.next_trial = self.next_trial, None
+        self.end_trials(self.run, None if self.preview is None else self.preview.coming)
         self.state = replace(self.state, busy=True)
         try:
             self.keeping.demand(spec, beside, stored)
             flock = self.building.flock(spec, stored)
             refuse_too_dense(flock)
             run = self.new_run(flock, beside, stored)
+            run.trial = trial
         except InputError as refusal:
+            if trial is not None:
+                trial.cancel(f"The run is refused ({refusal})")
             self.notices.put(str(refusal))
             self.state = replace(
                 self.state, busy=False, running=self.state.running and self.run is not None
@@ -289,6 +312,13 @@ class SimulationThread:
             values=self.run.values,
             beside_values=self.run.beside_values,
         )
+
+    @staticmethod
+    def end_trials(*runs: FlockRun | None) -> None:
+        """Say to whoever waits for the trial of a run that it comes to no end."""
+        for run in runs:
+            if run is not None and run.trial is not None:
+                run.trial.cancel(ANOTHER)
 
     def begin_preview(
         self, coming: FlockRun, spec: CompleteSpec, beside: Spec | None, stored: InitialState | None
@@ -449,12 +479,18 @@ class SimulationThread:
             flock_run.warned = words
 
     def schedule(
-        self, spec: CompleteSpec, beside: Spec | None, stored: InitialState | None = None
+        self,
+        spec: CompleteSpec,
+        beside: Spec | None,
+        stored: InitialState | None = None,
+        trial: StepTrial | None = None,
     ) -> None:
-        self.next = spec, beside, stored
+        if self.next_trial is not None:
+            self.next_trial.cancel(ANOTHER)
+        self.next, self.next_trial = (spec, beside, stored), trial
 
     def begin(self, stored: InitialState) -> None:
-        self.next = stored.spec, None, stored
+        self.schedule(stored.spec, None, stored)
 
     def take_rule_now(self, path: Path) -> str:
         """Raises InputError, after which everything is as before."""

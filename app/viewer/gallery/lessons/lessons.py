@@ -1,4 +1,4 @@
-"""Lessons by name: a scene that suits forty flocks at once, and whose question is ready."""
+"""Lessons by name: a scene that leads through steps, and that suits forty flocks at once."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ from functools import cache
 from pathlib import Path
 
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.scene_collection import find_scene, scene_names
-from worlds.input_error import unknown
 
 FOLDER = Path(__file__).parent
 FIRST = "order-against-noise"
@@ -20,19 +18,16 @@ def lesson_names() -> tuple[str, ...]:
     return tuple(dict.fromkeys((FIRST, *sorted(path.stem for path in FOLDER.glob("*.toml")))))
 
 
-def find_lesson(name: str) -> SavedScene:
-    """The scene of a lesson, or a scene of the gallery. Raises InputError."""
-    if name in lesson_names():
-        return SavedScene.from_toml((FOLDER / f"{name}.toml").read_text("utf-8"), name)
-    if ":" not in name and name not in scene_names():
-        raise unknown("lesson or scene", name, (*lesson_names(), *scene_names()))
-    return find_scene(name)
+@cache
+def built_in_lesson(name: str) -> SavedScene:
+    """The scene of a lesson, by one of `lesson_names`."""
+    return SavedScene.from_toml((FOLDER / f"{name}.toml").read_text("utf-8"), f"lesson {name}")
 
 
 @cache
 def lesson_titles() -> dict[str, str]:
     """Names of the lessons by their titles."""
-    return {find_lesson(name).title: name for name in lesson_names()}
+    return {built_in_lesson(name).title: name for name in lesson_names()}
 
 
 def lesson_of(scene: SavedScene) -> str:

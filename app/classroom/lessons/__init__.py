@@ -1,1 +1,0 @@
-"""Scenes of lessons: each has a question that is ready to be asked."""

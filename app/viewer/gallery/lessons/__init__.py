@@ -1,0 +1,1 @@
+"""Lessons: scenes with steps."""

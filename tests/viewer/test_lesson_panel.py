@@ -1,0 +1,145 @@
+"""The lesson in the laboratory: a prediction is fixed by its run, which alone is judged."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+
+import pytest
+
+from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.scene_steps import step_spec
+from app.viewer.lab.laboratory import Laboratory
+from tests.classroom.test_lesson_steps import mean_measured, scene_text
+from tests.viewer.waiting import until
+
+SECOND = """
+[[steps]]
+say = "And in a smaller flock?"
+watch = "mean-neighbours"
+ask = "How much more order than in step 2?"
+choices = ["less", "more"]
+measure = "polarisation"
+ticks = 9
+bounds = [0.0]
+than = 2
+set = { eta = 1, agents = 12 }
+shows = "less"
+why = "Because it is so."
+"""
+RUN = '[run]\nmodel = "vem"\nagents = 20\nsize = 5.0\nworld = "wrap"\n'
+
+
+@pytest.fixture
+def laboratory():
+    """A laboratory on a lesson, whose flock goes as fast as it can."""
+    scene = SavedScene.from_toml("speed = inf\n" + scene_text(RUN) + SECOND, "mine.toml")
+    made = Laboratory(opened=scene, port=0, running=False)
+    try:
+        assert made.simulation.ready.wait(60)
+        until(lambda: made.lesson.scene is scene, 30, "the lesson")
+        yield made
+    finally:
+        made.close()
+
+
+class Press:
+    """A press of a button of a group."""
+
+    client = None
+
+    def __init__(self, value: str = ""):
+        self.target = self
+        self.value = value
+
+
+def go_to(laboratory: Laboratory, number: int) -> None:
+    """Go on until a step is shown."""
+    while laboratory.lesson.number < number:
+        asyncio.run(laboratory.lesson.move(Press("Next")))
+
+
+def run_step(laboratory: Laboratory, choice: int) -> list[str]:
+    """Predict a choice and run the step; what the panel then says, without marks."""
+    panel = laboratory.lesson
+    asyncio.run(panel.choose(choice, Press()))
+    asyncio.run(panel.begin(Press()))
+    until(lambda: panel.now.trial.is_over, 60, "the run of the step")
+    laboratory.refresh()
+    return re.findall(r"<p>(.*?)</p>", panel.verdict.content)
+
+
+def test_a_step_is_judged_by_the_run_that_a_script_makes(laboratory):
+    panel = laboratory.lesson
+    scene = panel.scene
+    assert panel.folder.visible
+    go_to(laboratory, 1)
+    assert list(panel.sliders) == ["eta"]
+    assert panel.run.disabled
+    asyncio.run(panel.begin(Press()))
+    assert panel.now.trial is None  # nothing is predicted yet
+    told, verdict = run_step(laboratory, 1)
+    mean = mean_measured(scene.spec, scene.steps[1])
+    shown = scene.steps[1].choice_of(mean)
+    assert told == f"Polarisation: {mean:.3f}, the mean of ticks 5 to 9. This run shows “{shown}”."
+    assert verdict == f"Your prediction “much” {'holds' if shown == 'much' else 'does not hold'}."
+    until(lambda: not laboratory.simulation.state.running, 30, "the flock stands")
+    assert laboratory.simulation.run.flock.tick == 9
+    assert laboratory.simulation.state.values["eta"] == 1.0
+    assert all(button.disabled for button in panel.answers)
+    asyncio.run(panel.choose(0, Press()))
+    assert panel.now.choice == 1
+
+
+def test_a_step_is_compared_with_an_earlier_one_once_that_has_run(laboratory):
+    panel = laboratory.lesson
+    scene = panel.scene
+    go_to(laboratory, 2)
+    asyncio.run(panel.choose(0, Press()))
+    assert panel.lacks(panel.step) == "Run step 2 first."
+    asyncio.run(panel.move(Press("Back")))
+    run_step(laboratory, 0)
+    asyncio.run(panel.move(Press("Next")))
+    lines = run_step(laboratory, 0)
+    before = mean_measured(scene.spec, scene.steps[1])
+    mean = mean_measured(step_spec(scene.spec, scene.steps[2]), scene.steps[2])
+    side = "more" if mean >= before else "less"
+    assert f", {abs(mean - before):.3f} {side} than in step 2." in lines[0]
+    assert f"This run shows “{side}”." in lines[0]
+    assert (lines[2:] == ["Because it is so."]) == (side == "less")
+    assert laboratory.told_scene() is scene  # though it has fewer agents by now
+    assert laboratory.simulation.state.spec.agents == 12
+
+
+def test_a_run_in_which_a_slider_was_moved_is_not_judged(laboratory):
+    panel = laboratory.lesson
+    laboratory.simulation.run_at(1.0).result(30)
+    go_to(laboratory, 1)
+    asyncio.run(panel.choose(0, Press()))
+    asyncio.run(panel.begin(Press()))
+    trial = panel.now.trial
+    until(lambda: laboratory.simulation.run.trial is trial, 30, "the run")
+    laboratory.simulation.set("eta", 2.0).result(30)
+    assert trial.is_over
+    laboratory.refresh()
+    assert "The flock was changed, so this is not the run of this step." in panel.verdict.content
+
+
+def test_another_run_ends_that_of_a_step(laboratory):
+    panel = laboratory.lesson
+    laboratory.simulation.run_at(1.0).result(30)
+    go_to(laboratory, 1)
+    asyncio.run(panel.choose(0, Press()))
+    asyncio.run(panel.begin(Press()))
+    trial = panel.now.trial
+    until(lambda: laboratory.simulation.run.trial is trial, 30, "the run")
+    laboratory.simulation.reset().result(30)
+    until(lambda: trial.is_over, 30, "the end of the trial")
+    assert trial.fault == "Another run was begun"
+
+
+def test_a_scene_without_steps_has_no_lesson(laboratory):
+    plain = SavedScene.from_toml(RUN, "plain.toml")
+    laboratory.open(plain)
+    until(lambda: laboratory.lesson.scene is plain, 30, "the scene")
+    assert not laboratory.lesson.folder.visible
