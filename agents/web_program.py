@@ -41,7 +41,7 @@ from worlds.queries.survey import survey_world
 from worlds.web_assembly import FIRST_FREE, MemoryImage
 from worlds.web_binary import imported_functions
 
-DURATION = "context.lasts"
+DURATION, DELAY = "context.lasts", "messages.delay"
 UNNAMED = ("grid", "slots", "notes")
 """Arguments that a page's script neither writes nor measures of: it is not told where they are."""
 OWN = ("parameters", "unbounded")
@@ -222,7 +222,9 @@ def web_measures(flock: Flock) -> list[dict[str, Any]]:
     found = [
         observable
         for observable in OBSERVABLES.values()
-        if observable.compiled is not None and observable.applies(flock)
+        if observable.compiled is not None
+        and observable.applies(flock)
+        and observable.in_page(flock)
     ]
     found.sort(key=lambda one: telling.index(one.name) if one.name in telling else len(telling))
     return [
@@ -363,7 +365,30 @@ def slider_parameters(flock: Flock, image: MemoryImage) -> list[dict[str, Any]]:
                 "slots": parameter_slots(flock, image, parameter),
             }
         )
-    return described
+    return [*described, *delay_slider(flock, image)]
+
+
+def delay_slider(flock: Flock, image: MemoryImage) -> list[dict[str, Any]]:
+    """A slider of the delay of messages, up to that of the flock, which has room for no older ones;
+    none where nothing is late, or messages get lost or take longer by chance."""
+    options = flock.options
+    if not options.delay or options.jitter or options.lost:
+        return []
+    return [
+        {
+            "name": "delay",
+            "symbol": "T",
+            "unit": flock.model.body.unit,
+            "words": "Delay of messages",
+            "description": "How old is what an agent knows of the others.",
+            "low": 0.0,
+            "high": options.delay,
+            "step": flock.dt,
+            "value": options.delay,
+            "slots": [image.arguments[DELAY].slot],
+            "ticks": flock.dt,
+        }
+    ]
 
 
 def parameter_slots(flock: Flock, image: MemoryImage, parameter: NumberParameter) -> list[int]:

@@ -108,6 +108,8 @@ ORDER = [
         ),
         quick=True,
         tells=is_in_corridor,
+        compiled=of_rows.lane_order,
+        in_page=is_in_corridor,
     ),
     Observable(
         "correlation-length",

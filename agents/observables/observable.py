@@ -107,6 +107,8 @@ class Observable:
     compiled: Any = None
     """The same as a compiled loop, for a page that runs by itself; see
     `agents.observables.of_rows`."""
+    in_page: Callable[[Any], bool] = everywhere
+    """Of which flocks, of those that have it, a page measures it: each loop makes it larger."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.range, Range | Table):

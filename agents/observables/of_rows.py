@@ -114,6 +114,40 @@ def consistency(flock, converges):
 
 
 @compiled
+def strip_balance(flock, y, half, side, wraps):
+    """Agents from y - half on and below y + half: how many more head for +x than for -x, and how
+    many there are, with images where the axis wraps."""
+    more = number = 0
+    for j in range(flock.position.shape[0]):
+        if is_active(flock, j):
+            apart = flock.position[j, 1] - y
+            if wraps:
+                apart -= side * math.floor((apart + half) / side)
+            if -half <= apart < half:
+                number += 1
+                more += 1 if flock.heading[j, 0] >= 0.0 else -1
+    return more, number
+
+
+@entry
+def lane_order(flock, space):
+    """How far those who pass each other keep apart; see `agents.observables.lanes.lane_order`."""
+    count = active_count(flock)
+    if count == 0:
+        return 0.0
+    side, wraps = space.size[1], space.images[1] != 0
+    half = 0.25 * math.sqrt(space.size[0] * side / count)
+    if wraps:
+        half = min(half, 0.5 * side)
+    total = 0.0
+    for i in range(flock.position.shape[0]):
+        if is_active(flock, i):
+            more, number = strip_balance(flock, flock.position[i, 1], half, side, wraps)
+            total += (more / number) ** 2
+    return total / count
+
+
+@compiled
 def centre_along(flock, space, axis, count):
     """The centre of the agents along an axis, length: with images the mean on the circle."""
     mean = sine = cosine = 0.0

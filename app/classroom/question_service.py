@@ -107,7 +107,7 @@ class QuestionService:
                     "question": one.question.to_values(),
                     "result": one.question.result_words,
                 }
-                for one in ready_for(spec, lesson_of(scene))
+                for one in ready_for(spec, lesson_of(scene), scene.steps)
             ],
         }
 

@@ -190,7 +190,7 @@ def lesson(name: str) -> Thing:
     from app.viewer.gallery.scene_collection import find_lesson
 
     scene = find_lesson(name)
-    first = ready_for(scene.spec, name)[0]
+    first = ready_for(scene.spec, name, scene.steps)[0]
     row = next(row for row in lessons() if row["name"] == name)
     return {
         **row,

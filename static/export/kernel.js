@@ -160,7 +160,8 @@ class Kernel {
 
   // A parameter, and the reach that follows from it.
   set(parameter, value) {
-    for (const slot of parameter.slots) this.writeDouble(slot, value);
+    if (parameter.ticks) this.write("messages.delay", Math.round(value / parameter.ticks));
+    else for (const slot of parameter.slots) this.writeDouble(slot, value);
     if (this.manifest.reach === parameter.name) this.write("context.reach", value);
     if (this.exports.reach) this.write("context.reach", this.compute("reach", ["context.parameters"]));
   }

@@ -26,7 +26,7 @@ SEEDS = range(1, 6)
 
 def asked(name):
     """The question that is offered first for a lesson."""
-    return ready_for(find_lesson(name).spec, name)[0].question
+    return ready_for(find_lesson(name).spec, name, find_lesson(name).steps)[0].question
 
 
 def results(name, value, seeds=SEEDS, **others):

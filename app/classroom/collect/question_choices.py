@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -17,6 +18,7 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
 from agents.spec import CompleteSpec
 from app.classroom.collect.question import Question, question_of
+from app.viewer.gallery.scene_steps import SceneStep
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, is_whole, numbers
 from app.viewer.measuring.observable_format import observable_words
 from app.viewer.panels.dials import plain_symbol
@@ -135,6 +137,10 @@ PAPERS = 0.9984
 WITH_NOISE = 0.99
 
 
+OF_STEPS = "steps"
+"""The name of the question that the steps of a scene ask which is no lesson of ours."""
+
+
 def order_against_noise(spec: CompleteSpec) -> tuple[str, dict[str, Any]] | None:
     """How order is lost, for a model whose noise turns headings."""
     noise = next(
@@ -222,13 +228,39 @@ MAKERS: dict[str, Callable[[CompleteSpec], tuple[str, dict[str, Any]] | None]] =
 }
 
 
-def ready_for(spec: CompleteSpec, first: str = "") -> tuple[PreparedQuestion, ...]:
+def of_steps(spec: CompleteSpec, steps: Sequence[SceneStep]) -> tuple[str, dict[str, Any]] | None:
+    """What the steps of a scene ask about their first slider: all of its range, by the class."""
+    step = next((step for step in steps if step.ask and step.controls), None)
+    if step is None:
+        return None
+    known = {one.name: one for one in numbers(spec.model)}
+    parameter = known.get(step.controls[0])
+    if parameter is None:
+        return None
+    measure = observable_words(step.measure)
+    return f"{step.ask} The class takes all of the range", {
+        "title": f"{measure.capitalize()} against {parameter.words.lower()}",
+        "parameter": parameter.name,
+        "measure": {"observe": step.measure, "over": step.ticks - step.first_measured_tick + 1},
+        "ticks": step.ticks,
+        "values": list(chosen(spec, parameter).suggested),
+    }
+
+
+def ready_for(
+    spec: CompleteSpec, first: str = "", steps: Sequence[SceneStep] = ()
+) -> tuple[PreparedQuestion, ...]:
     """The questions that are ready for a scene: those whose parameter its model has.
 
-    The one called `first` stands first; one that its flock is too large for is not among them.
+    The one called `first` stands first, which is what its `steps` ask if it is called for no other;
+    one that its flock is too large for is not among them.
     """
     made: list[PreparedQuestion] = []
-    for name, maker in sorted(MAKERS.items(), key=lambda one: one[0] != first):
+    makers = dict(MAKERS)
+    if steps and first not in MAKERS:
+        first = first or OF_STEPS
+        makers[first] = partial(of_steps, steps=steps)
+    for name, maker in sorted(makers.items(), key=lambda one: one[0] != first):
         found = maker(spec)
         if found is None:
             continue

@@ -80,7 +80,7 @@ def named_sliders(question: Question | None, known: Sequence[str]) -> tuple[str,
 
 def first_question(scene: SavedScene) -> Question | None:
     """The question that is ready for a scene, that of its lesson first."""
-    ready = ready_for(scene.spec, lesson_of(scene))
+    ready = ready_for(scene.spec, lesson_of(scene), scene.steps)
     return ready[0].question if ready else None
 
 
