@@ -125,8 +125,9 @@ def status(state: SimulationState, mend: str = "Press Setup.", title: str = "") 
 
 
 def describe_scene(scene: SavedScene) -> str:
-    """What a scene is called, what to watch in it, and what to try."""
-    lines = (("Watch", scene.watch), ("Try", scene.tries))
+    """What a scene is called, what to watch in it, and what to try, which is left to its steps where
+    it has any."""
+    lines = (("Watch", scene.watch), ("Try", "" if scene.steps else scene.tries))
     paragraphs = "".join(
         f"<p><b>{name}</b> {html.escape(text)}</p>" for name, text in lines if text
     )
