@@ -81,7 +81,7 @@ const classPage = (() => {
     held = now;
     root.dataset.held = String(held);
     if (held) current?.go(false);
-    for (const one of document.querySelectorAll("#go, #step, #reset, #sliders input")) one.disabled = held || !current;
+    for (const one of document.querySelectorAll("#go, #step, #reset, #sliders input, #step-control input")) one.disabled = held || !current;
     hand.disabled = held || busy || !current;
     state.textContent = held ? "held by the teacher" : "";
   }

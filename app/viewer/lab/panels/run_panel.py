@@ -125,8 +125,7 @@ def status(state: SimulationState, mend: str = "Press Setup.", title: str = "") 
 
 
 def describe_scene(scene: SavedScene) -> str:
-    """What a scene is called, what to watch in it, and what to try, which is left to its steps where
-    it has any."""
+    """What a scene is called, what to watch in it, and what to try, if no steps say that."""
     lines = (("Watch", scene.watch), ("Try", "" if scene.steps else scene.tries))
     paragraphs = "".join(
         f"<p><b>{name}</b> {html.escape(text)}</p>" for name, text in lines if text
