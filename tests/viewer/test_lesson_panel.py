@@ -7,6 +7,7 @@ import re
 
 import pytest
 
+from app.front.controls import set_value
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.gallery.scene_steps import step_spec
 from app.viewer.lab.laboratory import Laboratory
@@ -143,3 +144,47 @@ def test_a_scene_without_steps_has_no_lesson(laboratory):
     laboratory.open(plain)
     until(lambda: laboratory.lesson.scene is plain, 30, "the scene")
     assert not laboratory.lesson.folder.visible
+
+
+def write_step(laboratory: Laboratory, **values: str) -> None:
+    """Fill in the form, and add the step."""
+    form = laboratory.lesson_form
+    for name, value in values.items():
+        set_value(getattr(form, name), value)
+    asyncio.run(form.press_button(Press("Add step")))
+
+
+def test_a_teacher_writes_a_lesson_that_is_saved_and_opened_again(laboratory):
+    laboratory.open(SavedScene.from_toml(RUN, "plain.toml"))
+    until(lambda: not laboratory.lesson.steps, 30, "the scene")
+    laboratory.simulation.set("eta", 2.0).result(60)
+    laboratory.refresh()
+    set_value(laboratory.lesson_form.controls[0], "Noise")
+    write_step(laboratory, say="Press Go.")
+    write_step(laboratory, say="Look.", ask="How much?", choices="little / much", bounds="0.5")
+    laboratory.refresh()
+    assert laboratory.lesson.folder.visible
+    saved = SavedScene.from_toml(laboratory.now("mine").to_toml(), "mine.toml")
+    first, second = saved.steps
+    assert first.values() == {"say": "Press Go.", "controls": ["eta"]}
+    assert second.choices == ["little", "much"]
+    assert second.set == {"eta": 2.0}
+    laboratory.open(saved)
+    until(lambda: laboratory.lesson.scene is saved, 30, "the lesson")
+    go_to(laboratory, 1)
+    assert len(run_step(laboratory, 0)) == 2
+    asyncio.run(laboratory.lesson_form.press_button(Press("Remove last")))
+    laboratory.refresh()
+    assert laboratory.lesson.steps == (first,)
+
+
+def test_a_step_that_is_not_sound_is_refused_in_a_line(laboratory):
+    steps = laboratory.lesson.steps
+    told = []
+    laboratory.lesson_form.tell = told.append
+    write_step(laboratory, say="Look.", ask="How much?", choices="a / b", bounds="half")
+    write_step(laboratory, say="Look.", ask="How much?", choices="a", bounds="0.5")
+    assert told[0] == "bounds = 'half' is no number (the form)"
+    assert told[1].startswith("step 4: choices = ['a'] is not allowed")
+    laboratory.refresh()
+    assert laboratory.lesson.steps == steps

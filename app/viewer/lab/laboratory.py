@@ -29,6 +29,7 @@ from app.viewer.lab.panels.flock_monitors import BELOW, BLOCKS, CrashLists, cont
 from app.viewer.lab.panels.flock_view import FlockView
 from app.viewer.lab.panels.inspector import Inspector
 from app.viewer.lab.panels.laboratory_plots import LaboratoryPlots
+from app.viewer.lab.panels.lesson_form import LessonForm
 from app.viewer.lab.panels.lesson_panel import LessonPanel
 from app.viewer.lab.panels.model_guide import Guide, TryRunner
 from app.viewer.lab.panels.numbers_table import MoreNumbers, NumbersTable
@@ -226,6 +227,7 @@ class Laboratory:
         with tabs.add_tab("Save"):
             Downloads(gui, self.simulation)
             self.saving = SceneFiles(gui, self.now, self.open, tell, self.allowance)
+            self.lesson_form = LessonForm(gui, self.now, self.take_steps, tell)
         with run_place:
             self.run = RunPanel(gui, self.simulation, self.setup)
             self.lesson = LessonPanel(
@@ -369,6 +371,11 @@ class Laboratory:
         self.plots.asked = MODELS[scene.spec.model], scene.plots
         self.scene.open_on(scene.camera)
         self.pointing = self.simulation.state.run, scene.camera
+
+    def take_steps(self, scene: SavedScene) -> None:
+        """Show the lesson of a scene that is what runs, with other steps."""
+        self.shown_scene = scene
+        self.simulation.news.set()
 
     def plot_first(self, observable: str) -> None:
         """Have the first chart show an observable, once the flock has it."""
@@ -521,6 +528,7 @@ class Laboratory:
         scene = self.told_scene()
         self.run.refresh(state, scene)
         self.lesson.follow(scene, state)
+        self.lesson_form.refresh(scene, state.spec.model)
         self.time_line.refresh(state, self.simulation.frame)
         self.setup.catch_up(state.spec)
         self.setup.refresh(state)
