@@ -23,6 +23,7 @@ from rule_scenes import Scene, flock_of, scene_of
 
 from agents import Flock
 from agents.catalogue import MODELS
+from app.viewer.gallery.lessons.lessons import built_in_lesson, lesson_names
 from app.viewer.gallery.scene_collection import PICTURES, built_in_scene, scene_names
 from app.worlds.world_picture import LOOK, draw_plan
 from worlds.generators import draw_obstacles
@@ -49,6 +50,19 @@ SCENES = {
     "spins": Scene((60,), 0.36),
 }
 """The tick at which one sees what a scene shows, and how long its agents are drawn."""
+LESSONS = {
+    "order-against-noise": Scene((200,), 0.3),
+    "beat-the-paper": Scene((3,), 0.3),
+    "braking-drones": Scene((400,), 7.0, tail=60),
+    "delay-breaks-flocks": Scene((900,), 2.0, tail=150),
+    "field-of-view": Scene((1000,), 1.6),
+    "lanes-of-pedestrians": Scene((2000,), 1.3),
+    "phase-transition": Scene((200,), 0.33),
+    "seven-neighbours": Scene((300,), 0.33),
+    "who-leads": Scene((9,), 0.4),
+    "zones-and-the-mill": Scene((1000,), 1.6),
+}
+"""The same for lessons."""
 
 
 def draw(flock: Flock, scene: Scene, tick: int) -> Image.Image:
@@ -96,6 +110,10 @@ def main(only: tuple[str, ...] = ()) -> None:
             saved, scene = built_in_scene(name), SCENES[name]
             flock = Flock(saved.spec)
             save(name, draw(flock, scene, scene.ticks[0]))
+    for name in lesson_names():
+        if not only or f"lesson-{name}" in only:
+            flock, scene = Flock(built_in_lesson(name).spec), LESSONS[name]
+            save(f"lesson-{name}", draw(flock, scene, scene.ticks[0]))
     for name, model in MODELS.items():
         if not only or f"model-{name}" in only:
             flock, scene = flock_of(model), scene_of(model)

@@ -16,6 +16,7 @@ from agents.flock import Flock
 from agents.models.declare import TOPICS
 from agents.spec import Spec
 from app.package_files import STATIC
+from app.viewer.gallery.lessons.lessons import lesson_names
 from app.viewer.gallery.saved_scene import (
     PACKED,
     SavedScene,
@@ -27,6 +28,7 @@ from app.viewer.gallery.saved_scene import (
 from app.viewer.gallery.scene_collection import (
     FIRST,
     GROUPS,
+    LESSON,
     MODEL,
     WORLD,
     built_in_scene,
@@ -167,6 +169,7 @@ def test_everything_that_is_built_in_has_a_card_with_a_picture_and_opens():
     made = {card.name: card for card in cards()}
     wanted = [*scene_names(), *(MODEL + name for name in MODELS)]
     wanted += [WORLD + name for name in layout_names()]
+    wanted += [LESSON + name for name in lesson_names()]
     assert set(wanted) <= set(made)
     for name in wanted:
         card = made[name]
