@@ -26,7 +26,7 @@ from make_screenshots import ARGUMENTS
 from PIL import Image
 from playwright.sync_api import sync_playwright
 
-from app.viewer.gallery.lessons.lessons import FIRST, lesson_names
+from app.viewer.gallery.lessons.lessons import FIRST
 from app.viewer.gallery.saved_scene import SavedScene
 from tests.classroom.running import running
 
@@ -180,11 +180,11 @@ def tell(scene: Scenario, pictures: Pictures, whole: bool) -> None:
 def main() -> None:
     """Give the lessons that are named, or all."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("lessons", nargs="*", metavar="LESSON", help=", ".join(lesson_names()))
+    parser.add_argument("lessons", nargs="*", metavar="LESSON", help=", ".join(CHECKS))
     parser.add_argument("--review", type=Path, help="folder for every picture in full")
     asked = parser.parse_args()
-    if set(asked.lessons) - set(lesson_names()):
-        parser.error(f"lessons are {', '.join(lesson_names())}")
+    if set(asked.lessons) - set(CHECKS):
+        parser.error(f"lessons are {', '.join(CHECKS)}")
     HERE.mkdir(exist_ok=True)
     if asked.review is not None:
         asked.review.mkdir(parents=True, exist_ok=True)
@@ -192,7 +192,7 @@ def main() -> None:
         browser = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=ARGUMENTS
         )
-        right = [give(one, browser, asked.review) for one in asked.lessons or lesson_names()]
+        right = [give(one, browser, asked.review) for one in asked.lessons or CHECKS]
         browser.close()
     sys.exit(0 if all(right) else 1)
 
