@@ -143,7 +143,8 @@ class LessonPanel:
             button.on_click(partial(self.choose, number))
             self.answers.append(button)
         self.gui.add_html(block(self.describe_run(step)))
-        self.run = self.gui.add_button(RUN, icon=viser.Icon.PLAYER_PLAY, color="green")
+        # Not the icon of Go: by that the page finds the button that it keeps in reach.
+        self.run = self.gui.add_button(RUN, icon=viser.Icon.FLASK, color="green")
         self.run.disabled = True
         self.run.on_click(self.begin)
         self.verdict = self.gui.add_html("")
