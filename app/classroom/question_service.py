@@ -249,6 +249,17 @@ class QuestionService:
             self.counted = (len(self.all), len(points)), numbers
         return self.counted[1].get(student, [])
 
+    def value_of(self, student: str) -> str:
+        """The value that a student tries, with its unit: what the latest question gave them, else
+        that of their last result; empty without any."""
+        if self.latest is None:
+            return ""
+        given, numbers = self.latest.given.get(student), self.results_of(student)
+        value = None if given is None else given.value
+        if value is None and numbers:
+            value = self.latest.points[numbers[-1]].value
+        return "" if value is None else self.latest.question.value_text(value)
+
     def plot(self) -> bytes:
         """The results of the latest question as JSON, packed by gzip, for students: nobody's name
         is in it. Raises InputError where there is none."""

@@ -56,12 +56,20 @@
   const few = (value) => Math.abs(value) >= 100 ? value.toFixed(0) : Math.abs(value) < 1 ? value.toFixed(3) : value.toPrecision(3);
   const stands = (one) => !one.seen ? "" : one.seen.error ? "stopped by an error" :
     one.seen.compiling ? "compiling" : `tick ${one.seen.tick}${one.seen.running ? "" : ", paused"}`;
+  /* The value that a student tries for the question, and whether it is handed in. */
+  const answered = (one) => {
+    if (!known.question || !one.number || (one.role !== "own" && !one.handed)) return "";
+    const value = one.value && `${known.question.x.symbol} = ${one.value}`;
+    return [value, one.handed > 1 ? `handed in ${one.handed} times` : one.handed ? "handed in" : "not handed in"]
+      .filter(Boolean).join(", ");
+  };
   const cards = new Map();
   const cardOf = (number) => {
     const card = make("article", "fs-student"), canvas = make("canvas"), inner = make("div");
     Object.assign(canvas, { width: 312, height: 208 });
     canvas.setAttribute("aria-hidden", "true");
     const parts = { card, canvas, name: make("b"), model: make("span"), stands: make("span"),
+      answer: make("span", "fs-answer"),
       numbers: make("span", "fs-numbers"), note: make("span", "fs-note"), acts: make("div", "fs-acts"), open: make("a", "fs-button", "Open") };
     parts.open.target = `flockscope-${number || "mine"}`;
     parts.open.href = number ? `at/${number}/` : "./";
@@ -76,7 +84,7 @@
     });
     parts.acts.append(parts.open, ...(number ? [parts.role, parts.hold, parts.remove] : []));
     card.classList.toggle("fs-mine", !number);
-    inner.append(parts.name, parts.model, parts.stands, parts.numbers, parts.note, parts.acts);
+    inner.append(parts.name, parts.model, parts.stands, parts.answer, parts.numbers, parts.note, parts.acts);
     card.append(canvas, inner);
     return parts;
   };
@@ -92,8 +100,8 @@
     parts.model.textContent = apart ? "flock in their browser" : own ? one.seen ? one.seen.model : "own flock" : "watching";
     parts.stands.textContent = !one.here ? "not here" : !own ? "sees my flock" :
       one.frozen ? `frozen${apart ? "" : `, ${stands(one)}`}` : apart ? "here" : stands(one);
-    parts.numbers.textContent = apart ? one.handed ? `${one.handed} handed in` : "" : own && one.seen ?
-      one.seen.numbers.map(([title, value]) => `${title} ${few(value)}`).join("\n") : "";
+    parts.answer.textContent = parts.answer.title = answered(one);
+    parts.numbers.textContent = own && !apart && one.seen ? one.seen.numbers.map(([title, value]) => `${title} ${few(value)}`).join("\n") : "";
     parts.note.textContent = one.note || "";
     parts.note.hidden = !one.note;
     parts.role.textContent = own ? "Watch mine" : "Own flock";

@@ -161,12 +161,16 @@ def test_results_are_points_and_the_same_numbers_as_a_run(ours, teacher):
     mine = gus.told("/class/mine")
     assert mine["role"] == "own"
     assert mine["question"]["value"] in ("0 rad", "6 rad")
+    card = next(one for one in roster(teacher)["students"] if one["name"] == "Gus")
+    assert (card["value"], card["handed"]) == (mine["question"]["value"], 0)
     with gus.connect():
         handed = gus.send("/class/hand-in", {})
     assert handed.status == 200, handed.text
     assert "polarisation over the last 10 ticks" in handed.text
     shown = roster(teacher)["question"]
     assert len(shown["points"]) == 1
+    card = next(one for one in roster(teacher)["students"] if one["name"] == "Gus")
+    assert (card["value"], card["handed"]) == (mine["question"]["value"], 1)
     table = teacher.ask("/class/results.csv")
     assert table.headers["Content-Disposition"] == 'attachment; filename="order-against-noise.csv"'
     rows = list(csv.DictReader(io.StringIO(table.text)))

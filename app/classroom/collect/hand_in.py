@@ -62,8 +62,7 @@ class Point:
 
     def told(self, question: Question) -> str:
         """The result in a sentence."""
-        unit = "" if question.unit == "1" else f" {question.unit}"
-        at = f"{question.parameter} = {self.value:g}{unit}, seed {self.seed}"
+        at = f"{question.parameter} = {question.value_text(self.value)}, seed {self.seed}"
         if self.result is None:
             return f"{self.student}, {at}: {self.reason}."
         return f"{self.student}, {at}: {question.result_words}: {self.result:.4g}."

@@ -168,6 +168,10 @@ class Question(StrictTable):
         """The unit of a parameter by name; 1 for a pure number."""
         return next((one.unit for one in numbers(self.model) if one.name == name), "1")
 
+    def value_text(self, value: float) -> str:
+        """A value of the parameter with its unit, for people."""
+        return f"{value:g}" if self.unit == "1" else f"{value:g} {self.unit}"
+
     def with_value(self, spec: CompleteSpec, value: float) -> CompleteSpec:
         """A run with another value of the parameter. Raises InputError."""
         number: float = round(value) if self.is_whole else value

@@ -150,11 +150,10 @@ class StudentRequests:
             return None
         question, given = collection.question, collection.give(student.name)
         one = question.declared
-        unit = "" if question.unit == "1" else f" {question.unit}"
         return {
             "title": question.title,
             "parameter": "agents" if one is None else one.words,
-            "value": None if given.value is None else f"{given.value:g}{unit}",
+            "value": None if given.value is None else question.value_text(given.value),
             "measured": question.result_words,
             "handed": len(self.classroom.asking.results_of(student.name)),
         }
