@@ -319,7 +319,7 @@ class Scenario:
                 self.teacher.get_by_role("link", name="Save the class as a file").click()
             coming.value.save_as(folder / "class.zip")
             self.teacher.get_by_role("button", name="End the class for all").click()
-            self.students[0].get_by_text("This class is over for you.").wait_for()
+            self.students[0].get_by_text("The class has ended").wait_for()
             self.ours.process.wait(TIMEOUT)
 
     @contextmanager

@@ -29,11 +29,17 @@
     sign.querySelector("span").textContent = text;
   };
   const silence = () => { if (sign !== null) { sign.remove(); sign = null; } };
+  /* A class that has ended says so itself: nobody comes back to it. */
+  const ended = () => "ended" in document.documentElement.dataset;
   const look = async () => {
     if (looking) return;
     looking = true;
     clearTimeout(due);
     const name = await answers();
+    if (ended()) {
+      silence();
+      return;
+    }
     const away = performance.now() - well;
     const another = known !== null && name !== known;
     if (name !== null && away > tolerance && (another || severed || !connected && away > enough)) {

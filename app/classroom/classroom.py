@@ -73,7 +73,10 @@ class Classroom:
         self.compiling: asyncio.Task[None] | None = None
         self.word = ""
         self.frozen = False
+        self.has_ended = False
+        """Whether the teacher has ended it."""
         self.is_over = False
+        """Whether nobody is served any more: it has ended, or the command is being stopped."""
         self.looking: asyncio.Task[None] | None = None
         self.listeners: set[Callable[[], None]] = set()
         """Called when something has changed that pages should be told."""
@@ -378,6 +381,11 @@ class Classroom:
             if student.place is not None:
                 with suppress(InputError):
                     await self.flocks.tell_own(student, "pause" if frozen else "go")
+        self.tell()
+
+    def end(self) -> None:
+        """End the class for all: pages are told so."""
+        self.has_ended = self.is_over = True
         self.tell()
 
     def say(self, word: str) -> None:

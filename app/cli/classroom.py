@@ -207,13 +207,13 @@ async def serve(
     finally:
         typer.echo("", err=True)
         await save_regularly(keeping)
-        if classroom.is_over:
+        if classroom.has_ended:
             keeping.forget_keys()
             await asyncio.sleep(FAREWELL)
         await classroom.close()
         await front.close()
     if keeping.kept is not None:
-        ended = "is in" if classroom.is_over else "goes on, with those who are in it, from"
+        ended = "is in" if classroom.has_ended else "goes on, with those who are in it, from"
         typer.echo(f"the class {ended} {str(keeping.path)!r}: flockscope class {keeping.path}")
 
 

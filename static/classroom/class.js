@@ -134,7 +134,7 @@
     for (const act of window.flockscopeClass.changed) act(known);
     if (!known.over) return;
     line.close();
-    at("lost").textContent = "This class is over.";
+    at("lost").textContent = "The class has ended.";
     at("lost").hidden = false;
   };
   /* While nobody is in, the code stands on the page as large as on the wall. */

@@ -143,8 +143,11 @@ const classPage = (() => {
     if (now.over) {
       ended = true;
       line.close();
-      hold(true);
-      state.textContent = "This class is over for you.";
+      ask(null);
+      hold(Boolean(now.removed));
+      state.textContent = now.removed ? "you are no longer in this class" : "the class has ended";
+      word.textContent = now.removed ? "The code on the wall lets you in again." : "Your flock stays on this page: go on with it.";
+      word.hidden = false;
       return;
     }
     if (now.page !== "flock" || (now.flock && now.flock !== flock)) {

@@ -22,20 +22,15 @@
   asked.setAttribute("role", "status");
   bar.setAttribute("role", "status");
   bar.append(who, what);
-  const over = (words) => {
-    const sheet = make("div", "fs-lost"), inner = document.createElement("div");
-    sheet.setAttribute("role", "alert");
-    inner.append(Object.assign(document.createElement("b"), { textContent: words }));
-    sheet.append(inner);
-    document.body.append(sheet);
-  };
   let ended = false;
   const shown = (text, line) => {
     const told = JSON.parse(text);
     if (told.over && !ended) {
       ended = true;
       line.close();
-      over("This class is over for you.");
+      if (told.removed) window.flockscopeEnded("You are no longer in this class", "The code on the wall lets you in again.");
+      else window.flockscopeEnded("The class has ended", told.role === "own" ?
+        "Your flock is kept with the class. What you see here stands still." : "What you see here stands still.");
       return;
     }
     if (told.page === "flock") {

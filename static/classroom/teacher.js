@@ -19,6 +19,10 @@
     const line = new EventSource(`${home}/class/roster`);
     line.onmessage = (event) => {
       known = JSON.parse(event.data);
+      if (known.over) {
+        line.close();
+        window.flockscopeEnded("The class has ended", "What you see here stands still.");
+      }
       count.textContent = `${known.students.filter((one) => one.here).length} here`;
     };
     line.onerror = () => { if (line.readyState === EventSource.CLOSED) setTimeout(listen, 2000); };

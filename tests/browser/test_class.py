@@ -61,6 +61,11 @@ def test_a_class_answers_a_question_from_the_code_on_the_wall_to_the_table(scena
     (result,) = (value for name, value in last.items() if name.startswith("polarisation"))
     assert float(result) == pytest.approx(order(float(last["eta [rad]"]), int(last["seed"])))
     scenario.end(tmp_path)
+    for kind in ("online", "visibilitychange"):
+        page.evaluate("kind => dispatchEvent(new Event(kind))", kind)
+        page.evaluate("fetch('alive').catch(() => 0)")
+    assert "Connection lost" not in page.inner_text("body")
+    assert "Your flock is kept with the class" in page.inner_text(".fs-lost")
     assert (tmp_path / "class.zip").read_bytes().startswith(b"PK")
 
 

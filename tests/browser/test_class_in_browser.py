@@ -121,13 +121,13 @@ def test_all_look_at_the_teachers_flock_and_go_back_to_their_own(teacher, enters
     ticks(di, 3)
 
 
-def test_a_class_that_is_over_says_so_on_the_page(teacher, enters):
+def test_who_is_taken_out_of_a_class_is_told(teacher, enters):
     enter, _ = enters
     ed = enter("Ed")
     ed.locator("#go:enabled").wait_for()
     number = next(one["number"] for one in roster(teacher)["students"] if one["name"] == "Ed")
     assert teacher.do("remove", students=[number]).status == 200
-    ed.get_by_text("This class is over for you.").wait_for()
+    ed.get_by_text("you are no longer in this class").wait_for()
     assert ed.locator("#go").is_disabled()
 
 

@@ -215,9 +215,11 @@ def test_a_class_that_is_stopped_goes_on_from_its_file_with_who_was_in_it(tmp_pa
             assert seen(teacher, "Kim")["model"] == "Vicsek model"
             assert until(lambda: seen(teacher, "Kim")["tick"] > 0, BUSY)
         port = first.port
-        first.stop()
+        with kim.listening("/class/mine") as line:
+            first.stop()
+            assert b'"over": true' not in line.read()
         assert first.process.returncode == 0
-        assert "kept.zip" in first.said[-1]
+        assert "goes on, with those who are in it, from 'kept.zip'" in first.said[-1]
     assert list(load(tmp_path / "kept.zip").students) == ["Kim"]
     keys = tmp_path / "kept.zip.keys"
     assert keys.stat().st_mode & 0o777 == 0o600
@@ -232,7 +234,9 @@ def test_a_class_that_is_stopped_goes_on_from_its_file_with_who_was_in_it(tmp_pa
             one.port = second.port
         told = kim.told("/class/mine")
         assert (told["name"], told["role"]) == ("Kim", "own")
-        assert teacher.do("end").text == "the class is over"
+        with kim.listening("/class/mine") as line:
+            assert teacher.do("end").text == "the class is over"
+            assert b'"over": true' in line.read()
         assert second.process.wait(BUSY) == 0
     assert not keys.exists()
     with running(tmp_path, scene="kept.zip") as third:

@@ -58,8 +58,9 @@ BROUGHT_BACK = ("Content-Type", "Content-Disposition", "Content-Range", "Accept-
 PLAIN = re.compile(r"[\w./~-]+", re.ASCII)
 """The paths that a laboratory serves, none of which is encoded."""
 STYLES = ("classroom/bar.css",)
-TEACHES = ("classroom/wall.js", "classroom/teacher.js")
-LEARNS = ("classroom/student.js",)
+ENDED = "classroom/ended.js"
+TEACHES = (ENDED, "classroom/wall.js", "classroom/teacher.js")
+LEARNS = (ENDED, "classroom/student.js")
 VISIT = ("classroom/visit.js",)
 """The scripts of a laboratory's page in a class, beside its own."""
 

@@ -33,7 +33,8 @@ async def stream(
 ) -> web.StreamResponse:
     """An answer without end: `told()` as JSON now, and whenever it has become another.
 
-    It ends once it has said that the class is over, for all or for this page.
+    It ends once it has said that the class is over, for all or for this page, and where the command
+    is stopped: then pages come back to the class when it is opened again.
     """
     response = web.StreamResponse(headers={"Content-Type": "text/event-stream"})
     secure(response.headers)
@@ -51,8 +52,8 @@ async def stream(
             if now != before:
                 before = now
                 await response.write(f"data: {now}\n\n".encode())
-                if said["over"]:
-                    break
+            if said["over"] or classroom.is_over:
+                break
             await asyncio.sleep(APART)
             try:
                 async with asyncio.timeout(ALIVE):
@@ -118,7 +119,7 @@ class StudentRequests:
     def mine(self, student: Student) -> dict[str, Any]:
         """What a student's page shows of the class; nothing any more to who is taken out of it."""
         if student.number not in self.classroom.students:
-            return {"over": True}
+            return {"over": True, "removed": True}
         return {
             "name": student.name,
             "class": self.classroom.title,
@@ -127,7 +128,7 @@ class StudentRequests:
             "moves": student.moves,
             "word": self.classroom.word,
             "question": self.question(student),
-            "over": self.classroom.is_over,
+            "over": self.classroom.has_ended,
         } | self.of_page(student)
 
     def of_page(self, student: Student) -> dict[str, Any]:

@@ -122,7 +122,7 @@ class TeacherRequests:
             "word": classroom.word,
             "frozen": classroom.frozen,
             "first": classroom.first_role,
-            "over": classroom.is_over,
+            "over": classroom.has_ended,
             "browsers": classroom.pages is not None,
             "flocks": classroom.pages.progress if classroom.pages else classroom.flocks_note,
             "question": classroom.asking.shown(),
@@ -201,8 +201,7 @@ class TeacherRequests:
 
     async def end(self, _values: Values) -> str:
         """End the class for all."""
-        self.classroom.is_over = True
-        self.classroom.tell()
+        self.classroom.end()
         return "the class is over"
 
     async def open_point(self, values: Values) -> str:
