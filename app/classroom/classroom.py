@@ -71,6 +71,8 @@ class Classroom:
         self.flocks_note = ""
         """Why students' flocks run on the server though they were to run in browsers."""
         self.compiling: asyncio.Task[None] | None = None
+        self.not_kept = ""
+        """Why the class's file could not be written when that was tried last; empty: it was."""
         self.word = ""
         self.frozen = False
         self.has_ended = False

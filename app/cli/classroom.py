@@ -218,11 +218,17 @@ async def serve(
 
 
 async def save_regularly(keeping: ClassKeeper) -> None:
-    """Keep the class; what cannot be written is said, and tried again later."""
+    """Keep the class; what cannot be written is said, here and on the teacher's page, and tried
+    again later."""
+    classroom, reason = keeping.classroom, ""
     try:
         await keeping.keep()
     except InputError as refusal:
-        typer.echo(f"flockscope: the class is not kept: {refusal}", err=True)
+        reason = str(refusal)
+        typer.echo(f"flockscope: the class is not kept: {reason}", err=True)
+    if classroom.not_kept != reason:
+        classroom.not_kept = reason
+        classroom.tell()
 
 
 def announce(front: ClassFront, host: str) -> None:

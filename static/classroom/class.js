@@ -114,6 +114,8 @@
   const shown = (text, line) => {
     known = JSON.parse(text);
     at("lost").hidden = true;
+    at("unkept").textContent = known.unkept && `The class is not kept: ${known.unkept}. It is tried again; “End of class” saves it on this machine.`;
+    at("unkept").hidden = !known.unkept;
     at("flocks").textContent = known.flocks;
     at("flocks").hidden = !known.flocks;
     at("title").textContent = known.title;

@@ -245,6 +245,19 @@ def test_a_class_that_is_stopped_goes_on_from_its_file_with_who_was_in_it(tmp_pa
         assert len(roster(third.teacher())["students"]) == 1
 
 
+def test_a_class_that_cannot_be_kept_says_so_on_the_teachers_page(tmp_path):
+    first = "from app.classroom import class_keeper; class_keeper.EVERY = 0.5"
+    with running(tmp_path, "--out", "kept.zip", first=first) as ours:
+        teacher = ours.teacher()
+        (tmp_path / "kept.zip").mkdir()
+        ours.student("Lea")
+        why = until(lambda: roster(teacher)["unkept"], BUSY)
+        assert "'kept.zip'" in why
+        (tmp_path / "kept.zip").rmdir()
+        assert until(lambda: not roster(teacher)["unkept"], BUSY)
+    assert list(load(tmp_path / "kept.zip").students) == ["Lea"]
+
+
 def test_a_process_that_dies_takes_its_flocks_alone_and_they_come_back(tmp_path):
     with running(tmp_path, "--workers", "2") as ours:
         teacher = ours.teacher()

@@ -123,6 +123,7 @@ class TeacherRequests:
             "frozen": classroom.frozen,
             "first": classroom.first_role,
             "over": classroom.has_ended,
+            "unkept": classroom.not_kept,
             "browsers": classroom.pages is not None,
             "flocks": classroom.pages.progress if classroom.pages else classroom.flocks_note,
             "question": classroom.asking.shown(),
