@@ -17,8 +17,9 @@ from typing import Any
 import tomlkit
 
 from agents.spec import LARGEST_SEED, CompleteSpec
+from app.classroom.collect.class_curve import ClassCurve, curve_from_toml
 from app.classroom.collect.class_picture import picture
-from app.classroom.collect.class_table import points_from_csv, to_csv
+from app.classroom.collect.class_table import demand_in_range, points_from_csv, to_csv
 from app.classroom.collect.collection import MOST_GIVEN, Collection, StudentAssignment
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question, clean_title, question_from_toml
@@ -74,6 +75,7 @@ KINDS = {
     r"(class|scene)\.toml": TEXT,
     rf"(students|questions)/{NAME}\.toml": TEXT,
     rf"results/{NAME}\.csv": TABLE,
+    rf"curves/{NAME}\.toml": TEXT,
     rf"results/{NAME}/[0-9]{{4}}\.toml": TEXT,
     rf"plots/{NAME}\.(svg|png)": PICTURE,
 }
@@ -238,11 +240,13 @@ def entries(state: ClassState) -> Iterator[tuple[str, str | bytes]]:
 
 
 def answers(key: str, collection: Collection) -> Iterator[tuple[str, str]]:
-    """A question, its results, and the runs that they are of."""
+    """A question, its results, the runs that they are of, and the curve of a sweep."""
     yield f"questions/{key}.toml", collection.question.to_toml()
     yield f"results/{key}.csv", to_csv(collection)
     for number, point in enumerate(collection.points, 1):
         yield f"results/{key}/{number:04d}.toml", point.spec
+    if collection.curve is not None:
+        yield f"curves/{key}.toml", collection.curve.to_toml()
 
 
 def slug(title: str) -> str:
@@ -337,8 +341,22 @@ def questions_of(
             if name in given:
                 raise InputError(f"given: {name!r} is there twice (class.toml)")
             given[name] = given_of(one, question)
-        made.append(Collection(question, points_of(key, question, pack), given))
+        points, curve = points_of(key, question, pack), saved_curve(key, question, pack)
+        made.append(Collection(question, points, given, curve))
     return made
+
+
+def saved_curve(key: str, question: Question, pack: ClassArchive) -> ClassCurve | None:
+    """The curve of a question; None where the file has none. Raises InputError."""
+    entry = f"curves/{key}.toml"
+    if entry not in pack.names:
+        return None
+    origin = f"{entry} of {pack.name}"
+    curve = curve_from_toml(pack.text(entry), origin)
+    for group in curve.groups:
+        for result in group.values:
+            demand_in_range(result, question, origin)
+    return curve
 
 
 def given_of(row: Mapping[str, Any], question: Question) -> StudentAssignment:

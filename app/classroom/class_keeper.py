@@ -122,7 +122,7 @@ class ClassKeeper:
         """What tells whether anything has changed."""
         room = self.classroom
         students = [(one.name, one.key, one.role, one.scene) for one in room.students.values()]
-        results = [(id(one), len(one.points), len(one.given)) for one in room.asking.all]
+        results = [(id(one), len(one.points), len(one.given), one.curve) for one in room.asking.all]
         return students, results, room.scene, room.code, len(room.teachers)
 
     async def keep(self) -> None:

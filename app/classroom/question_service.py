@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from agents.spec import CompleteSpec
-from app.classroom.collect.class_curve import ClassCurve
 from app.classroom.collect.class_table import to_csv, to_json
 from app.classroom.collect.collection import Collection
 from app.classroom.collect.hand_in import Point
@@ -44,7 +43,6 @@ class QuestionService:
         """Whether results are taken for the latest."""
         self.scene: SavedScene | None = None
         """That of the latest."""
-        self.curve: ClassCurve | None = None
         self.told = ""
         """What is to be said of the curve that is being made."""
         self.runs = RunQueue()
@@ -116,18 +114,21 @@ class QuestionService:
         if len(self.all) >= MOST_QUESTIONS:
             raise InputError(f"{MOST_QUESTIONS} questions have been asked: begin another class")
         question = await asyncio.to_thread(question_of, values, scene.spec)
-        self.all.append(Collection(question))
-        self.is_open, self.scene, self.curve, self.told = True, scene, None, ""
+        collection = Collection(question)
+        self.all.append(collection)
+        self.is_open, self.scene, self.told = True, scene, ""
         self.runs.begin(question, scene.spec)
         if self.curves is not None:
             self.curves.cancel()
-        self.curves = asyncio.create_task(self.look_for_curve(question, scene.spec))
+        self.curves = asyncio.create_task(self.look_for_curve(collection, scene.spec))
         return question
 
-    async def look_for_curve(self, question: Question, scene: CompleteSpec) -> None:
+    async def look_for_curve(self, collection: Collection, scene: CompleteSpec) -> None:
         """Find the curve that a sweep has made of the question."""
         try:
-            self.curve = await self.have(self.sweeping, "find_curve", question, scene)
+            collection.curve = await self.have(
+                self.sweeping, "find_curve", collection.question, scene
+            )
         except InputError as refusal:
             self.told = str(refusal)
 
@@ -135,23 +136,26 @@ class QuestionService:
         """Begin the sweep that makes the curve of the latest question. Raises InputError."""
         if self.latest is None or self.scene is None:
             raise InputError("no question has been asked")
-        question, scene = self.latest.question, self.scene.spec
+        collection, scene = self.latest, self.scene.spec
+        question = collection.question
         name: str = await self.have(self.sweeping, "begin_curve", question, scene)
-        if self.latest.question is not question:
+        if self.latest is not collection:
             return f"the sweep {name} has begun, for the question before: its curve is not shown"
         if self.curves is not None:
             self.curves.cancel()
-        self.curves = asyncio.create_task(self.follow(name, question, scene))
+        self.curves = asyncio.create_task(self.follow(name, collection, scene))
         return f"the sweep {name} has begun"
 
-    async def follow(self, name: str, question: Question, scene: CompleteSpec) -> None:
+    async def follow(self, name: str, collection: Collection, scene: CompleteSpec) -> None:
         """Look at a sweep while it runs."""
         self.told = "the sweep begins"
         try:
             while self.told:
                 await asyncio.sleep(CURVE)
-                curve, self.told = await self.have(self.sweeping, "curve", name, question, scene)
-                self.curve = curve or self.curve
+                curve, self.told = await self.have(
+                    self.sweeping, "curve", name, collection.question, scene
+                )
+                collection.curve = curve or collection.curve
         except InputError as refusal:
             self.told = str(refusal)
 
@@ -220,11 +224,11 @@ class QuestionService:
     def shown_now(self) -> dict[str, Any]:
         """The results of the latest question, made anew only where there is another one."""
         assert self.latest is not None
-        now = (len(self.all), len(self.latest.points), self.curve)
+        now = (len(self.all), len(self.latest.points), self.latest.curve)
         if now != self.drawn:
             self.drawn = now
             self.drawings += 1
-            self.results_json = to_json(self.latest, self.curve)
+            self.results_json = to_json(self.latest)
             plot = json.dumps(without_names(self.results_json), separators=(",", ":"))
             self.packed_plot = gzip.compress(plot.encode(), 6, mtime=0)
         return self.results_json
@@ -274,7 +278,7 @@ class QuestionService:
 
     async def picture(self, kind: str) -> bytes:
         """The picture of the latest question. Raises InputError."""
-        made: bytes = await self.draw("picture", self.demand(), kind, self.curve)
+        made: bytes = await self.draw("picture", self.demand(), kind)
         return made
 
     def point(self, number: int) -> SavedScene:

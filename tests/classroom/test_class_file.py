@@ -25,8 +25,9 @@ from app.classroom.class_file import (
     packed,
     save,
 )
+from app.classroom.collect.class_curve import ClassCurve
 from app.classroom.collect.class_table import points_from_csv, to_csv
-from app.classroom.collect.collection import Collection, StudentAssignment
+from app.classroom.collect.collection import Collection, ResultGroup, StudentAssignment
 from app.classroom.collect.hand_in import hand_in
 from app.classroom.collect.question import question_of
 from app.classroom.student import Role, same, student_name
@@ -49,6 +50,8 @@ def small_class() -> ClassState:
         spec = order.begins(name, SCENE)
         order.add(hand_in(order.question, name, spec, SCENE, WHEN))
     order.add(hand_in(order.question, "B", SCENE.but(agents=20), SCENE, WHEN))
+    groups = tuple(ResultGroup(v, v, v, (0.1 + 0.2, 0.5), 1) for v in order.question.values)
+    order.curve = ClassCurve("vem-eta", groups, ("other v0: 1, not 2",))
     free = Collection(question_of(VALUES | {"values": [], "counts": "all"}, SCENE))
     free.give("Ada")
     students = {
@@ -85,7 +88,7 @@ def test_a_person_can_unpack_and_read_it(state, data, tmp_path):
         pack.extractall(tmp_path)
     found = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*") if p.is_file())
     assert found == [
-        "class.toml",
+        "class.toml", "curves/01-order-against-noise.toml",
         "plots/01-order-against-noise.png", "plots/01-order-against-noise.svg",
         "questions/01-order-against-noise.toml", "questions/02-order-against-noise.toml",
         "results/01-order-against-noise.csv",
@@ -255,6 +258,7 @@ def test_locked_or_otherwise_packed_is_refused(data):
 
 Q1 = "questions/01-order-against-noise.toml"
 R1 = "results/01-order-against-noise"
+C1 = "curves/01-order-against-noise.toml"
 
 
 @pytest.mark.parametrize(
@@ -285,6 +289,12 @@ R1 = "results/01-order-against-noise"
         (f"{R1}.csv", "1,Ada,0.0,", "1,Ada,1.5,", "is not the run of its row"),
         (f"{R1}/0001.toml", "seed = 1", "seed = 2", "is not the run of its row"),
         (f"{R1}/0001.toml", 'model = "vem"', 'model = "x.py"', "x.py"),
+        (C1, "0.5", "1.5", "polarisation = 1.5 is not allowed"),
+        (C1, "0.5", "nan", "results.1 = nan is not allowed"),
+        (C1, "value = 1.5", "value = 0.0", "the values of groups do not rise"),
+        (C1, "gave_up = 1", "gave_up = -1", "gave_up = -1 is not allowed"),
+        (C1, 'sweep = "vem-eta"', 'sweep = "a\\nb"', "one line of plain text"),
+        (C1, 'sweep = "vem-eta"', "", "has no sweep"),
     ],
 )
 def test_what_a_stranger_has_changed_is_refused_in_one_line(data, entry, before, after, said):

@@ -219,8 +219,9 @@ def test_a_table_of_a_stranger_is_refused_in_one_line(before, after, said):
 
 def test_the_plot_of_a_page_is_small_json_without_nan():
     found = collected([*of_class(), told(6.0, None, "late")])
-    curve = ClassCurve("vem-eta", (ResultGroup(0.0, 0.0, 0.0, (1.0,)),), ("other v0: 1, not 2",))
-    said = to_json(found, curve)
+    group = ResultGroup(0.0, 0.0, 0.0, (1.0,))
+    found.curve = ClassCurve("vem-eta", (group,), ("other v0: 1, not 2",))
+    said = to_json(found)
     text = json.dumps(said, allow_nan=False)
     assert len(text) < 100 * len(found.points) + 1000
     assert json.loads(text) == said
@@ -240,8 +241,9 @@ def test_pictures_are_what_they_say_and_always_the_same():
     points = [*of_class(), told(6.0, None, "late"), told(1.5, 0.2, "x", 77, differs=("other v0",))]
     title = r"Order $\frac{ & <b> </svg>"
     found = collected(points, question_of(VALUES | {"title": title}, SCENE))
-    curve = ClassCurve("a$b$c", tuple(ResultGroup(v, v, v, (0.9, 0.8)) for v in ORDER.values), ())
-    drawn = {kind: picture(found, kind, curve) for kind in FORMATS}
+    groups = tuple(ResultGroup(v, v, v, (0.9, 0.8)) for v in ORDER.values)
+    found.curve = ClassCurve("a$b$c", groups, ())
+    drawn = {kind: picture(found, kind) for kind in FORMATS}
     assert drawn["png"].startswith(b"\x89PNG")
     assert drawn["pdf"].startswith(b"%PDF")
     words = "".join(ElementTree.fromstring(drawn["svg"]).itertext())
@@ -249,7 +251,7 @@ def test_pictures_are_what_they_say_and_always_the_same():
                  "mean and 95 % interval", "it did not happen here",
                  "not of the class's scene"):  # fmt: skip
         assert said in words
-    assert drawn["svg"] == picture(pickle.loads(pickle.dumps(found)), "svg", curve)
+    assert drawn["svg"] == picture(pickle.loads(pickle.dumps(found)), "svg")
     with pytest.raises(InputError, match="kind of picture 'gif'"):
         picture(found, "gif")
 
@@ -258,7 +260,7 @@ def test_the_page_and_the_picture_of_a_class_end_where_the_quantities_end():
     found = collected([told(1.5, 0.4, "A", 1), told(1.5, 0.97, "B", 2), told(3.0, 0.9, "C", 3)])
     assert found.groups()[0].summary.interval[1] > 1.0
     axes = Figure().subplots()
-    draw(axes, found, None)
+    draw(axes, found)
     said = to_json(found)
     assert list(axes.get_ylim()) == said["y"]["limits"] == [0.0, 1.0]
     assert list(axes.get_xlim()) == said["x"]["limits"]

@@ -6,16 +6,18 @@ import sqlite3
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import tomlkit
+from pydantic import ConfigDict, Field, ValidationError
 
 from agents.flock import Flock
 from agents.spec import CompleteSpec
 from app.classroom.collect.collection import ResultGroup
-from app.classroom.collect.differences import RunIdentity, differences
+from app.classroom.collect.differences import RunIdentity, differences, on_one_line
 from app.classroom.collect.question import Question
 from app.classroom.collect.question_choices import spread
+from app.strict_table import Line, StrictTable
 from app.studies.charts.run_group import is_number, varied_axes
 from app.studies.key_lines import KeyLocations
 from app.studies.runs.store_reader import StoreReader
@@ -23,7 +25,8 @@ from app.studies.sweeps.checked_sweep import Sweep, sweep_of
 from app.studies.sweeps.sweep_table import groups_of, places_of, spec_at
 from app.viewer.lab.sweeps.stored_sweeps import MOST_SHOWN, named_in
 from app.viewer.lab.sweeps.sweep_request import AGENTS, allowed, demand, run_table
-from worlds.input_error import InputError
+from worlds.input_error import InputError, first_input_error
+from worlds.text_file import toml
 from worlds.world import World
 
 VALUES = 12
@@ -32,6 +35,9 @@ TENFOLD = 10.0
 """From this ratio of the ends on its values rise by equal ratios: most happens at small ones."""
 RUNS = 20
 """Of each of its values."""
+LONGEST, MOST_DIFFERENCES = 500, 100
+"""Letters of a line in the file of a curve, and lines on how its runs differ."""
+CurveLine = Annotated[Line, Field(min_length=1, max_length=LONGEST)]
 FIRST_SEED = 10_001
 """Beyond the seeds that students are given: a curve of the class's own runs would tell nothing."""
 
@@ -56,6 +62,56 @@ class ClassCurve:
     def runs(self) -> int:
         """Runs that it is made of."""
         return sum(group.runs for group in self.groups)
+
+    def to_toml(self) -> str:
+        """The curve as the file of a class has it; floats come back to the bit."""
+        groups = [
+            {
+                "value": float(group.value),
+                "results": [float(result) for result in group.values],
+                "gave_up": group.gave_up,
+                "broken": group.broken,
+            }
+            for group in self.groups
+        ]
+        return tomlkit.dumps({"sweep": self.name, "differs": list(self.differs), "groups": groups})
+
+
+class CurveGroupTable(StrictTable):
+    """The runs of one value in the file of a curve."""
+
+    model_config = ConfigDict(strict=True)
+
+    value: float
+    results: list[float] = Field(max_length=MOST_SHOWN)
+    gave_up: int = Field(ge=0, le=MOST_SHOWN)
+    broken: int = Field(ge=0, le=MOST_SHOWN)
+
+
+class CurveTable(StrictTable):
+    """The file of a curve."""
+
+    model_config = ConfigDict(strict=True)
+
+    sweep: CurveLine
+    differs: list[CurveLine] = Field(max_length=MOST_DIFFERENCES)
+    groups: list[CurveGroupTable] = Field(max_length=MOST_SHOWN)
+
+
+def curve_from_toml(text: str, origin: str) -> ClassCurve:
+    """The curve in a text that `to_toml` wrote. Raises InputError."""
+    try:
+        table = CurveTable(**toml(text, origin))
+    except ValidationError as error:
+        raise first_input_error(error, origin) from None
+    values = [group.value for group in table.groups]
+    if values != sorted(set(values)):
+        raise InputError(f"{origin}: the values of groups do not rise")
+    groups = tuple(
+        ResultGroup(one.value, one.value, one.value, tuple(one.results), one.gave_up, one.broken)
+        for one in table.groups
+    )
+    return ClassCurve(table.sweep, groups, tuple(table.differs))
 
 
 def curve_of(folder: Path, question: Question, scene: CompleteSpec) -> ClassCurve:
@@ -83,7 +139,7 @@ def curve_of(folder: Path, question: Question, scene: CompleteSpec) -> ClassCurv
     differs = differences(
         RunIdentity.of(Flock(spec)), RunIdentity.of(Flock(meant)), [question.parameter]
     )
-    return ClassCurve(name, tuple(groups), differs)
+    return ClassCurve(on_one_line(name, LONGEST), tuple(groups), differs)
 
 
 def demand_same(name: str, identities: Sequence[dict[str, Any]], question: Question) -> None:

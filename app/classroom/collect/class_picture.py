@@ -24,13 +24,13 @@ FORMATS: tuple[Format, ...] = get_args(Format)
 CLASS, CURVE = COLOURS[0], COLOURS[6]
 
 
-def picture(collection: Collection, kind: str, curve: ClassCurve | None = None) -> bytes:
+def picture(collection: Collection, kind: str) -> bytes:
     """The picture as SVG, PNG or PDF; the same results make the same bytes. Raises InputError."""
     if kind not in FORMATS:
         raise unknown("kind of picture", kind, FORMATS)
     with new_figure(NAMED) as figure:
         figure.set_size_inches(7.2, 4.8)
-        draw(figure.subplots(), collection, curve)
+        draw(figure.subplots(), collection)
         title = f"{collection.question.title}\n{collection.told()}"
         figure.suptitle(title, x=0.01, ha="left", wrap=True)
         drawn = io.BytesIO()
@@ -38,9 +38,9 @@ def picture(collection: Collection, kind: str, curve: ClassCurve | None = None) 
     return drawn.getvalue()
 
 
-def draw(axes: Any, collection: Collection, curve: ClassCurve | None) -> None:
+def draw(axes: Any, collection: Collection) -> None:
     """Draw the curve, then the results, then their means on top."""
-    question, counted = collection.question, collection.counted
+    question, counted, curve = collection.question, collection.counted, collection.curve
     if curve is not None:
         draw_curve(axes, curve)
     for points, face, words in (

@@ -11,7 +11,6 @@ from typing import Any, get_args
 
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
-from app.classroom.collect.class_curve import ClassCurve
 from app.classroom.collect.collection import MOST_POINTS, Collection, ResultGroup
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question
@@ -110,8 +109,12 @@ def demand_possible(point: Point, question: Question, at: str) -> None:
         raise InputError(
             f"ticks = {point.ticks} is more than {question.ticks}, those of a run ({at})"
         )
-    if point.result is None:
-        return
+    if point.result is not None:
+        demand_in_range(point.result, question, at)
+
+
+def demand_in_range(result: float, question: Question, at: str) -> None:
+    """Refuse a value that what a question measures cannot have. Raises InputError."""
     low, high, name = 0.0, float(question.ticks), question.column
     if not question.measure.until:
         name = question.measure.observe
@@ -119,9 +122,9 @@ def demand_possible(point: Point, question: Question, at: str) -> None:
         assert isinstance(found, Range)
         low, high = found.low, found.high
     margin = ROUNDING * max(1.0, *(abs(end) for end in (low, high) if math.isfinite(end)), 0.0)
-    if not low - margin <= point.result <= high + margin:
+    if not low - margin <= result <= high + margin:
         raise InputError(
-            f"{name} = {point.result:g} is not allowed: it lies in [{low:g}, {high:g}] ({at})"
+            f"{name} = {result:g} is not allowed: it lies in [{low:g}, {high:g}] ({at})"
         )
 
 
@@ -181,13 +184,13 @@ def moment(text: str, at: str) -> datetime:
     return found.astimezone(UTC)
 
 
-def to_json(collection: Collection, curve: ClassCurve | None = None) -> dict[str, Any]:
+def to_json(collection: Collection) -> dict[str, Any]:
     """What a page needs for the plot; nothing in it is nan. Names and titles are plain text.
 
     A point is [number, student, value, result or null, counts, differs]; a group, and a place of
     the curve, is [value, runs, mean, half of its 95 % interval, sd, and the ends of the interval].
     """
-    question = collection.question
+    question, curve = collection.question, collection.curve
     one = question.declared
     along, up = collection.axis_limits(() if curve is None else curve.groups)
     return {

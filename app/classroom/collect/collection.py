@@ -10,6 +10,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,6 +28,9 @@ from app.studies.charts.axis_limits import (
 from app.studies.charts.run_group import RunGroup
 from worlds.input_error import InputError
 from worlds.number_text import counted as count
+
+if TYPE_CHECKING:
+    from app.classroom.collect.class_curve import ClassCurve
 
 # Results at one value of the parameter, or near it: their mean and how far they spread.
 
@@ -144,6 +148,8 @@ class Collection:
     points: list[Point] = field(default_factory=list)
     given: dict[str, StudentAssignment] = field(default_factory=dict)
     """By student."""
+    curve: ClassCurve | None = None
+    """What a sweep has of the question, once it is found or made."""
 
     def give(self, student: str) -> StudentAssignment:
         """The value and the seed of a student, always the same ones. Raises InputError.

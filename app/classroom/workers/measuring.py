@@ -120,9 +120,9 @@ def dearest(question: Question, scene: CompleteSpec) -> CompleteSpec:
 class DrawWorker:
     """Draws pictures of results, and writes the file of the class; usual runs go before it."""
 
-    def picture(self, collection: Collection, kind: str, curve: ClassCurve | None) -> bytes:
+    def picture(self, collection: Collection, kind: str) -> bytes:
         """The picture of a question. Raises InputError."""
-        return picture(collection, kind, curve)
+        return picture(collection, kind)
 
     def save(self, state: ClassState, path: Path) -> None:
         """Write the file of a class. Raises InputError."""
