@@ -1,3 +1,26 @@
+/* Fetches the results of a class as they grow, not more often than the class can bear: `look` is told of
+   them by what a page hears of the class, `draw` gets them and the numbers of one's own. */
+window.flockscopeResults = (home, draw) => {
+  let newest = null, drawn = "", waits = 0, last = -Infinity, ended = false;
+  const look = (told) => {
+    newest = told;
+    const { version, apart, mine } = told, now = `${version} ${mine}`;
+    if (!version || now === drawn || waits) return;
+    waits = setTimeout(async () => {
+      last = performance.now();
+      try {
+        const reply = await fetch(`${home}/class/plot.json`, { cache: "no-store", credentials: "same-origin" });
+        if (!reply.ok) throw new Error("no results");
+        const results = await reply.json();
+        drawn = now;
+        draw(results, mine);
+      } catch { /* it is asked for again below */ }
+      waits = 0;
+      if (!ended) look(newest);
+    }, Math.max(0, last + 1000 * apart - performance.now()));
+  };
+  return { look, end: () => { ended = true; } };
+};
 /* The results of a class, as they come in: every result, mean and interval for each value, the curve
    of a sweep behind them. A result can be pressed where `press` is given. `data` is what the class says
    of its question; results whose numbers are in `mine` are marked. */

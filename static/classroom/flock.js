@@ -1,6 +1,6 @@
 // A student's page whose flock runs in it: what the class says, the sliders that it names, the number
 // that it asks for, and its results. It stands behind the scripts of every page of a flock.
-const classPage = (() => {
+(() => {
   let current = null; // the page, once the flock is there
   const { flock, name, sliders, measure } = JSON.parse($("class").textContent);
   const root = document.documentElement, home = location.pathname.replace(/\/(index\.html)?$/, "");
@@ -76,7 +76,7 @@ const classPage = (() => {
     until.textContent = `${measure.words}: tick ${grouped(Math.min(now.tick, measure.ticks))} of ${grouped(measure.ticks)}${so}`;
   }
 
-  let held = false, ended = false, before = "", drawn = "", waits = 0, last = -Infinity;
+  let held = false, ended = false, before = "";
   function hold(now) {
     held = now;
     root.dataset.held = String(held);
@@ -109,7 +109,7 @@ const classPage = (() => {
     hand.hidden = task.hidden = !question;
     title.textContent = question ? question.title : "What to watch";
     if (!question) return;
-    if (before !== question.title + question.value) answer.textContent = "";
+    if (before !== question.title + question.value) answer.textContent = question.answer;
     before = question.title + question.value;
     task.textContent = question.value === null ?
       `Choose ${question.parameter.toLowerCase()} and watch ${question.measured}.` :
@@ -117,32 +117,17 @@ const classPage = (() => {
     hand.textContent = question.handed ? `Hand in again (${question.handed})` : "Hand in my run";
   };
 
-  // The class's results, as they grow: not more often than the class can bear.
-  const look = ({ version, apart, mine }) => {
-    const now = `${version} ${mine}`;
-    if (!version || now === drawn || waits) return;
-    waits = setTimeout(async () => {
-      last = performance.now();
-      try {
-        const reply = await fetch(`${home}/class/plot.json`, { cache: "no-store", credentials: "same-origin" });
-        if (!reply.ok) throw new Error("no results");
-        const results = await reply.json();
-        drawn = now;
-        plot.hidden = false;
-        told.textContent = results.told;
-        window.flockscopeChart(chart, results, null, mine);
-      } catch { /* it is asked for again below */ }
-      waits = 0;
-      if (!ended) look(newest);
-    }, Math.max(0, last + 1000 * apart - performance.now()));
-  };
-
-  let newest = null;
+  const results = window.flockscopeResults(home, (found, mine) => {
+    plot.hidden = false;
+    told.textContent = found.told;
+    window.flockscopeChart(chart, found, null, mine);
+  });
   const shown = (text, line) => {
     const now = JSON.parse(text);
     if (now.over) {
       ended = true;
       line.close();
+      results.end();
       ask(null);
       hold(Boolean(now.removed));
       state.textContent = now.removed ? "you are no longer in this class" : "the class has ended";
@@ -159,8 +144,7 @@ const classPage = (() => {
     word.hidden = !now.word;
     ask(now.question);
     hold(now.frozen);
-    newest = now.plot;
-    look(newest);
+    results.look(now.plot);
   };
   const listen = () => {
     const line = new EventSource(`${home}/class/mine`);
@@ -172,5 +156,4 @@ const classPage = (() => {
     };
   };
   listen();
-  return { looking: () => drawn };
 })();

@@ -28,6 +28,7 @@
     if (told.over && !ended) {
       ended = true;
       line.close();
+      results.end();
       if (told.removed) window.flockscopeEnded("You are no longer in this class", "The code on the wall lets you in again.");
       else window.flockscopeEnded("The class has ended", told.role === "own" ?
         "Your flock is kept with the class. What you see here stands still." : "What you see here stands still.");
@@ -46,6 +47,7 @@
     word.textContent = told.word;
     word.hidden = !told.word;
     ask(told);
+    results.look(told.plot);
     if (moves !== null && told.moves !== moves && client) client.postMessage({ type: "retry" });
     moves = told.moves;
   };
@@ -53,7 +55,21 @@
   const title = document.createElement("b"), task = document.createElement("p");
   const hand = document.createElement("button"), said = make("p", "fs-answer");
   hand.type = "button";
-  asked.append(title, task, hand, said);
+  /* The class's results beside it; they open with one's own first result. */
+  const chart = make("div", "fs-chart"), plot = make("details", "fs-results"), head = document.createElement("summary");
+  plot.append(head, chart);
+  plot.hidden = true;
+  asked.append(title, task, hand, said, plot);
+  let own = 0, newest = null;
+  const results = window.flockscopeResults(home, (found, mine) => {
+    plot.hidden = false;
+    title.textContent = found.title;
+    head.textContent = `The class: ${found.told}`;
+    window.flockscopeChart(chart, found, null, mine);
+    if (!own && mine.length) plot.open = true;
+    own = mine.length;
+    ask(newest);
+  });
   hand.addEventListener("click", async () => {
     hand.disabled = true;
     said.textContent = "Your run is made and measured …";
@@ -65,10 +81,16 @@
     hand.disabled = false;
   });
   let before = null;
-  const ask = ({ question, role }) => {
-    asked.hidden = !question || role !== "own";
+  const ask = (told) => {
+    const { question, role } = newest = told;
+    asked.hidden = role !== "own" || !question && plot.hidden;
+    hand.hidden = task.hidden = !question; /* what was handed in stays, with the results */
     if (!question) return;
-    if (before !== question.title + question.value) said.textContent = "";
+    if (before !== question.title + question.value) {
+      said.textContent = question.answer;
+      plot.open = question.handed > 0;
+      own = question.handed;
+    }
     before = question.title + question.value;
     title.textContent = question.title;
     task.textContent = question.value === null ?

@@ -57,10 +57,10 @@ BROUGHT_BACK = ("Content-Type", "Content-Disposition", "Content-Range", "Accept-
 """Headers of its answer that the page is told."""
 PLAIN = re.compile(r"[\w./~-]+", re.ASCII)
 """The paths that a laboratory serves, none of which is encoded."""
-STYLES = ("classroom/bar.css",)
+STYLES = ("classroom/chart.css", "classroom/bar.css")
 ENDED = "classroom/ended.js"
 TEACHES = (ENDED, "classroom/wall.js", "classroom/teacher.js")
-LEARNS = (ENDED, "classroom/student.js")
+LEARNS = (ENDED, "classroom/chart.js", "classroom/student.js")
 VISIT = ("classroom/visit.js",)
 """The scripts of a laboratory's page in a class, beside its own."""
 

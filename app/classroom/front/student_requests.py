@@ -85,7 +85,7 @@ class StudentRequests:
         """What a student is answered."""
         if request.path == "/class/mine" and request.method in READING:
             return await self.listen(request, student, limits)
-        if request.path == PLOT and request.method in READING and self.classroom.pages is not None:
+        if request.path == PLOT and request.method in READING:
             return packed_response(request, self.classroom.asking.plot(), "application/json", {})
         if request.method != "POST":
             if request.path.startswith("/class"):
@@ -132,17 +132,17 @@ class StudentRequests:
         } | self.of_page(student)
 
     def of_page(self, student: Student) -> dict[str, Any]:
-        """What a page is told that has, or could have, the flock in it."""
-        pages = self.classroom.pages
-        if pages is None:
-            return {"page": "laboratory"}
-        if not self.classroom.is_in_browser(student):
-            return {"page": "watching"}
+        """What kind of page a student has, and of which results they can see the plot."""
         apart = max(PLOT_APART, len(self.classroom.students) / PLOTS)
         asking = self.classroom.asking
         mine = asking.results_of(student.name)
-        plot = {"version": asking.plot_version, "apart": apart, "mine": mine}
-        return {"page": "flock", "flock": pages.flock_of(student), "plot": plot}
+        told = {"plot": {"version": asking.plot_version, "apart": apart, "mine": mine}}
+        pages = self.classroom.pages
+        if pages is None:
+            return told | {"page": "laboratory"}
+        if not self.classroom.is_in_browser(student):
+            return told | {"page": "watching"}
+        return told | {"page": "flock", "flock": pages.flock_of(student)}
 
     def question(self, student: Student) -> dict[str, Any] | None:
         """What a student with a flock is asked, and has answered so far."""
@@ -150,11 +150,12 @@ class StudentRequests:
         if collection is None or student.role is Role.WATCHING:
             return None
         question, given = collection.question, collection.give(student.name)
-        one = question.declared
+        one, handed = question.declared, self.classroom.asking.results_of(student.name)
         return {
             "title": question.title,
             "parameter": "agents" if one is None else one.words,
             "value": None if given.value is None else question.value_text(given.value),
             "measured": question.result_words,
-            "handed": len(self.classroom.asking.results_of(student.name)),
+            "handed": len(handed),
+            "answer": collection.points[handed[-1]].told(question) if handed else "",
         }
