@@ -141,6 +141,13 @@
     made.textContent = "Copied";
     setTimeout(() => { made.textContent = "Copy"; }, 1500);
   };
+  /* Nobody else reaches a page of this machine's loopback: what they can be given instead. */
+  const LOOPBACK = /^(localhost|127(\.\d+){3}|\[::1\])$/;
+  const alone = () => {
+    const note = make("p", "fs-quiet", "Only this machine opens this address. Give others the line below, or ");
+    note.append(button("", "a page that runs by itself", () => window.flockscopeTake()), ".");
+    return note;
+  };
   const take = async () => {
     const inner = sheet("Share this scene", "fs-share");
     let said;
@@ -155,6 +162,7 @@
       const made = button("", "Copy", () => copied(field, made));
       label.append(field);
       inner.append(label, made);
+      if (name === "Address" && LOOPBACK.test(location.hostname)) inner.append(alone());
     }
     inner.append(make("p", "", "As a file: Save, Save scene."));
   };

@@ -115,6 +115,8 @@
     if (state.filming || state.busy) complain(inner, "One thing at a time: it is being made.");
   };
 
+  window.flockscopeTake = take;
+
   const heard = (event) => {
     const data = event.data;
     if (!data || data.type !== "message_batch") return;
