@@ -11,6 +11,7 @@ import pytest
 from agents.flock import Flock
 from agents.recordings.recorder import Recorder
 from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.panels.run_panel import describe_time_line
 from app.viewer.measuring.time_series import TimeSeries
 from app.viewer.run.frame_builder import FrameRequest
 from app.viewer.run.run_preset import preset_spec
@@ -106,6 +107,9 @@ def test_any_tick_can_be_sought_and_the_last_recorded_one_is_shown(
     seek(played, tick)
     shown(played, is_shown)
     assert np.array_equal(played.frame.position, recorded[1][is_shown])
+    until(lambda: played.state.line.at == is_shown)
+    said = describe_time_line(played.state.line, played.frame)
+    assert ("Tick 17 is not kept" in said) == (tick == 17)
 
 
 def test_step_shows_the_next_recorded_tick(played):

@@ -52,6 +52,8 @@ class TimeLineState:
     """Whether it is a tick of a live run that has gone on from there."""
     recording: str = ""
     """The name of the recording that is played; empty: it is a live run."""
+    sought: int | None = None
+    """The tick that was asked for, where the last one before it that is kept is shown instead."""
 
 
 @dataclass(frozen=True)

@@ -141,6 +141,8 @@ class TimeLine:
         self.rate_limit = WorkThrottle(OFTEN, SHARE)
         self.moved: float | None = None
         """When it was last moved along the line, until all has been measured, s."""
+        self.sought = 0, 0
+        """The tick that was asked for last, and that which was shown for it."""
 
     # Commands.
 
@@ -176,6 +178,7 @@ class TimeLine:
             for flock_run in run.both:
                 flock_run.readings.notes = self.present is None
                 flock_run.readings.aside.forget()
+        self.sought = tick, run.flock.tick
         self.moved = time.perf_counter()
         host.stale = True
 
@@ -236,6 +239,7 @@ class TimeLine:
         """Another run begins."""
         self.history.forget()
         self.present = self.moved = None
+        self.sought = 0, 0
         self.changed()
 
     def changed(self) -> None:
@@ -264,11 +268,15 @@ class TimeLine:
         """What there is to move along; None where there is nothing yet."""
         at = run.flock.tick
         if isinstance(run, Playback):
-            return TimeLineState(run.first, run.last, at, recording=run.stored.name)
-        if not self.history.moments:
+            line = TimeLineState(run.first, run.last, at, recording=run.stored.name)
+        elif self.history.moments:
+            last = at if self.present is None else self.present.tick
+            line = TimeLineState(self.history.moments[0].tick, last, at, self.present is not None)
+        else:
             return None
-        last = at if self.present is None else self.present.tick
-        return TimeLineState(self.history.moments[0].tick, last, at, self.present is not None)
+        asked, shown = self.sought
+        is_other = shown == at < asked <= line.last and (line.recording or line.looks_back)
+        return replace(line, sought=asked) if is_other else line
 
     def time_to_settle(self, now: float) -> float | None:
         """Time until everything is to be measured where one has moved to, s; None: it has been."""

@@ -453,6 +453,6 @@ class ChosenChart:
         label = f"{self.title}: {now}" if lone else self.title
         if self.choice.label != label:
             self.choice.label = label
-        self.overlay = overlay
+        self.overlay, self.plot.title = overlay, chart_title(self.names)
         content = overlay.chart_contents(self.names, not lone, changes)
         self.plot.show(content, overlay.head(self.names, keyed=True))

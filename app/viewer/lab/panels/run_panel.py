@@ -221,13 +221,17 @@ class TimeLinePanel:
 def describe_time_line(line: TimeLineState, frame: Frame) -> str:
     """What is shown, and what can be done about it, HTML."""
     when = clock(line.at, frame)
+    kept = ""
+    if line.sought is not None:
+        kept = f" Tick {line.sought} is not kept: this is the last one before it that is."
     if line.recording:
         name = html.escape(line.recording)
         return (
             f'<div class="fs-quiet">Recording <b>{name}</b>: {when} of '
-            f"{clock(line.last, frame, '')}. Setup begins a new run from its spec.</div>"
+            f"{clock(line.last, frame, '')}.{kept} Setup begins a new run from its spec.</div>"
         )
-    return f'<div class="fs-quiet">Looking back at {when}; now is {clock(line.last, frame)}.</div>'
+    now = clock(line.last, frame)
+    return f'<div class="fs-quiet">Looking back at {when}; now is {now}.{kept}</div>'
 
 
 def clock(tick: int, frame: Frame, word: str = "tick ") -> str:
