@@ -24,7 +24,13 @@ from app.viewer.live.panels.live_plots import WINDOW, LivePlots, colours
 from app.viewer.live.panels.log_panel import COLUMNS, as_csv, event_list
 from app.viewer.live.panels.room_monitors import cars, numbers
 from app.viewer.live.panels.room_panel import describe_injected, describe_limits
-from app.viewer.live.panels.state_panel import MOVES, banner_html, banner_of
+from app.viewer.live.panels.state_panel import (
+    EMULATED_CARS,
+    MOVES,
+    arming_question,
+    banner_html,
+    banner_of,
+)
 from app.viewer.live.room_frame import RoomReadings, Setting, frame_of
 from app.viewer.live.session_requests import DragHandle, SessionState
 from app.viewer.scene.shown import palette
@@ -78,6 +84,28 @@ def test_a_car_that_moves_though_told_to_stand_is_a_large_banner_in_every_state(
     assert "fs-alarm" not in banner_html(banner_of(OPEN, status_at(arm=arm)))
     told = Event(7, 0.07, "moves", words, "blue")
     assert notice_of(told) == words
+
+
+def test_the_banner_says_that_cars_are_emulated_and_why_they_stand():
+    why = "stopped until armed again: blue was last seen 0.40 s ago (safety)"
+    state = replace(OPEN, emulated=True, disarmed=why)
+    assert f"SAFE · {EMULATED_CARS}" in banner_html(banner_of(state, status_at()))
+    assert why in banner_html(banner_of(state, status_at()))
+    assert why in banner_html(banner_of(state, status_at(arm="emergency")))
+    running = banner_html(banner_of(state, status_at(arm="armed")))
+    assert EMULATED_CARS in running
+    assert why not in running
+    replay = banner_html(banner_of(replace(state, phase="replay"), status_at()))
+    assert EMULATED_CARS not in replay
+    assert why not in replay
+    assert EMULATED_CARS not in banner_html(banner_of(OPEN, status_at()))
+
+
+def test_the_question_before_arming_tells_emulated_cars_from_real_ones():
+    assert "1 car will drive" in arming_question(["red"])
+    assert "Is the area clear?" in arming_question(["red"])
+    assert "2 emulated cars will drive" in arming_question(["red", "blue"], True)
+    assert "No real car moves." in arming_question(["red", "blue"], True)
 
 
 def test_trouble_of_the_tracking_is_shown_beside_the_cars_that_are_not_seen():

@@ -49,6 +49,17 @@ def test_it_arms_disarms_and_resets_and_keeps_all_events(enter):
     told(session, "emergency (browser 2)")
 
 
+def test_it_keeps_why_the_cars_were_disarmed_until_they_are_armed_again(enter, operators):
+    session = enter()
+    armed(session)
+    operators.last.happens("hold", "stopped until armed again: blue is frozen", "safety")
+    until(lambda: session.state.disarmed)
+    assert session.state.disarmed == "stopped until armed again: blue is frozen (safety)"
+    operators.last.happens("disarm", "disarmed: nothing changed", "browser 1")
+    operators.last.happens("arm", "armed", "browser 1")
+    until(lambda: not session.state.disarmed)
+
+
 @pytest.mark.parametrize("action", ["tune", "hold", "fly", None, 7, ["arm"]])
 def test_other_wishes_become_notices(enter, operators, action):
     session = enter()

@@ -18,6 +18,7 @@ from agents.models.declare import Parameters
 from agents.models.model import Model
 from app.live.control.arm import OperatorRequest
 from app.live.control.loop_status import Event, Events, Status
+from app.live.device_kinds import SIMULATED, kind_of
 from app.live.laboratory.lab_file import Lab
 from app.live.operating.flock_driver import FlockDriver
 from app.live.operating.lab_choices import Choices, open_driven
@@ -118,6 +119,8 @@ class Session(SessionRequests):
         self.readings = RoomReadings(self.lab.injected)
         self.events = Events()
         """Those of all openings."""
+        self.is_armed = False
+        """Whether the cars were armed by the last event that says so."""
         self.code = ArmingCode()
         """What a browser needs to arm, for as long as this page is served."""
         self.parting = threading.Lock()
@@ -185,6 +188,7 @@ class Session(SessionRequests):
             self.poll()
         self.close_loop()
         self.replaying = None
+        self.is_armed = False
         self.forget()
         if isinstance(choices, Path):
             self.show_recording(choices, cause)
@@ -199,6 +203,8 @@ class Session(SessionRequests):
             values={},
             recording="",
             compiling="",
+            emulated=kind_of(choices.lab.source) == SIMULATED,
+            disarmed="",
             run=self.state.run + 1,
         )
         self.add_event("room", f"opening {choices.source}, {choices.rule}", cause)
@@ -302,6 +308,13 @@ class Session(SessionRequests):
     def note(self, event: Event) -> None:
         """Keep an event; an emergency stop lasts beyond this opening until it is reset."""
         self.events.add(event)
+        if event.kind == "arm":
+            self.is_armed = True
+            self.change(disarmed="")
+        elif event.kind == "emergency" or (self.is_armed and event.kind in ("hold", "disarm")):
+            self.is_armed = False
+            by = f" ({event.cause})" if event.cause else ""
+            self.change(disarmed=f"{event.words}{by}")
         if event.kind == "emergency":
             self.latch = event.cause or event.kind
             self.change(latched=True)

@@ -62,6 +62,11 @@ class SessionState:
     """Whether browsers may arm: not after too many wrong codes."""
     latched: bool = False
     """Whether an emergency stop was asked for and no reset has followed, in whichever opening."""
+    emulated: bool = False
+    """Whether the cars are emulated: no real one is driven."""
+    disarmed: str = ""
+    """Why the cars were disarmed or stopped last, and by whom; empty: they were not, since they were
+    armed or the room was opened."""
 
 
 # Checks of what browsers send, before it goes to the control loop, which checks again.

@@ -6,7 +6,7 @@ The emergency stop works in every state and from the moment that the button goes
 from __future__ import annotations
 
 import html
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import viser
@@ -24,6 +24,8 @@ from app.viewer.panels.shell import block
 MOVES = "A CAR MOVES THOUGH TOLD TO STAND"
 """The alarm of a car that moves in whatever state; what to do follows in the reasons."""
 NO_BROWSER = f"no browser arms after {TRIES} wrong codes; the key a in the terminal does"
+EMULATED_CARS = "EMULATED CARS"
+"""Stands beside the title where no real car is driven."""
 MOST = 4
 """Reasons that are listed one by one."""
 Kind = Literal["opening", "failed", "replay", "safe", "running", "held up", "emergency"]
@@ -41,6 +43,12 @@ class Banner:
     """Why the cars do not run, or cannot be armed, and what else is wrong."""
     alarm: str = ""
     """What a person must act on at once, in large letters above all else; empty: nothing."""
+    before: str = ""
+    """Why the cars were disarmed or stopped last; empty: they were not."""
+    emulated: bool = False
+    """Whether the cars are emulated."""
+    waits: bool = False
+    """Whether something is being compiled, of which nobody knows how long it takes."""
 
     @property
     def can_be_armed(self) -> bool:
@@ -50,11 +58,23 @@ class Banner:
 
 def banner_of(state: SessionState, status: Status | None) -> Banner:
     """The banner of a session with this state and this newest status of its loop."""
+    banner = banner_of_phase(state, status)
+    if state.phase == "replay":
+        return banner
+    stands = banner.kind in ("safe", "emergency")
+    return replace(
+        banner, before=state.disarmed if stands else "", emulated=state.emulated
+    )
+
+
+def banner_of_phase(state: SessionState, status: Status | None) -> Banner:
+    """The banner without what is said of the cars in whatever phase."""
     if state.phase == "opening":
         if state.latched:
             return Banner("emergency", "EMERGENCY STOP", "Opening; it begins stopped.")
         words = state.compiling or "Waiting for the control loop."
-        return Banner("opening", "Opening …", words[:1].upper() + words[1:])
+        words = words[:1].upper() + words[1:]
+        return Banner("opening", "Opening …", words, waits=bool(state.compiling))
     if state.phase == "replay":
         words = "An earlier recording. The room is closed: nothing is sent to any car."
         late = ("an emergency stop is latched",) if state.latched else ()
@@ -132,9 +152,11 @@ class ArmingConfirmation:
         number = client.client_id
         if number in self.open:
             return
-        modal = client.gui.add_modal("Arm?")
+        emulated = self.session.state.emulated
+        question = arming_question(list(self.session.lab.cars), emulated)
+        modal = client.gui.add_modal("Arm the emulated cars?" if emulated else "Arm?")
         with modal:
-            client.gui.add_html(block(arming_question(list(self.session.lab.cars))))
+            client.gui.add_html(block(question))
             code = client.gui.add_text("Code", "", hint="Six digits, as the terminal shows them")
             message = client.gui.add_html(block(line(ASKED)))
             cancel = client.gui.add_button("Cancel", color="gray")
@@ -180,12 +202,14 @@ class ArmingConfirmation:
             self.close(number)
 
 
-def arming_question(cars: list[str]) -> str:
-    """What is asked."""
-    count = "1 car" if len(cars) == 1 else f"{len(cars)} cars"
+def arming_question(cars: list[str], emulated: bool = False) -> str:
+    """What is asked of real cars, or of emulated ones."""
+    kind = "emulated car" if emulated else "car"
+    count = f"1 {kind}" if len(cars) == 1 else f"{len(cars)} {kind}s"
+    clear = "No real car moves." if emulated else "Is the area clear?"
     return (
         f'<div class="fs-question"><b>{count} will drive</b> ({html.escape(", ".join(cars))}). '
-        "Is the area clear?<br>Space or Esc stops them, in every browser.</div>"
+        f"{clear}<br>Space or Esc stops them, in every browser.</div>"
     )
 
 
@@ -299,9 +323,12 @@ def banner_html(now: Banner) -> str:
     reasons = "".join(f"<li>{html.escape(reason)}</li>" for reason in now.reasons)
     listed = f"<ul>{reasons}</ul>" if reasons else ""
     alarm = f'<div class="fs-alarm">{html.escape(now.alarm)}</div>' if now.alarm else ""
+    title = f"{now.title} · {EMULATED_CARS}" if now.emulated else now.title
+    bar = '<i class="fs-waiting"><i></i></i>' if now.waits else ""
+    before = f"<p>Why: {html.escape(now.before)}.</p>" if now.before else ""
     return (
         f'<div class="fs-banner fs-{now.kind.replace(" ", "-")}">{alarm}'
-        f"<b>{html.escape(now.title)}</b><span>{html.escape(now.words)}</span>{listed}</div>"
+        f"<b>{html.escape(title)}</b><span>{html.escape(now.words)}</span>{before}{bar}{listed}</div>"
     )
 
 
