@@ -68,7 +68,10 @@
   const update = () => {
     const layout = !small.matches ? "wide" : flat.matches ? "flat" : "tall";
     if (root.dataset.layout !== layout) root.dataset.layout = layout;
-    if (layout === "wide" || !monitors()) return;
+    if (layout === "wide" || !monitors()) {
+      if (document.querySelector(".fs-question")) measure();
+      return;
+    }
     const wanted = names();
     if (wanted.join() !== [...buttons.keys()].join()) build(wanted);
     slot.hidden = !sheet().querySelector('[data-block] svg[class*="tabler-player-p"]');

@@ -23,10 +23,11 @@ window.flockscopeResults = (home, draw) => {
 };
 /* The results of a class, as they come in: every result, mean and interval for each value, the curve
    of a sweep behind them. A result can be pressed where `press` is given. `data` is what the class says
-   of its question; results whose numbers are in `mine` are marked. */
+   of its question; results whose numbers are in `mine` are marked. A place may say how tall it is at
+   least, in pixels (data-least). */
 window.flockscopeChart = (place, data, press, mine = []) => {
   const kind = "http://www.w3.org/2000/svg";
-  const wide = Math.max(300, place.clientWidth), tall = Math.max(240, Math.min(420, wide * 0.5));
+  const wide = Math.max(300, place.clientWidth), tall = Math.max(place.dataset.least ?? 240, Math.min(420, wide * 0.5));
   const box = { left: 56, right: wide - 16, top: 16, bottom: tall - 28 };
   const draw = (name, values, inside, words) => {
     const made = document.createElementNS(kind, name);

@@ -53,20 +53,22 @@
   };
   /* The question, the value that one has to try, and a button that hands the run in as it is set up. */
   const title = document.createElement("b"), task = document.createElement("p");
-  const hand = document.createElement("button"), said = make("p", "fs-answer");
+  const hand = document.createElement("button"), said = make("p", "fs-answer"), now = make("p", "fs-now");
   hand.type = "button";
   /* The class's results beside it; they open with one's own first result. */
   const chart = make("div", "fs-chart"), plot = make("details", "fs-results"), head = document.createElement("summary");
+  chart.dataset.least = "150";
   plot.append(head, chart);
   plot.hidden = true;
-  asked.append(title, task, hand, said, plot);
+  asked.append(title, task, now, hand, said, plot);
+  const fits = () => innerHeight > 700; /* else the picture would go for it */
   let own = 0, newest = null;
   const results = window.flockscopeResults(home, (found, mine) => {
     plot.hidden = false;
     title.textContent = found.title;
     head.textContent = `The class: ${found.told}`;
     window.flockscopeChart(chart, found, null, mine);
-    if (!own && mine.length) plot.open = true;
+    if (!own && mine.length) plot.open = fits();
     own = mine.length;
     ask(newest);
   });
@@ -84,11 +86,11 @@
   const ask = (told) => {
     const { question, role } = newest = told;
     asked.hidden = role !== "own" || !question && plot.hidden;
-    hand.hidden = task.hidden = !question; /* what was handed in stays, with the results */
+    hand.hidden = task.hidden = now.hidden = !question; /* what was handed in stays, with the results */
     if (!question) return;
     if (before !== question.title + question.value) {
       said.textContent = question.answer;
-      plot.open = question.handed > 0;
+      plot.open = question.handed > 0 && fits();
       own = question.handed;
     }
     before = question.title + question.value;
@@ -96,6 +98,7 @@
     task.textContent = question.value === null ?
       `Choose ${question.parameter.toLowerCase()} and watch: ${question.measured}.` :
       `Yours: ${question.parameter.toLowerCase()} ${question.value}. Watch ${question.measured}.`;
+    now.textContent = question.now;
     hand.textContent = question.handed ? `Hand in again (${question.handed})` : "Hand in my run";
   };
   const listen = () => {

@@ -161,12 +161,17 @@ def test_results_are_points_and_the_same_numbers_as_a_run(ours, teacher):
     mine = gus.told("/class/mine")
     assert mine["role"] == "own"
     assert mine["question"]["value"] in ("0 rad", "6 rad")
+    assert mine["question"]["answer"] == ""
     card = next(one for one in roster(teacher)["students"] if one["name"] == "Gus")
     assert (card["value"], card["handed"]) == (mine["question"]["value"], 0)
     with gus.connect():
         handed = gus.send("/class/hand-in", {})
     assert handed.status == 200, handed.text
     assert "polarisation over the last 10 ticks" in handed.text
+    after = gus.told("/class/mine")
+    assert after["question"]["answer"] == handed.text.strip()
+    plot = json.loads(gus.ask("/class/plot.json").text)
+    assert plot["points"][after["plot"]["mine"][0]][1] == ""
     shown = roster(teacher)["question"]
     assert len(shown["points"]) == 1
     card = next(one for one in roster(teacher)["students"] if one["name"] == "Gus")

@@ -10,6 +10,7 @@ from typing import Any
 from aiohttp import web
 
 from app.classroom.classroom import Classroom
+from app.classroom.collect.question import Question
 from app.classroom.front.class_request import (
     MOST_STREAMS,
     StudentLimits,
@@ -19,6 +20,7 @@ from app.classroom.front.class_request import (
 from app.classroom.front.student_pages import packed_response
 from app.classroom.student import Role, Student
 from app.front.http_server import READING, Request, secure
+from app.viewer.measuring.observable_format import observable_words
 
 # Tells a page what has changed, as it changes: events that a server sends.
 
@@ -144,6 +146,14 @@ class StudentRequests:
             return told | {"page": "watching"}
         return told | {"page": "flock", "flock": pages.flock_of(student)}
 
+    def measured_now(self, student: Student, question: Question) -> str:
+        """What a flock on the server shows now of what the question measures, in words; empty where
+        that is not known."""
+        seen = self.classroom.flocks.seen.get(student.number)
+        words = observable_words(question.measure.observable)
+        value = None if seen is None else dict(seen.numbers).get(words)
+        return "" if seen is None or value is None else f"Now, tick {seen.tick}: {words} {value:.3g}"
+
     def question(self, student: Student) -> dict[str, Any] | None:
         """What a student with a flock is asked, and has answered so far."""
         collection = self.classroom.asking.open
@@ -156,6 +166,7 @@ class StudentRequests:
             "parameter": "agents" if one is None else one.words,
             "value": None if given.value is None else question.value_text(given.value),
             "measured": question.result_words,
+            "now": self.measured_now(student, question),
             "handed": len(handed),
             "answer": collection.points[handed[-1]].told(question) if handed else "",
         }
