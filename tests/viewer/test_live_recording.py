@@ -12,8 +12,12 @@ from app.live.control.safety import SafetyDecision
 from app.live.laboratory.lab_file import example
 from app.live.links.link import RUN, STOP
 from app.live.recording.recording_writer import RecordingWriter
+from app.viewer.live.panels.recording_panel import describe_moment
+from app.viewer.live.panels.room_monitors import contents
+from app.viewer.live.panels.room_panel import facts
 from app.viewer.live.panels.state_panel import banner_of
 from app.viewer.live.room_replay import RoomReplay, find_recording, recording_names
+from app.viewer.panels.monitors import CARDS
 from tests.viewer.live_sessions import armed, told
 from tests.viewer.waiting import until
 from worlds.input_error import InputError
@@ -88,6 +92,13 @@ def test_a_recording_is_shown_in_the_place_of_the_room_and_nothing_is_sent(room,
     until(lambda: room.state.phase == "replay" and room.status is not None)
     assert (operator.closed, room.opening) == (1, None)
     assert banner_of(room.state, room.status).kind == "replay"
+    place = facts(room.state, room.status, room.lab.injected)
+    assert "In the recording" in place
+    assert "it is at" not in place
+    when = describe_moment(room.replaying)
+    cards = contents(room.status, room.frame, room.readings, 2, None, when)[CARDS]
+    assert "2026-11-22-101500, not as it is now" in cards
+    assert "browsers" not in cards
     asked = list(operator.asked)
     room.ask("arm", "terminal")
     told(room, "the room is not open (replay)")

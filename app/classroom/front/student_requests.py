@@ -152,7 +152,9 @@ class StudentRequests:
         seen = self.classroom.flocks.seen.get(student.number)
         words = observable_words(question.measure.observable)
         value = None if seen is None else dict(seen.numbers).get(words)
-        return "" if seen is None or value is None else f"Now, tick {seen.tick}: {words} {value:.3g}"
+        return (
+            "" if seen is None or value is None else f"Now, tick {seen.tick}: {words} {value:.3g}"
+        )
 
     def question(self, student: Student) -> dict[str, Any] | None:
         """What a student with a flock is asked, and has answered so far."""

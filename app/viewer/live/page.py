@@ -16,7 +16,11 @@ from app.front.server import admit_browsers, close_server, on_emergency_stop, op
 from app.live.operating.lab_choices import Choices
 from app.viewer.live.panels.live_plots import LivePlots
 from app.viewer.live.panels.log_panel import LogPanel
-from app.viewer.live.panels.recording_panel import RecordingPanel, ReplayPanel
+from app.viewer.live.panels.recording_panel import (
+    RecordingPanel,
+    ReplayPanel,
+    describe_moment,
+)
 from app.viewer.live.panels.room_monitors import BLOCKS, contents
 from app.viewer.live.panels.room_panel import CONTROLS, RoomPanel, room_defaults
 from app.viewer.live.panels.rule_panel import RulePanel
@@ -201,7 +205,10 @@ class LivePage:
         if self.drawing.drawn is None or status is None:
             return
         frame, drawn_as = self.drawing.drawn
-        self.monitors.show(contents(status, frame, readings, self.browsers(), self.selected))
+        played = self.session.replaying
+        when = "" if played is None else describe_moment(played)
+        shown = contents(status, frame, readings, self.browsers(), self.selected, when)
+        self.monitors.show(shown)
         self.view.fit(frame)
         self.monitors.colours(drawn_as, frame)
         if frame.cars is not None:

@@ -65,8 +65,8 @@ class SessionState:
     emulated: bool = False
     """Whether the cars are emulated: no real one is driven."""
     disarmed: str = ""
-    """Why the cars were disarmed or stopped last, and by whom; empty: they were not, since they were
-    armed or the room was opened."""
+    """Why the cars were disarmed or stopped last, and by whom; empty: they were not since they were
+    armed, or since the room was opened."""
 
 
 # Checks of what browsers send, before it goes to the control loop, which checks again.

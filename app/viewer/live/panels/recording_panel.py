@@ -10,7 +10,7 @@ import viser
 
 from app.front.controls import set_value
 from app.viewer.live.panels.state_panel import describe_client
-from app.viewer.live.room_replay import recording_names, size
+from app.viewer.live.room_replay import RoomReplay, recording_names, size
 from app.viewer.live.session import Session
 from app.viewer.live.session_requests import SessionState
 from app.viewer.panels.shell import block
@@ -73,6 +73,13 @@ class ReplayPanel:
             set_value(self.slider, round(min(played.time, played.seconds), 2))
         self.switch.label = "Pause" if played.plays else "Play"
         self.switch.icon = viser.Icon.PLAYER_PAUSE if played.plays else viser.Icon.PLAYER_PLAY
+
+
+def describe_moment(played: RoomReplay) -> str:
+    """Of which moment of a recording all is that is shown."""
+    return (
+        f"As it was {min(played.time, played.seconds):.1f} s into {played.name}, not as it is now."
+    )
 
 
 class RecordingPanel:

@@ -27,10 +27,15 @@ def contents(
     readings: RoomReadings,
     browsers: int,
     chosen: int | None,
+    when: str = "",
 ) -> dict[str, str]:
-    """The latest of everything by its block, HTML; `chosen` is the row of the clicked car."""
+    """The latest of everything by its block, HTML; `chosen` is the row of the clicked car.
+
+    `when`: of what moment of a recording it is; empty: it is now.
+    """
+    then = f'<div class="fs-note">{html.escape(when)}</div>' if when else ""
     return {
-        CARDS: grid(numbers(status, readings, browsers)),
+        CARDS: then + grid(numbers(status, readings, 0 if when else browsers)),
         "cars": cars(status, frame, readings, chosen),
         "outlines": describe_outlines(frame),
     }

@@ -141,6 +141,7 @@ class RoomPanel:
             set_value(self.companions, len(status.companions))
         for control in (self.source, self.link, self.open):
             control.disabled = armed
+        self.companions.disabled = state.phase == "replay"
         self.emulated.visible = self.choices.sources[self.source.value] == SIMULATED
         chosen = (self.source.value, self.link.value) != (state.source, state.link)
         self.changed.visible = chosen and not armed
@@ -150,12 +151,16 @@ class RoomPanel:
 
 def facts(state: SessionState, status: Status | None, plan: Injection) -> str:
     """What the injected car does, and what is recorded where."""
-    rows = {"injected car": describe_injected(plan)}
+    replay = state.phase == "replay"
+    rows = {} if replay else {"injected car": describe_injected(plan)}
     if status is not None and status.injected is not None:
-        rows["it is at"] = f"({status.injected.x:.2f}, {status.injected.y:.2f}) m"
-    rows["recorded in"] = state.recording or "nothing is recorded"
+        place = f"({status.injected.x:.2f}, {status.injected.y:.2f}) m"
+        rows["injected car was at" if replay else "it is at"] = place
+    if not replay:
+        rows["recorded in"] = state.recording or "nothing is recorded"
     escaped = {name: html.escape(words) for name, words in rows.items()}
-    return f'<div class="fs-head">In the room</div>{table(escaped)}'
+    head = "In the recording, at this moment of it" if replay else "In the room"
+    return f'<div class="fs-head">{head}</div>{table(escaped)}'
 
 
 def describe_injected(plan: Injection) -> str:

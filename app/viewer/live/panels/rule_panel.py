@@ -57,6 +57,9 @@ class RulePanel:
         self.rule.disabled = armed
         if state.phase != "opening" and not armed and self.rule.value != state.rule:
             set_value(self.rule, state.rule)
+        is_now = state.phase != "replay"  # what the rule of the room is set to is not what was then
+        if self.folder.visible != is_now:
+            self.folder.visible = is_now
         if state.model is None:
             return
         if self.shown != (state.run, state.model.name):

@@ -62,9 +62,7 @@ def banner_of(state: SessionState, status: Status | None) -> Banner:
     if state.phase == "replay":
         return banner
     stands = banner.kind in ("safe", "emergency")
-    return replace(
-        banner, before=state.disarmed if stands else "", emulated=state.emulated
-    )
+    return replace(banner, before=state.disarmed if stands else "", emulated=state.emulated)
 
 
 def banner_of_phase(state: SessionState, status: Status | None) -> Banner:
