@@ -21,12 +21,13 @@ def column(window, name: str) -> list[str]:
     )
 
 
-def sides(window) -> list[float]:
-    """Share of saturated pixels in the left and in the right half of the picture."""
+def halves(window) -> list[float]:
+    """Share of saturated pixels in the upper and in the lower half of the picture, which is higher
+    than wide."""
     picture = window.pixels()
     vivid = picture.max(axis=2) - picture.min(axis=2) > 60
-    middle = vivid.shape[1] // 2
-    return [float(np.mean(half)) for half in (vivid[:, :middle], vivid[:, middle:])]
+    middle = vivid.shape[0] // 2
+    return [float(np.mean(half)) for half in (vivid[:middle], vivid[middle:])]
 
 
 def test_a_second_model_flies_beside_the_first_until_it_is_taken_away(window, laboratory, tmp_path):
@@ -42,7 +43,7 @@ def test_a_second_model_flies_beside_the_first_until_it_is_taken_away(window, la
     titles = page.locator(".fs-pair-titles")
     titles.wait_for(timeout=20_000)
     assert "Improved Vicsek model" in titles.inner_text()
-    until(lambda: min(sides(window)) > 0.002, 20, "a flock in each half")
+    until(lambda: min(halves(window)) > 0.002, 20, "a flock in each half")
     assert column(window, "polarisation")[0] == column(window, "polarisation")[1]
 
     window.tab("Rule")

@@ -8,10 +8,21 @@ import numpy as np
 import pytest
 import viser
 
-from app.viewer.scene.cameras.viewpoints import extent, scene_corners
+from app.viewer.scene.cameras.viewpoints import TITLE, extent, scene_corners
 from app.viewer.scene.draw.drawn_frame import Picture, picture
 from app.viewer.scene.draw.stage import Stage
-from app.viewer.scene.scene import ROOT, Scene, find_clicked, offset, room, sights, title_place
+from app.viewer.scene.scene import (
+    GAP,
+    ROOT,
+    TITLED,
+    Scene,
+    find_clicked,
+    offset,
+    room,
+    sights,
+    stands_below,
+    title_place,
+)
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from app.viewer.scene.shown.frame import Frame
 from worlds.world import World
@@ -55,6 +66,30 @@ def test_the_second_room_stands_clear_of_the_first_and_a_wide_one_below(size):
     assert 0.0 < gap < 0.3 * shown.stage.side
     cells = away[:2] / (shown.stage.side / 20)
     assert cells == pytest.approx(np.rint(cells))
+
+
+@pytest.mark.parametrize(
+    ("size", "aspects", "below"),
+    [
+        ((8.0, 8.0), [0.8], True),
+        ((8.0, 8.0), [1.5], False),
+        ((8.0, 8.0), [0.8, 1.5, 1.5], False),
+        ((62.0, 18.0), [1.0], True),
+        ((62.0, 18.0), [4.0], False),
+        ((3.0, 9.0), [0.5], False),
+        ((4.0, 5.0, 2.0), [0.5], False),
+    ],
+)
+def test_two_rooms_stand_as_they_are_larger_in_the_browsers_there_are(size, aspects, below):
+    shown = drawn(frame(size))
+    assert stands_below(shown, aspects) == below
+    assert (offset(shown, below)[0] == 0.0) == below
+
+
+def test_two_rooms_change_over_only_where_that_is_worth_it():
+    shown = drawn(frame((8.0, 8.0)))
+    aspect = (2.0 + GAP) / (2.0 + TITLED + TITLE[2])  # as large both ways
+    assert [stands_below(shown, [aspect], now) for now in (False, True)] == [False, True]
 
 
 @pytest.mark.parametrize("size", [(8.0, 8.0), (62.0, 18.0), (4.0, 5.0, 2.0)])

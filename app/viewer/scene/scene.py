@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from viser import ClientHandle, FrameHandle, LabelHandle, SceneApi, SceneClickEvent, ViserServer
 
 from app.viewer.scene.cameras.density_views import DensityViews, FlockInSight
-from app.viewer.scene.cameras.viewpoints import Sight, Viewpoints, mission_places
+from app.viewer.scene.cameras.viewpoints import (
+    TITLE,
+    Sight,
+    Viewpoints,
+    aspect_of,
+    mission_places,
+)
 from app.viewer.scene.draw.drawn_frame import Changes, Picture, picture
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.agents import Agents, FlockMotion
@@ -86,7 +92,10 @@ GAP = 0.07
 """Least distance between the rooms, as a multiple of the longest side; with a title, TITLED."""
 TITLED = 0.16
 WIDE = 1.5
-"""A world wider than this many times its depth has the second room below it, not on its right."""
+"""A world wider than this many times its depth has the second room below it, not on its right,
+where no browser's picture says which is better."""
+STEADY = 0.02
+"""By which share both rooms have to become larger before they are put otherwise."""
 SUNK = 0.02
 """How much lower the second floor lies, so that wide floors do not flicker through each other."""
 CELL = 0.05
@@ -109,8 +118,9 @@ class ComparisonNodes:
         """Whether the second flock is there and has left its box."""
         return self.parts is not None and self.parts.is_open
 
-    def draw_box(self, first: Picture, second: Picture | None) -> Changes:
-        """Make the second room, or take it away, and bring it up to date."""
+    def draw_box(self, first: Picture, second: Picture | None, is_below: bool) -> Changes:
+        """Make the second room, right of the first or below it, or take it away, and bring it up to
+        date."""
         if second is None:
             if self.frame is not None:
                 self.frame.remove()  # With all that is below it.
@@ -120,7 +130,7 @@ class ComparisonNodes:
             self.frame = self.scene.add_frame(ROOT, show_axes=False)
             self.parts = Parts(self.scene, ROOT)
             self.titles = tuple(self._title(name) for name in ("first", "second"))
-        aside = offset(first)
+        aside = offset(first, is_below)
         title, other = self.titles
         changes: Changes = [
             (self.frame, "position", aside),
@@ -146,10 +156,12 @@ class ComparisonNodes:
         )
 
 
-def sights(first: Picture, second: Picture | None) -> tuple[Sight, ...]:
+def sights(
+    first: Picture, second: Picture | None, is_below: bool | None = None
+) -> tuple[Sight, ...]:
     """The pictures and where they stand."""
     here = Sight(first, np.zeros(3))
-    return (here,) if second is None else (here, Sight(second, offset(first)))
+    return (here,) if second is None else (here, Sight(second, offset(first, is_below)))
 
 
 def find_clicked(
@@ -189,12 +201,34 @@ def room(picture: Picture) -> tuple[np.ndarray, np.ndarray]:
     return low, high
 
 
-def offset(picture: Picture) -> np.ndarray:
-    """Where the second room's centre is, (3,): right of the first, or below it if that is wide."""
+def stands_below(picture: Picture, aspects: Sequence[float] = (), now: bool = False) -> bool:
+    """Whether the second room is to stand below the first, where both are seen larger so.
+
+    `aspects`: width over height of the pictures of all browsers; `now`: whether it stands there.
+    """
+    if picture.stage.dim != 2:
+        return False
+    low, high = room(picture)
+    side, (width, depth) = picture.stage.side, (high - low)[:2]
+    if not aspects:
+        return bool(width > WIDE * depth)
+
+    def size(wide: float, deep: float) -> np.ndarray:
+        """Of what is so large, as seen in each browser."""
+        return np.minimum(np.array(aspects) / wide, 1.0 / (deep + TITLE[2] * side))
+
+    below = size(width, 2.0 * depth + TITLED * side)
+    gain = float(np.mean(np.log(below / size(2.0 * width + GAP * side, depth))))
+    return gain > (-STEADY if now else STEADY)
+
+
+def offset(picture: Picture, is_below: bool | None = None) -> np.ndarray:
+    """Where the second room's centre is, (3,): right of the first or below it, by default below if
+    the first is wide."""
     low, high = room(picture)
     side, flat = picture.stage.side, picture.stage.dim == 2
     width, depth = (high - low)[:2]
-    below = flat and width > WIDE * depth
+    below = stands_below(picture) if is_below is None else is_below
     away = depth + TITLED * side if below else width + GAP * side
     away = CELL * side * np.ceil(away / (CELL * side))
     return np.array([0.0 if below else away, -away if below else 0.0, -SUNK if flat else 0.0])
@@ -225,6 +259,8 @@ class Scene:
         self._roots = root, ROOT
         self._parts = Parts(scene, root)
         self._beside = ComparisonNodes(scene)
+        self._is_below = False
+        """Whether the second flock's room stands below the first."""
         self._fog = Fog(scene)
         self._debounce = Debounce()
         self._gizmo = LeaderGizmo(scene, root)
@@ -246,17 +282,20 @@ class Scene:
         drawn_picture = picture(frame, look, Stage.of(frame))
         second = frame.beside
         other = None if second is None else picture(second, look, Stage.of(second))
+        if other is not None:
+            aspects = [aspect_of(client) for client in self._server.get_clients().values()]
+            self._is_below = stands_below(drawn_picture, aspects, self._is_below)
         with self._server.atomic():
             changes: Changes = self._gizmo.draw(drawn_picture) + self.handles.draw(drawn_picture)
             changes += self._parts.draw_box(drawn_picture) + self._beside.draw_box(
-                drawn_picture, other
+                drawn_picture, other, self._is_below
             )
             is_open = self._parts.is_open or self._beside.is_open
             self._fog.draw(drawn_picture.stage, is_open, 1 if other is None else 2)
             changes += self._parts.draw_flock(drawn_picture) + self._beside.draw_flock(other)
             for handle, name, value in changes:
                 setattr(handle, name, value)
-        self._sights = sights(drawn_picture, other)
+        self._sights = sights(drawn_picture, other, self._is_below)
         self._viewpoints.update(self._sights)
         self._density.show(self._sights)
 

@@ -102,8 +102,8 @@ class Viewpoints:
         self._stands: dict[int, SavedCamera] = {}
         """Client -> where its camera was put, unless a person moved it or it follows somebody."""
         self._sights: tuple[Sight, ...] = ()
-        self._entered: tuple[Stage, int] | None = None
-        """The stage, and the number of flocks, that the cameras were last pointed at."""
+        self._entered: tuple[Stage, list[list[float]]] | None = None
+        """The stage, and where each flock's room stands, that the cameras were last pointed at."""
         self._risen = 0.0
         """Height of what rises with time."""
         self._last = self._looks = time.monotonic()
@@ -144,7 +144,7 @@ class Viewpoints:
         (low, high), run = (point.copy() for point in shows), self._sights[0].picture.frame.run
         if name != "top-down":
             high[2] = max(high[2], present_height(self._sights[0].picture))
-        aspect = _aspect(client)
+        aspect = aspect_of(client)
         new_view = view(name, self._sights[0].picture.stage.dim, low, high, aspect)
         reported = camera_report(client.camera)
         stand = SavedCamera(name, new_view, aspect, time.monotonic(), shows, run, reported, leans)
@@ -163,7 +163,7 @@ class Viewpoints:
         low, high = at - CLOSE_UP, at + CLOSE_UP
         if picture.stage.dim == 2:
             low[2] = high[2] = at[2]
-        _set(client, view("follow", picture.stage.dim, low, high, _aspect(client)))
+        _set(client, view("follow", picture.stage.dim, low, high, aspect_of(client)))
         self._keep(self._followed, client, (side, int(picture.frame.ids[row])))
 
     def ride(self, client: ClientHandle, row: int | None, side: int = 0) -> None:
@@ -184,7 +184,7 @@ class Viewpoints:
         self._sights = sights
         now = time.monotonic()
         clients = self._server.get_clients()
-        entered = sights[0].picture.stage, len(sights)
+        entered = sights[0].picture.stage, [sight.aside.tolist() for sight in sights]
         if entered != self._entered:
             self._entered = entered
             self._enter(list(clients.values()))
@@ -291,7 +291,7 @@ class Viewpoints:
         elif stand.is_left(camera):
             with self._lock:
                 self._stands.pop(client.client_id, None)
-        elif abs(_aspect(client) - stand.aspect) >= RESHAPED:
+        elif abs(aspect_of(client) - stand.aspect) >= RESHAPED:
             self._place(client, stand.preset, stand.leans)
 
     async def _remove_client(self, client: ClientHandle) -> None:
@@ -378,7 +378,8 @@ def mission_places(picture: Picture) -> np.ndarray:
     return picture.stage.to_display(np.concatenate(corner_sets))
 
 
-def _aspect(client: ClientHandle) -> float:
+def aspect_of(client: ClientHandle) -> float:
+    """Width over height of the picture in a browser, within reason."""
     camera = client.camera
     tall = max(camera.image_height, 1)
     return float(np.clip(camera.image_width / tall, 0.3, 4.0))
