@@ -96,4 +96,7 @@ def test_what_runs_is_shared_in_words_that_say_it(window):
     assert fields[0].startswith(page.url.partition("?")[0] + "?scene=z.")
     assert fields[1].startswith("flockscope lab hwvem --agents 60 --seed 3")
     assert 'Flock("hwvem", agents=60, seed=3, eta=0.3)' in fields[2]
+    assert "Only this machine opens this address" in page.locator(".fs-share").inner_text()
+    window.press("a page that runs by itself")
+    page.get_by_role("button", name="Save page", exact=True).wait_for()
     page.keyboard.press("Escape")
