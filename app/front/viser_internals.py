@@ -72,11 +72,18 @@ def camera_report(camera: viser.CameraHandle) -> object:
     return camera._state
 
 
-def show_background(scene: viser.SceneApi, png: bytes) -> None:
-    """Draw a PNG behind everything; `set_background_image` would import all of imageio for it."""
+def show_background(scene: viser.SceneApi, file: bytes, depth: bytes | None = None) -> None:
+    """Draw a PNG or a JPEG over the whole picture: behind everything, or where the grey PNG `depth`
+    says, in steps of `DEPTH_STEP`; `set_background_image` would import all of imageio for it."""
+    # The page looks at what the files are, not at what the message calls them.
     scene._websock_interface.queue_message(
-        messages.BackgroundImageMessage(format="png", rgb_data=png, depth_data=None)
+        messages.BackgroundImageMessage(format="png", rgb_data=file, depth_data=depth)
     )
+
+
+DEPTH_STEP = (0.00255 + 0.6528 + 167.1168) / 255.0
+"""How far ahead of the camera a pixel is whose grey is 1, display units: what the page makes of
+three bytes that are equal."""
 
 
 def add_jpeg(scene: viser.SceneApi, name: str, jpeg: bytes) -> viser.ImageHandle:

@@ -1,5 +1,5 @@
 """What it costs that many watch one run: `python benchmarks/pages/watching.py [agents] [browsers]`;
-and that one watches many agents: `python benchmarks/pages/watching.py many`.
+and that one watches many agents: `python benchmarks/pages/watching.py many [2 or 3]`.
 
 A laboratory and its watching page in a process of their own, and clients that read all they get
 (programs, not browsers), each of which inspects an agent of its own and plots the usual. Prints
@@ -7,7 +7,8 @@ what a client gets, before anything is packed, and the processor time that it ta
 panels, and what it comes to when it is packed, is told of one client, which takes its messages
 apart.
 
-`many` is of flocks of `MANY` agents of the model vem, each in a laboratory that one client watches.
+`many` is of flocks of `MANY` agents of the model vem, each in a laboratory that one client watches;
+`many 3` of such flocks in space.
 It prints the pictures that come, the processor time beside the simulation and in its thread, and
 how long it takes from the start of the laboratory until the picture has changed, in seconds and in
 seconds of processor time: the latter on a machine that does other things.
@@ -192,14 +193,14 @@ DRAWN = {"points", "_data", "batched_positions"}
 """What of a node changes where agents have moved."""
 
 
-def serve_many(agents: int, pipe: Connection) -> None:
+def serve_many(agents: int, dim: int, pipe: Connection) -> None:
     """A laboratory; answers every message with processor times, s: of all, of its run, and of what
     draws."""
     from app.viewer.lab.laboratory import Laboratory
     from app.viewer.run.run_preset import preset_spec
 
     pipe.send(time.monotonic())
-    start = preset_spec("vem", agents=agents, parameters={"eta": 0.6})
+    start = preset_spec("vem", agents=agents, dim=dim, parameters={"eta": 0.6})
     laboratory = Laboratory(start, port=0, speed=SPEED)
     pipe.send(laboratory.port)
     clock = time.pthread_getcpuclockid(laboratory.simulation.thread.ident or 0)
@@ -227,8 +228,8 @@ class PictureReader:
             for data in self.socket:
                 assert isinstance(data, bytes)
                 self.bytes += len(data)
-                self.pictures += any(
-                    DRAWN.intersection(message.get("updates", ()))
+                self.pictures += any(  # a picture over all of the view has depths, the sky none
+                    message.get("depth_data") or DRAWN.intersection(message.get("updates", ()))
                     for message in unpacked(data)[0]["messages"]
                 )
                 if self.pictures >= 2 and not self.moved.is_set():
@@ -236,11 +237,11 @@ class PictureReader:
                     self.moved.set()
 
 
-def watch_many(agents: int) -> None:
+def watch_many(agents: int, dim: int) -> None:
     """Measure one flock, and print a line."""
     parent_end, child_end = multiprocessing.Pipe()
     server = multiprocessing.get_context("spawn").Process(
-        target=serve_many, args=(agents, child_end)
+        target=serve_many, args=(agents, dim, child_end)
     )
     server.start()
     began = parent_end.recv()
@@ -268,16 +269,16 @@ def watch_many(agents: int) -> None:
     server.join(10)
 
 
-def main_many() -> None:
-    """Measure and print."""
+def main_many(dim: int = 2) -> None:
+    """Measure and print flocks in the plane, or in space."""
     print("   agents pictures/s  Mbit/s  kB each   server    run  drawing moves after")
     print("                                       cores  cores ms each        s  CPU s")
     for agents in MANY:
-        watch_many(agents)
+        watch_many(agents, dim)
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == ["many"]:
-        main_many()
+    if sys.argv[1:2] == ["many"]:
+        main_many(*(int(text) for text in sys.argv[2:3]))
     else:
         main(*(int(text) for text in sys.argv[1:3]))

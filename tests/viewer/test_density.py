@@ -24,11 +24,11 @@ from app.viewer.panels.monitors import describe_sight
 from app.viewer.pictures.film_writer import seen_picture
 from app.viewer.pictures.picture_camera import Camera
 from app.viewer.pictures.picture_sheet import Sheet
-from app.viewer.pictures.plane import FAINT
-from app.viewer.pictures.player import Player
+from app.viewer.pictures.player import Player, demand_playable, one_of, thinned_frame
 from app.viewer.pictures.shot import look_of, shot
 from app.viewer.run.run_preset import preset_spec
-from app.viewer.scene.cameras.density_views import KEEPS, region_in_sight
+from app.viewer.scene.cameras.density_views import region_in_sight
+from app.viewer.scene.cameras.flock_in_sight import KEEPS
 from app.viewer.scene.draw.density import (
     CELLS,
     PlaneRegion,
@@ -226,11 +226,10 @@ def test_the_first_row_is_the_lowest_and_the_first_column_the_leftmost():
 # Which flocks are drawn so, and from where.
 
 
-def test_more_agents_than_the_limit_in_the_plane_are_density(monkeypatch):
+def test_more_agents_than_the_limit_are_density(monkeypatch):
     monkeypatch.setattr(drawing_style, "DENSITY_BEYOND", 50)
     assert not shows_density(many(50))
     assert shows_density(many(51))
-    assert not shows_density(many(51, dim=3))
 
 
 class NodeScene:
@@ -345,10 +344,39 @@ def test_a_camera_that_is_none_has_nothing_or_something_in_sight(junk):
     assert inside is None or 0.0 < inside.area <= 400.0
 
 
-def test_a_player_refuses_what_would_be_density(monkeypatch):
+def test_a_player_shows_all_of_a_flock_in_the_plane_as_density(monkeypatch):
     monkeypatch.setattr(drawing_style, "DENSITY_BEYOND", 50)
-    with Player(51) as player, pytest.raises(InputError, match="too many for an HTML file"):
-        player.add(many(51), DrawingStyle(), 0.0)
+    there = many(400)
+    with Player(400) as player:
+        player.add(there, DrawingStyle(), 0.0)
+        player.add(replace(there, tick=1, heading=-there.heading), DrawingStyle(), 0.1)
+        recorded = [message for _, message in player.recorded._messages]
+    about = [message for message in recorded if message.get("name") == "/sight0/density"]
+    assert [message["type"] for message in about].count("ImageMessage") == 1
+    assert sum("_data" in message.get("updates", ()) for message in about) == 1, "the second frame"
+    points = [message for message in recorded if message.get("name") == "/flock/points"]
+    assert not any(message.get("updates", {}).get("visible") for message in points)
+
+
+def test_of_very_many_agents_in_space_a_player_shows_some_and_always_the_same(monkeypatch):
+    monkeypatch.setattr(drawing_style, "DENSITY_BEYOND", 50)
+    monkeypatch.setattr(drawing_style, "SINGLES_UP_TO", 20)
+    informed = np.zeros(60, bool)
+    informed[7] = True
+    there = many(60, dim=3, informed=informed)
+    assert one_of(60, 3) == 3
+    made = thinned_frame(replace(there, beside=there))
+    assert made.ids.tolist() == [1, 4, 7, 8, *range(10, 60, 3)]
+    assert made.beside.ids.tolist() == made.ids.tolist()
+    assert thinned_frame(many(60)).ids.tolist() == list(range(1, 61))
+
+
+def test_an_html_file_takes_more_pictures_of_density_than_of_points():
+    demand_playable(1_000_000, 2, 400)
+    with pytest.raises(InputError, match=r"401 pictures of 1000000 .* 400: .* --every 2,"):
+        demand_playable(1_000_000, 2, 401)
+    with pytest.raises(InputError, match="which takes 13:"):
+        demand_playable(150_000, 2, 14)
 
 
 @pytest.fixture
@@ -374,7 +402,9 @@ def test_pictures_and_films_are_of_density_too(quarter):
     now = quarter.snapshot(signals=True)
     sheet = Sheet(shot(now, look_of(now, None)), (640, 480))
     assert not len(sheet.scene.bodies.get_paths())
-    assert FAINT in [text.get_text() for text in sheet.figure.legends[0].get_texts()]
+    assert "faint: sparse; grey: not aligned" in [
+        text.get_text() for text in sheet.figure.legends[0].get_texts()
+    ]
     assert coloured_share(sheet, 0, 0) > 0.6
     assert coloured_share(sheet, 1, 1) < 0.05
     quarter.position[:] += 0.5 * np.array(quarter.world.size)
@@ -387,7 +417,7 @@ def test_pictures_and_films_are_of_density_too(quarter):
 def test_a_browser_that_draws_pictures_refuses_density(quarter):
     now = quarter.snapshot(signals=True)
     one = shot(now, look_of(now, None))
-    with pytest.raises(InputError, match="400 agents in the plane"):
+    with pytest.raises(InputError, match="400 agents are drawn as a picture"):
         seen_picture(one, None, (640, 480), Camera.of(one))
 
 
@@ -509,9 +539,9 @@ def test_browsers_that_look_from_where_they_were_put_share_a_file(laboratory):
         until(lambda: first.image is not None and second.image is not None)
         laboratory.simulation.step()
         until(lambda: laboratory.drawing.drawn[0].tick == 1)
-        until(lambda: len(laboratory.scene._density._dense[0].files) == 1)
+        until(lambda: len(laboratory.scene._density._dense.plane[0].files) == 1)
         views = laboratory.scene._density._views.values()
-        files = [flock.image._data for view in views for flock in view.flocks.values()]
+        files = [flock.image._data for view in views for flock in view.flocks]
         until(lambda: len(files) == 2 and files[0] is files[1])
 
 

@@ -159,7 +159,7 @@ def film(
             recorded.time_per_tick,
             recorded_flock_at(recorded),
         )
-        agents = len(recorded.at(ticks[0]).ids) if is_page else 0
+        agents, dim = len(recorded.at(ticks[0]).ids) if is_page else 0, recorded.world.dim
     else:
         flock = flock_of(spec, options, settings or [], rule, quiet)
         model, unit = flock.model.name, flock.model.body.unit
@@ -167,10 +167,10 @@ def film(
         last = last if length is None else first + length
         end = max(LAST, first) if last is None else last
         ticks, dt, taken_at = list(range(first, end + 1)), flock.dt, run_to(flock)
-        agents = len(flock.ids)
+        agents, dim = len(flock.ids), flock.world.dim
     plan = plan_film(ticks, first, end, every, speed, fps)
     if is_page:
-        plan = thin_plan(plan, agents, every, quiet)
+        plan = thin_plan(plan, agents, dim, every, quiet)
     if plan.left_out and not quiet:
         left = counted(plan.left_out, "tick")
         print_stderr(
@@ -279,12 +279,12 @@ def demand_no_film(camera: str, follow: int | None, plot: str | None) -> None:
         )
 
 
-def thin_plan(plan: FilmPlan, agents: int, every: int | None, quiet: bool) -> FilmPlan:
+def thin_plan(plan: FilmPlan, agents: int, dim: int, every: int | None, quiet: bool) -> FilmPlan:
     """The plan of an HTML file, of every k-th picture where it would be large. Raises
     InputError."""
-    from app.viewer.pictures.player import LIGHT, demand_playable
+    from app.viewer.pictures.player import LIGHT, agents_worth, demand_playable
 
-    apart = -(-agents * len(plan.ticks) // LIGHT)
+    apart = -(-agents_worth(agents, dim) * len(plan.ticks) // LIGHT)
     if every is None and apart > 1:
         chosen_ticks = plan.ticks[::apart]
         left_out = plan.left_out + plan.ticks[-1] - chosen_ticks[-1]
@@ -294,7 +294,7 @@ def thin_plan(plan: FilmPlan, agents: int, every: int | None, quiet: bool) -> Fi
                 f"flockscope: one of {apart} pictures is taken, so that the file stays small; "
                 "--every 1 takes all ticks"
             )
-    demand_playable(agents, len(plan.ticks))
+    demand_playable(agents, dim, len(plan.ticks))
     return plan
 
 

@@ -89,7 +89,8 @@ def picture(
 
     frame_shot = shot(now, look_of(now, colour))
     seen_from = aim.camera(frame_shot)
-    if renderer == AUTO and (is_vector or (now.world.dim == 2 and aim.is_from_above)):
+    is_plan = now.world.dim == 2 and aim.is_from_above
+    if renderer == AUTO and (is_vector or is_plan or frame_shot.made.shows_density):
         renderer = PLAIN
     with browser(renderer, quiet) as window:
         if window is None:

@@ -12,7 +12,7 @@ import viser
 from app.front.viser_internals import is_connected
 from app.viewer.measuring.observable_format import format_short, format_thousands
 from app.viewer.panels.shell import block, grid, key
-from app.viewer.scene.cameras.density_views import FlockInSight
+from app.viewer.scene.cameras.flock_in_sight import FlockInSight
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import COLOURINGS, DIRECTIONS, STEEP
 from app.viewer.scene.shown.drawing_style import (
@@ -74,6 +74,12 @@ def describe_flock(flock: FlockInSight) -> str:
     count = format_thousands(flock.count)
     if flock.as_singles:
         return f"{count} agents in sight, drawn one by one. Zoom out for their density."
+    if flock.typical is None:
+        near = f", the nearest {format_thousands(flock.near)} one by one" if flock.near else ""
+        return (
+            f"Density of {count} agents in sight{near}. Hue: mean heading. Faint: few behind each "
+            "other. Grey: not aligned, or steep. Zoom in for single agents."
+        )
     return (
         f"Density of {count} agents in sight. Hue: mean heading. Faint: sparse, half strength at "
         f"{format_short(flock.typical)} per length². Grey: not aligned. Zoom in to "

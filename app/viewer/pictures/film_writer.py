@@ -193,8 +193,8 @@ def demand_single_agents(one: Shot) -> None:
     """Refuse a flock that a browser would be sent pictures of. Raises InputError."""
     if one.made.shows_density:
         raise InputError(
-            f"{one.made.count} agents in the plane are drawn as a picture of their density, by the "
-            "plain renderer and from above: renderer = 'plain'"
+            f"{one.made.count} agents are drawn as a picture of their density, by the plain "
+            f"renderer{'' if one.made.stage.dim == 3 else ' and from above'}: renderer = 'plain'"
         )
 
 

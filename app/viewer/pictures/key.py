@@ -17,6 +17,8 @@ from worlds.number_text import counted
 from worlds.world import World
 
 GREY = "#5b6673"
+DENSE = palette.srgb("#8893a3")
+"""The colour of what is dense and not aligned, in the legend."""
 WHEEL = 180
 """Sectors of the wheel of headings."""
 
@@ -131,7 +133,16 @@ def signs_of(world: World, is_solid: bool, path: str = PATH, goal: str = GOAL) -
     return made
 
 
-def draw_wheel(axes: Any, dim: int) -> None:
+def faint_sign(*greys: str) -> Any:
+    """What is said of a picture of density, beside the wheel of headings: that those not aligned
+    are grey, and what else is."""
+    from matplotlib.patches import Patch
+
+    label = f"faint: sparse; grey: {' or '.join(('not aligned', *greys))}"
+    return Patch(facecolor=palette.css(DENSE), label=label)
+
+
+def draw_wheel(axes: Any, dim: int, of_density: bool) -> None:
     """The colours of headings in the plane, as a compass; in space a word on climbing."""
     from matplotlib.collections import PolyCollection
 
@@ -151,7 +162,7 @@ def draw_wheel(axes: Any, dim: int) -> None:
         (south, 0, -1.3, "center"),
     ):
         axes.text(x, y, words, ha=side, va="center", fontsize=8, color=GREY)
-    if dim == 3:
+    if dim == 3 and not of_density:
         axes.text(0, -1.72, "lighter: climbing", ha="center", va="center", fontsize=8, color=GREY)
     axes.set(xlim=(-2.0, 2.0), ylim=(-1.9, 1.5), aspect="equal", xticks=[], yticks=[])
     axes.spines[:].set_visible(False)

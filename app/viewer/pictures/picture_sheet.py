@@ -114,7 +114,7 @@ class Sheet:
             y -= 0.24
         if key.has_wheel(first):
             box = (x / wide, (y - SIGN) / tall, SIGN / wide, SIGN / tall)
-            key.draw_wheel(figure.add_axes(box), first.now.world.dim)
+            key.draw_wheel(figure.add_axes(box), first.now.world.dim, first.made.shows_density)
             x, y = (x, y - SIGN - 0.05) if columns == 1 else (x + SIGN + 0.1, y)
         self.explained, self.words = len(first.entries), []
         if signs:

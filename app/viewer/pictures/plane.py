@@ -36,10 +36,6 @@ CABIN = np.array([[-0.30, -0.32], [-0.30, 0.32], [0.12, 0.32], [0.22, 0.24], [0.
                   [0.12, -0.32]])  # fmt: skip
 SEEN = 8.0
 """Points of an agent's length from which on it has an outline."""
-FAINT = "faint: sparse; grey: not aligned"
-"""What is said of a picture of density, beside the wheel of headings."""
-DENSE = palette.srgb("#8893a3")
-"""The colour of what is dense and not aligned, in the legend."""
 AROUND = 0.16
 """Half of what is shown around a followed agent, as a share of the world's longest side."""
 
@@ -96,7 +92,7 @@ class Plane:
         from matplotlib.patches import Patch, Rectangle
 
         if shot.made.shows_density:
-            self.signs.append(Patch(facecolor=palette.css(DENSE), label=FAINT))
+            self.signs.append(key.faint_sign())
         if shot.made.frame.room is None:
             return
         low, high = shot.made.frame.room

@@ -18,12 +18,8 @@ from app.viewer.pictures import key
 from app.viewer.pictures.picture_camera import PRESETS, USUAL, CameraRequest
 from app.viewer.pictures.shot import Shot, frame_of, look_of, shot
 from app.viewer.scene.scene import Scene
-from app.viewer.scene.shown.drawing_style import (
-    DENSITY_BEYOND,
-    DrawingStyle,
-    as_birds,
-    shows_density,
-)
+from app.viewer.scene.shown import drawing_style
+from app.viewer.scene.shown.drawing_style import DrawingStyle, as_birds
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
 
@@ -54,6 +50,8 @@ STYLE = """
 
 LIGHT = 250_000
 """Agents times pictures up to which a file is some 5 MB at most."""
+DENSITY_WORTH = 5_000
+"""As many agents take what a picture of density takes."""
 
 
 class Player:
@@ -70,7 +68,7 @@ class Player:
 
     def __enter__(self) -> Player:
         self.server = open_server(port=0)
-        self.scene = Scene(self.server)
+        self.scene = Scene(self.server, is_recorded=True)
         self.scene.open_on(self.camera)
         return self
 
@@ -78,13 +76,8 @@ class Player:
         close_server(self.server)
 
     def add(self, frame: Frame, look: DrawingStyle, seconds: float) -> None:
-        """The next frame, so many seconds after the last. Raises InputError for a flock that would
-        be a picture of density."""
-        if shows_density(frame):
-            raise InputError(
-                f"{len(frame.ids)} agents in the plane are too many for an HTML file, which holds "
-                f"{DENSITY_BEYOND} at most: take a film or a picture"
-            )
+        """The next frame, so many seconds after the last; of very many agents in space some."""
+        frame = thinned_frame(frame)
         if as_birds(frame, look) and self.count > FEW:
             look = replace(look, birds=False)
         if self.recorded is None:
@@ -133,7 +126,9 @@ def page_of(
             look = look or look_of(now, colour)
             frame = frame_of(now, look, fastest)
             fastest = frame.speed_scale
-            player = player or held.enter_context(Player(count * len(now.ids), preset))
+            if player is None:
+                worth = count * agents_worth(len(now.ids), now.world.dim)
+                player = held.enter_context(Player(worth, preset))
             player.add(frame, look, 1.0 / fps)
             first, last = first or shot(now, look), now
             went_on(done)
@@ -151,8 +146,39 @@ def apart(first: Shot, last: Snapshot, count: int) -> float:
 def describe_recorded_run(first: Shot, last: Snapshot, pace: float) -> str:
     """What the page says of the run."""
     changes = key.changes(first)
+    apart = one_of(len(last.ids), last.world.dim)
+    drawn = [f"one of {apart} agents is drawn"] if apart > 1 else []
     ticks = f"ticks {first.now.tick} to {last.tick}, {pace:.3g} a second"
-    return " · ".join([key.caption(first), *([changes] if changes else []), ticks])
+    return " · ".join([key.caption(first), *([changes] if changes else []), *drawn, ticks])
+
+
+def one_of(agents: int, dim: int) -> int:
+    """Of how many agents one is drawn: of very many in space, since a picture of their density
+    would be another from every place.
+
+    >>> one_of(1_000_000, 3), one_of(1_000_000, 2), one_of(150_000, 3)
+    (50, 1, 1)
+    """
+    is_many = dim == 3 and agents > drawing_style.DENSITY_BEYOND
+    return -(-agents // drawing_style.SINGLES_UP_TO) if is_many else 1
+
+
+def thinned_frame(frame: Frame) -> Frame:
+    """A frame with as many agents as are drawn, always the same ones."""
+    beside = None if frame.beside is None else thinned_frame(frame.beside)
+    frame = replace(frame, beside=beside)
+    apart = one_of(len(frame.ids), frame.dim)
+    if apart == 1:
+        return frame
+    is_drawn = (frame.ids % apart == frame.ids[0] % apart) | frame.informed
+    return replace(frame.of_rows(np.flatnonzero(is_drawn)), beside=beside)
+
+
+def agents_worth(agents: int, dim: int) -> int:
+    """As many agents as take what a picture of so many takes."""
+    if agents <= drawing_style.DENSITY_BEYOND:
+        return max(agents, 1)
+    return DENSITY_WORTH if dim == 2 else drawing_style.SINGLES_UP_TO
 
 
 def rounding(wanted: Callable[[Any], bool]) -> Callable[[Any], bool]:
@@ -183,12 +209,12 @@ def coarse(name: str, value: Any) -> Any:
     return value if grid is None else np.round(value * grid) / value.dtype.type(grid)
 
 
-def demand_playable(agents: int, pictures: int) -> None:
+def demand_playable(agents: int, dim: int, pictures: int) -> None:
     """Refuse what would be too large a file with one line. Raises InputError."""
-    if agents * pictures > MOST:
-        apart = -(-agents * pictures // MOST)
+    most = MOST // agents_worth(agents, dim)
+    if pictures > most:
+        apart = -(-pictures // most)
         raise InputError(
-            f"{pictures} pictures of {agents} agents are too many for an HTML file, of which "
-            f"agents times pictures may be {MOST}: take one of {apart}, by --every {apart}, or "
-            "fewer by --from and --to"
+            f"{pictures} pictures of {agents} agents are too many for an HTML file, which takes "
+            f"{most}: take one of {apart}, by --every {apart}, or fewer by --from and --to"
         )

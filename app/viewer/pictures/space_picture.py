@@ -11,9 +11,11 @@ from app.viewer.pictures.picture_camera import Camera
 from app.viewer.pictures.plane import ring
 from app.viewer.pictures.shot import Shot
 from app.viewer.scene.cameras.camera import UP, CameraView
+from app.viewer.scene.draw.projected_density import Lens, count_by_depth, projected_density
 from app.viewer.scene.draw.shapes import Mesh, ball, dart
 from app.viewer.scene.draw.solids import join_meshes, prism
 from app.viewer.scene.draw.stage import Stage
+from app.viewer.scene.marks.agents import dart_rows
 from app.viewer.scene.shown import palette
 from app.worlds.world_picture import GOAL, INK, PALE, PATH
 from worlds.mission import Mission
@@ -94,6 +96,8 @@ class SpacePicture:
         (self.goal,) = axes.plot([], [], "*", color=GOAL, markersize=14, markeredgecolor="white",
                                  markeredgewidth=0.8, zorder=9)  # fmt: skip
         self.ring = ring(axes)
+        self.density: Any = None
+        """The image of a flock of which no agent can be told apart."""
         self.before: Any = LineCollection([], colors="#64748b", linewidths=1.1, zorder=10)
         for one in (self.floor, self.lines, self.shadows, self.behind, self.way, self.faces,
                     self.before):  # fmt: skip
@@ -107,7 +111,13 @@ class SpacePicture:
         axes.set_facecolor("none")
 
     def begin(self, shot: Shot) -> None:
-        """Look at the world."""
+        """Look at the world, and say what is drawn of its flock."""
+        if shot.made.shows_density:
+            self.signs.append(key.faint_sign("steep"))
+        self.look(shot)
+
+    def look(self, shot: Shot) -> None:
+        """Look at the world from where the camera is at a shot."""
         self.eye = CameraAxes.of(self.camera.view(shot, self.aspect))
         self.draw_box()
 
@@ -157,11 +167,15 @@ class SpacePicture:
     def show(self, shot: Shot) -> None:
         """Move the agents to where they are."""
         if self.camera.moves:
-            self.begin(shot)
+            self.look(shot)
         made, at, follow = shot.made, shot.made.at, self.camera.follow
-        corners = dart_corners(at, shot.now.heading, made.length * made.size)
+        rows: Any = slice(None)
+        if made.shows_density:
+            self.draw_density(shot)
+            rows = dart_rows(made)
+        corners = dart_corners(at[rows], shot.now.heading[rows], made.length * made.size[rows])
         triangles = corners[:, dart()[1]].reshape(-1, 3, 3)
-        colour = np.repeat(made.colour, len(dart()[1]), axis=0)
+        colour = np.repeat(made.colour[rows], len(dart()[1]), axis=0)
         if len(self.solid[1]):
             vertices, faces = self.solid
             triangles = np.concatenate([triangles, vertices[faces]])
@@ -182,6 +196,27 @@ class SpacePicture:
             ([], []) if goal is None else self.eye.seen(self.stage.to_display(goal)[None])[0].T
         )
         self.goal.set_data(*seen)
+
+    def draw_density(self, shot: Shot) -> None:
+        """Draw where agents are dense, and where they head, under what is solid."""
+        frame, view = shot.made.frame, self.eye.view
+        there = ~frame.is_down
+        position, heading = shot.position[there], shot.now.heading[there]
+        fov = 2.0 * np.arctan(ZOOM * np.tan(0.5 * view.fov))
+        lens = Lens.of(view.position, view.target, UP, fov, self.aspect, shot.made.stage)
+        counts = np.zeros(1, np.int64)
+        count_by_depth(position, lens.axes, view.near, np.inf, counts)
+        made = projected_density([(position, heading, lens, view.near)], self.aspect, counts[0])
+        drawn = np.where(np.isfinite(made.depth), 255, 0).astype(np.uint8)
+        pixels = np.dstack([made.pixels, drawn])
+        if self.density is None:
+            limits = self.axes.get_xlim(), self.axes.get_ylim()
+            self.density = self.axes.imshow(
+                pixels, extent=(*limits[0], *limits[1]), interpolation="bilinear", zorder=7
+            )
+            self.axes.set(xlim=limits[0], ylim=limits[1])
+            self.moving.append(self.density)
+        self.density.set_data(pixels)
 
     def lit(self, triangles: np.ndarray, colour: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Triangles (T, 3, 3) that face the camera, the farthest first, and their colours."""

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from viser import ClientHandle, FrameHandle, LabelHandle, SceneApi, SceneClickEvent, ViserServer
 
-from app.viewer.scene.cameras.density_views import DensityViews, FlockInSight
+from app.viewer.scene.cameras.density_views import DensityViews, RecordedDensity
+from app.viewer.scene.cameras.flock_in_sight import FlockInSight
 from app.viewer.scene.cameras.viewpoints import (
     TITLE,
     Sight,
@@ -248,9 +249,12 @@ Chosen = Callable[[ClientHandle, int | None, bool], None]
 
 
 class Scene:
-    """The scene of one server, shared by all its browsers; each keeps its own camera."""
+    """The scene of one server, shared by all its browsers; each keeps its own camera.
 
-    def __init__(self, server: ViserServer, root: str = "") -> None:
+    One that is recorded is the same for whoever watches the recording.
+    """
+
+    def __init__(self, server: ViserServer, root: str = "", is_recorded: bool = False) -> None:
         self._server = server
         scene = server.scene
         scene.set_up_direction("+z")
@@ -267,7 +271,7 @@ class Scene:
         self.handles = Handles(scene, root)
         self._viewpoints = Viewpoints(server)
         self._see_through = SeeThrough()
-        self._density = DensityViews(server)
+        self._density = RecordedDensity(server) if is_recorded else DensityViews(server)
         self._sights: tuple[Sight, ...] = ()
         self._clicked: list[Clicked] = []
         self._chosen: list[Chosen] = []

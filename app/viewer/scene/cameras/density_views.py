@@ -9,13 +9,15 @@ import threading
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from PIL import Image
 from viser import CameraHandle, ClientHandle, ImageHandle, ViserServer
 
 from app.front.viser_internals import add_jpeg, camera_report, is_connected, show_jpeg
+from app.viewer.scene.cameras.flock_in_sight import MARGIN, FlockInSight
+from app.viewer.scene.cameras.space_density import DensityBackdrop, Files, SpaceFlockInSight
 from app.viewer.scene.cameras.viewpoints import Sight
 from app.viewer.scene.draw.density import (
     DensityPicture,
@@ -27,15 +29,13 @@ from app.viewer.scene.draw.density import (
     grid_shape,
 )
 from app.viewer.scene.draw.drawn_frame import Picture
-from app.viewer.scene.marks.agents import Agents, FlockMotion
+from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import drawing_style
 
 # What of a flat world a camera has in sight.
 
 FARTHEST = 100.0
 """How far a camera sees, in sides of the world: it may look at the horizon."""
-MARGIN = 0.12
-"""How much more is drawn at each side than is in sight, as a share: a camera moves on at once."""
 LOOSE = 2.5
 """How many times as large as it would be made now the region that is drawn may become."""
 
@@ -107,28 +107,24 @@ class DenseFlock:
 
 FLOOR = -0.005
 """Height of a picture of density: over the floor, and under all that stands on it."""
-KEEPS = 1.1
-"""Single agents are drawn until so many times as many are in sight as they begin to be drawn of."""
 
 
-class FlockInSight:
-    """What is drawn of a flock in one browser, below a node of its own."""
+def show_file(image: ImageHandle, file: JpegFile, stage: Stage) -> None:
+    """Show the picture of a region where the region is."""
+    middle = stage.to_display(0.5 * np.add(file.region.low, file.region.high))
+    wide, deep = stage.scale * np.array(file.region.sides)
+    image.position = (float(middle[0]), float(middle[1]), FLOOR)
+    image.scale = (float(wide), float(deep), 1.0)
+    show_jpeg(image, file.data)
 
-    def __init__(self, client: ClientHandle, side: int, aside: np.ndarray) -> None:
-        self.client, self.aside = client, aside
-        self.root = f"/sight{side}"
-        self.node = client.scene.add_frame(
-            self.root, show_axes=False, position=tuple(aside.tolist())
-        )
-        self.image: ImageHandle | None = None
-        self.agents: Agents | None = None
-        self.region: PlaneRegion | None = None
-        """What is drawn of the world; None: the camera looks elsewhere."""
-        self.as_singles = False
-        self.count = 0
-        """Agents in sight."""
-        self.typical = 0.0
-        """Their density where the picture has half its strength, per length squared."""
+
+class PlaneFlockInSight(FlockInSight):
+    """What is drawn of a flock in the plane in one browser."""
+
+    typical: float | None = 0.0
+    image: ImageHandle | None = None
+    region: PlaneRegion | None = None
+    """What is drawn of the world; None: the camera looks elsewhere."""
 
     def look(self, flock: DenseFlock) -> bool:
         """See what the camera has in sight now; whether another picture is to be drawn for it."""
@@ -138,8 +134,7 @@ class FlockInSight:
             self.count, self.region = 0, None
             return before[1] is not None
         self.count = count_within(picture.frame.position, *seen.low, *seen.high)
-        most = drawing_style.SINGLES_UP_TO * (KEEPS if self.as_singles else 1.0)
-        self.as_singles = self.count <= most
+        self.as_singles = self.are_few(self.count)
         wider = seen.grown(MARGIN).intersection(flock.region) or seen
         if (
             self.region is None
@@ -164,11 +159,7 @@ class FlockInSight:
         if self.image is None:
             self.image = add_jpeg(self.client.scene, f"{self.root}/density", file.data)
         self.typical = file.typical
-        middle = picture.stage.to_display(0.5 * np.add(file.region.low, file.region.high))
-        wide, deep = picture.stage.scale * np.array(file.region.sides)
-        self.image.position = (float(middle[0]), float(middle[1]), FLOOR)
-        self.image.scale = (float(wide), float(deep), 1.0)
-        show_jpeg(self.image, file.data)
+        show_file(self.image, file, picture.stage)
 
     def draw_singles(self, picture: Picture) -> None:
         """Show the agents of the region, or none."""
@@ -177,39 +168,93 @@ class FlockInSight:
         if region is not None and self.as_singles:
             rows = np.empty(count_within(position, *region.low, *region.high), np.int64)
             fill_rows_within(position, *region.low, *region.high, rows)
-            self.agents = self.agents or Agents(self.client.scene, self.root, FlockMotion())
-        if self.agents is not None:
-            for handle, name, value in self.agents.draw(picture.of_rows(rows)):
-                setattr(handle, name, value)
-
-    def end(self) -> None:
-        """Draw nothing any more."""
-        self.node.remove()  # With all that is below it.
+        self.draw_rows(picture, rows)
 
 
 @dataclass
+class DenseFlocks:
+    """The flocks that are drawn so, at one tick."""
+
+    plane: dict[int, DenseFlock] = field(default_factory=dict)
+    """Those in the plane, by side."""
+    space: dict[int, Sight] = field(default_factory=dict)
+    """Those in space, by side."""
+    files: Files = field(default_factory=dict)
+    """Pictures of those in space."""
+
+    @staticmethod
+    def of(sights: tuple[Sight, ...]) -> DenseFlocks:
+        """Those of all flocks that are drawn so."""
+        dense = DenseFlocks()
+        for side, sight in enumerate(sights):
+            if sight.picture.shows_density and sight.picture.stage.dim == 2:
+                dense.plane[side] = DenseFlock(sight, flock_region(sight.picture.frame))
+            elif sight.picture.shows_density:
+                dense.space[side] = sight
+        return dense
+
+    def __bool__(self) -> bool:
+        """Whether there are any."""
+        return bool(self.plane or self.space)
+
+
 class BrowserSights:
     """What one browser draws of all flocks."""
 
-    client: ClientHandle
-    flocks: dict[int, FlockInSight] = field(default_factory=dict)
-    """By side."""
-    report: object = None
-    """What it had told of its camera when this was drawn."""
-    due: float = 0.0
-    """When it is drawn again at the soonest because its camera moves, s."""
+    def __init__(self, client: ClientHandle) -> None:
+        self.client = client
+        self.plane: dict[int, PlaneFlockInSight] = {}
+        """By side."""
+        self.space: dict[int, SpaceFlockInSight] = {}
+        """By side."""
+        self.backdrop = DensityBackdrop(client)
+        self.report: object = None
+        """What the browser had told of its camera when this was drawn."""
+        self.due = 0.0
+        """When it is drawn again at the soonest because its camera moves, s."""
 
-    def draw(self, dense: Mapping[int, DenseFlock], is_new: bool) -> None:
+    @property
+    def flocks(self) -> tuple[FlockInSight, ...]:
+        """All of them."""
+        return *self.plane.values(), *self.space.values()
+
+    def draw(self, dense: DenseFlocks, is_new: bool) -> None:
         """Draw flocks; if they are not new, only what else a camera that has moved has in sight."""
-        for side, flock in list(self.flocks.items()):
-            if side not in dense or not np.array_equal(flock.aside, dense[side].sight.aside):
-                flock.end()
-                del self.flocks[side]
-        for side, there in dense.items():
-            if side not in self.flocks:
-                self.flocks[side] = FlockInSight(self.client, side, there.sight.aside)
-            if self.flocks[side].look(there) or is_new:
-                self.flocks[side].draw(there)
+        keep_those_there(self.plane, {side: flock.sight for side, flock in dense.plane.items()})
+        keep_those_there(self.space, dense.space)
+        for side, there in dense.plane.items():
+            if side not in self.plane:
+                self.plane[side] = PlaneFlockInSight(self.client, side, there.sight.aside)
+            if self.plane[side].look(there) or is_new:
+                self.plane[side].draw(there)
+        self.draw_space(dense, is_new)
+
+    def draw_space(self, dense: DenseFlocks, is_new: bool) -> None:
+        """Draw the flocks in space."""
+        for side, sight in dense.space.items():
+            if side not in self.space:
+                self.space[side] = SpaceFlockInSight(self.client, side, sight.aside)
+        moved = [self.space[side].look(sight) for side, sight in dense.space.items()]
+        if not (any(moved) or is_new):
+            return
+        with self.client.atomic():
+            for side, sight in dense.space.items():
+                self.space[side].count_agents(sight)
+                self.space[side].draw_singles(sight.picture)
+            many = {
+                side: sight
+                for side, sight in dense.space.items()
+                if not self.space[side].as_singles
+            }
+            self.backdrop.draw(many, self.space, dense.files)
+
+
+def keep_those_there(flocks: dict[int, Any], sights: Mapping[int, Sight]) -> None:
+    """Drop flocks of sides that are drawn so no more, or stand elsewhere."""
+    for side, flock in list(flocks.items()):
+        if side not in sights or not np.array_equal(flock.aside, sights[side].aside):
+            flock.end()
+            del flocks[side]
 
 
 class DensityViews:
@@ -220,17 +265,12 @@ class DensityViews:
         # Browsers leave on viser's loop.
         self._lock = threading.Lock()
         self._views: dict[int, BrowserSights] = {}
-        self._dense: dict[int, DenseFlock] = {}
-        """By side."""
+        self._dense = DenseFlocks()
         server.on_client_disconnect(self._remove_client)
 
     def show(self, sights: tuple[Sight, ...]) -> None:
         """Draw a new frame."""
-        self._dense = {
-            side: DenseFlock(sight, flock_region(sight.picture.frame))
-            for side, sight in enumerate(sights)
-            if sight.picture.shows_density
-        }
+        self._dense = DenseFlocks.of(sights)
         self._draw(is_new=True)
 
     def follow(self) -> None:
@@ -241,7 +281,7 @@ class DensityViews:
     def in_sight(self, client: ClientHandle) -> tuple[FlockInSight, ...]:
         """What one browser sees of such flocks; empty where all agents are drawn."""
         view = self._views.get(client.client_id)
-        return () if view is None else tuple(view.flocks.values())
+        return () if view is None else view.flocks
 
     def _draw(self, is_new: bool) -> None:
         if not (self._dense or self._views):
@@ -268,3 +308,33 @@ class DensityViews:
         """On the event loop: viser's thread pool may be gone when the server stops."""
         with self._lock:
             self._views.pop(client.client_id, None)
+
+
+class RecordedDensity:
+    """Draws flocks in the plane of which no agent can be told apart for a recording: all of them,
+    since whoever watches it moves a camera of their own."""
+
+    def __init__(self, server: ViserServer) -> None:
+        self._scene = server.scene
+        self._images: dict[int, ImageHandle] = {}
+        """By side."""
+
+    def show(self, sights: tuple[Sight, ...]) -> None:
+        """Draw a new frame."""
+        for side, sight in enumerate(sights):
+            if not sight.picture.shows_density:
+                continue
+            region = flock_region(sight.picture.frame)
+            file = DenseFlock(sight, region).file(region, sight.picture.count)
+            if side not in self._images:
+                root = f"/sight{side}"
+                self._scene.add_frame(root, show_axes=False, position=tuple(sight.aside.tolist()))
+                self._images[side] = add_jpeg(self._scene, f"{root}/density", file.data)
+            show_file(self._images[side], file, sight.picture.stage)
+
+    def follow(self) -> None:
+        """No camera is followed."""
+
+    def in_sight(self, _client: ClientHandle) -> tuple[FlockInSight, ...]:
+        """Nobody watches while it is recorded."""
+        return ()

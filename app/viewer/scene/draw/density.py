@@ -96,9 +96,7 @@ def density_picture(
     `heading` (N, 2), unit vectors."""
     rows, columns = grid_shape(region, count)
     sums = smoothed_sums(position, heading, region, rows, columns)
-    inside = sums[..., 0]
-    crowd = float(inside.sum())
-    typical = float(np.vdot(inside, inside)) / crowd if crowd > 0.0 else 1.0
+    typical = typical_count(sums)
     pixels = np.empty((rows, columns, 3), np.uint8)
     fill_pixels(sums, typical, palette.density_table(), pixels)
     return DensityPicture(region, pixels, typical * rows * columns / region.area)
@@ -114,11 +112,25 @@ def smoothed_sums(
     low = region.low[0] - BORDER * wide, region.low[1] - BORDER * deep
     sums = np.zeros((rows + 2 * BORDER, columns + 2 * BORDER, 3), np.float32)
     fill_sums(position, heading, *low, wide, deep, sums)
+    return smooth_sums(sums)
+
+
+def smooth_sums(sums: np.ndarray) -> np.ndarray:
+    """Of sums (rows + 4, columns + 4, 3) those about all cells inside, (rows, columns, 3)."""
+    rows, columns = sums.shape[0] - 2 * BORDER, sums.shape[1] - 2 * BORDER
     across = np.empty((rows + 2 * BORDER, columns, 3), np.float32)
     smooth_columns(sums, across)
-    smoothed = np.empty((rows, columns, 3), np.float32)
-    smooth_columns(across.transpose(1, 0, 2), smoothed.transpose(1, 0, 2))
-    return smoothed
+    about = np.empty((rows, columns, 3), np.float32)
+    smooth_columns(across.transpose(1, 0, 2), about.transpose(1, 0, 2))
+    return about
+
+
+def typical_count(sums: np.ndarray) -> float:
+    """How many agents an agent has about its cell on average, of smoothed sums (rows, columns, 3);
+    1 if there are none."""
+    inside = sums[..., 0]
+    crowd = float(inside.sum())
+    return float(np.vdot(inside, inside)) / crowd if crowd > 0.0 else 1.0
 
 
 def grid_shape(region: PlaneRegion, count: int) -> tuple[int, int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -90,10 +90,9 @@ class Picture:
         return colour
 
     def of_rows(self, rows: np.ndarray) -> Picture:
-        """The picture of some agents alone."""
-        part = Picture(
-            self.frame.of_rows(rows), self.look, self.stage, self.length, self.size[rows]
-        )
+        """The picture of some agents alone; none is a bird, which would have to be followed."""
+        look = replace(self.look, birds=False)
+        part = Picture(self.frame.of_rows(rows), look, self.stage, self.length, self.size[rows])
         if self.look.measured or COLOURINGS[self.look.colour].labels:
             vars(part)["colour"] = self.colour[rows]  # which depends on the others
         return part

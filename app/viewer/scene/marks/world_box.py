@@ -109,12 +109,16 @@ def set_light(scene: SceneApi) -> None:
 
 def sky() -> bytes:
     """The background as PNG; viser would import all of imageio to make it one."""
-    steps = np.linspace(0.0, 1.0, 64)[:, None, None]
-    rows = palette.SKY_HIGH + steps * (palette.SKY_LOW - palette.SKY_HIGH)
     buffer = io.BytesIO()
-    image = np.rint(255.0 * np.broadcast_to(rows, (64, 4, 3))).astype(np.uint8)
-    Image.fromarray(image).save(buffer, "png")
+    Image.fromarray(np.repeat(sky_rows(64)[:, None], 4, axis=1)).save(buffer, "png")
     return buffer.getvalue()
+
+
+def sky_rows(count: int) -> np.ndarray:
+    """The colours of the background from top to bottom, (count, 3) uint8."""
+    steps = np.linspace(0.0, 1.0, count)[:, None]
+    rows = palette.SKY_HIGH + steps * (palette.SKY_LOW - palette.SKY_HIGH)
+    return np.rint(255.0 * rows).astype(np.uint8)
 
 
 class Fog:

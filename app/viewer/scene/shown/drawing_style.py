@@ -27,8 +27,8 @@ BIRDS_UP_TO = 3_000
 SHADOWS_UP_TO = 2_000
 """More agents than this cast no shadows."""
 DENSITY_BEYOND = 150_000
-"""More agents than this in the plane are drawn as a picture of their density: a browser moves so
-many points well, and of more points no flock can be seen."""
+"""More agents than this are drawn as a picture of their density: a browser moves so many points
+well, and of more points no flock can be seen."""
 SINGLES_UP_TO = 20_000
 """Of such a flock as many agents in sight of a camera are drawn one by one: they take as much of a
 line as a picture of density does."""
@@ -59,7 +59,8 @@ def may_be_birds(frame: Frame, _look: object = None) -> bool:
 
 def shows_density(frame: Frame) -> bool:
     """Whether a flock is drawn as a picture of its density, and single agents only from near."""
-    return frame.dim == 2 and frame.cars is None and len(frame.ids) > DENSITY_BEYOND
+    is_of_cars = frame.cars is not None and frame.dim == 2
+    return len(frame.ids) > DENSITY_BEYOND and not is_of_cars
 
 
 def leaves_trails(frame: Frame, look: DrawingStyle) -> bool:
