@@ -27,8 +27,8 @@ from app.classroom.class_file import (
 )
 from app.classroom.collect.class_curve import ClassCurve
 from app.classroom.collect.class_table import points_from_csv, to_csv
-from app.classroom.collect.collection import Collection, ResultGroup, StudentAssignment
-from app.classroom.collect.hand_in import hand_in
+from app.classroom.collect.collection import Collection, StudentAssignment
+from app.classroom.collect.hand_in import ResultGroup, hand_in
 from app.classroom.collect.question import question_of
 from app.classroom.student import Role, same, student_name
 from app.viewer.gallery.saved_scene import SavedScene, read_scene

@@ -22,8 +22,8 @@ from matplotlib.figure import Figure
 from app.classroom.collect.class_curve import ClassCurve
 from app.classroom.collect.class_picture import FORMATS, draw, picture
 from app.classroom.collect.class_table import points_from_csv, to_csv, to_json
-from app.classroom.collect.collection import MOST_OF_ONE, Collection, ResultGroup, spread_order
-from app.classroom.collect.hand_in import hand_in
+from app.classroom.collect.collection import MOST_OF_ONE, Collection, spread_order
+from app.classroom.collect.hand_in import ResultGroup, hand_in
 from app.classroom.collect.question import question_of
 from app.studies.judge.judge import ranges_of
 from app.studies.judge.statistics import summary

@@ -13,8 +13,8 @@ from pydantic import ConfigDict, Field, ValidationError
 
 from agents.flock import Flock
 from agents.spec import CompleteSpec
-from app.classroom.collect.collection import ResultGroup
 from app.classroom.collect.differences import RunIdentity, differences, on_one_line
+from app.classroom.collect.hand_in import ResultGroup
 from app.classroom.collect.question import Question
 from app.classroom.collect.question_choices import spread
 from app.strict_table import Line, StrictTable

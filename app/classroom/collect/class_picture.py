@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from typing import Any, Literal, get_args
 
 from app.classroom.collect.class_curve import ClassCurve
-from app.classroom.collect.collection import Collection, ResultGroup
-from app.classroom.collect.hand_in import Point
+from app.classroom.collect.collection import Collection
+from app.classroom.collect.hand_in import Point, ResultGroup
 from app.classroom.collect.question import Question
 from app.figure import NAMED, new_figure, save_figure
 from app.studies.charts.colour_table import COLOURS

@@ -11,8 +11,8 @@ from typing import Any, get_args
 
 from agents.observables.catalogue import OBSERVABLES
 from agents.observables.observable import Range
-from app.classroom.collect.collection import MOST_POINTS, Collection, ResultGroup
-from app.classroom.collect.hand_in import Point
+from app.classroom.collect.collection import MOST_POINTS, Collection
+from app.classroom.collect.hand_in import Point, ResultGroup
 from app.classroom.collect.question import Question
 from app.classroom.student import student_name
 from app.studies.runs.database import Status

@@ -10,12 +10,12 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from agents.spec import CompleteSpec
-from app.classroom.collect.hand_in import Point
+from app.classroom.collect.class_curve import ClassCurve
+from app.classroom.collect.hand_in import Point, ResultGroup
 from app.classroom.collect.question import Question
 from app.studies.charts.axis_limits import (
     Limits,
@@ -25,34 +25,14 @@ from app.studies.charts.axis_limits import (
     parameter_limits,
     spans_decades,
 )
-from app.studies.charts.run_group import RunGroup
 from worlds.input_error import InputError
 from worlds.number_text import counted as count
-
-if TYPE_CHECKING:
-    from app.classroom.collect.class_curve import ClassCurve
 
 # Results at one value of the parameter, or near it: their mean and how far they spread.
 
 MOST_ALONE = 12
 """Different values that are each a group, however few results there are of each."""
 MOST_BINS = 15
-
-
-@dataclass(frozen=True)
-class ResultGroup(RunGroup):
-    """Results that are taken together."""
-
-    value: float
-    """Of the parameter: theirs, or in the middle of theirs, its mean."""
-    low: float
-    high: float
-    """Between which theirs lie."""
-    values: tuple[float, ...] = ()
-    """Results of different runs: one that two students handed in counts once."""
-    gave_up: int = 0
-    """Runs in which it did not happen; they are in no mean."""
-    broken: int = 0
 
 
 def distinct(points: Sequence[Point]) -> list[Point]:

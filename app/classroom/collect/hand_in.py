@@ -15,6 +15,7 @@ from agents.flock import Flock
 from agents.spec import CompleteSpec, versions
 from app.classroom.collect.differences import RunIdentity, differences, on_one_line
 from app.classroom.collect.question import Question
+from app.studies.charts.run_group import RunGroup
 from app.studies.runs.database import Outcome, Status, failure
 from app.studies.sweeps.sweep_job import RunRequest
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
@@ -66,6 +67,22 @@ class Point:
         if self.result is None:
             return f"{self.student}, {at}: {self.reason}."
         return f"{self.student}, {at}: {question.result_words}: {self.result:.4g}."
+
+
+@dataclass(frozen=True)
+class ResultGroup(RunGroup):
+    """Results that are taken together."""
+
+    value: float
+    """Of the parameter: theirs, or in the middle of theirs, its mean."""
+    low: float
+    high: float
+    """Between which theirs lie."""
+    values: tuple[float, ...] = ()
+    """Results of different runs: one that two students handed in counts once."""
+    gave_up: int = 0
+    """Runs in which it did not happen; they are in no mean."""
+    broken: int = 0
 
 
 def hand_in(
