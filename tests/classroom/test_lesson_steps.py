@@ -238,7 +238,7 @@ class TestStepsOfALesson:
     @pytest.mark.exhaustive
     def test_show_the_same_with_every_seed(self, name):
         scene = find_lesson(name)
-        for seed in range(1, 9):
+        for seed in range(1, 4):
             other = replace(scene, spec=scene.spec.with_values(seed=seed))
             assert choices_shown(other) == claimed(scene), seed
 
