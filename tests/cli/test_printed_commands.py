@@ -30,6 +30,7 @@ RUN = {
     "flockscope list": "list",
     "flockscope list models": "list models",
     "flockscope list papers": "list papers",
+    "flockscope list lessons": "list lessons",
     "flockscope list hwvem": "list hwvem",
     "flockscope list NAME, as in": "list wrap",
     "flockscope list KIND, as in": "list worlds",
