@@ -68,6 +68,8 @@ class LessonPanel:
     """Controls of the step that is shown, by parameter."""
     answers: list[Any] = field(default_factory=list)
     """A button for each choice."""
+    made: list[Any] = field(default_factory=list)
+    """All controls of the step that is shown."""
 
     def __post_init__(self) -> None:
         self.lock = threading.Lock()
@@ -104,14 +106,15 @@ class LessonPanel:
 
     def show(self) -> None:
         """Make the controls of the step."""
-        for child in tuple(self.folder._children.values()):
-            child.remove()
+        for control in self.made:
+            control.remove()
+        self.made = []
         self.sliders, self.answers, self.run, self.verdict = {}, [], None, None
         if not self.steps or self.scene is None:
             return
         step = self.step
         with self.folder:
-            self.gui.add_html(block(sentence(self.number, len(self.steps), step)))
+            self.made.append(self.gui.add_html(block(sentence(self.number, len(self.steps), step))))
             sliders = number_parameters(self.scene.spec.model)
             for name in step.controls:
                 self.sliders[name] = self.add_slider(sliders[name])
@@ -119,6 +122,7 @@ class LessonPanel:
                 self.add_prediction(step)
             buttons = self.gui.add_button_group("Steps", (BACK, NEXT))
             buttons.on_click(self.move)
+            self.made += [*self.sliders.values(), buttons]
         if step.shown_observable:
             self.watch(step.shown_observable)
 
@@ -137,17 +141,19 @@ class LessonPanel:
 
     def add_prediction(self, step: SceneStep) -> None:
         """The question, a button for each answer, and what runs the step."""
-        self.gui.add_html(block(f'<div class="fs-try"><b>{html.escape(step.ask)}</b></div>'))
+        asked = block(f'<div class="fs-try"><b>{html.escape(step.ask)}</b></div>')
+        self.made.append(self.gui.add_html(asked))
         for number, words in enumerate(step.choices):
             button = self.gui.add_button(words, color="gray")
             button.on_click(partial(self.choose, number))
             self.answers.append(button)
-        self.gui.add_html(block(self.describe_run(step)))
+        self.made += [*self.answers, self.gui.add_html(block(self.describe_run(step)))]
         # Not the icon of Go: by that the page finds the button that it keeps in reach.
         self.run = self.gui.add_button(RUN, icon=viser.Icon.FLASK, color="green")
         self.run.disabled = True
         self.run.on_click(self.begin)
         self.verdict = self.gui.add_html("")
+        self.made += [self.run, self.verdict]
 
     def describe_run(self, step: SceneStep) -> str:
         """What the button runs, HTML."""
