@@ -33,6 +33,9 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
 HERE = Path(__file__).parent
+BEGUN = time.monotonic()
+MINUTES = float(os.environ.get("FLOCKSCOPE_TEST_MINUTES", "inf"))
+"""After which no other test begins; `.ci/run` sets it, which would be ended on a slow machine."""
 LIVE = ("tests/live", "tests/cli/test_live.py")
 """What one process runs, beside the others."""
 SERIAL = (
@@ -314,6 +317,13 @@ def pytest_collection_modifyitems(config, items):
             draw_few(getattr(item, "obj", None), USED)
             draw_few(getattr(item, "cls", None), "settings")
     items.sort(key=lambda item: (place(item.nodeid.partition("::")[0]), item.path in WINDOWS))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup():
+    """Begin no test once the minutes are over that there are: what is left out is told."""
+    if time.monotonic() - BEGUN > MINUTES * 60.0:
+        pytest.skip(f"left to a quicker machine: {MINUTES:g} minutes are over")
 
 
 def pytest_terminal_summary(terminalreporter, config):

@@ -59,7 +59,8 @@ def test_the_operator_is_killed_and_the_recording_says_that_the_cars_were_told_t
     for tick, heard in zip(ticks[-200:], room.heard[-200:], strict=True):
         assert tick.mode == heard.mode
         assert tick.sent["red"] == pytest.approx(heard.commands[1], abs=0.01)
-    events = recorded.events()
+    # On a busy machine a frame of poses may be late, and a car unseen for a moment.
+    events = [event for event in recorded.events() if event["kind"] != "unseen"]
     assert [event["kind"] for event in events[-3:]] == ["hold", "stop", "end"]
     assert events[-3]["words"] == "held: the operator is gone"
     assert events[-1]["words"] == (
