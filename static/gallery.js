@@ -67,7 +67,7 @@
     inner.append(button("", "Stay", close));
   };
 
-  window.flockscopeSheet = { make, button, sheet, close, complain, open };  /* others have their own */
+  window.flockscopeSheet = { make, button, sheet, close, complain, open, ask };  /* others have their own */
   const scene = (name) => `/open?scene=${encodeURIComponent(name)}`;
 
   const cardOf = (one) => {

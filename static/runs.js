@@ -1,22 +1,15 @@
 /* Rows of runs: their buttons ask the server by HTTP, as the gallery does. */
 {
-  const home = location.pathname.replace(/\/(index\.html)?$/, "");
-  const { make, button, sheet, close, complain, open } = window.flockscopeSheet;
+  const { make, button, sheet, close, complain, open, ask } = window.flockscopeSheet;
 
-  const ask = async (act, run, to) => {
-    const asked = new URLSearchParams({ run, to });
-    const answer = await fetch(`${home}/runs/${act}?${asked}`, {
-      headers: { "X-Flockscope": "scene" }, cache: "no-store", credentials: "same-origin" });
-    if (!answer.ok) throw new Error((await answer.text()).trim());
-  };
   const attempt = async (act, run, to, inner) => {
+    let words = "";
     try {
-      await ask(act, run, to);
-      close();
-    } catch (fault) {
-      const words = fault instanceof TypeError ? "The server does not answer." : fault.message;
-      complain(inner ?? sheet("Not done", "fs-ask"), words);
-    }
+      const answer = await ask(`/runs/${act}?${new URLSearchParams({ run, to })}`);
+      if (!answer.ok) words = (await answer.text()).trim();
+    } catch { words = "The server does not answer."; }
+    if (words) complain(inner ?? sheet("Not done", "fs-ask"), words);
+    else close();
   };
   const acts = {
     open: (run) => open(`/runs/open?run=${run}`, ""),

@@ -2,8 +2,7 @@
    server says which sliders these are; a click asks it by HTTP, as the gallery does. The picture is
    replaced while a sweep runs: a press and its release need not find the same element. */
 {
-  const home = location.pathname.replace(/\/(index\.html)?$/, "");
-  const { make, button, sheet, close, open } = window.flockscopeSheet;
+  const { make, button, sheet, open, ask } = window.flockscopeSheet;
   /* Docked tabs of viser's heed the pointer, those of a narrow page a click. */
   const openTab = () => {
     const tab = [...document.querySelectorAll('[role="tab"]')].find((one) => one.textContent === "Sweep");
@@ -19,17 +18,17 @@
   }, 300);
   let text = "", marks = {};
 
-  const ask = async (what, name, title, part) => {
-    let answer;
+  const choose = async (what, name, title, part) => {
+    let words = "";
     try {
-      answer = await fetch(`${home}/sweep/${what}?name=${encodeURIComponent(name)}`, {
-        headers: { "X-Flockscope": "scene" }, cache: "no-store", credentials: "same-origin" });
-    } catch { return; }
-    if (!answer.ok) return sheet(title, "fs-ask").append(make("p", "", (await answer.text()).trim()));
+      const answer = await ask(`/sweep/${what}?name=${encodeURIComponent(name)}`);
+      if (!answer.ok) words = (await answer.text()).trim();
+    } catch { words = "The server does not answer."; }
+    if (words) return sheet(title, "fs-ask").append(make("p", "", words));
     openTab();
     bring(part);
   };
-  const sweep = (name) => ask("over", name, "Not swept", ".fs-new-sweep");
+  const sweep = (name) => choose("over", name, "Not swept", ".fs-new-sweep");
   const look = () => {
     const told = document.querySelector("[data-sweeps]");
     const now = told ? told.dataset.sweeps : "";
@@ -77,7 +76,7 @@
   }, true);
   document.addEventListener("click", (event) => {
     const pressed = event.target.closest && event.target.closest("button");
-    if (pressed && pressed.dataset.sweepName) ask("show", pressed.dataset.sweepName, "Not shown", ".fs-sweeps");
+    if (pressed && pressed.dataset.sweepName) choose("show", pressed.dataset.sweepName, "Not shown", ".fs-sweeps");
     if (pressed && pressed.textContent === "Start the sweep") bring(".fs-sweeps");
   }, true);
 }

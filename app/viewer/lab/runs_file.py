@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from agents.catalogue import model as find_model
-from agents.flock_world import find_world
+from agents.flock_world import find_world, is_built_in
 from agents.models.declare import checked
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import CompleteSpec
@@ -34,7 +34,6 @@ from app.viewer.measuring.run_conditions import (
     RunConditions,
     Stretch,
 )
-from app.viewer.run.stored_flock import at_start
 from worlds.input_error import InputError, shorten
 from worlds.number_text import counted
 from worlds.world import World
@@ -58,6 +57,21 @@ def line_of(values: Mapping[str, Any]) -> bytes:
     return json.dumps(values, separators=(", ", ": ")).encode() + b"\n"
 
 
+def spec_of(one: RunConditions) -> CompleteSpec:
+    """The run that begins under some conditions; a start that was given is a random one.
+
+    To see whether the name of a world is enough takes up to a tenth of a second.
+    """
+    world, sides = one.world, set(one.world.size)
+    where: dict[str, Any] = {"world": world, "size": None}
+    if len(sides) == 1 and is_built_in(world, one.seed):
+        where = {"world": world.name, "size": float(world.size[0])}
+    values = {name: value for name, value in one.parameters.items() if value is not SEVERAL}
+    return one.asked.with_values(
+        **where, layout=None, dim=world.dim, start="random", versions={}, parameters=values
+    )
+
+
 def run_values(run: KeptRun, key: str) -> dict[str, Any]:
     """A run as JSON has it; `key` says which it is, whatever its number."""
     history = run.course.history
@@ -67,7 +81,7 @@ def run_values(run: KeptRun, key: str) -> dict[str, Any]:
         one = stretch.conditions
         row: dict[str, Any] = {"begin": stretch.begin}
         if one.world != world:  # the first has its spec so, which says everything else too
-            row["spec"] = tomllib.loads(at_start(one.spec, one.world).to_toml())
+            row["spec"] = tomllib.loads(spec_of(one).to_toml())
             row["world"] = one.world.name  # a scene calls it otherwise where it is built in
             world = one.world
         row |= {"agents": one.agents, "parameters": dict(one.parameters), "by hand": one.by_hand}
@@ -198,7 +212,7 @@ def stretch_of(one: Mapping[str, Any], before: Stretch | None, dt: float, origin
         spec = scene_of({"run": values}, origin).spec
         world = replace(find_world(spec, find_model(spec.model)), name=name_of(one, "world"))
     else:
-        spec, world = before.conditions.spec, before.conditions.world
+        spec, world = before.conditions.asked, before.conditions.world
     begin = int(read_number(one, "begin"))
     if before is not None and (begin <= before.begin or spec.model != before.conditions.model.name):
         raise InputError(f"begin = {begin} is not allowed: it follows {before.begin}")
@@ -282,8 +296,7 @@ def runs_frame(path: str | Path) -> Any:
     if found.skipped:
         warnings.warn(found.told(str(path)), stacklevel=2)
     frame = pd.DataFrame(runs_table(found.runs))
-    firsts = [run.course.conditions for run in reversed(found.runs)]
-    frame["spec"] = [at_start(first.spec, first.world) for first in firsts]
+    frame["spec"] = [spec_of(run.course.conditions) for run in reversed(found.runs)]
     return frame
 
 

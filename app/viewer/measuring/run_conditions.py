@@ -40,8 +40,8 @@ class RunConditions:
     parameters: Mapping[str, Any]
     dt: float
     """Time that a tick stands for."""
-    spec: CompleteSpec = field(compare=False)
-    """The same, as a run that can be made."""
+    asked: CompleteSpec = field(compare=False)
+    """The run as it was asked for; its parameters and its world may be others by now."""
     by_hand: bool = False
     """Whether somebody has put agents elsewhere."""
 
@@ -56,7 +56,7 @@ class RunConditions:
             flock.options.chosen,
             flock.parameters.model_dump(),
             flock.dt,
-            flock.spec,
+            flock.options,
             by_hand,
         )
 
@@ -77,7 +77,7 @@ class RunConditions:
             name: value if self.parameters.get(name) == value else SEVERAL
             for name, value in later.parameters.items()
         }
-        return replace(later, parameters=parameters, spec=self.spec)
+        return replace(later, parameters=parameters, asked=self.asked)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,12 @@ import viser
 
 from app.front.controls import set_value
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.scene_steps import number_parameters, page_observables, read_steps
+from app.viewer.gallery.scene_steps import (
+    MOST_TICKS,
+    number_parameters,
+    page_observables,
+    read_steps,
+)
 from app.viewer.measuring.observable_format import observable_words
 from app.viewer.panels.shell import block
 from worlds.input_error import InputError
@@ -46,7 +51,8 @@ class LessonForm:
                 "as they are now. *Save scene* keeps it; *Open a file* opens it again."
             )
             self.say = gui.add_text("Text", "", hint="What to know or to do, one sentence")
-            measures = tuple(map(observable_words, page_observables()))
+            self.observables = {observable_words(name): name for name in page_observables()}
+            measures = tuple(self.observables)
             self.controls = [
                 gui.add_dropdown(name, (NONE,), hint="A slider that stands with the step")
                 for name in ("Slider", "Second slider")
@@ -61,7 +67,7 @@ class LessonForm:
             self.measure = gui.add_dropdown(
                 "Measure", measures, hint="Its mean over the last half of the run answers"
             )
-            self.ticks = gui.add_number("Ticks", TICKS, min=2, max=20_000, step=1)
+            self.ticks = gui.add_number("Ticks", TICKS, min=2, max=MOST_TICKS, step=1)
             self.bounds = gui.add_text(
                 "Bounds", "", hint="Between one answer and the next, as 0.25 / 0.75"
             )
@@ -95,13 +101,13 @@ class LessonForm:
         controls = [names[one.value] for one in self.controls if one.value in names]
         fields: dict[str, Any] = {"say": self.say.value.strip(), "controls": controls}
         if self.watch.value != NONE:
-            fields["watch"] = self.watch.value.replace(" ", "-")
+            fields["watch"] = self.observables[self.watch.value]
         if not self.ask.value.strip():
             return fields
         return fields | {
             "ask": self.ask.value.strip(),
             "choices": split(self.choices.value),
-            "measure": self.measure.value.replace(" ", "-"),
+            "measure": self.observables[self.measure.value],
             "ticks": int(self.ticks.value),
             "bounds": [number(part) for part in split(self.bounds.value)],
             "set": {name: float(scene.spec.parameters[name]) for name in controls},

@@ -23,7 +23,7 @@ from app.studies.sweeps.sweep_table import as_csv, write_table
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
 from app.viewer.lab.panels.laboratory_plots import DOTS, LaboratoryPlots
 from app.viewer.lab.panels.sweep_panel import set_html
-from app.viewer.lab.runs_file import runs_as_bytes
+from app.viewer.lab.runs_file import runs_as_bytes, spec_of
 from app.viewer.lab.scene_requests import MARK, WORD, SceneRequests
 from app.viewer.lab.sweeps.laboratory_sweeps import Sweeps, whole_number
 from app.viewer.lab.sweeps.stored_sweeps import ListedSweep
@@ -39,7 +39,6 @@ from app.viewer.measuring.observable_format import format_observable, observable
 from app.viewer.measuring.run_conditions import BY_HAND, ConditionHistory
 from app.viewer.panels.sending import Sender
 from app.viewer.panels.shell import Sheets, block
-from app.viewer.run.stored_flock import at_start
 from worlds.input_error import InputError
 from worlds.number_text import counted
 
@@ -128,7 +127,7 @@ class RunsPanel:
         watch = f"The run from its start, without what was changed: {', '.join(changes)}."
         return SavedScene(
             title=run.label.capitalize()[: TEXTS["title"]],
-            spec=at_start(first.spec, first.world),
+            spec=spec_of(first),
             watch=watch[: TEXTS["watch"]] if changes else "",
             plots=self.plots.chosen if run.model is self.plots.model else (),
         )
