@@ -15,6 +15,30 @@ PICTURES = ("png", "svg")
 """Endings of every picture that a command draws into a folder."""
 
 
+RUNS = RESULTS / "runs.jsonl"
+"""Where a laboratory keeps its runs that says no other file."""
+RUNS_ENDING = ".jsonl"
+RUNS_BEGIN = b'{"flockscope": "runs"'
+"""How such a file begins."""
+
+
+def demand_runs(path: Path) -> None:
+    """Refuse what is no file of runs, by its name and how it begins. Raises InputError."""
+    named = f"runs {str(path)!r}"
+    if path.suffix.lower() != RUNS_ENDING:
+        raise InputError(f"{named} is not allowed: a name that ends in {RUNS_ENDING} is needed")
+    try:
+        with open(path, "rb") as file:
+            head = file.read(len(RUNS_BEGIN))
+    except FileNotFoundError:
+        return
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{named} cannot be read: {reason}") from None
+    if head not in (b"", RUNS_BEGIN):
+        raise InputError(f"{named} is no file of runs: its first line says what it is")
+
+
 def picture_files(name: str, pictures: bool = True) -> tuple[str, ...]:
     """The files that a picture of that name comes to, none if there are no pictures."""
     return tuple(f"{name}.{kind}" for kind in PICTURES) if pictures else ()

@@ -26,7 +26,7 @@ from app.cli.options.serving_options import AllowHost, Host, OpenBrowser, Port, 
 from app.cli.terminal.progress import StopSignals, exit_process
 from app.cli.terminal.usage import Rules, first_of, model_name
 from app.front.origin import parse_allowed_host
-from app.results_folder import RESULTS
+from app.results_folder import RUNS, demand_runs
 from app.settings import assignment
 from app.viewer.run.run_preset import preset_spec
 from worlds.input_error import InputError, unknown
@@ -80,7 +80,7 @@ def lab(
         typer.Option(
             help="The file (.jsonl) in which its runs are kept, from which the tab Runs begins.",
         ),
-    ] = RESULTS / "runs.jsonl",
+    ] = RUNS,
     port: Port = 8080,
     host: Host = "127.0.0.1",
     allow_host: AllowHost = None,
@@ -95,6 +95,7 @@ def lab(
     names = tuple(parse_allowed_host(name) for name in allow_host or ())
     model = first_of(model, rule)
     file, model = (model, None) if is_file(model) else (None, model)
+    demand_runs(runs)
     if lesson is not None:
         scene = lesson_scene(lesson, scene, file)
     opened = open_argument(file, scene, model, beside, options, set)

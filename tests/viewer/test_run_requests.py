@@ -46,8 +46,8 @@ def test_a_run_is_shown_named_and_opened_from_its_start(laboratory):
     assert laboratory.plots.runs.find(1).name == "first"
     assert ask(laboratory.port, f"/runs/name?run=1&to={61 * 'x'}", OPENS).status == 400
     assert ask(laboratory.port, "/runs/open?run=1", OPENS).status == 200
-    state = laboratory.simulation.state
-    until(lambda: laboratory.simulation.state.spec.seed == 7 and not state.busy)
+    until(lambda: laboratory.simulation.state.spec.seed == 7)
+    until(lambda: not laboratory.simulation.state.busy)
 
 
 def test_runs_of_a_file_are_added_with_numbers_of_their_own(laboratory):

@@ -24,6 +24,7 @@ from agents.flock_world import find_world, is_built_in
 from agents.models.declare import checked
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import CompleteSpec
+from app.results_folder import demand_runs
 from app.viewer.gallery.saved_scene import scene_of
 from app.viewer.measuring.kept_runs import LONGEST_NAME, MOST_RUNS, KeptRun, runs_table
 from app.viewer.measuring.observable_curves import ObservableHistory, Points
@@ -38,12 +39,9 @@ from worlds.input_error import InputError, shorten
 from worlds.number_text import counted
 from worlds.world import World
 
-ENDING = ".jsonl"
 FORMAT = 1
 HEAD = {"flockscope": "runs", "format": FORMAT}
 """The first line of a file."""
-BEGIN = b'{"flockscope": "runs"'
-"""How such a file begins."""
 LARGEST = 256 * 2**20
 """Bytes of a file of this machine that are read."""
 MOST_POINTS = 5_000
@@ -313,20 +311,14 @@ class RunsFile:
         self.failed = False
         self.found = ReadRuns((), {})
         """What was there."""
-        title = f"runs {str(path)!r}"
-        if path.suffix.lower() != ENDING:
-            raise InputError(f"{title} is not allowed: a name that ends in {ENDING} is needed")
-        try:
-            if path.exists():
-                if path.stat().st_size > LARGEST:
-                    raise InputError(f"{title} has more than {LARGEST:,} bytes: name another file")
-                if data := path.read_bytes():
-                    self.found = read_runs(str(path), data)
-        except (OSError, ValueError) as error:
-            if isinstance(error, InputError):
-                raise
-            reason = getattr(error, "strerror", None) or error
-            raise InputError(f"{title} cannot be read: {reason}") from None
+        demand_runs(path)
+        if path.exists():
+            if path.stat().st_size > LARGEST:
+                raise InputError(
+                    f"runs {str(path)!r} has more than {LARGEST:,} bytes: name another file"
+                )
+            if data := path.read_bytes():
+                self.found = read_runs(str(path), data)
         self.keys = dict(self.found.keys)
 
     def add(self, run: KeptRun) -> None:

@@ -9,10 +9,11 @@ from concurrent.futures import Future
 
 import viser
 
+from app.results_folder import RUNS_BEGIN, RUNS_ENDING
 from app.viewer.editing.layout_file import plain_name
 from app.viewer.gallery.file_opener import ENDINGS, open_file
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene
-from app.viewer.lab.runs_file import BEGIN, ENDING, ReadRuns, read_runs
+from app.viewer.lab.runs_file import ReadRuns, read_runs
 from app.viewer.run.allowance import Allowance
 from app.viewer.run.simulation import Simulation
 from app.viewer.run.stored_flock import LARGEST, PARQUET, StoredFlock
@@ -100,7 +101,7 @@ class SceneFiles:
             "Open a file ...",
             icon=viser.Icon.UPLOAD,
             color="gray",
-            mime_type=",".join((*ENDINGS, ENDING)),
+            mime_type=",".join((*ENDINGS, RUNS_ENDING)),
             hint="A scene or a spec (TOML), a saved state or a recording (Parquet) of up to "
             f"{LARGEST // 10**6} MB: replaces the run in all browsers. Runs (JSONL): become rows "
             "of the tab Runs",
@@ -113,7 +114,7 @@ class SceneFiles:
             try:
                 if self.allowance is not None and file.content.startswith(PARQUET):
                     self.allowance.demand_recordings(file.name)
-                if file.content.startswith(BEGIN):
+                if file.content.startswith(RUNS_BEGIN):
                     self.open(read_runs(plain_name(file.name), file.content))
                 else:
                     self.open(open_file(file.name, file.content))
