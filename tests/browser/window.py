@@ -13,9 +13,6 @@ from app.viewer.run.simulation import Simulation
 from app.viewer.watching.watch_page import WatchPage
 from tests.viewer.waiting import until
 
-COMPILED = 180.0
-"""Seconds that a model may take to be compiled, on a busy machine."""
-
 
 def is_compiled(simulation: Simulation) -> bool:
     """Whether what is shown is the run itself and no preview of it."""

@@ -164,7 +164,7 @@ def test_another_process_reads_while_one_writes(tmp_path):
         assert said.stdout == "1 2.0\n"
 
 
-def test_a_hundred_thousand_runs_load_in_two_seconds(tmp_path):
+def test_a_hundred_thousand_runs_load_in_five_times_what_their_bare_rows_take(tmp_path):
     cells = [(str(number), "{}") for number in range(100)]
     with Store(tmp_path, ["k", "x"]) as store:
         numbers = store.store_plan(cells)
@@ -175,7 +175,11 @@ def test_a_hundred_thousand_runs_load_in_two_seconds(tmp_path):
     with Store(tmp_path, ["k", "x"]) as store:
         assert len(store.outcomes(["k", "x"])) == 100_000
     assert len(StoreReader(tmp_path).runs()) == 100_000
-    assert time.process_time() - began < 2.0
+    worked, began = time.process_time() - began, time.process_time()
+    with closing(sqlite3.connect(tmp_path / FILE)) as bare:
+        for _ in range(2):
+            assert len(bare.execute("SELECT * FROM run").fetchall()) == 100_000
+    assert worked < 5.0 * (time.process_time() - began)
     assert (tmp_path / FILE).stat().st_size < 60 * 100_000
 
 

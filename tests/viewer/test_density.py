@@ -49,7 +49,7 @@ from app.viewer.scene.shown.drawing_style import DENSITY_PERIOD, DrawingStyle, s
 from tests.live.stand_in import CAMERA, StandIn
 from tests.viewer.stub_flock import StubFlock
 from tests.viewer.test_ride import frame as frame_at
-from tests.viewer.waiting import until
+from tests.viewer.waiting import COMPILED, until
 from worlds.input_error import InputError
 from worlds.world import World
 
@@ -468,7 +468,7 @@ def laboratory(monkeypatch):
     monkeypatch.setattr(drawing_style, "SINGLES_UP_TO", 100)
     monkeypatch.setattr(flock_readings, "MEASURED_ASIDE", 500)
     made = Laboratory(preset_spec("vem", agents=2_000, seed=2), port=0, running=False)
-    assert made.simulation.ready.wait(180)
+    assert made.simulation.ready.wait(COMPILED)
     yield made
     made.close()
 
@@ -491,7 +491,7 @@ def test_a_browser_sees_density_and_from_near_single_agents_and_leaves_nothing(l
 def look_from_far_and_near(laboratory):
     """Have a browser do so; a reference to what it saw."""
     with DensityBrowser(laboratory.port) as browser:
-        until(lambda: browser.image is not None)
+        until(lambda: browser.image is not None, COMPILED)
         assert browser.nodes["/sight0/density"] == "ImageMessage"
         until(lambda: sight(laboratory).count == 2_000)
 
@@ -520,7 +520,7 @@ def look_from_far_and_near(laboratory):
 
 def test_single_agents_stay_until_clearly_too_many_are_in_sight(laboratory):
     with DensityBrowser(laboratory.port) as browser:
-        until(lambda: browser.image is not None)
+        until(lambda: browser.image is not None, COMPILED)
         browser.look_at(0.0, 0.0, 3.0)
         until(lambda: sight(laboratory).as_singles)
         count = sight(laboratory).count
@@ -536,7 +536,7 @@ def test_single_agents_stay_until_clearly_too_many_are_in_sight(laboratory):
 
 def test_browsers_that_look_from_where_they_were_put_share_a_file(laboratory):
     with DensityBrowser(laboratory.port) as first, DensityBrowser(laboratory.port) as second:
-        until(lambda: first.image is not None and second.image is not None)
+        until(lambda: first.image is not None and second.image is not None, COMPILED)
         laboratory.simulation.step()
         until(lambda: laboratory.drawing.drawn[0].tick == 1)
         until(lambda: len(laboratory.scene._density._dense.plane[0].files) == 1)
@@ -547,7 +547,7 @@ def test_browsers_that_look_from_where_they_were_put_share_a_file(laboratory):
 
 def test_a_flock_that_is_set_up_small_is_drawn_agent_by_agent_again(laboratory):
     with DensityBrowser(laboratory.port) as browser:
-        until(lambda: browser.image is not None)
+        until(lambda: browser.image is not None, COMPILED)
         laboratory.simulation.setup(preset_spec("vem", agents=30, seed=2))
         until(lambda: sight(laboratory) is None)
         client = next(iter(laboratory.server.get_clients().values()))
@@ -557,7 +557,7 @@ def test_a_flock_that_is_set_up_small_is_drawn_agent_by_agent_again(laboratory):
 
 def test_two_flocks_beside_each_other_are_two_pictures(laboratory):
     with DensityBrowser(laboratory.port) as browser:
-        until(lambda: browser.image is not None)
+        until(lambda: browser.image is not None, COMPILED)
         spec = preset_spec("vem", agents=600, seed=2)
         laboratory.simulation.setup(spec, Spec("hwvem"))
         until(lambda: "/sight1/density" in browser.nodes)

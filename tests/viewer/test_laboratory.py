@@ -18,12 +18,13 @@ from websockets.sync.client import connect
 
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.laboratory import UNWATCHED, Laboratory
+from app.viewer.panels import parameters
 from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import KEYS
 from app.viewer.run.run_preset import preset_spec
 from app.viewer.scene.drawing import FASTEST, SLOWEST, period
 from tests.live.stand_in import CAMERA
-from tests.viewer.waiting import until
+from tests.viewer.waiting import COMPILED, until
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +111,10 @@ def test_what_counts_for_nothing_cannot_be_moved(laboratory, browser):
     controls = laboratory.parameters.controls
     for choice, idle in (("nearest", "r"), ("metric", "k")):
         turn(browser, controls["neighbours"], choice)
-        until(lambda idle=idle: [one for one in controls if controls[one].disabled] == [idle])
+        until(
+            lambda idle=idle: [one for one in controls if controls[one].disabled] == [idle],
+            COMPILED,
+        )
 
 
 def test_a_flock_that_nobody_watches_stands_after_a_while(laboratory):
@@ -133,6 +137,7 @@ def test_an_answer_to_an_older_value_takes_a_slider_nowhere(laboratory, browser,
         return answers[-1]
 
     monkeypatch.setattr(simulation, "set", asked)
+    monkeypatch.setattr(parameters, "DRAG", math.inf)  # what was moved is not taken back for long
     for value in (1.0, 2.0, 3.0):
         turn(browser, eta, value)
     until(lambda: len(answers) == 3)

@@ -40,7 +40,7 @@ from app.viewer.scene.shown import drawing_style, palette
 from app.viewer.scene.shown.drawing_style import DrawingStyle, shows_density
 from tests.live.stand_in import CAMERA, StandIn
 from tests.viewer.test_ride import frame as frame_at
-from tests.viewer.waiting import until
+from tests.viewer.waiting import COMPILED, until
 
 STAGE = Stage(3, (16.0, 16.0, 16.0), (True, True, True))
 """Two units of length are one of the display, and the middle is at (8, 8, 8)."""
@@ -297,7 +297,7 @@ def laboratory(monkeypatch):
     monkeypatch.setattr(drawing_style, "SINGLES_UP_TO", 100)
     monkeypatch.setattr(flock_readings, "MEASURED_ASIDE", 500)
     made = Laboratory(preset_spec("vem", agents=2_000, dim=3, seed=2), port=0, running=False)
-    assert made.simulation.ready.wait(180)
+    assert made.simulation.ready.wait(COMPILED)
     yield made
     made.close()
 
@@ -318,7 +318,7 @@ def draws_singles(laboratory):
 
 def test_a_browser_sees_density_and_from_near_single_agents(laboratory, monkeypatch):
     with ViewBrowser(laboratory.port) as browser:
-        until(lambda: browser.sees_density)
+        until(lambda: browser.sees_density, COMPILED)
         browser.look_from(0.0, -60.0, 5.0)
         until(lambda: sight(laboratory).count == 2_000)
         assert sight(laboratory).near == 0
@@ -338,7 +338,7 @@ def test_a_browser_sees_density_and_from_near_single_agents(laboratory, monkeypa
 
 def test_another_camera_has_another_picture_though_the_flock_stands(laboratory):
     with ViewBrowser(laboratory.port) as browser:
-        until(lambda: browser.sees_density)
+        until(lambda: browser.sees_density, COMPILED)
         before = len(browser.backgrounds)
         browser.look_from(0.0, -30.0, 5.0)
         until(lambda: len(browser.backgrounds) > before)
@@ -348,20 +348,20 @@ def test_another_camera_has_another_picture_though_the_flock_stands(laboratory):
 
 def test_a_flock_that_is_set_up_small_is_drawn_agent_by_agent_before_the_sky(laboratory):
     with ViewBrowser(laboratory.port) as browser:
-        until(lambda: browser.sees_density)
+        until(lambda: browser.sees_density, COMPILED)
         laboratory.simulation.setup(preset_spec("vem", agents=30, dim=3, seed=2))
         until(lambda: sight(laboratory) is None and not browser.sees_density)
 
 
 def test_two_flocks_beside_each_other_are_one_picture(laboratory):
     with ViewBrowser(laboratory.port) as browser:
-        until(lambda: browser.sees_density)
+        until(lambda: browser.sees_density, COMPILED)
         spec = preset_spec("vem", agents=600, dim=3, seed=2)
         laboratory.simulation.setup(spec, Spec("couzin"))
         browser.look_from(5.0, -90.0, 5.0, target=(5.0, 0.0, 0.0))
         client = next(iter(laboratory.server.get_clients().values()))
         until(lambda: [one.count for one in laboratory.scene.in_sight(client)] == [600, 600])
-        assert len(laboratory.scene._density._dense.files) == 1
+        until(lambda: len(laboratory.scene._density._dense.files) == 1)
 
 
 # Pictures and films.

@@ -7,6 +7,9 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+COMPILED = 180.0
+"""Seconds that a model, or what draws it, may take to be compiled, on a busy machine."""
+
 
 def until(condition: Callable[[], Any], seconds: float = 60.0, what: str = "") -> Any:
     """The condition's value as soon as it is true. Fails after some seconds."""

@@ -114,7 +114,7 @@ def view_shape(aspect: float, count: int) -> tuple[int, int]:
     """Rows and columns of the picture of a view with so many agents; its cells are square.
 
     >>> view_shape(16 / 9, 1_000_000), view_shape(16 / 9, 20_000)
-    ((276, 491), (72, 128))
+    ((288, 512), (72, 128))
     """
     side = math.sqrt(min(count / PER_CELL, CELLS)) // COARSE * COARSE
     side = max(side, COARSE)
