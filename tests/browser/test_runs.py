@@ -83,7 +83,7 @@ def test_all_runs_are_taken_along(laboratory, window, rows):
     for kind, begins in (
         ("CSV", b"run,name,model"),
         ("Parquet", b"PAR1"),
-        ("Runs", b'{"flockscope"'),
+        ("JSONL", b'{"flockscope"'),
     ):
         with page.expect_download() as waiting:
             page.get_by_role("button", name=kind, exact=True).click()

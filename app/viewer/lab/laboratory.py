@@ -264,7 +264,7 @@ class Laboratory:
     def where_kept(self) -> str:
         """Where its runs are kept, in a sentence."""
         if self.runs_file is None:
-            return "Runs are kept until the laboratory ends: take them along as Runs."
+            return "Runs are kept until the laboratory ends: take them along as JSONL."
         return f"Runs are kept in {self.runs_file.path}."
 
     def take_uploads(self) -> None:

@@ -52,9 +52,9 @@ LISTED = 60
 """The latest runs, which are rows; those that are ticked are rows too."""
 POINTS = 48
 """Of the small curve, about."""
-TABLE, RUNS = "Table", "Runs"
+TABLE, FILE = "Table", "JSONL"
 TABLES, PICTURES = ("CSV", "Parquet"), ("PNG", "SVG")
-KINDS = (TABLE, *TABLES, *PICTURES, RUNS)
+KINDS = (TABLE, *TABLES, *PICTURES, FILE)
 
 
 class RunsPanel:
@@ -78,7 +78,7 @@ class RunsPanel:
         self.going = gui.add_html("")
         self.list = gui.add_html("")
         self.last = gui.add_checkbox(
-            "Tick the last run by itself",
+            "Tick the last run automatically",
             True,
             hint=f"Ticked runs of the model that runs lie under the plots, {len(DOTS)} at most, "
             "the latest first",
@@ -88,8 +88,8 @@ class RunsPanel:
             "All runs",
             KINDS,
             hint="Table: over the page. CSV, Parquet: a row for each run. PNG, SVG: the curves of "
-            "the first plot, of the run that goes on and of all that are ticked. Runs: a file that "
-            "Save, Open a file ... opens again",
+            "the first plot, of the run that goes on and of all that are ticked. JSONL: a file "
+            "that Save, Open a file ... opens again",
         )
         self.buttons.on_click(self.send_download)
         gui.add_html(block(f'<div class="fs-quiet">{html.escape(where)}</div>'))
@@ -165,7 +165,7 @@ class RunsPanel:
             await self.sender.send(client, name, lambda: plotted.content(kind))
         elif not rows:
             self.tell("There is no run yet: the first is a row here once it is over.")
-        elif kind == RUNS:
+        elif kind == FILE:
             await self.sender.send(client, "runs.jsonl", lambda: runs_as_bytes(rows))
         elif kind in TABLES:
             name = f"runs.{kind.lower()}"
