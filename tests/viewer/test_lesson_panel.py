@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
+import threading
 
 import pytest
 
@@ -12,7 +13,7 @@ from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.gallery.scene_steps import step_spec
 from app.viewer.lab.laboratory import Laboratory
 from tests.classroom.test_lesson_steps import mean_measured, scene_text
-from tests.viewer.waiting import until
+from tests.viewer.waiting import COMPILED, until
 
 SECOND = """
 [[steps]]
@@ -29,6 +30,20 @@ shows = "less"
 why = "Because it is so."
 """
 RUN = '[run]\nmodel = "vem"\nagents = 20\nsize = 5.0\nworld = "wrap"\n'
+
+
+def refreshed(laboratory):
+    """Wait until the thread that draws has brought the panels up to date once more."""
+    done, panels = threading.Event(), laboratory.drawing.panels
+
+    def once():
+        panels()
+        done.set()
+
+    laboratory.drawing.panels = once
+    laboratory.drawing.show_to_newcomer()
+    assert done.wait(COMPILED)
+    laboratory.drawing.panels = panels
 
 
 @pytest.fixture
@@ -66,7 +81,7 @@ def run_step(laboratory: Laboratory, choice: int) -> list[str]:
     asyncio.run(panel.choose(choice, Press()))
     asyncio.run(panel.begin(Press()))
     until(lambda: panel.now.trial.is_over, 60, "the run of the step")
-    laboratory.refresh()
+    refreshed(laboratory)
     return re.findall(r"<p>(.*?)</p>", panel.verdict.content)
 
 
@@ -122,7 +137,7 @@ def test_a_run_in_which_a_slider_was_moved_is_not_judged(laboratory):
     until(lambda: laboratory.simulation.run.trial is trial, 30, "the run")
     laboratory.simulation.set("eta", 2.0).result(30)
     assert trial.is_over
-    laboratory.refresh()
+    refreshed(laboratory)
     assert "The flock was changed, so this is not the run of this step." in panel.verdict.content
 
 
@@ -158,11 +173,11 @@ def test_a_teacher_writes_a_lesson_that_is_saved_and_opened_again(laboratory):
     laboratory.open(SavedScene.from_toml(RUN, "plain.toml"))
     until(lambda: not laboratory.lesson.steps, 30, "the scene")
     laboratory.simulation.set("eta", 2.0).result(60)
-    laboratory.refresh()
+    refreshed(laboratory)
     set_value(laboratory.lesson_form.controls[0], "Noise")
     write_step(laboratory, say="Press Go.")
     write_step(laboratory, say="Look.", ask="How much?", choices="little / much", bounds="0.5")
-    laboratory.refresh()
+    refreshed(laboratory)
     assert laboratory.lesson.folder.visible
     saved = SavedScene.from_toml(laboratory.now("mine").to_toml(), "mine.toml")
     first, second = saved.steps
@@ -174,7 +189,7 @@ def test_a_teacher_writes_a_lesson_that_is_saved_and_opened_again(laboratory):
     go_to(laboratory, 1)
     assert len(run_step(laboratory, 0)) == 2
     asyncio.run(laboratory.lesson_form.press_button(Press("Remove last")))
-    laboratory.refresh()
+    refreshed(laboratory)
     assert laboratory.lesson.steps == (first,)
 
 
@@ -186,5 +201,5 @@ def test_a_step_that_is_not_sound_is_refused_in_a_line(laboratory):
     write_step(laboratory, say="Look.", ask="How much?", choices="a", bounds="0.5")
     assert told[0] == "bounds = 'half' is no number (the form)"
     assert told[1].startswith("step 4: choices = ['a'] is not allowed")
-    laboratory.refresh()
+    refreshed(laboratory)
     assert laboratory.lesson.steps == steps

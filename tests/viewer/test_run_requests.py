@@ -65,8 +65,7 @@ def test_of_many_runs_the_latest_and_those_that_are_ticked_are_rows(laboratory, 
     assert len(runs.rows) > 3
     oldest = runs.rows[-1].number
     runs.show(oldest, True)
-    panel.refresh(())
-    listed = panel.list.content
-    assert listed.count('role="checkbox"') == 3
-    assert f'data-run="{oldest}"' in listed
-    assert f"{len(runs.rows) - 3} older run" in listed
+    laboratory.drawing.show_to_newcomer()
+    until(lambda: panel.list.content.count('role="checkbox"') == 3)
+    assert f'data-run="{oldest}"' in panel.list.content
+    assert f"{len(runs.rows) - 3} older run" in panel.list.content
