@@ -111,6 +111,12 @@ def event_loop(server: viser.ViserServer) -> asyncio.AbstractEventLoop:
     return server._event_loop
 
 
+def control_loop(control: Any) -> asyncio.AbstractEventLoop:
+    """The same of a control."""
+    loop: asyncio.AbstractEventLoop = control._impl.gui_api._event_loop
+    return loop
+
+
 def is_connected(client: viser.ClientHandle) -> bool:
     """Whether a browser is there; `get_clients` waits for the loop."""
     return client.client_id in client._viser_server._connected_clients

@@ -9,7 +9,6 @@ import time
 from collections.abc import Iterable
 from concurrent.futures import Future
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import viser
@@ -18,6 +17,7 @@ from agents.catalogue import MODELS
 from agents.models.declare import DeclaredParameter, NumberParameter, Parameters, declared
 from agents.models.model import Model
 from app.viewer.panels.dials import Dials, decimals, plain_symbol, step_of
+from app.viewer.panels.followed_value import DRAG, FollowedValue
 from app.viewer.panels.shell import block, table
 from app.viewer.run.paired_run import shared_model_parameters
 from app.viewer.run.simulation import Models, Simulation
@@ -25,8 +25,6 @@ from app.viewer.run.simulation_state import SimulationState
 from worlds.input_error import InputError
 
 UNDO, ALL_BACK = "Undo", "All back"
-DRAG = 1.0
-"""Changes of a slider that are less than this apart are one, s."""
 REMEMBERED = 100
 """Changes that can be undone."""
 
@@ -51,8 +49,8 @@ class ParametersPanel:
         self.back = gui.add_button_group("Changes", (UNDO, ALL_BACK), visible=False)
         self.back.on_click(self.restore_values)
         self.past: list[Step] = []
-        self.touched: dict[tuple[str, bool], float] = {}
-        """When a parameter was changed last, by its name and whether of the model beside."""
+        self.followed: dict[tuple[str, bool], FollowedValue] = {}
+        """What keeps each control at the flock's value, by name and whether of the model beside."""
         self.begun: dict[str, Any] = {}
         """What the parameters were when the scene was opened: what a scene sets is no change."""
         self.last_run: int | None = -1
@@ -116,7 +114,7 @@ class ParametersPanel:
 
     def remember_value(self, name: str, beside: bool) -> None:
         """Keep what a parameter is before it is changed; of a drag only what was before it."""
-        now = self.touched[name, beside] = time.monotonic()
+        now = time.monotonic()
         state = self.simulation.state
         value = (state.beside_values if beside else state.values).get(name)
         last = self.past[-1] if self.past else None
@@ -132,23 +130,20 @@ class ParametersPanel:
             last = self.past.pop()
             self.set_parameter(last.name, last.value, last.beside)
 
-    def set_parameter(self, name: str, value: Any, beside: bool) -> None:
-        """Give a parameter a value, and show it."""
-        self.touched[name, beside] = time.monotonic()
-        self.simulation.set(name, value, beside, self.models)
-        (self.beside_controls if beside else self.controls)[name].value = value
+    def set_parameter(self, name: str, value: Any, beside: bool) -> Future:
+        """Give a parameter a value, and show it; on viser's thread."""
+        answer = self.simulation.set(name, value, beside, self.models)
+        self.followed[name, beside].give(value, answer)
+        return answer
 
     def follow_flock(self, state: SimulationState) -> None:
-        """Have controls show what the flock has, but for what somebody has just changed: that may
-        not have come to the flock yet."""
+        """Have controls show what the flock has."""
         if state.busy or state.models != self.models:
             return
-        sides = (self.controls, state.values), (self.beside_controls, state.beside_values)
-        for beside, (controls, values) in enumerate(sides):
-            for name, control in controls.items():
-                lately = time.monotonic() - self.touched.get((name, bool(beside)), -math.inf) < DRAG
-                if not lately and name in values:
-                    control.value = values[name]
+        for (name, beside), followed in self.followed.items():
+            values = state.beside_values if beside else state.values
+            if name in values:
+                followed.follow(values[name])
 
     def rebuild(self, state: SimulationState) -> None:
         """Controls for the model's parameters, and for those that only the one beside it has."""
@@ -161,7 +156,7 @@ class ParametersPanel:
         both = frozenset(state.values) if beside is None else shared_model_parameters(name, beside)
         others = () if beside is None else declared(MODELS[beside].parameters)
         values, beside_values = state.values, state.beside_values or {}
-        self.controls, self.beside_controls = {}, {}
+        self.controls, self.beside_controls, self.followed = {}, {}, {}
         with self.folder:
             if beside is not None:
                 self.gui.add_html(block('<div class="fs-quiet">These act on both models.</div>'))
@@ -192,21 +187,15 @@ class ParametersPanel:
         self.dials.add(parameter, handle)
         models = self.models
 
-        async def changed(event: viser.GuiEvent) -> None:
-            if event.client is not None:
-                value = handle.value
-                self.remember_value(parameter.name, beside)
-                answer = self.simulation.set(parameter.name, value, beside, models)
-                answer.add_done_callback(partial(restore, value))
+        def send(value: Any, _event: viser.GuiEvent) -> Future:
+            self.remember_value(parameter.name, beside)
+            return self.simulation.set(parameter.name, value, beside, models)
 
-        def restore(value: Any, answer: Future) -> None:
-            newer = handle.value != value
-            if not newer and (answer.exception() is not None or answer.result() != value):
-                state = self.simulation.state
-                values = state.beside_values if beside else state.values
-                handle.value = values.get(parameter.name, value)
+        def now() -> Any:
+            state = self.simulation.state
+            return (state.beside_values if beside else state.values).get(parameter.name, value)
 
-        handle.on_update(changed)
+        self.followed[parameter.name, beside] = FollowedValue(handle, send, now)
         return handle
 
 

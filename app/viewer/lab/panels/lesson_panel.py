@@ -7,6 +7,7 @@ import html
 import math
 import threading
 from collections.abc import Callable
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -23,6 +24,7 @@ from app.viewer.measuring.observable_format import (
     observable_words,
 )
 from app.viewer.panels.dials import plain_symbol
+from app.viewer.panels.followed_value import FollowedValue
 from app.viewer.panels.parameters import ParametersPanel, add_control
 from app.viewer.panels.shell import block
 from app.viewer.run.simulation import Simulation
@@ -66,6 +68,8 @@ class LessonPanel:
     progress: list[StepProgress] = field(default_factory=list)
     sliders: dict[str, Any] = field(default_factory=dict)
     """Controls of the step that is shown, by parameter."""
+    followed: dict[str, FollowedValue] = field(default_factory=dict)
+    """What keeps each of them at the flock's value."""
     answers: list[Any] = field(default_factory=list)
     """A button for each choice."""
     made: list[Any] = field(default_factory=list)
@@ -109,7 +113,8 @@ class LessonPanel:
         for control in self.made:
             control.remove()
         self.made = []
-        self.sliders, self.answers, self.run, self.verdict = {}, [], None, None
+        self.sliders, self.followed = {}, {}
+        self.answers, self.run, self.verdict = [], None, None
         if not self.steps or self.scene is None:
             return
         step = self.step
@@ -131,12 +136,14 @@ class LessonPanel:
         state, name = self.simulation.state, parameter.name
         slider = add_control(self.gui, parameter, state.values.get(name, parameter.default))
 
-        async def moved(event: viser.GuiEvent) -> None:
-            if event.client is not None:
-                self.parameters.remember_value(name, False)
-                self.parameters.set_parameter(name, slider.value, False)
+        def send(value: Any, _event: viser.GuiEvent) -> Future:
+            self.parameters.remember_value(name, False)
+            return self.parameters.set_parameter(name, value, False)
 
-        slider.on_update(moved)
+        def now() -> Any:
+            return self.simulation.state.values.get(name, parameter.default)
+
+        self.followed[name] = FollowedValue(slider, send, now)
         return slider
 
     def add_prediction(self, step: SceneStep) -> None:
@@ -206,9 +213,9 @@ class LessonPanel:
 
     def refresh(self, state: SimulationState) -> None:
         """Follow the flock: sliders, and the run of the step."""
-        for name, slider in self.sliders.items():
-            if name in state.values and slider.value != state.values[name]:
-                slider.value = state.values[name]
+        for name, followed in self.followed.items():
+            if name in state.values:
+                followed.follow(state.values[name])
         for progress in self.progress:
             trial = progress.trial
             if trial is not None and trial.is_over and not trial.fault:

@@ -10,6 +10,7 @@ import viser
 
 from agents.catalogue import MODELS
 from app.front.controls import set_value
+from app.front.viser_internals import control_loop
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.setup import SetupPanel
 from app.viewer.panels.shell import GREEN, GREY, ORANGE, VIOLET, block
@@ -177,6 +178,7 @@ class TimeLinePanel:
             visible=False,
             hint="Go on from the tick that you see; the page forgets what came after it",
         )
+        self.loop = control_loop(self.slider)
         self.slider.on_update(self.drag_slider)
         self.actions.on_click(self.press_button)
 
@@ -214,8 +216,13 @@ class TimeLinePanel:
         for name, value in (("min", line.first), ("max", max(line.last, line.first + 1))):
             if getattr(self.slider, name) != value:
                 setattr(self.slider, name, value)
-        if time.monotonic() - self.moved > HELD and self.slider.value != line.at:
-            set_value(self.slider, line.at)
+        if self.slider.value != line.at:
+            self.loop.call_soon_threadsafe(self.show_tick, line.at)
+
+    def show_tick(self, tick: int) -> None:
+        """On viser's thread, where a drag is stored and sent in one piece: move the slider."""
+        if time.monotonic() - self.moved > HELD:
+            set_value(self.slider, tick)
 
 
 def describe_time_line(line: TimeLineState, frame: Frame) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 from concurrent.futures import Future
-from functools import partial
 from typing import Any
 
 import viser
@@ -17,6 +16,7 @@ from app.viewer.live.panels.state_panel import describe_client
 from app.viewer.live.session import Session
 from app.viewer.live.session_requests import SessionState
 from app.viewer.panels.dials import Dials
+from app.viewer.panels.followed_value import FollowedValue
 from app.viewer.panels.parameters import add_control, sides
 from app.viewer.panels.shell import block
 
@@ -45,8 +45,8 @@ class RulePanel:
         self.controls: dict[str, Any] = {}
         self.shown: tuple[int, str] = (-1, "")
         """The opening and the model whose controls there are."""
-        self.shown_values: dict[str, Any] = {}
-        """The values as they were shown last."""
+        self.followed: dict[str, FollowedValue] = {}
+        """What keeps each control at the loop's value."""
 
     async def choose_rule(self, event: viser.GuiEvent) -> None:
         if event.client is not None and self.rule.value != self.session.state.rule:
@@ -65,10 +65,9 @@ class RulePanel:
         if self.shown != (state.run, state.model.name):
             self.shown = state.run, state.model.name
             self.rebuild(state, state.model)
-        for name, control in self.controls.items():
-            if name in state.values and self.shown_values.get(name) != state.values[name]:
-                set_value(control, state.values[name])
-        self.shown_values = dict(state.values)
+        for name, followed in self.followed.items():
+            if name in state.values:
+                followed.follow(state.values[name])
         self.dials.refresh()
 
     def rebuild(self, state: SessionState, model: Model) -> None:
@@ -87,7 +86,7 @@ class RulePanel:
         first = html.escape(f"{summary.partition('. ')[0].rstrip('.')}.")
         self.about.content = block(f'<div class="fs-quiet">{first}</div>')
         titles = "Rule", f"Body: {model.body.title}"
-        self.controls = {}
+        self.controls, self.followed = {}, {}
         with self.folder:
             for title, part in zip(titles, sides(model, own), strict=True):
                 if part:
@@ -96,23 +95,17 @@ class RulePanel:
                     self.controls[parameter.name] = self.control(
                         parameter, state.values[parameter.name]
                     )
-        self.shown_values = dict(state.values)
 
     def control(self, parameter: DeclaredParameter, value: Any) -> Any:
         """The control of one parameter; it goes back to what the loop has if that refuses."""
         handle = add_control(self.gui, parameter, value)
         self.dials.add(parameter, handle)
 
-        async def changed(event: viser.GuiEvent) -> None:
-            if event.client is not None:
-                value = handle.value
-                answer = self.session.set_parameter(parameter.name, value, describe_client(event))
-                answer.add_done_callback(partial(restore, value))
+        def send(value: Any, event: viser.GuiEvent) -> Future:
+            return self.session.set_parameter(parameter.name, value, describe_client(event))
 
-        def restore(value: Any, answer: Future) -> None:
-            refused = answer.cancelled() or answer.exception() is not None
-            if handle.value == value and (refused or answer.result() != value):
-                handle.value = self.session.state.values.get(parameter.name, value)
+        def now() -> Any:
+            return self.session.state.values.get(parameter.name, value)
 
-        handle.on_update(changed)
+        self.followed[parameter.name] = FollowedValue(handle, send, now)
         return handle
