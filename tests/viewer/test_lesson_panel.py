@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 import threading
+from typing import Any
 
 import pytest
 
@@ -161,7 +162,7 @@ def test_a_scene_without_steps_has_no_lesson(laboratory):
     assert not laboratory.lesson.folder.visible
 
 
-def write_step(laboratory: Laboratory, **values: str) -> None:
+def write_step(laboratory: Laboratory, **values: Any) -> None:
     """Fill in the form, and add the step."""
     form = laboratory.lesson_form
     for name, value in values.items():
@@ -177,17 +178,27 @@ def test_a_teacher_writes_a_lesson_that_is_saved_and_opened_again(laboratory):
     set_value(laboratory.lesson_form.controls[0], "Noise")
     write_step(laboratory, say="Press Go.")
     write_step(laboratory, say="Look.", ask="How much?", choices="little / much", bounds="0.5")
+    compared = {"than": 2, "agents": 10, "shows": "more", "why": "Fewer are as many."}
+    write_step(
+        laboratory, say="Now ten.", ask="More?", choices="less / more", bounds="0", **compared
+    )
+    assert (laboratory.lesson_form.than.value, laboratory.lesson_form.why.value) == (0, "")
     refreshed(laboratory)
     assert laboratory.lesson.folder.visible
     saved = SavedScene.from_toml(laboratory.now("mine").to_toml(), "mine.toml")
-    first, second = saved.steps
+    first, second, third = saved.steps
     assert first.values() == {"say": "Press Go.", "controls": ["eta"]}
     assert second.choices == ["little", "much"]
     assert second.set == {"eta": 2.0}
+    assert {name: getattr(third, name) for name in ("than", "shows", "why")} == {
+        name: compared[name] for name in ("than", "shows", "why")
+    }
+    assert third.set == {"eta": 2.0, "agents": 10.0}
     laboratory.open(saved)
     until(lambda: laboratory.lesson.scene is saved, 30, "the lesson")
     go_to(laboratory, 1)
     assert len(run_step(laboratory, 0)) == 2
+    asyncio.run(laboratory.lesson_form.press_button(Press("Remove last")))
     asyncio.run(laboratory.lesson_form.press_button(Press("Remove last")))
     refreshed(laboratory)
     assert laboratory.lesson.steps == (first,)

@@ -12,6 +12,8 @@ import viser
 from app.front.controls import set_value
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.gallery.scene_steps import (
+    MOST_AGENTS,
+    MOST_STEPS,
     MOST_TICKS,
     number_parameters,
     page_observables,
@@ -71,6 +73,28 @@ class LessonForm:
             self.bounds = gui.add_text(
                 "Bounds", "", hint="Between one answer and the next, as 0.25 / 0.75"
             )
+            self.than = gui.add_number(
+                "Less step",
+                0,
+                min=0,
+                max=MOST_STEPS,
+                step=1,
+                hint="The earlier step whose mean is taken off before it is compared; 0: none",
+            )
+            self.agents = gui.add_number(
+                "Agents of the step",
+                0,
+                min=0,
+                max=MOST_AGENTS,
+                step=1,
+                hint="0: as many as the scene has",
+            )
+            self.shows = gui.add_text(
+                "Right answer", "", hint="The answer that the run of the scene shows; may be empty"
+            )
+            self.why = gui.add_text(
+                "Why", "", hint="What a reader is told after a run that shows it"
+            )
             self.actions = gui.add_button_group("Steps of the lesson", (ADD, REMOVE))
             self.steps = gui.add_html("")
         self.actions.on_click(self.press_button)
@@ -92,8 +116,10 @@ class LessonForm:
         except InputError as refusal:
             self.tell(str(refusal))
             return
-        for text in (self.say, self.ask, self.choices, self.bounds):
+        for text in (self.say, self.ask, self.choices, self.bounds, self.shows, self.why):
             set_value(text, "")
+        for count in (self.than, self.agents):
+            set_value(count, 0)
 
     def fields(self, scene: SavedScene) -> dict[str, Any]:
         """The step as a file would have it. Raises InputError for bounds that are no numbers."""
@@ -104,13 +130,19 @@ class LessonForm:
             fields["watch"] = self.observables[self.watch.value]
         if not self.ask.value.strip():
             return fields
+        begins = {name: float(scene.spec.parameters[name]) for name in controls}
+        if self.agents.value:
+            begins["agents"] = float(self.agents.value)
         return fields | {
             "ask": self.ask.value.strip(),
             "choices": split(self.choices.value),
             "measure": self.observables[self.measure.value],
             "ticks": int(self.ticks.value),
             "bounds": [number(part) for part in split(self.bounds.value)],
-            "set": {name: float(scene.spec.parameters[name]) for name in controls},
+            "set": begins,
+            "than": int(self.than.value),
+            "shows": self.shows.value.strip(),
+            "why": self.why.value.strip(),
         }
 
     def refresh(self, scene: SavedScene | None, model: str) -> None:
