@@ -3,10 +3,10 @@
 from flockscope import _in_the_way  # noqa: F401 - it looks before the rest is imported
 
 # isort: split
+from app.classroom.runs_frame import runs_frame
 from app.studies.optimisation.optimisation_api import optimise
 from app.studies.sensitivity.sensitivity_api import sensitivity
 from app.studies.sweeps.batch_run import batch_run
 from app.studies.sweeps.sweep_api import sweep
-from app.viewer.lab.runs_file import runs_frame
 
 __all__ = ["batch_run", "optimise", "runs_frame", "sensitivity", "sweep"]

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+import flockscope
 from agents.flock import Flock
 from app.classroom.class_file import (
     MOST_ENTRIES,
@@ -101,6 +102,21 @@ def test_a_person_can_unpack_and_read_it(state, data, tmp_path):
     run = (tmp_path / "results/01-order-against-noise/0001.toml").read_bytes()
     point = state.questions[0].points[0]
     assert hand_in(ORDER, "Ada", read_scene("run", run).spec, SCENE).result == point.result
+
+
+def test_python_reads_the_results_and_makes_the_runs_again(state, tmp_path):
+    save(state, tmp_path / "class.zip")
+    frame = flockscope.runs_frame(tmp_path / "class.zip")
+    order = state.questions[0]
+    assert frame.name.tolist() == ["Ada", "Zoë 山", "B"]
+    assert frame.result.tolist() == [point.result for point in order.points]
+    assert frame.eta.tolist() == [point.value for point in order.points]
+    assert frame.agents.tolist() == [30, 30, 20]
+    assert set(frame.question) == {order.question.title}
+    again = hand_in(order.question, "Ada", frame.spec[0], SCENE, WHEN)
+    assert again.result == frame.result[0]
+    with pytest.raises(InputError, match="cannot be read"):
+        flockscope.runs_frame(tmp_path / "other.zip")
 
 
 def test_results_that_are_opened_are_those_of_runs_made_again(data):

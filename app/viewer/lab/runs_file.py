@@ -11,7 +11,6 @@ import json
 import os
 import secrets
 import tomllib
-import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,7 +25,7 @@ from agents.observables.catalogue import OBSERVABLES
 from agents.spec import CompleteSpec
 from app.results_folder import demand_runs
 from app.viewer.gallery.saved_scene import scene_of
-from app.viewer.measuring.kept_runs import LONGEST_NAME, MOST_RUNS, KeptRun, runs_table
+from app.viewer.measuring.kept_runs import LONGEST_NAME, MOST_RUNS, KeptRun
 from app.viewer.measuring.observable_curves import ObservableHistory, Points
 from app.viewer.measuring.run_conditions import (
     MOST,
@@ -275,27 +274,6 @@ def curves_of(values: Any) -> dict[str, Points]:
         if len(at):
             curves[name] = at, points
     return curves
-
-
-def runs_frame(path: str | Path) -> Any:
-    """The runs that a laboratory has kept in a file, as a `pandas.DataFrame`.
-
-    A row for each run in the order in which they ended: `run`, `name`, `model`, `seed`, `agents`,
-    `world`, `ticks`, every parameter and option with which it began, `changed` (what was changed
-    while it ran, in words) and what each observable came to, with its unit. `spec` is the run as it
-    began: `Flock(row.spec)` makes it again. Raises InputError for what is no such file; warns of
-    what was left out.
-    """
-    import pandas as pd
-
-    found = RunsFile(Path(path)).found
-    if not found.runs and not Path(path).exists():
-        raise InputError(f"runs {str(path)!r} cannot be read: there is no such file")
-    if found.skipped:
-        warnings.warn(found.told(str(path)), stacklevel=2)
-    frame = pd.DataFrame(runs_table(found.runs))
-    frame["spec"] = [spec_of(run.course.conditions) for run in reversed(found.runs)]
-    return frame
 
 
 class RunsFile:
