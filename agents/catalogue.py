@@ -54,7 +54,8 @@ from agents.rules import (
     wvem,
     zones,
 )
-from worlds.input_error import InputError, unknown
+from worlds.input_error import InputError, shorten, unknown
+from worlds.notebook_html import table
 from worlds.plug_ins import plug_ins
 
 CONSTANT = constant_speed.BODY
@@ -207,13 +208,23 @@ BUILT_IN = [
 ]
 
 
-def collect() -> dict[str, Model]:
+class ModelCatalogue(dict[str, Model]):
+    """Models by name, which a notebook shows as a table."""
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} models: {', '.join(self)}>"
+
+    def _repr_html_(self) -> str:
+        return table({name: f"{one.title}. {one.summary}" for name, one in self.items()}, "Models")
+
+
+def collect() -> ModelCatalogue:
     """All models: the built-in ones, then those of other packages, which replace none of these.
 
     Warns of what cannot be loaded.
     """
     models = {model.name: model for model in BUILT_IN}
-    return models | plug_ins("flockscope.rules", model_of_entry, models)
+    return ModelCatalogue(models | plug_ins("flockscope.rules", model_of_entry, models))
 
 
 def body_of_entry(_: str, entry: object) -> tuple[str, Body]:
@@ -284,6 +295,11 @@ def model(name: str) -> Model:
     if name not in MODELS:
         add_model_with_body(name)
     if name not in MODELS:
+        alike = [one for one in MODELS if str(name).lower() in MODELS[one].rule.tags]
+        if alike:
+            raise InputError(
+                f"unknown model {shorten(name)}: did you mean {' or '.join(alike[:3])}?"
+            )
         raise unknown("model", name, MODELS)
     return MODELS[name]
 

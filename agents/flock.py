@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Never, Unpack
 
 import numpy as np
+from pydantic import BaseModel
 
 from agents import catalogue
 from agents.engine.noise import compile_draws, uniform_numbers
@@ -17,6 +19,7 @@ from agents.inspection import Inspection, compile_inspection, inspect
 from agents.mesa_import import mesa
 from agents.mesa_interface import FlockSpace, Member, TickClock
 from agents.models.declare import checked
+from agents.models.model import Model
 from agents.models.sources import cite
 from agents.motion import Motion
 from agents.observables.catalogue import OBSERVABLES
@@ -44,8 +47,24 @@ from agents.state.start import (
 )
 from agents.strips.strip_engine import checked_ranks
 from worlds.generators import draw_obstacles
-from worlds.input_error import InputError, unknown
+from worlds.input_error import InputError, shorten, unknown
+from worlds.notebook_html import arrows, table
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from agents.flock_words import FlockWords
+
+OTHER_NAMES = {
+    "schedule": "agents", "turtles": "agents", "grid": "space", "ticks": "tick",
+    "positions": "position", "headings": "heading", "params": "parameters",
+    "plot": "show", "draw": "show", "width": "world", "height": "world",
+}  # fmt: skip
+"""What Mesa, NetLogo and scripts call something -> what it is called here."""
+OTHER_WORDS = {word: name for name, one in OPTIONS.items() for word in one.also}
+"""What other tools call an option -> its name."""
+MOST_DRAWN = 1_000
+"""Agents in the picture that a notebook shows of a flock."""
 MOST_THREADS = 1024
 MADE_ANEW = {"_engine", "_wind", "context", "passing", "processes"}
 """Attributes of a flock that follow from the others, and hold compiled code or processes."""
@@ -109,7 +128,7 @@ class Flock(TickClock, Motion):
     def __init__(
         self,
         model: str | Spec = DEFAULT,
-        *,
+        *others: Never,
         start: Mapping[str, np.ndarray] | None = None,
         rng: Any = None,
         threads: int = 1,
@@ -118,17 +137,16 @@ class Flock(TickClock, Motion):
         collect: Sequence[str] = ("polarisation",),
         model_reporters: Mapping[str, Any] | None = None,
         agent_reporters: Mapping[str, Any] | None = None,
-        **words: Any,
+        **words: Unpack[FlockWords],
     ):
-        if "scenario" in words:
-            raise InputError(
-                "scenario is not a parameter of Flock: give its values by name, as in "
-                "Flock('vem', agents=50, eta=0.5), or as a flockscope.Spec"
-            )
+        values: dict[str, Any] = {**words}
+        demand_names(model, others, values)
         rng = seed_from(rng)
-        if rng is not None and words.setdefault("seed", rng) != rng:
-            raise InputError(f"rng = {rng} and seed = {words['seed']}: both are the seed, give one")
-        spec_request = (model if isinstance(model, Spec) else Spec(model)).taking(**words)
+        if rng is not None and values.setdefault("seed", rng) != rng:
+            raise InputError(
+                f"rng = {rng} and seed = {values['seed']}: both are the seed, give one"
+            )
+        spec_request = (model if isinstance(model, Spec) else Spec(model)).taking(**values)
         if spec_request.start == "given" and start is None:
             raise InputError(
                 "start = 'given' in the spec: a run from given arrays begins again only from its "
@@ -141,6 +159,7 @@ class Flock(TickClock, Motion):
         self.interpret = interpret
         self.ranks = checked_ranks(ranks)
         spec = spec.model_copy(update={"start": "random" if start is None else "given"})
+        demand_own_words(self.model, spec.parameters)
         self.parameters = checked(
             self.model.parameters, spec.parameters, other_names=(*OPTIONS, *OWN_WORDS)
         )
@@ -154,7 +173,13 @@ class Flock(TickClock, Motion):
         }
         if spec_request.seed is None:
             reporters["seed"] = "seed"
-        self._reporters = reporters | dict(model_reporters or {}), dict(agent_reporters or {})
+        reporters |= {
+            name: partial(measure_observable, name=what)
+            if isinstance(what, str) and what in OBSERVABLES
+            else what
+            for name, what in (model_reporters or {}).items()
+        }
+        self._reporters = reporters, dict(agent_reporters or {})
         self.seed = spec.seed
         self._begin_model()
         self._begin(spec.seed, start)
@@ -252,10 +277,72 @@ class Flock(TickClock, Motion):
         speed = np.broadcast_to(body.begins(self.parameters, chance), n).copy()
         return replace(begin, speed=speed)
 
+    def _has_parameter(self, name: str) -> bool:
+        """Whether a name that nothing else has is that of a parameter."""
+        own = self.__dict__
+        parameters = own.get("parameters")  # a dictionary while a saved flock is restored
+        return (
+            name not in own
+            and isinstance(parameters, BaseModel)
+            and name in type(parameters).model_fields
+        )
+
+    def __getattr__(self, name: str) -> Any:
+        """A parameter by its name; of what is not there, what else it may be called."""
+        if self._has_parameter(name):
+            return getattr(self.parameters, name)
+        try:
+            return super().__getattr__(name)
+        except AttributeError as error:
+            raise AttributeError(f"{error}{other_name(name)}") from None
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """A parameter that is assigned is set, as by `set`: InputError if it is not allowed."""
+        if self._has_parameter(name) and not hasattr(type(self), name):
+            self.set(**{name: value})
+        else:
+            super().__setattr__(name, value)
+
     def __repr__(self) -> str:
         return (
             f"<Flock {self.model.name}, N = {len(self.ids)}, world {self.world.name}, "
             f"tick {self.tick}, seed {self.seed}>"
+        )
+
+    def _repr_html_(self) -> str:
+        total, box = len(self.ids), np.asarray(self.world.size)
+        apart = max(1, math.ceil(total / MOST_DRAWN))
+        position, heading = self.position[::apart], self.heading[::apart]
+        rows = {"agents": total, "world": self.world.name, "size": self.world.size}
+        if apart > 1:
+            rows["drawn"] = f"one agent of {apart}"
+        beyond = np.any((self.position < self.world.low) | (self.position > box), axis=1).sum()
+        if beyond:
+            rows["outside the picture"] = int(beyond)
+        rows |= {"tick": self.tick, "seed": self.seed, "polarisation": self.observe("polarisation")}
+        picture = self.world.picture(arrows(position, heading, float(max(box)) / 80))
+        return table(rows | self.parameters.model_dump(), self.model.title, picture)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The agents as they are now, a row each, as a `pandas.DataFrame` by `id`.
+
+        Columns: `x`, `y` and in space `z`, length; `heading_x`, `heading_y` (and `heading_z`), a
+        unit vector; `speed`, the distance of the last tick, length/tick; `informed`. Copies: what
+        the flock does later changes none of them.
+
+        >>> from flockscope import Flock
+        >>> Flock("vem", agents=3, size=5.0, rng=1).to_dataframe().columns.tolist()
+        ['x', 'y', 'heading_x', 'heading_y', 'speed', 'informed']
+        """
+        import pandas as pd
+
+        axes = "xyz"[: self.world.dim]
+        columns: dict[str, Any] = {axis: self.position[:, k] for k, axis in enumerate(axes)}
+        columns |= {f"heading_{axis}": self.heading[:, k] for k, axis in enumerate(axes)}
+        columns |= {"speed": self.speed, "informed": self.informed.astype(bool)}
+        return pd.DataFrame(
+            {name: column.copy() for name, column in columns.items()},
+            index=pd.Index(self.ids.copy(), name="id"),
         )
 
     def cite(self) -> str:
@@ -506,6 +593,41 @@ class Flock(TickClock, Motion):
         flock.options = run
         flock.return_to(saved)
         return flock
+
+
+def demand_names(model: Any, others: Sequence[Any], words: Mapping[str, Any]) -> None:
+    """Refuse values that have no name, and words of other tools. Raises InputError."""
+    number = isinstance(model, int | float | np.number)
+    if others or number:
+        given = shorten(model if number else others[0])
+        raise InputError(
+            f"Flock takes the name of a model, and everything else by name, as in "
+            f"Flock('vem', agents=50): {given} has none"
+        )
+    if "scenario" in words:
+        raise InputError(
+            "scenario is not a parameter of Flock: give its values by name, as in "
+            "Flock('vem', agents=50, eta=0.5), or as a flockscope.Spec"
+        )
+
+
+def demand_own_words(model: Model, words: Mapping[str, Any]) -> None:
+    """Refuse what other tools call an option, with its name here. Raises InputError."""
+    for word in words:
+        if word in OTHER_WORDS and word not in model.parameters.model_fields:
+            raise InputError(f"unknown option {word!r}: it is called {OTHER_WORDS[word]!r} here")
+
+
+def other_name(attribute: str) -> str:
+    """What an attribute that other tools have is called here, with the colon before it.
+
+    >>> other_name("grid"), other_name("polarisation"), other_name("colour")
+    (": it is called 'space' here", ": use observe('polarisation')", '')
+    """
+    if attribute in OTHER_NAMES:
+        return f": it is called {OTHER_NAMES[attribute]!r} here"
+    observable = attribute.replace("_", "-")
+    return f": use observe({observable!r})" if observable in OBSERVABLES else ""
 
 
 def seed_from(rng: Any) -> Any:

@@ -11,6 +11,7 @@ import numpy as np
 from agents.mesa_import import mesa
 from agents.observables.neighbours import separation
 from worlds.input_error import InputError, shorten
+from worlds.notebook_html import table
 from worlds.world import World
 
 
@@ -44,6 +45,15 @@ class Member(mesa.Agent):
     def __repr__(self) -> str:
         place = "gone" if self.is_gone else f"row {self._row}"
         return f"<{type(self).__name__} {self.unique_id}, {place}>"
+
+    def _repr_html_(self) -> str:
+        if self.is_gone:
+            return table({"tick": self._gone_at}, f"Agent {self.unique_id}, gone")
+        rows: dict[str, Any] = {
+            name: tuple(map(float, getattr(self, name))) for name in ("position", "heading")
+        }
+        rows |= {"speed": self.speed, "informed": self.informed, "row": self.row}
+        return table(rows, f"Agent {self.unique_id}")
 
     @property
     def is_gone(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cache, cached_property, partial
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -42,6 +42,9 @@ from worlds.input_error import InputError
 from worlds.memory import demand_memory
 from worlds.queries.survey import survey_world
 from worlds.world import World
+
+if TYPE_CHECKING:
+    from agents.flock_words import ParameterWords
 
 NOISE = "eta"
 """The parameter that the engine takes for the noise intensity; a rule without it has no noise."""
@@ -271,7 +274,7 @@ class Motion(FlockState):
         """Whether the compiled loop is at hand, so that the first tick will not wait for it."""
         return self.interpret or DISABLED or is_compiled(self.engine.module)
 
-    def set(self, **values: Any) -> None:
+    def set(self, **values: Unpack[ParameterWords]) -> None:
         """Change parameters of the running flock. Raises InputError, and then changes nothing."""
         old_loop = self.loop
         self.parameters = checked(self.model.parameters, {**self.parameters.model_dump(), **values})

@@ -32,6 +32,8 @@ class Option:
     """From one number to the next in a panel."""
     unit: str = ""
     """Of a number: `time`, `length`, `length/time`, or what it is in every model."""
+    also: tuple[str, ...] = ()
+    """What other tools call it: who writes that is told its name."""
 
 
 def option(title: str, help: str, default: Any = None, kind: type = str, **more: Any) -> Any:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeGuard, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeGuard, Unpack, get_args
 
 import numpy as np
 import tomlkit
@@ -24,6 +24,9 @@ from agents.option import Option, distance, from_, option, whole_number
 from worlds.input_error import InputError, needed, shorten, unknown
 from worlds.text_file import read_text, toml
 from worlds.world import World, box
+
+if TYPE_CHECKING:
+    from agents.flock_words import SpecWords
 
 DEFAULT = "hwvem"
 """The model of a run that names none."""
@@ -77,6 +80,7 @@ class Options(Conditions):
         "Who decides when: all on the same instant, or one after the other as in NetLogo",
         "synchronous",
         words={"synchronous": "all at once", "random": "random order", "sequential": "one by one"},
+        also=("schedule", "scheduler", "update"),
     )
     noise: Literal["angular", "vectorial"] = option(
         "Noise",
@@ -114,7 +118,20 @@ class Spec(Options):
 
     model: Annotated[str, PlainValidator(name)]
     agents: Annotated[int, from_(0)] | None = option(
-        "Agents", "Ordinary agents; information agents come on top", kind=int, step=10
+        "Agents",
+        "Ordinary agents; information agents come on top",
+        kind=int,
+        step=10,
+        also=(
+            "n",
+            "N",
+            "n_agents",
+            "num_agents",
+            "number_of_agents",
+            "population",
+            "population_size",
+            "num_boids",
+        ),
     )
     seed: Annotated[int, from_(0, LARGEST_SEED)] | None = option(
         "Seed", "Same seed, same run", kind=int
@@ -125,15 +142,20 @@ class Spec(Options):
         "own; any other has the density of the paper",
         kind=float,
         step=0.5,
+        also=("width", "height", "side", "L", "box_size", "world_size", "x_max", "max_pxcor"),
     )
     dim: Annotated[int, BeforeValidator(dimensions)] | None = option(
-        "Dimension", "2 or 3: plane or space; a world built in space has no other", kind=int
+        "Dimension",
+        "2 or 3: plane or space; a world built in space has no other",
+        kind=int,
+        also=("dimensions", "ndim"),
     )
     """As many as there are sides, where `size` has several."""
     world: Annotated[str | World, PlainValidator(name_or_world)] | None = option(
         "World",
         "A built-in world or a TOML file: what stands in it, what happens at its edges, and where "
         "the flock is to go. A model is at home in one of its own",
+        also=("torus", "edges", "boundary", "periodic", "environment"),
     )
     start: Literal["random", "given"] = "random"
     parameters: dict[str, Any] = Field(default_factory=dict)
@@ -143,7 +165,8 @@ class Spec(Options):
     versions: dict[str, str] = Field(default_factory=dict)
     """Of what the numbers depend on."""
 
-    def __init__(self, model: Any = DEFAULT, **values: Any) -> None:
+    def __init__(self, model: Any = DEFAULT, **words: Unpack[SpecWords]) -> None:
+        values: dict[str, Any] = {**words}
         size = values.get("size")
         if (
             values.get("dim") is None

@@ -334,8 +334,9 @@ def survey_for_sliders(flock: Flock) -> None:
     """Have the surroundings surveyed as far as any slider lets agents see: a page cannot do so."""
     for parameter in sliders(flock):
         before = getattr(flock.parameters, parameter.name)
+        most: dict[str, Any] = {parameter.name: parameter.proposed[1]}
         try:
-            flock.set(**{parameter.name: parameter.proposed[1]})
+            flock.set(**most)
         except InputError:
             continue  # it would be refused by the page, too
         _ = flock.engine
@@ -396,9 +397,9 @@ def parameter_slots(flock: Flock, image: MemoryImage, parameter: NumberParameter
     name = parameter.name
     value, loop, context = getattr(flock.parameters, name), flock.loop, flock.context
     low, high = parameter.proposed
-    other = high if value != high else low
+    other: dict[str, Any] = {name: high if value != high else low}
     try:
-        flock.set(**{name: other})
+        flock.set(**other)
     except InputError:
         return []
     changed, loop_changed = flock.context, flock.loop is not loop

@@ -26,6 +26,8 @@ TYPE_CHECKING = False  # as `typing` has it, which takes longer to import than a
 if TYPE_CHECKING:
     from typing import Any
 
+    __version__: str
+
     from flockscope._flocks import Flock as Flock
     from flockscope._flocks import Member as Member
     from flockscope._flocks import MissionRecord as MissionRecord
@@ -75,6 +77,8 @@ _MODULES = ("flight", "live", "observables", "rules", "worlds")
 
 def __getattr__(name: str) -> Any:
     """What a name stands for; imported when it is first asked for."""
+    if name == "__version__":
+        return import_module("importlib.metadata").version(__name__)
     if name in _MODULES:
         return import_module(f"{__name__}.{name}")
     for home, names in _HOMES.items():
@@ -84,4 +88,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, *_MODULES])
+    return sorted([*__all__, *_MODULES, "__version__"])

@@ -26,6 +26,7 @@ LAZY = {
     ("agents/recordings/part_stream.py", "pyarrow"),
     # 0.2 s and 40 MB, for those who record or load a flock
     ("agents/recordings/recorder.py", "pyarrow"),
+    ("agents/flock.py", "pandas"),  # 0.3 s, for tables alone
     ("agents/conditions.py", "scipy"),  # 0.2 s, for runs with gusts
     ("agents/observables/groups.py", "scipy"),  # 0.1 s, for who counts groups
     ("agents/observables/neighbours.py", "scipy"),  # the same, for layers

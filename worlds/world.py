@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from worlds.input_error import InputError, shorten, unknown
 from worlds.mission import Mission
+from worlds.notebook_html import svg, table
 from worlds.number_text import counted
 from worlds.obstacles import Obstacle, Union
 
@@ -44,18 +45,23 @@ class RandomObstacles:
         return {"kind": self.kind, "dim": self.dim, **self.parameters.model_dump()}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class World:
     """A box [low, low + size) in 2 or 3 dimensions, with what is in it.
 
-    `distance` is "nearest-image" where agents see each other across a wrapping seam, which is the
-    right physics, and "plain" where they do not, which is what reproduces the tables of Liu et al.
-    2021. Raises InputError if an axis wraps whose lower end is not 0.
+    `size` is a side per axis, or one number for a square, length; `edges` is a word per axis, or
+    one for all: "wrap", "open" or "solid". `distance` is "nearest-image" where agents see each
+    other across a wrapping seam, which is the right physics, and "plain" where they do not, which
+    is what reproduces the tables of Liu et al. 2021. Raises InputError for sides and edges that no
+    world has, and if an axis wraps whose lower end is not 0.
+
+    >>> World(size=(20.0, 10.0), edges="open")
+    <World world, 20 x 10, edges open>
     """
 
-    name: str
-    size: tuple[float, ...]
-    edges: tuple[str, ...]
+    name: str = "world"
+    size: tuple[float, ...] = (10.0, 10.0)
+    edges: tuple[str, ...] = ("wrap",)
     distance: str = "nearest-image"
     title: str = ""
     low: tuple[float, ...] = ()
@@ -73,7 +79,23 @@ class World:
     """Obstacles still to be drawn from a seed, see `worlds.generators.draw_obstacles`."""
 
     def __post_init__(self) -> None:
-        for name in ("size", "edges", "low", "obstacles"):  # lists would make it no value
+        if not isinstance(self.name, str):
+            raise InputError(
+                f"name = {shorten(self.name)} is no name: give the sides as World(size=(20, 10))"
+            )
+        sides: Any = self.size
+        dim = 2 if np.isscalar(sides) else len(sides)
+        if dim not in (2, 3):
+            raise InputError(
+                f"size = {shorten(sides)} is not allowed: 2 or 3 sides, or one number for a square"
+            )
+        edges: Any = self.edges
+        edges = edges[0] if not isinstance(edges, str) and len(edges) == 1 else edges
+        object.__setattr__(self, "size", box(dim, sides))
+        object.__setattr__(self, "edges", edges_of(edges, dim, self.name))
+        if self.distance not in DISTANCES:
+            raise unknown("distance", self.distance, DISTANCES, self.name)
+        for name in ("low", "obstacles"):  # lists would make it no value
             object.__setattr__(self, name, tuple(getattr(self, name)))
         if not self.low:
             object.__setattr__(self, "low", (0.0,) * self.dim)
@@ -86,6 +108,39 @@ class World:
         if not self.height:
             top = self.low[2] + self.size[2] if self.dim == 3 else 0.1 * max(self.size)
             object.__setattr__(self, "height", top)
+
+    def __repr__(self) -> str:
+        parts = [self.name, " x ".join(f"{side:g}" for side in self.size)]
+        parts.append(f"edges {', '.join(dict.fromkeys(self.edges))}")
+        if self.obstacles:
+            parts.append(counted(len(self.obstacles), "obstacle"))
+        if self.random is not None:
+            parts.append("obstacles drawn from the seed")
+        return f"<World {', '.join(parts)}>"
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "size": self.size,
+            "edges": self.edges,
+            "distance": self.distance,
+            "obstacles": len(self.obstacles) if self.random is None else self.random.described(),
+            "mission": self.mission_words,
+            "source": self.source or "-",
+        }
+        return table(rows, f"World {self.name}", self.picture())
+
+    @property
+    def mission_words(self) -> str:
+        """What its mission has, in words."""
+        if self.mission is None:
+            return "none"
+        parts = ("start", "path", "goal")
+        return ", ".join(name for name in parts if getattr(self.mission, name) is not None)
+
+    def picture(self, marks: Iterable[str] = ()) -> str:
+        """It from above as SVG, with `marks`, SVG elements in its coordinates, over it."""
+        outlines = [obstacle.footprint() for obstacle in self.obstacles]
+        return svg(self.low, self.size, outlines, marks, repr(self).strip("<>"))
 
     @property
     def dim(self) -> int:

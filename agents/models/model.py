@@ -115,6 +115,9 @@ class Model:
                 f"takes {self.body.takes}"
             )
 
+    def __repr__(self) -> str:
+        return f"<Model {self.name}: {self.title}>"
+
     @property
     def name(self) -> str:
         """Name on the command line and in a spec."""

@@ -45,7 +45,7 @@ def test_each_name_at_the_top_is_told_to_type_checkers():
     text = (ROOT / "flockscope" / "__init__.py").read_text(encoding="utf-8")
     told = re.findall(r"^    from flockscope\.\w+ import (\w+) as \1$", text, re.MULTILINE)
     assert sorted(told) == sorted(flockscope.__all__)
-    assert set(dir(flockscope)) == {*flockscope.__all__, *flockscope._MODULES}
+    assert set(dir(flockscope)) == {*flockscope.__all__, *flockscope._MODULES, "__version__"}
 
 
 @pytest.mark.parametrize("name", MODULES)

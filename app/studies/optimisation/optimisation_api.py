@@ -22,7 +22,7 @@ from worlds.input_error import InputError
 CALL = "flockscope.optimise"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Optimum:
     """What a search has come to."""
 
@@ -31,6 +31,9 @@ class Optimum:
     answer: OptimisationResult
     runs: Results
     """All runs, as `sweep` returns them."""
+
+    def __repr__(self) -> str:
+        return f"<Optimum of {self.study.title}, {len(self.course)} points tried>"
 
     @property
     def words(self) -> list[str]:

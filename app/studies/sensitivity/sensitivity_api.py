@@ -91,7 +91,7 @@ def index_limits(sensitivity: Sensitivity) -> tuple[float, float]:
     return measure_limits([0.0, *values], bounds, ends)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Influences:
     """How much each axis has to do with each thing that is measured."""
 
@@ -99,6 +99,10 @@ class Influences:
     title: str
     runs: Results
     """The runs, as `sweep` returns them."""
+
+    def __repr__(self) -> str:
+        names = ", ".join(sensitivity.observable for sensitivity in self.found)
+        return f"<Influences on {names}: {self.title}>"
 
     @property
     def words(self) -> list[str]:

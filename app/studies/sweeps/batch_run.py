@@ -42,7 +42,7 @@ class BatchJob:
 
     def new_flock(self, words: Words, seed: Any) -> Flock:
         """A flock at tick 0. Raises InputError."""
-        return Flock(*([] if self.model is None else [self.model]), **words, rng=seed)
+        return Flock(DEFAULT if self.model is None else self.model, **words, rng=seed)
 
     def run(self, words: Words, seed: Any) -> Outcome:
         """Make a run; `rest` has an outcome for each step that is collected."""
