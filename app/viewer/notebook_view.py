@@ -8,6 +8,7 @@ back as a flock of its own.
 from __future__ import annotations
 
 import atexit
+import ctypes
 import html
 import json
 import os
@@ -167,10 +168,31 @@ def running_servers() -> Iterator[Server]:
                 str(said["base_url"]),
                 bool(said["secure"]),
             )
-            os.kill(found.pid, 0)
         except (OSError, ValueError, KeyError, TypeError):
-            continue  # half written, of a server that has ended, or of none that listens on a port
-        yield found
+            continue  # half written, or of a server that listens on no port
+        if is_running(found.pid):
+            yield found
+
+
+RUNS = 0x102
+"""What Windows says of a process for which one would have to wait."""
+
+
+def is_running(process: int) -> bool:
+    """Whether there is a process of that number."""
+    if os.name == "posix":
+        try:
+            os.kill(process, 0)
+        except (OSError, OverflowError):
+            return False
+        return True
+    # There os.kill(process, 0) is Ctrl-C to it.
+    kernel: Any = getattr(ctypes, "windll").kernel32  # noqa: B009 - there is none to check here
+    handle = kernel.OpenProcess(0x100000, False, process)
+    is_there = bool(handle) and kernel.WaitForSingleObject(handle, 0) == RUNS
+    if handle:
+        kernel.CloseHandle(handle)
+    return is_there
 
 
 LEAST, MOST = 240, 4000
