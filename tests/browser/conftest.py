@@ -18,8 +18,8 @@ from app.viewer.lab.laboratory import Laboratory
 from app.viewer.lab.panels.setup import NOBODY
 from app.viewer.run.run_preset import preset_spec, world_title
 from tests.browser.exported_page import opened  # noqa: F401 - a fixture of this folder
-from tests.browser.window import COMPILED, Window, is_compiled
-from tests.viewer.waiting import until
+from tests.browser.window import Window, is_compiled
+from tests.viewer.waiting import COMPILED, until
 
 CHROMIUM = os.environ.get("FLOCKSCOPE_CHROMIUM") or shutil.which("chromium")
 ARGUMENTS = [

@@ -7,8 +7,8 @@ import zipfile
 
 import numpy as np
 
-from tests.browser.window import COMPILED, is_compiled, on_page
-from tests.viewer.waiting import until
+from tests.browser.window import is_compiled, on_page
+from tests.viewer.waiting import COMPILED, until
 
 
 def column(window, name: str) -> list[str]:

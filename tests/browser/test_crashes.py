@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tests.browser.window import COMPILED, Window, is_compiled
-from tests.viewer.waiting import until
+from tests.browser.window import Window, is_compiled
+from tests.viewer.waiting import COMPILED, until
 
 
 def chosen(window: Window, number: int) -> str:

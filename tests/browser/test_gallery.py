@@ -7,8 +7,8 @@ import pytest
 from app.viewer.gallery.saved_scene import SavedScene, pack_scene
 from app.viewer.gallery.scene_collection import built_in_scene
 from app.viewer.run.run_preset import preset_spec
-from tests.browser.window import COMPILED, is_compiled
-from tests.viewer.waiting import until
+from tests.browser.window import is_compiled
+from tests.viewer.waiting import COMPILED, until
 
 
 def runs(laboratory, model: str) -> bool:

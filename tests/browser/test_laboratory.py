@@ -12,8 +12,8 @@ import viser
 from agents.catalogue import MODELS
 from app.viewer.lab.panels.model_guide import current_value, is_done
 from tests.browser.conftest import START
-from tests.browser.window import COMPILED, Window, is_compiled
-from tests.viewer.waiting import until
+from tests.browser.window import Window, is_compiled
+from tests.viewer.waiting import COMPILED, until
 
 
 def test_the_page_draws_the_flock_and_its_monitors(window):

@@ -7,8 +7,7 @@ import pytest
 from app.viewer.run.run_preset import preset_spec
 from tests.browser.conftest import START, obeyed
 from tests.browser.contrast import faint
-from tests.browser.window import COMPILED
-from tests.viewer.waiting import until
+from tests.viewer.waiting import COMPILED, until
 
 SIZES = {
     (320, 256): ("flat", 0.55),

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from app.viewer.scene.shown import palette
-from tests.browser.window import COMPILED, Window, is_compiled
-from tests.viewer.waiting import until
+from tests.browser.window import Window, is_compiled
+from tests.viewer.waiting import COMPILED, until
 
 
 def near(picture: np.ndarray, colour: np.ndarray) -> float:

@@ -14,8 +14,7 @@ from flockscope import Flock
 from tests.browser.attacker import Attacker
 from tests.browser.conftest import POLICY, absent
 from tests.browser.jupyter import BASE, Jupyter
-from tests.browser.window import COMPILED
-from tests.viewer.waiting import until
+from tests.viewer.waiting import COMPILED, until
 from worlds.input_error import InputError
 
 SLOW = 1000 * COMPILED

@@ -12,9 +12,8 @@ import pytest
 
 from tests.browser.conftest import POLICY, absent
 from tests.browser.real_proxy import NAME, RealProxy, free_port
-from tests.browser.window import COMPILED
 from tests.classroom.running import Person, roster, running
-from tests.viewer.waiting import until
+from tests.viewer.waiting import COMPILED, until
 
 SLOW = 1000 * COMPILED
 

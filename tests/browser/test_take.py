@@ -14,8 +14,8 @@ from PIL import Image
 
 from agents.spec import Spec
 from tests.browser.conftest import START, absent
-from tests.browser.window import COMPILED, is_compiled
-from tests.viewer.waiting import until
+from tests.browser.window import is_compiled
+from tests.viewer.waiting import COMPILED, until
 
 SEEN = (640, 480)
 WANTED = (800, 600)
