@@ -1,6 +1,7 @@
 """Flocks in students' browsers: a process compiles and writes pages, the class serves them.
 
-Whatever a page then says is only values of sliders; its run is made anew by the class.
+Whatever a page then says is only values of sliders, and which step of the lesson its flock began
+with; its run is made anew by the class.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from app.classroom.workers.page_worker import PageWorker, StudentPage
 from app.classroom.workers.worker_process import WorkerProcess
 from app.processes import ChildError, ProcessLostError
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.scene_steps import SceneStep, step_spec
 from app.viewer.lab.sweeps.sweep_request import allowed, is_whole
 from worlds.input_error import InputError, unknown
 
@@ -91,11 +93,17 @@ class BrowserFlocks:
             raise InputError(f"this flock cannot run in a browser: {error}") from None
 
 
-def moved_scene(student: Student, page: StudentPage, values: Mapping[str, float]) -> str:
+def moved_scene(
+    student: Student, page: StudentPage, values: Mapping[str, float], step: SceneStep | None = None
+) -> str:
     """The scene of a student, TOML, with what their sliders say. Raises InputError for a value that
-    no slider of their page has."""
+    no slider of their page has.
+
+    `step`: the step of the lesson that their flock began with. What it sets beside sliders, such as
+    the number of agents, is the flock's too.
+    """
     scene = SavedScene.from_toml(student.scene, f"the flock of {student.name}")
-    spec = scene.spec
+    spec = scene.spec if step is None else step_spec(scene.spec, step)
     parameters = dict(spec.parameters)
     for name, value in values.items():
         if name not in page.sliders:

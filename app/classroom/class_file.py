@@ -10,7 +10,7 @@ import zipfile
 import zlib
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,11 @@ from app.classroom.collect.class_table import demand_in_range, points_from_csv, 
 from app.classroom.collect.collection import MOST_GIVEN, Collection, StudentAssignment
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question, clean_title, question_from_toml
+from app.classroom.lesson_prediction import (
+    LessonPrediction,
+    predictions_from_csv,
+    predictions_to_csv,
+)
 from app.classroom.student import Role, same, student_name
 from app.viewer.editing.layout_file import plain_name
 from app.viewer.gallery.saved_scene import TEXTS, SavedScene, read_scene
@@ -44,6 +49,8 @@ class SavedStudent:
     role: Role
     scene: SavedScene | None = None
     """Their flock as it was last; None: they have had none."""
+    predictions: dict[int, LessonPrediction] = field(default_factory=dict)
+    """In the steps of the class's scene, by the number of the step."""
 
 
 @dataclass
@@ -57,6 +64,8 @@ class ClassState:
     questions: list[Collection] = field(default_factory=list)
     seats: int = SEATS
     """Students at most, 1 to 1000."""
+    step: int = 0
+    """Of the scene, from 1, that all students see; 0: each goes their own way."""
 
 
 # A ZIP from a stranger: what may be in it, how much, and its texts, read within bounds.
@@ -73,6 +82,7 @@ ENTRY = b"PK\x01\x02"
 NAME = r"[^/\\:\0]{1,100}"
 KINDS = {
     r"(class|scene)\.toml": TEXT,
+    r"predictions\.csv": TABLE,
     rf"(students|questions)/{NAME}\.toml": TEXT,
     rf"results/{NAME}\.csv": TABLE,
     rf"curves/{NAME}\.toml": TEXT,
@@ -175,6 +185,8 @@ FORMAT = 1
 """Of the file; a newer flockscope may write another."""
 ENDINGS = (".zip",)
 PICTURES = ("svg", "png")
+PREDICTIONS = "predictions.csv"
+"""What students have predicted in the steps of the lesson; not there where nobody has."""
 RIGHTS = 0o100644 << 16
 """Of a file when it is unpacked: its owner writes, all read."""
 
@@ -213,7 +225,7 @@ def entries(state: ClassState) -> Iterator[tuple[str, str | bytes]]:
         "seats": state.seats,
         "students": [],
         "questions": [],
-    }
+    } | ({"step": state.step} if state.step else {})
     own: list[tuple[str, str]] = []
     for number, (name, student) in enumerate(state.students.items(), 1):
         row = {"name": name, "role": student.role.value}
@@ -232,6 +244,9 @@ def entries(state: ClassState) -> Iterator[tuple[str, str | bytes]]:
         own += answers(key, collection)
     yield "class.toml", tomlkit.dumps(said)
     yield "scene.toml", state.scene.to_toml()
+    predictions = {name: one.predictions for name, one in state.students.items()}
+    if any(predictions.values()):
+        yield PREDICTIONS, predictions_to_csv(state.scene.steps, predictions)
     yield from own
     for row, collection in zip(said["questions"], state.questions, strict=True):
         if collection.points:
@@ -258,7 +273,7 @@ def slug(title: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", title.lower())[:40].strip("-") or "question"
 
 
-KEYS = ("format", "title", "seats", "students", "questions")
+KEYS = ("format", "title", "seats", "step", "students", "questions")
 OF_STUDENT, OF_QUESTION, OF_GIVEN = ("name", "role", "file"), ("file", "given"), (
     "student", "value", "seed",
 )  # fmt: skip
@@ -282,9 +297,10 @@ def open_class(name: str, data: bytes) -> ClassState:
     return ClassState(
         title_of(said),
         scene,
-        students_of(said, pack),
+        with_predictions(students_of(said, pack), scene, pack),
         questions_of(said, scene, pack),
         seats_of(said),
+        step_of(said, scene),
     )
 
 
@@ -304,6 +320,28 @@ def seats_of(said: Mapping[str, Any]) -> int:
             f"seats = {shorten(seats)} is not allowed: 1 to {MOST_STUDENTS} (class.toml)"
         )
     return seats
+
+
+def step_of(said: Mapping[str, Any], scene: SavedScene) -> int:
+    """The step that all students see. Raises InputError."""
+    step, most = said.get("step", 0), len(scene.steps)
+    if isinstance(step, bool) or not isinstance(step, int) or not 0 <= step <= most:
+        raise InputError(f"step = {shorten(step)} is not allowed: 0 to {most} (class.toml)")
+    return int(step)
+
+
+def with_predictions(
+    students: dict[str, SavedStudent], scene: SavedScene, pack: ClassArchive
+) -> dict[str, SavedStudent]:
+    """The students with what they have predicted; old files have nothing of it. Raises
+    InputError."""
+    if PREDICTIONS not in pack.names:
+        return students
+    origin = f"{PREDICTIONS} of {pack.name}"
+    made = predictions_from_csv(pack.text(PREDICTIONS), scene.steps, students, origin)
+    return {
+        name: replace(student, predictions=made.get(name, {})) for name, student in students.items()
+    }
 
 
 def students_of(said: Mapping[str, Any], pack: ClassArchive) -> dict[str, SavedStudent]:

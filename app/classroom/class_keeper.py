@@ -32,12 +32,15 @@ def state_of(classroom: Classroom) -> ClassState:
         classroom.scene,
         {
             one.name: SavedStudent(
-                one.role, SavedScene.from_toml(one.scene, one.name) if one.scene else None
+                one.role,
+                SavedScene.from_toml(one.scene, one.name) if one.scene else None,
+                dict(one.predictions),
             )
             for one in classroom.students.values()
         },
         list(classroom.asking.all),
         classroom.seats,
+        classroom.step,
     )
 
 
@@ -47,13 +50,14 @@ def restore_class(
     """The class of the file at `path`, whose content is `state`, with those who are in it. Raises
     InputError."""
     classroom = Classroom(state.scene, state.seats, workers, results, in_browser)
-    classroom.title = state.title
+    classroom.title, classroom.step = state.title, state.step
     classroom.asking.take_over(state.questions, state.scene)
     said = read_keys(keys_of(path))
     keys = said.get("students", {})
     for number, (name, saved) in enumerate(state.students.items(), 1):
         scene = "" if saved.scene is None else saved.scene.to_toml()
         student = Student(number, name, keys.get(name, ""), saved.role, scene, came=True)
+        student.predictions = dict(saved.predictions)
         classroom.students[number] = student
         if student.key:
             classroom.by_key[student.key] = student
@@ -121,9 +125,12 @@ class ClassKeeper:
     def now(self) -> object:
         """What tells whether anything has changed."""
         room = self.classroom
-        students = [(one.name, one.key, one.role, one.scene) for one in room.students.values()]
+        students = [
+            (one.name, one.key, one.role, one.scene, tuple(one.predictions.items()))
+            for one in room.students.values()
+        ]
         results = [(id(one), len(one.points), len(one.given), one.curve) for one in room.asking.all]
-        return students, results, room.scene, room.code, len(room.teachers)
+        return students, results, room.scene, room.code, room.step, len(room.teachers)
 
     async def keep(self) -> None:
         """Keep the class, if there is anything new in it. Raises InputError."""

@@ -14,7 +14,14 @@ from pathlib import Path
 
 from app.classroom.browser_flocks import MOST_WATCHING, BrowserFlocks, moved_scene
 from app.classroom.class_keys import hash_key, is_same_text, new_code, new_key
+from app.classroom.collect.class_table import to_csv
 from app.classroom.flocks import Flocks, allowance
+from app.classroom.lesson_prediction import (
+    LessonPrediction,
+    demand_prediction,
+    prediction_columns,
+    predictions_to_csv,
+)
 from app.classroom.question_service import QuestionService
 from app.classroom.student import LaboratoryAddress, Role, Student, student_name, unique_name
 from app.classroom.workers.page_worker import StudentPage
@@ -74,6 +81,9 @@ class Classroom:
         self.not_kept = ""
         """Why the class's file could not be written when that was tried last; empty: it was."""
         self.word = ""
+        self.step = 0
+        """The step of the lesson that the teacher shows to all, from 1; 0: each goes their own
+        way."""
         self.frozen = False
         self.has_ended = False
         """Whether the teacher has ended it."""
@@ -315,6 +325,8 @@ class Classroom:
         if self.pages is not None:
             await self.pages.compile(scene)
         if numbers is None:
+            if scene.steps != self.scene.steps:
+                self.leave_lesson()
             self.scene = scene
             self.asking.end()
         await self.begin_anew(self.chosen(numbers), scene)
@@ -343,10 +355,11 @@ class Classroom:
                 self.move(student)
         self.tell()
 
-    async def hand_in(self, student: Student, values: Mapping[str, float]) -> str:
+    async def hand_in(self, student: Student, values: Mapping[str, float], step: int = 0) -> str:
         """Take a student's run as an answer; the result in a sentence. Raises InputError.
 
-        `values`: what the sliders of a page say that has the flock in it.
+        Of a page that has the flock in it, `values` is what the sliders say, and `step` the number
+        of the lesson's step that the flock began with, from 1; 0: with none.
         """
         if student.role is not Role.OWN:
             raise InputError("only who has a flock of their own hands in a result")
@@ -357,12 +370,57 @@ class Classroom:
             raise InputError("your flock is held by the teacher: hand in once it goes on")
         else:
             page = await self.page_of(student)
-            student.scene = ran = moved_scene(student, page, values)
+            begun = page.step_at(step) if step else None
+            ran = moved_scene(student, page, values, begun)
+            # Without what the step sets: the next run may be of another step, or of none.
+            student.scene = moved_scene(student, page, values)
         try:
             point = await self.asking.hand_in(student.name, ran)
         finally:
             self.tell()
         return point.told(question)
+
+    async def predict(self, student: Student, step: int, prediction: LessonPrediction) -> str:
+        """Take what a student predicts in a step of the lesson, and what their run showed. Raises
+        InputError.
+
+        The first choice stays; a run that is made again may show another one.
+        """
+        if not self.is_in_browser(student):
+            raise InputError("only who has a flock of their own predicts")
+        if student.frozen:
+            raise InputError("your flock is held by the teacher: predict once it goes on")
+        page = await self.page_of(student)
+        if page.steps != self.scene.steps:
+            raise InputError("your flock has not the steps of the class")
+        demand_prediction(page.step_at(step), step, prediction)
+        if self.step and step > self.step:
+            raise InputError(f"step = {step} is not allowed: the class is at step {self.step}")
+        known = student.predictions.get(step, prediction)
+        if known.choice != prediction.choice:
+            raise InputError(f"your prediction of step {step} is made: it stays")
+        shown = known.shown if prediction.shown is None else prediction.shown
+        student.predictions[step] = replace(prediction, shown=shown)
+        self.tell()
+        return "predicted"
+
+    def results_csv(self) -> str:
+        """The results of the latest question, each with what its student has predicted in the
+        lesson. Raises InputError."""
+        collection = self.asking.demand()
+        made = {student.name: student.predictions for student in self.students.values()}
+        rows = [made.get(point.student, {}) for point in collection.points]
+        steps = self.scene.steps
+        # Of another lesson than that which the question was asked about they say nothing.
+        is_same = self.asking.scene is not None and self.asking.scene.steps == steps
+        return to_csv(collection, prediction_columns(steps, rows) if is_same and any(rows) else {})
+
+    def predictions_csv(self) -> str:
+        """What students have predicted in the steps of the lesson. Raises InputError."""
+        if not self.scene.steps:
+            raise InputError("this class has no lesson with steps")
+        made = {student.name: student.predictions for student in self.students.values()}
+        return predictions_to_csv(self.scene.steps, made)
 
     async def open_point(self, number: int) -> str:
         """Open the run of a result in the teacher's laboratory. Raises InputError."""
@@ -384,6 +442,23 @@ class Classroom:
                 with suppress(InputError):
                     await self.flocks.tell_own(student, "pause" if frozen else "go")
         self.tell()
+
+    def show_step(self, step: int) -> None:
+        """Show a step of the lesson, from 1, to all students; 0 lets them go their own way. Raises
+        InputError."""
+        most = len(self.scene.steps)
+        if self.pages is None or not most:
+            raise InputError("only a lesson whose flocks run in students' browsers has steps")
+        if not 0 <= step <= most:
+            raise InputError(f"step = {step} is not allowed: 0 to {most}")
+        self.step = step
+        self.tell()
+
+    def leave_lesson(self) -> None:
+        """Forget the step that is shown, and predictions: another lesson has others."""
+        self.step = 0
+        for student in self.students.values():
+            student.predictions = {}
 
     def end(self) -> None:
         """End the class for all: pages are told so."""

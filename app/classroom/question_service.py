@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from agents.spec import CompleteSpec
-from app.classroom.collect.class_table import to_csv, to_json
+from app.classroom.collect.class_table import to_json
 from app.classroom.collect.collection import Collection
 from app.classroom.collect.hand_in import Point
 from app.classroom.collect.question import Question, question_of
@@ -271,10 +271,6 @@ class QuestionService:
             raise InputError("no question has been asked")
         self.shown_now()
         return self.packed_plot
-
-    def csv(self) -> str:
-        """The results of the latest question. Raises InputError."""
-        return to_csv(self.demand())
 
     async def picture(self, kind: str) -> bytes:
         """The picture of the latest question. Raises InputError."""

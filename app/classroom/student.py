@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from app.classroom.lesson_prediction import LessonPrediction
 from app.classroom.workers.page_worker import StudentPage
 from app.classroom.workers.worker_process import WorkerProcess
 from worlds.input_error import InputError, shorten
@@ -142,6 +143,8 @@ class Student:
     """Whether their flock is held by the teacher: nothing but their camera is heard."""
     value: float | None = None
     """What the question has given them to try."""
+    predictions: dict[int, LessonPrediction] = field(default_factory=dict)
+    """In the steps of the class's lesson, by the number of the step."""
     place: LaboratoryAddress | None = None
     """Where their own flock is, while it is anywhere."""
     worker: WorkerProcess | None = None

@@ -11,14 +11,16 @@
     return made;
   };
   const state = make("span", ""), word = make("p", "word"), number = make("output", "");
+  const led = make("p", "led", "Your teacher leads: all see this step.");
   const title = make("h2", ""), task = make("p", ""), until = make("small", ""), answer = make("p", "answer");
+  const begun = make("p", "begun"), back = make("button", "", "Back to the class’s flock");
   const hand = make("button", "hand", "Hand in my run"), chart = make("div", "fs-chart"), told = make("small", "");
   const live = make("div", "live", number, until);
-  const asked = make("div", "card asked", title, task, live, hand, answer);
+  const asked = make("div", "card asked", title, task, live, begun, back, hand, answer);
   const plot = make("div", "card plot", make("h2", "", "The class"), told, chart);
   const more = make("details", "card more", make("summary", "", "More"), $("tries"), $("look"), $("charts"), $("saves"));
   for (const one of [word, answer]) one.setAttribute("role", "status");
-  asked.hidden = plot.hidden = word.hidden = true;
+  asked.hidden = plot.hidden = word.hidden = led.hidden = begun.hidden = back.hidden = true;
   document.querySelector("h1").after(make("p", "who", make("b", "", name), state));
   document.querySelector("header").append(word);
   $("sliders").after(asked, plot, more);
@@ -41,15 +43,29 @@
         live.before(first.canvas.closest(".chart"));
       await begin.call(this);
       current = this;
+      back.onclick = () => this.card.putBack(0);
       hold(held);
+      follow();
       if (!held) this.go(true);
     },
+    // Its seed is the class's: an address that says another one changes nothing.
+    beginAnew() { return this.reset(); },
     go(going) { go.call(this, going && !held); },
     set(parameter, value) { if (!held) set.call(this, parameter, value); },
     reset() { return held && current ? undefined : reset.call(this); },
     key(event) { if (!held) key.call(this, event); },
-    show() { show.call(this); tell(this); },
+    show() { show.call(this); tell(this); tellBegun(this); },
   });
+
+  // What a step has set that no slider shows is handed in, too.
+  let beganWith = 0;
+  function tellBegun({ card }) {
+    if (!card || card.begun === beganWith) return;
+    beganWith = card.begun;
+    const set = Object.entries(card.steps[beganWith - 1]?.set ?? {}).filter(([one]) => !sliders.includes(one));
+    begun.hidden = back.hidden = !set.length;
+    begun.replaceChildren(`Your flock began with step ${beganWith}: `, ...card.describeValues(Object.fromEntries(set)), ".");
+  }
 
   // The number that is asked for, as far as the run is.
   const HOLDS = { ">=": (a, b) => a >= b, "<=": (a, b) => a <= b, ">": (a, b) => a > b, "<": (a, b) => a < b };
@@ -83,26 +99,71 @@
     if (held) current?.go(false);
     for (const one of document.querySelectorAll("#go, #step, #reset, #sliders input, #step-control input")) one.disabled = held || !current;
     hand.disabled = held || busy || !current;
+    back.disabled = held;
+    if (current?.card && current.card.isHeld !== held) current.card.hold(held);
     state.textContent = held ? "held by the teacher" : "";
   }
 
-  // The run is made anew by the class: all that it is told is where the sliders stand.
+  const send = (what, body) => fetch(`${home}/class/${what}`, {
+    method: "POST", cache: "no-store", credentials: "same-origin", body,
+    headers: { "X-Flockscope": "class", "Content-Type": "application/json" },
+  });
+
+  // The run is made anew by the class: all that it is told is where the sliders stand, and with which step of
+  // the lesson the flock began.
   let busy = false;
   hand.onclick = async () => {
     busy = hand.disabled = true;
     answer.textContent = "Your run is made and measured …";
-    const { values } = current;
+    const { values, card } = current;
     try {
-      const reply = await fetch(`${home}/class/hand-in`, {
-        method: "POST", cache: "no-store", credentials: "same-origin",
-        body: JSON.stringify({ values: Object.fromEntries(sliders.map((one) => [one, values[one]])) }),
-        headers: { "X-Flockscope": "class", "Content-Type": "application/json" },
-      });
+      const own = Object.fromEntries(sliders.map((one) => [one, values[one]]));
+      const reply = await send("hand-in", JSON.stringify({ values: own, step: card?.begun ?? 0 }));
       answer.textContent = (await reply.text()).trim();
     } catch { answer.textContent = "The class does not answer."; }
     busy = false;
     hold(held);
   };
+
+  // The step that the teacher shows, and predictions: the class keeps them, and a page that is loaded again has
+  // them from it.
+  let lesson = null, isTelling = false, isNews = false;
+  const answered = {}; // by step, what the class has answered to, whether or not it took it
+  function follow() {
+    const card = current?.card;
+    if (!card || !lesson) return;
+    if (!led.isConnected) {
+      $("step-place").after(led);
+      card.predicted = tellPredictions;
+    }
+    led.hidden = !lesson.step;
+    card.restore(lesson.predictions);
+    card.lead(lesson.step);
+    tellPredictions();
+  }
+  async function tellPredictions() {
+    isNews = true;
+    if (isTelling) return;
+    isTelling = true;
+    try {
+      while (isNews && lesson && !held) {
+        isNews = false;
+        await tellEach();
+      }
+    } catch { setTimeout(tellPredictions, 2000); }
+    isTelling = false;
+  }
+  async function tellEach() {
+    for (const [k, { isFixed, choice, result }] of current.card.steps.entries()) {
+      const known = lesson?.predictions.find(([number]) => number === k + 1);
+      const isKnown = known && known[1] === choice && (result < 0 || known[2] === result);
+      const said = JSON.stringify({ step: k + 1, choice, ...(result < 0 ? {} : { shown: result }) });
+      if (!isFixed || choice < 0 || isKnown || answered[k] === said) continue;
+      const { status } = await send("predict", said);
+      if (status === 429) throw new Error("too much at once");
+      answered[k] = said;
+    }
+  }
 
   const ask = (question) => {
     asked.hidden = !question && !measure;
@@ -129,6 +190,9 @@
       line.close();
       results.end();
       ask(null);
+      lesson = null;
+      led.hidden = true;
+      current?.card?.lead(0);
       hold(Boolean(now.removed));
       state.textContent = now.removed ? "you are no longer in this class" : "the class has ended";
       word.textContent = now.removed ? "The code on the wall lets you in again." : "Your flock stays on this page: go on with it.";
@@ -144,6 +208,8 @@
     word.hidden = !now.word;
     ask(now.question);
     hold(now.frozen);
+    lesson = now.lesson;
+    follow();
     results.look(now.plot);
   };
   const listen = () => {

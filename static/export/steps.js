@@ -6,6 +6,10 @@ class StepCard {
     this.rows = rows; // of sliders, by parameter, in their order
     this.steps = page.manifest.steps.map((step) => ({ ...step, choice: -1, isFixed: false, result: -1, verdict: [] }));
     this.number = 0;
+    this.begun = 0; // the number of the step that the flock began with; 0: as the page was made
+    this.isHeld = false;
+    this.led = 0; // the number of the step that somebody else shows; 0: the reader goes through them
+    this.predicted = () => {}; // called when a prediction is made, and when a run has shown something
     this.running = null; // the step whose run goes on, and what is measured of it
     this.build();
     this.show();
@@ -42,8 +46,8 @@ class StepCard {
     this.verdict.setAttribute("role", "status");
     this.back = make("button", "step-back", "Back");
     this.next = make("button", "step-next", "Next");
-    const buttons = make("div", "step-buttons", this.back, this.next);
-    const card = make("section", "steps", sentence, this.control, this.prediction, this.verdict, buttons);
+    this.buttons = make("div", "step-buttons", this.back, this.next);
+    const card = make("section", "steps", sentence, this.control, this.prediction, this.verdict, this.buttons);
     card.className = "card";
     card.setAttribute("aria-labelledby", "step-place");
     $("anew").before(card);
@@ -88,13 +92,17 @@ class StepCard {
 
   // What the button runs.
   describeRun({ ticks, set = {} }) {
-    const values = Object.entries(set).flatMap(([name, value], k) => {
+    const values = this.describeValues(set);
+    return [`${grouped(ticks)} ticks from the start`, ...(values.length ? [", with ", ...values] : []), "."];
+  }
+
+  describeValues(set) {
+    return Object.entries(set).flatMap(([name, value], k) => {
       const known = this.page.manifest.parameters.find((parameter) => parameter.name === name);
       const letter = element("i", "");
       letter.append(...withIndices(known ? known.symbol : name));
-      return [k ? ", " : ", with ", letter, ` = ${plain(value)}`];
+      return [...(k ? [", "] : []), letter, ` = ${plain(value)}`];
     });
-    return [`${grouped(ticks)} ticks from the start`, ...values, "."];
   }
 
   makeChoice(words, k) {
@@ -111,19 +119,21 @@ class StepCard {
 
   // What changes while a step is shown.
   showState() {
-    const { step } = this, isRunning = this.running?.step === step;
+    const { step } = this, first = this.lacks(step) ? step.than : 0, running = this.running?.step;
+    const isRunning = Boolean(running) && (running === step || running === this.steps[step.than - 1]);
     [...this.answers.children].forEach((label, k) => {
       label.firstChild.disabled = step.isFixed;
       const marks = [step.isFixed && k === step.choice && "your prediction", k === step.result && "this run"];
       label.lastChild.textContent = marks.filter(Boolean).join(", ");
     });
-    const lack = step.choice < 0 ? "Choose an answer first." : this.lacks(step) ? `Run step ${step.than} first.` : "";
-    this.run.disabled = lack !== "";
-    this.run.textContent = step.isFixed ? "Run it again" : "Run it";
+    const isChosen = step.isFixed || step.choice >= 0;
+    const lack = !isChosen ? "Choose an answer first." : first && !this.led ? `Run step ${first} first.` : "";
+    this.run.disabled = lack !== "" || this.isHeld;
+    this.run.textContent = first && this.led ? `Run step ${first} first` : step.isFixed ? "Run it again" : "Run it";
     this.first.hidden = !lack;
     this.first.textContent = lack;
     this.progress.hidden = !isRunning;
-    if (isRunning) Object.assign(this.progress, { max: step.ticks, value: this.page.state?.tick ?? 0 });
+    if (isRunning) Object.assign(this.progress, { max: running.ticks, value: this.page.state?.tick ?? 0 });
     this.verdict.replaceChildren(...step.verdict.map((words) => element("p", words)));
   }
 
@@ -132,23 +142,60 @@ class StepCard {
     return Boolean(than) && this.steps[than - 1].mean === undefined;
   }
 
-  // The step's run, from the start, with its own values: from here on the prediction stays as it is.
+  // The step's run, from the start, with its own values: from here on the prediction stays as it is. Who is led
+  // cannot go back to a step that it is compared with: that one is run first, without a prediction if there is none.
   async begin() {
-    const { page, step } = this;
+    const { page } = this, number = this.lacks(this.step) ? this.step.than : this.number + 1;
+    const step = this.steps[number - 1];
     this.cancel("Another run was begun");
-    for (const { name, value } of page.manifest.parameters) {
-      page.values[name] = step.set?.[name] ?? value;
-      page.shown[name](page.values[name]);
-    }
-    page.agents = step.set?.agents ?? page.manifest.agents - (page.manifest.start?.informed ?? 0);
-    const isReady = page.reset();
+    const isReady = this.putBack(number);
     const running = this.running = { step, values: [] };
     page.trial = { measure: step.measure, after: step.ticks / 2, end: step.ticks };
     Object.assign(step, { isFixed: true, result: -1, verdict: [] });
     this.showState();
+    this.predicted();
     page.view.canvas.scrollIntoView({ block: "nearest" }); // on a phone it is above
     await isReady;
     if (this.running === running) page.go(true);
+  }
+
+  // The flock at its start, with what a step sets, by its number; 0: as the page was made.
+  putBack(number) {
+    const { page } = this, set = this.steps[number - 1]?.set ?? {};
+    for (const { name, value } of page.manifest.parameters) {
+      page.values[name] = set[name] ?? value;
+      page.shown[name](page.values[name]);
+    }
+    page.agents = set.agents ?? page.manifest.agents - (page.manifest.start?.informed ?? 0);
+    this.begun = number;
+    return page.reset();
+  }
+
+  // A step that somebody else shows, by its number; 0: the reader's own way.
+  lead(number) {
+    if (number === this.led) return;
+    this.led = number;
+    if (number) this.number = number - 1;
+    this.buttons.hidden = number > 0;
+    this.show();
+    if (number) this.place.scrollIntoView({ block: "nearest" });
+  }
+
+  // What was predicted before this page was loaded: [the number of the step, choice, what the run showed or null].
+  restore(predictions) {
+    for (const [number, choice, shown] of predictions) {
+      const step = this.steps[number - 1];
+      if (step.isFixed && step.choice === choice) continue;
+      Object.assign(step, { choice, isFixed: true, result: shown ?? -1 });
+      step.verdict = shown === null ? [] : [`Your run showed “${step.choices[shown]}”.`, ...this.compare(step)];
+      if (step === this.step) this.show();
+    }
+  }
+
+  // While the flock is held by somebody else nothing can be begun.
+  hold(isHeld) {
+    this.isHeld = isHeld;
+    this.showState();
   }
 
   // A run that is another one by now is not judged.
@@ -177,7 +224,7 @@ class StepCard {
   }
 
   judge(step, values) {
-    const { measure, ticks, bounds, choices, choice, than, shows, why } = step, name = spoken(measure);
+    const { measure, ticks, bounds, choices, than } = step, name = spoken(measure);
     const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
     if (!Number.isFinite(mean)) {
       step.verdict = [`${name} has no value in this run: it is not judged.`];
@@ -191,44 +238,49 @@ class StepCard {
     step.result = bounds.filter((bound) => more >= bound).length;
     step.verdict = [
       `${name}: ${few(mean)}, the mean of ticks ${first} to ${grouped(ticks)}${less}. This run shows “${choices[step.result]}”.`,
-      `Your prediction “${choices[choice]}” ${choice === step.result ? "holds" : "does not hold"}.`,
-      ...(why && choices[step.result] === shows ? [why] : []),
+      ...this.compare(step),
     ];
+    this.predicted();
+  }
+
+  // Whether a prediction holds, and why a run shows what it does.
+  compare({ choices, choice, result, shows, why }) {
+    const verdict = `Your prediction “${choices[choice]}” ${choice === result ? "holds" : "does not hold"}.`;
+    return [...(choice < 0 ? [] : [verdict]), ...(why && choices[result] === shows ? [why] : [])];
   }
 }
 
 {
   const { addSlider, begin, set, steer, reset, stop, take } = Page.prototype, rows = {};
-  let card;
   Object.assign(Page.prototype, {
     addSlider(parameter) {
       addSlider.call(this, parameter);
       rows[parameter.name] = $("sliders").lastElementChild;
     },
     begin() {
-      if (this.manifest.steps) card = new StepCard(this, rows);
+      if (this.manifest.steps) this.card = new StepCard(this, rows);
       return begin.call(this);
     },
     set(parameter, value) {
       const before = this.values[parameter.name];
       set.call(this, parameter, value);
-      if (this.values[parameter.name] !== before) card?.cancel("You moved a slider");
+      if (this.values[parameter.name] !== before) this.card?.cancel("You moved a slider");
     },
     steer(heading) {
       steer.call(this, heading);
-      card?.cancel("You turned the information agent");
+      this.card?.cancel("You turned the information agent");
     },
     reset() {
-      card?.cancel("The flock was put back to its start");
+      this.card?.cancel("The flock was put back to its start");
       return reset.call(this);
     },
     stop(why) {
       stop.call(this, why);
-      card?.cancel("The flock stopped");
+      this.card?.cancel("The flock stopped");
     },
     take(answer) {
       take.call(this, answer);
-      card?.receive(answer);
+      this.card?.receive(answer);
     },
   });
 }

@@ -31,11 +31,13 @@ from app.classroom.collect.class_table import points_from_csv, to_csv
 from app.classroom.collect.collection import Collection, StudentAssignment
 from app.classroom.collect.hand_in import ResultGroup, hand_in
 from app.classroom.collect.question import question_of
+from app.classroom.lesson_prediction import LessonPrediction
 from app.classroom.student import Role, same, student_name
 from app.viewer.gallery.saved_scene import SavedScene, read_scene
 from app.viewer.gallery.scene_collection import find_scene
 from app.viewer.run.run_preset import preset_spec
 from tests.classroom.small import ORDER, SCENE, VALUES, WHEN, made, told
+from tests.classroom.test_lesson_steps import scene_text
 from worlds.input_error import InputError
 
 
@@ -77,6 +79,60 @@ def test_a_class_is_restored_to_equal_values(state, tmp_path):
     save(state, tmp_path / "class.zip")
     assert load(tmp_path / "class.zip") == state
     assert [path.name for path in tmp_path.iterdir()] == ["class.zip"]
+
+
+LESSON = SavedScene.from_toml(scene_text(), "lesson")
+"""A scene of two steps; in the second something is predicted."""
+
+
+def predicted_class() -> ClassState:
+    """A class at the second step of a lesson, whose students have predicted."""
+    students = {
+        "Ada": SavedStudent(Role.OWN, None, {2: LessonPrediction(1, 0)}),
+        "Bo": SavedStudent(Role.OWN, None, {2: LessonPrediction(0)}),
+        "Cy": SavedStudent(Role.OWN),
+    }
+    return ClassState("Lesson", LESSON, students, step=2)
+
+
+def test_the_step_and_predictions_of_a_lesson_are_restored():
+    state = predicted_class()
+    assert open_class("class.zip", packed(state)) == state
+    with zipfile.ZipFile(io.BytesIO(packed(state))) as pack:
+        assert pack.read("predictions.csv").decode().splitlines() == [
+            "student,step,predicted,shown",
+            "Ada,2,much,little",
+            "Bo,2,little,",
+        ]
+
+
+@pytest.mark.parametrize(
+    ("entry", "before", "after", "said"),
+    [
+        ("class.toml", "step = 2", "step = 3", "step = 3 is not allowed: 0 to 2 (class.toml)"),
+        ("class.toml", "step = 2", "step = true", "step = True is not allowed"),
+        ("predictions.csv", "Bo,2", "Di,2", "student = 'Di' is not in the class"),
+        ("predictions.csv", "Bo,2", "Bo,1", "unknown step '1' (known: 2)"),
+        ("predictions.csv", "Bo,2,little", "Bo,2,some", "unknown choice 'some'"),
+        ("predictions.csv", "Ada,2,much,little", "Ada,2,much,some", "unknown choice 'some'"),
+        ("predictions.csv", "Bo,2,little,", "Ada,2,little,", "step 2 of Ada is there twice"),
+        ("predictions.csv", "Bo,2,little,", "Bo,2", "row 2 is not as its columns"),
+        ("predictions.csv", "shown", "showed", "has not the columns student, step, predicted"),
+    ],
+)
+def test_what_is_wrong_with_predictions_is_said_in_a_line(entry, before, after, said):
+    changed = io.BytesIO()
+    with (
+        zipfile.ZipFile(io.BytesIO(packed(predicted_class()))) as pack,
+        zipfile.ZipFile(changed, "w") as made,
+    ):
+        for name in pack.namelist():
+            text = pack.read(name).decode()
+            made.writestr(name, text.replace(before, after) if name == entry else text)
+    with pytest.raises(InputError) as refused:
+        open_class("class.zip", changed.getvalue())
+    assert said in str(refused.value)
+    assert "\n" not in str(refused.value)
 
 
 def test_the_same_class_is_the_same_file(data):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any, get_args
 
@@ -52,11 +52,11 @@ def heads(question: Question) -> list[str]:
     ]
 
 
-def to_csv(collection: Collection) -> str:
+def to_csv(collection: Collection, beside: Mapping[str, list[Any]] | None = None) -> str:
     """A row for each result, in the order in which they came in.
 
     As in the table of a sweep floats come back to the bit, and there is nothing where there is no
-    result; units stand in the head.
+    result; units stand in the head. `beside`: more columns by their heads, a value for each result.
     """
     points, counting = collection.points, collection.counting
     columns: list[list[Any]] = [
@@ -73,7 +73,7 @@ def to_csv(collection: Collection) -> str:
         [point.reason for point in points],
         [point.when.isoformat() for point in points],
     ]
-    return as_csv(dict(zip(heads(collection.question), columns, strict=True)))
+    return as_csv(dict(zip(heads(collection.question), columns, strict=True)) | dict(beside or {}))
 
 
 def points_from_csv(

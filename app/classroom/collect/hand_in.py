@@ -66,7 +66,9 @@ class Point:
         at = f"{question.parameter} = {question.value_text(self.value)}, seed {self.seed}"
         if self.result is None:
             return f"{self.student}, {at}: {self.reason}."
-        return f"{self.student}, {at}: {question.result_words}: {self.result:.4g}."
+        said = f"{self.student}, {at}: {question.result_words}: {self.result:.4g}."
+        differs = f" Not the class's scene ({', '.join(self.differs)}): in no mean."
+        return f"{said}{differs}" if self.differs else said
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from app.classroom.student import Student
 from app.front.client_addresses import ConnectionLimits, RateLimit
 from app.front.http_server import Request
 from app.front.message_filter import CAMERA, LARGEST, TOO_MUCH, UnusableMessage, kind_of
+from app.viewer.gallery.scene_steps import MOST_CHOICES, MOST_STEPS
 from worlds.input_error import InputError, shorten
 
 # What one student's pages may send, however many they are.
@@ -169,6 +170,28 @@ def finite_number(name: str, value: object) -> float:
             if math.isfinite(value):
                 return float(value)
     raise InputError(f"{shorten(name)} = {shorten(value)} is not a finite number")
+
+
+def step_number_in(values: dict[str, Any], key: str) -> int:
+    """The number of a step of a lesson among the values; 0 where it is left out. Raises
+    InputError."""
+    found = values.get(key, 0)
+    if type(found) is not int or not 0 <= found <= MOST_STEPS:
+        raise InputError(
+            f"{key} = {shorten(found)} is not allowed: a number from 0 to {MOST_STEPS}"
+        )
+    return found
+
+
+def choice_in(values: dict[str, Any], key: str) -> int | None:
+    """The place of a choice among the values, from 0; None where it is left out. Raises
+    InputError."""
+    found = values.get(key)
+    if found is not None and (type(found) is not int or not 0 <= found < MOST_CHOICES):
+        raise InputError(
+            f"{key} = {shorten(found)} is not allowed: a number from 0 to {MOST_CHOICES - 1}"
+        )
+    return found
 
 
 def numbers_in(values: dict[str, Any], key: str, most: int = 1000) -> list[int] | None:

@@ -14,13 +14,17 @@ from app.classroom.collect.question import Question
 from app.classroom.front.class_request import (
     MOST_STREAMS,
     StudentLimits,
+    choice_in,
     slider_values_in,
+    step_number_in,
     values_of,
 )
 from app.classroom.front.student_pages import packed_response
+from app.classroom.lesson_prediction import LessonPrediction
 from app.classroom.student import Role, Student
 from app.front.http_server import READING, Request, secure
 from app.viewer.measuring.observable_format import observable_words
+from worlds.input_error import InputError
 
 # Tells a page what has changed, as it changes: events that a server sends.
 
@@ -96,10 +100,21 @@ class StudentRequests:
         values = await values_of(request)
         if not limits.words.take():
             raise web.HTTPTooManyRequests(text="too much at once: wait a moment\n")
+        if request.path == "/class/predict":
+            return web.Response(text=await self.predict(student, values))
         if request.path != "/class/hand-in":
             raise web.HTTPForbidden(text="only the teacher may do that\n")
         sliders = slider_values_in(values, "values")
-        return web.Response(text=await self.classroom.hand_in(student, sliders))
+        step = step_number_in(values, "step")
+        return web.Response(text=await self.classroom.hand_in(student, sliders, step))
+
+    async def predict(self, student: Student, values: dict[str, Any]) -> str:
+        """Take what a page says of a step of the lesson. Raises InputError."""
+        choice, shown = choice_in(values, "choice"), choice_in(values, "shown")
+        if choice is None:
+            raise InputError("choice is missing: what is predicted?")
+        step = step_number_in(values, "step")
+        return await self.classroom.predict(student, step, LessonPrediction(choice, shown))
 
     async def listen(
         self, request: Request, student: Student, limits: StudentLimits
@@ -144,7 +159,17 @@ class StudentRequests:
             return told | {"page": "laboratory"}
         if not self.classroom.is_in_browser(student):
             return told | {"page": "watching"}
-        return told | {"page": "flock", "flock": pages.flock_of(student)}
+        lesson = self.lesson(student)
+        return told | {"page": "flock", "flock": pages.flock_of(student), "lesson": lesson}
+
+    def lesson(self, student: Student) -> dict[str, Any] | None:
+        """The step that the teacher shows, and what the student has predicted as [step, choice,
+        shown or null]; None where their page has not the steps of the class."""
+        steps = self.classroom.scene.steps
+        if not steps or student.page is None or student.page.steps != steps:
+            return None
+        made = [[step, one.choice, one.shown] for step, one in student.predictions.items()]
+        return {"step": self.classroom.step, "predictions": made}
 
     def measured_now(self, student: Student, question: Question) -> str:
         """What a flock on the server shows now of what the question measures, in words; empty where

@@ -15,14 +15,17 @@ from app.classroom.class_file import slug
 from app.classroom.class_keeper import state_of
 from app.classroom.classroom import Classroom
 from app.classroom.flocks import TEACHER
-from app.classroom.front.class_request import numbers_in, text_in, values_of
+from app.classroom.front.class_request import numbers_in, step_number_in, text_in, values_of
 from app.classroom.front.entrance import own_page
 from app.classroom.front.student_requests import stream
+from app.classroom.lesson_prediction import count_choices
 from app.classroom.student import Role, Student
 from app.front.http_server import POLICY, READING, Request
 from worlds.input_error import InputError
 
 Values = dict[str, Any]
+SCRIPTS = ("theme", "wall", "class", "chart", "lesson", "collect")
+"""Of the teacher's page, in their order."""
 PICTURES = {
     "/class/results.svg": "image/svg+xml",
     "/class/results.png": "image/png",
@@ -41,14 +44,13 @@ class TeacherRequests:
         self.addresses = addresses
         self.page = own_page(
             "class.html",
-            tuple(
-                f"classroom/{name}.js" for name in ("theme", "wall", "class", "chart", "collect")
-            ),
+            tuple(f"classroom/{name}.js" for name in SCRIPTS),
         )
         self.actions: dict[str, Callable[[Values], Awaitable[str]]] = {
             "role": self.give_role,
             "start": self.start,
             "freeze": self.freeze,
+            "step": self.show_step,
             "say": self.say,
             "renew": self.renew,
             "remove": self.remove,
@@ -73,7 +75,9 @@ class TeacherRequests:
             choices = self.classroom.asking.choices(self.classroom.scene)
             return web.json_response(choices)
         if path == "/class/results.csv" and get:
-            return file(self.classroom.asking.csv().encode(), "text/csv", self.name("csv"))
+            return file(self.classroom.results_csv().encode(), "text/csv", self.name("csv"))
+        if path == "/class/predictions.csv" and get:
+            return file(self.classroom.predictions_csv().encode(), "text/csv", "predictions.csv")
         if path == "/class/class.zip" and get:
             made = await self.classroom.asking.draw("packed", state_of(self.classroom))
             return file(made, "application/zip", "class.zip")
@@ -127,9 +131,19 @@ class TeacherRequests:
             "browsers": classroom.pages is not None,
             "flocks": classroom.pages.progress if classroom.pages else classroom.flocks_note,
             "question": classroom.asking.shown(),
+            "lesson": self.lesson(),
             "mine": None if mine is None else asdict(mine),
             "students": [self.student(one) for one in classroom.students.values()],
         }
+
+    def lesson(self) -> dict[str, Any] | None:
+        """The steps of the lesson, and how many have predicted what; None where pages have none."""
+        classroom = self.classroom
+        steps = classroom.scene.steps
+        if classroom.pages is None or not steps:
+            return None
+        made = [one.predictions for one in classroom.students.values()]
+        return {"step": classroom.step, "steps": count_choices(steps, made)}
 
     def student(self, one: Student) -> dict[str, Any]:
         """A student, for the teacher's page."""
@@ -169,6 +183,12 @@ class TeacherRequests:
             raise InputError("held is to be true or false")
         await self.classroom.freeze(held, numbers_in(values, "students"))
         return "held" if held else "going on"
+
+    async def show_step(self, values: Values) -> str:
+        """Show a step of the lesson to all, or let them go their own way."""
+        step = step_number_in(values, "step")
+        self.classroom.show_step(step)
+        return f"all students see step {step}" if step else "students go through the steps"
 
     async def say(self, values: Values) -> str:
         """A word to all."""

@@ -21,6 +21,7 @@ from app.classroom.collect.question_choices import ready_for
 from app.package_files import STATIC
 from app.viewer.gallery.lessons.lessons import lesson_of
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.scene_steps import SceneStep
 from app.viewer.lab.flock_page import (
     PageWords,
     packed,
@@ -53,6 +54,15 @@ class StudentPage:
     """The name of its WebAssembly."""
     sliders: tuple[str, ...]
     """Parameters that the student may change."""
+    steps: tuple[SceneStep, ...] = ()
+    """Of the lesson that it leads through."""
+
+    def step_at(self, number: int) -> SceneStep:
+        """A step by its number, from 1. Raises InputError for one that the page has not."""
+        if not 1 <= number <= len(self.steps):
+            known = f"1 to {len(self.steps)}" if self.steps else "this flock has no steps"
+            raise InputError(f"step = {number} is not allowed: {known}")
+        return self.steps[number - 1]
 
 
 def demand_in_browser(scene: SavedScene) -> None:
@@ -142,7 +152,8 @@ class PageWorker:
             script=f'<script type="application/json" id="class">{as_json(told)}</script>'
             f"<script>{script}</script>",
         )
-        return StudentPage(gzip.compress(text.encode(), 6, mtime=0), policy, module, shown)
+        html = gzip.compress(text.encode(), 6, mtime=0)
+        return StudentPage(html, policy, module, shown, opened.steps)
 
 
 def plots_with(observable: str, plots: Sequence[str]) -> tuple[str, ...]:

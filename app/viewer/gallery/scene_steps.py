@@ -24,6 +24,7 @@ MOST_STEPS = 12
 MOST_TICKS = 20_000
 """Of a step's run: at a thousand ticks a second a reader waits for 20 seconds."""
 MOST_CONTROLS = 2
+MOST_CHOICES = 4
 MOST_AGENTS = 20_000
 """Of a step's run: as many as a page may have."""
 PREDICTION = ("choices", "measure", "ticks", "bounds")
@@ -52,7 +53,7 @@ class SceneStep(StrictTable):
     ask: Annotated[str, Field(max_length=200), ONE_LINE] = ""
     """What the reader predicts, a question; empty: nothing."""
     choices: list[Annotated[str, Field(min_length=1, max_length=60), ONE_LINE]] = Field(
-        default=[], max_length=4
+        default=[], max_length=MOST_CHOICES
     )
     """Answers, in the order in which the measure grows."""
     measure: str = ""
