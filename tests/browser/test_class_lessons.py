@@ -83,3 +83,48 @@ def test_what_a_step_sets_is_handed_in_and_can_be_left(ours, opens):
     ada.locator(".answer", has_text="eta = 0 rad").wait_for()
     assert "in no mean" not in ada.locator(".answer").inner_text()
     assert errors == []
+
+
+def test_all_students_see_the_step_that_the_teacher_shows(ours, opens):
+    open_page, errors = opens
+    has_compiled(ours.teacher())
+    desk = open_page(ours.teachers_link, DESK)
+    ada, bo = (enter(open_page, ours.link, name) for name in ("Ada", "Bo"))
+    assert ada.get_by_role("button", name="Next").is_visible()
+    desk.get_by_role("button", name="All students see step 1 of 3").click()
+    for page in (ada, bo):
+        page.get_by_text("Your teacher leads: all see this step.").wait_for()
+        page.get_by_text("Step 1 of 3").wait_for()
+        assert not page.locator("#step-buttons").is_visible()
+    desk.get_by_role("button", name="Next").click()
+    ada.get_by_text("How much order?").wait_for()
+    predict(ada, "Little")
+    predict(bo, "Much")
+    desk.get_by_text("2 of 2 predicted, 2 ran it").wait_for()
+    rows = desk.locator(".fs-step tr").all_inner_texts()
+    assert [row.split("\t") for row in rows[1:]] == [["Little", "1", "2"], ["Much", "1", "0"]]
+    desk.get_by_role("button", name="Next").click()
+    desk.get_by_role("button", name="Next").and_(desk.locator(":disabled")).wait_for()
+    late = enter(open_page, ours.link, "Late")
+    bo.reload()
+    has_flock(bo)
+    for page in (ada, bo, late):
+        page.get_by_text("Less order, or more?").wait_for()
+    # Who has not run the step that this one is compared with, or not on this page, runs it first.
+    for page in (bo, late):
+        page.get_by_label("More").check()
+        page.get_by_role("button", name="Run step 2 first").click()
+        page.get_by_role("button", name="Run it").wait_for()
+        predict(page, "More")
+    desk.get_by_text("2 of 3 predicted, 2 ran it").wait_for()
+    desk.get_by_role("button", name="Students go through the steps themselves").click()
+    bo.locator("#step-back").click()
+    assert (
+        bo.locator("#step-answers label", has_text="your prediction")
+        .inner_text()
+        .startswith("Much")
+    )
+    assert bo.locator("#step-answers input:enabled").count() == 0
+    late.locator("#step-back").click()
+    assert late.get_by_text("your prediction").count() == 0
+    assert errors == []
