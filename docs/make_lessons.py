@@ -6,7 +6,8 @@ it took is printed. "Order against noise" goes from the code on the wall to the 
 the end of the class; the other lessons take the pictures that their tutorials show. At the end it
 is checked that forty results are in the table, and that they say what the lesson says; otherwise
 the exit code is 1. `--review FOLDER` keeps every picture in full there, and the teacher's page in
-all sizes and both themes.
+all sizes and both themes. `--pages` gives no class: it writes the pages of the lessons that are
+stories into `docs/lessons/`, from their files, and needs no browser.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from class_scenario import DESK, IN_BROWSER, NAMES, PHONE, Scenario, means
+from lesson_pages import write_pages
 from make_screenshots import ARGUMENTS
 from PIL import Image
 from playwright.sync_api import sync_playwright
@@ -182,7 +184,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("lessons", nargs="*", metavar="LESSON", help=", ".join(CHECKS))
     parser.add_argument("--review", type=Path, help="folder for every picture in full")
+    parser.add_argument("--pages", action="store_true", help="write pages of stories, no pictures")
     asked = parser.parse_args()
+    if asked.pages:
+        write_pages()
+        return
     if set(asked.lessons) - set(CHECKS):
         parser.error(f"lessons are {', '.join(CHECKS)}")
     HERE.mkdir(exist_ok=True)

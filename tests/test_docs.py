@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import importlib
 import json
 import re
 import runpy
@@ -20,10 +21,12 @@ from agents.catalogue import collect
 from agents.catalogue import model as by_name
 from app.cli.main import COMMANDS
 from app.studies.experiment_reader import experiment_names, read_experiment
+from app.viewer.gallery.lessons.lessons import lesson_names
 from worlds.layout import layout_names
 
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT / "docs"))
+lesson_pages = importlib.import_module("lesson_pages")
 MAKE = runpy.run_path(str(ROOT / "docs" / "make.py"))
 MODELS = collect()
 """As they are declared: what other tests asked for by NAME-cars is not among them."""
@@ -72,6 +75,22 @@ def test_what_is_listed_is_what_is_declared():
         capture_output=True, encoding="utf-8", check=True, cwd=ROOT,
     )  # fmt: skip
     assert text("app/cli/listed.json") == made.stdout, "run `uv run python docs/make.py`"
+
+
+@pytest.mark.parametrize("name", lesson_pages.STORIES)
+def test_the_page_of_a_story_is_its_lesson(name):
+    made = lesson_pages.page_of(name)
+    assert text(f"docs/lessons/{name}.md") == made, (
+        "run `uv run python docs/make_lessons.py --pages`"
+    )
+
+
+def test_every_lesson_has_a_page_that_links_to_what_is_there():
+    found = {page.stem for page in (ROOT / "docs" / "lessons").glob("*.md")}
+    assert found == set(lesson_names())
+    for name in found:
+        for link in re.findall(r"\]\((?!https?:)([^)#\s]+)", text(f"docs/lessons/{name}.md")):
+            assert (ROOT / "docs" / "lessons" / link).exists(), link
 
 
 @pytest.mark.parametrize("name", sorted(n for n in PAGES if n != "README.md"))

@@ -41,6 +41,7 @@
       const first = this.charts[0];
       if (measure && first?.measure.name === measure.observable)
         live.before(first.canvas.closest(".chart"));
+      $("anew").hidden = true; // the class says which seed, and how many agents
       await begin.call(this);
       current = this;
       back.onclick = () => this.card.putBack(0);
@@ -48,7 +49,7 @@
       follow();
       if (!held) this.go(true);
     },
-    // Its seed is the class's: an address that says another one changes nothing.
+    // An address that says another seed changes nothing.
     beginAnew() { return this.reset(); },
     go(going) { go.call(this, going && !held); },
     set(parameter, value) { if (!held) set.call(this, parameter, value); },

@@ -67,6 +67,7 @@ def test_what_a_step_sets_is_handed_in_and_can_be_left(ours, opens):
     teacher.do("ask", question=QUESTION)
     ada = enter(open_page, f"{ours.link}#agents=5&seed=9", "Ada")
     assert ada.evaluate("page.state.ids.length") == 30  # whatever an address says
+    assert not ada.locator("#anew").is_visible()
     ada.locator("#step-next").click()
     predict(ada, "Little")
     assert not ada.get_by_text("Your flock began with step").is_visible()
