@@ -380,6 +380,17 @@ class Classroom:
             self.tell()
         return point.told(question)
 
+    def shares_lesson(self, student: Student) -> bool:
+        """Whether the page of a student has the steps of the class."""
+        page, steps = student.page, self.scene.steps
+        if page is None:
+            return False
+        if page.steps is not steps and page.steps == steps:
+            # They are asked for at every change of the class, of all students: compared once.
+            student.page = replace(page, steps=steps)
+            return True
+        return page.steps is steps
+
     async def predict(self, student: Student, step: int, prediction: LessonPrediction) -> str:
         """Take what a student predicts in a step of the lesson, and what their run showed. Raises
         InputError.
@@ -391,7 +402,7 @@ class Classroom:
         if student.frozen:
             raise InputError("your flock is held by the teacher: predict once it goes on")
         page = await self.page_of(student)
-        if page.steps != self.scene.steps:
+        if not self.shares_lesson(student):
             raise InputError("your flock has not the steps of the class")
         demand_prediction(page.step_at(step), step, prediction)
         if self.step and step > self.step:

@@ -126,6 +126,10 @@ def test_all_students_see_the_step_that_the_teacher_shows(ours, opens):
         .startswith("Much")
     )
     assert bo.locator("#step-answers input:enabled").count() == 0
+    ours.teacher().do("freeze", held=True)
+    bo.locator("#step-run:disabled").wait_for()
+    ours.teacher().do("freeze", held=False)
+    bo.locator("#step-run:enabled").wait_for()
     late.locator("#step-back").click()
     assert late.get_by_text("your prediction").count() == 0
     assert errors == []

@@ -10,6 +10,12 @@ import re
 import pytest
 
 from agents.flock import Flock
+from app.classroom.browser_flocks import moved_scene
+from app.classroom.collect.hand_in import demand_answer
+from app.classroom.collect.question import question_of
+from app.classroom.student import Role, Student
+from app.classroom.workers.page_worker import StudentPage
+from app.viewer.gallery.saved_scene import SavedScene
 from tests.classroom.running import (
     BUSY,
     SCENE,
@@ -20,6 +26,7 @@ from tests.classroom.running import (
     running,
 )
 from tests.viewer.waiting import until
+from worlds.input_error import InputError
 
 STEPS = """
 [[steps]]
@@ -137,6 +144,17 @@ def test_a_step_that_the_lesson_has_not_is_refused_in_a_line(ours, teacher, step
     assert (answer.status, answer.text.count("\n")) == (400, 1)
     assert answer.text.startswith(said)
     assert len(roster(teacher)["question"]["points"]) == before
+
+
+def test_a_step_of_more_agents_than_a_class_measures_is_refused_in_a_line():
+    text = (SCENE + STEPS).replace("agents = 8", "agents = 6000")
+    scene = SavedScene.from_toml(text, "lesson.toml")
+    student = Student(1, "Ada", "", Role.OWN, scene.to_toml())
+    page = StudentPage(b"", "", "", ("eta",), scene.steps)
+    ran = moved_scene(student, page, {"eta": 1.0}, page.step_at(3))
+    run = SavedScene.from_toml(ran, "the run of Ada").spec
+    with pytest.raises(InputError, match="6,000 agents are too many to hand in: at most 5,000"):
+        demand_answer(question_of(QUESTION, scene.spec), run)
 
 
 def predict(person: Person, step: object, choice: object, **more: object):

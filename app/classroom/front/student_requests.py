@@ -165,8 +165,7 @@ class StudentRequests:
     def lesson(self, student: Student) -> dict[str, Any] | None:
         """The step that the teacher shows, and what the student has predicted as [step, choice,
         shown or null]; None where their page has not the steps of the class."""
-        steps = self.classroom.scene.steps
-        if not steps or student.page is None or student.page.steps != steps:
+        if not self.classroom.scene.steps or not self.classroom.shares_lesson(student):
             return None
         made = [[step, one.choice, one.shown] for step, one in student.predictions.items()]
         return {"step": self.classroom.step, "predictions": made}
