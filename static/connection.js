@@ -22,7 +22,7 @@
       sign = document.createElement("div");
       sign.className = "fs-lost";
       sign.setAttribute("role", "alert");
-      sign.innerHTML = "<div><b>Connection lost, trying again</b><span></span></div>";
+      sign.innerHTML = "<div><b>Connection lost, trying again</b><span aria-live='off'></span></div>";
       document.body.append(sign);
     }
     const text = `for ${Math.round(seconds)} s; what is shown is from before`;

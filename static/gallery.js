@@ -37,13 +37,18 @@
     shown.addEventListener("click", (event) => { if (event.target === shown) close(); });
     shown.setAttribute("role", "dialog");
     shown.setAttribute("aria-label", title);
+    shown.setAttribute("aria-modal", "true");
+    shown.tabIndex = -1;
     (document.body || document.documentElement).append(shown);
+    shown.focus();
     return inner;
   };
   const complain = (inner, words) => {
     const before = inner.querySelector(".fs-wrong");
     if (before) before.remove();
-    inner.append(make("p", "fs-wrong", words));
+    const wrong = make("p", "fs-wrong", words);
+    wrong.setAttribute("role", "alert");
+    inner.append(wrong);
   };
   const say = (title, words) => sheet(title, "fs-ask").append(make("p", "", words));
 
@@ -181,6 +186,7 @@
   }, true);
   document.addEventListener("DOMContentLoaded", () => {
     const tools = make("nav", "fs-open");
+    tools.setAttribute("aria-label", "Scene");
     tools.append(button("", "Gallery", gallery), button("", "Share", take));
     document.body.append(tools);
   });

@@ -65,9 +65,35 @@
       strip.append(button);
     }
   };
+  /* viser forgets how wide the server wants a panel once the panel has been a sheet: it is told again. */
+  const widths = new Map();
+  let client = null, told = 0, isForgotten = false;
+  const heard = (event) => {
+    if (event.data?.type !== "message_batch") return;
+    for (const message of event.data.messages) {
+      if (message.type !== "GuiSetPanelWidthMessage") continue;
+      client = event.currentTarget;
+      widths.set(message.uuid, message.width);
+    }
+  };
+  const Worker = window.Worker;
+  window.Worker = class extends Worker {
+    constructor(...given) {
+      super(...given);
+      this.addEventListener("message", heard);
+    }
+  };
+  const restoreWidths = () => {
+    if (!isForgotten || !client || !document.querySelector("[data-dock-region=right]")) return;
+    isForgotten = false;
+    const messages = [...widths].map(([uuid, width]) => (
+      { type: "GuiSetPanelWidthMessage", uuid, width, counter: told++, run_id: "layout" }));
+    client.dispatchEvent(new MessageEvent("message", { data: { type: "message_batch", messages } }));
+  };
   const update = () => {
     const layout = !small.matches ? "wide" : flat.matches ? "flat" : "tall";
     if (root.dataset.layout !== layout) root.dataset.layout = layout;
+    if (layout === "wide") restoreWidths(); else isForgotten = true;
     if (layout === "wide" || !monitors()) {
       if (document.querySelector(".fs-question")) measure();
       return;

@@ -91,6 +91,8 @@
   /* The buttons stand in the corner of the picture, wherever the panels leave it. */
   const tools = document.createElement("div");
   tools.className = "fs-tools";
+  tools.setAttribute("role", "region");
+  tools.setAttribute("aria-label", "Look of the page");
   for (const name of ["theme", "text", "panels"]) {
     const button = buttons[name] = document.createElement("button");
     button.type = "button";
@@ -101,6 +103,8 @@
   /* Above them, a button for each camera that this page has a key for: it does what the key does. */
   const views = document.createElement("div");
   views.className = "fs-tools fs-views";
+  views.setAttribute("role", "region");
+  views.setAttribute("aria-label", "Cameras");
   const offerCamera = ({ hotkey, label }) => {
     if (!(hotkey in cameras) || hotkey in buttons) return;
     const button = buttons[hotkey] = document.createElement("button"), digit = /\d/.test(hotkey);
@@ -116,11 +120,11 @@
     views.append(button);
     views.append(...Object.keys(cameras).filter((key) => key in buttons).map((key) => buttons[key]));
   };
-  /* What stands at the top of the panels, while that is hidden. */
+  /* What stands at the top of the panels: seen while that is hidden, and told to who hears the page. */
   const caption = document.createElement("div");
   caption.className = "fs-caption";
+  caption.setAttribute("role", "status");
   setInterval(() => {
-    if (now("panels") === "shown" && now("layout") === "wide") return;
     const said = document.querySelector(".fs-banner b, .fs-status > span:not(.fs-dot), .fs > .fs-error");
     const text = [...said ? said.childNodes : []]
       .filter((part) => !(part.classList && part.classList.contains("fs-compiling")))

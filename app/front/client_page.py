@@ -36,6 +36,7 @@ SCRIPTS = (
     "dials.js",
     "plots.js",
     "labels.js",
+    "accessible.js",
 )
 """The scripts that run before viser's, in every page."""
 STYLES = ("page.css", "gallery.css")

@@ -38,7 +38,7 @@ window.flockscopeChart = (place, data, press, mine = []) => {
   };
   const svg = document.createElementNS(kind, "svg");
   svg.setAttribute("viewBox", `0 0 ${wide} ${tall}`);
-  svg.setAttribute("role", "img");
+  svg.setAttribute("role", press ? "group" : "img"); /* points that can be pressed are in it */
   svg.setAttribute("aria-label", `${data.title}: ${data.told}`);
   const curve = data.curve ? data.curve.groups.filter((one) => one[2] !== null) : [];
   const log = data.x.log;

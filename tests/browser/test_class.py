@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from agents.flock import Flock
-from tests.browser.contrast import faint
+from tests.browser.accessibility import find_violations
 from tests.classroom.running import running
 from tests.viewer.waiting import until
 
@@ -46,7 +46,7 @@ def test_a_class_answers_a_question_from_the_code_on_the_wall_to_the_table(scena
         page.get_by_text("Yours: noise 0 rad").wait_for()
         for theme in THEMES:
             scenario.teacher.emulate_media(color_scheme=theme)
-            assert faint(scenario.teacher) == []
+            assert find_violations(scenario.teacher) == []
         scenario.hand_in()
     assert "polarisation over the last 100 ticks" in page.locator(".fs-answer").inner_text()
     assert scenario.teacher.locator(".fs-point").count() == STUDENTS

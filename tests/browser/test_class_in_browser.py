@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from tests.browser.accessibility import find_violations
 from tests.browser.conftest import POLICY
-from tests.browser.contrast import faint
 from tests.classroom.running import BUSY, roster, running
 from tests.viewer.waiting import until
 
@@ -140,4 +140,4 @@ def test_the_page_fits_and_can_be_read(teacher, enters, size, theme):
     page.locator("#go:enabled").wait_for()
     until(lambda: roster(teacher)["students"], BUSY)
     assert not page.evaluate(WIDER)
-    assert faint(page) == []
+    assert find_violations(page) == []

@@ -11,8 +11,8 @@ from agents.flock import Flock
 from app.viewer.lab.laboratory import Laboratory
 from app.viewer.run.stored_flock import InMemoryFlock
 from app.viewer.scene.shown import drawing_style, palette
+from tests.browser.accessibility import find_violations
 from tests.browser.conftest import obeyed
-from tests.browser.contrast import faint
 from tests.browser.window import Window
 from tests.viewer.waiting import until
 
@@ -88,7 +88,7 @@ def test_density_lies_where_the_agents_are_and_single_ones_appear_from_near(wind
     window.close_notices()
     until(lambda: shows_the_quarters(window), 60, "two quarters in the hues of their headings")
     until(lambda: "Density of 2\u202f000 agents in sight" in window.text(), 60)
-    until(lambda: faint(window.page) == [], 60, "all words to be readable")
+    until(lambda: find_violations(window.page) == [], 60, "all words to be readable")
 
     canvas = window.page.locator("canvas[data-engine]").bounding_box()
     x, y = canvas["x"] + 0.5 * canvas["width"], canvas["y"] + 0.5 * canvas["height"]

@@ -8,7 +8,7 @@ import pytest
 
 from agents.models.declare import DeclaredParameter
 from app.viewer.run.run_preset import preset_spec
-from tests.browser.contrast import faint
+from tests.browser.accessibility import find_violations
 from tests.viewer.waiting import until
 
 
@@ -127,7 +127,7 @@ def test_what_is_changed_is_marked_so_that_it_can_be_read_in_both_themes(slider)
     for _ in ("one theme", "the other"):
         eta.page.mouse.move(0, 0)
         assert eta.label.evaluate(colour) != speed.label.evaluate(colour)
-        assert faint(eta.page) == []
+        assert find_violations(eta.page) == []
         eta.page.keyboard.press("m")
         eta.page.wait_for_timeout(300)
     mark, rail = (eta.root.locator(one).bounding_box() for one in (".fs-usual-mark", ".fs-rail"))

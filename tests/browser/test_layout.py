@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from app.viewer.run.run_preset import preset_spec
+from tests.browser.accessibility import find_violations
 from tests.browser.conftest import START, obeyed
-from tests.browser.contrast import faint
 from tests.viewer.waiting import COMPILED, until
 
 SIZES = {
@@ -141,11 +141,28 @@ def test_a_window_that_is_turned_keeps_its_drawer(page):
         colour.wait_for()
 
 
-def test_what_is_in_drawers_can_be_read_in_both_themes(page):
+PANELS = """() => ["left", "right"].map(
+  (side) => document.querySelector(`[data-dock-region=${side}]`)?.getBoundingClientRect().width)"""
+
+
+def test_panels_are_as_wide_as_before_once_a_window_has_been_small(page):
     for _ in range(2):
-        for name in ("Monitors", "Sweep", "Run"):
+        for (wide, tall), most in (((1440, 860), 648), ((1024, 640), 512)):
+            page.set_viewport_size({"width": wide, "height": tall})
+            until(
+                lambda most=most: (widths := page.evaluate(PANELS))[0] and sum(widths) <= most,
+                30,
+                f"panels of {most} pixels in a window of {wide}",
+            )
+        page.set_viewport_size({"width": 390, "height": 844})
+        until(lambda: page.locator("[data-dock-region]").count() == 0)
+
+
+def test_what_is_in_drawers_can_be_used_in_both_themes(page):
+    for _ in range(2):
+        for name in ("Monitors", "View", "Sweep", "Run"):
             open_drawer(page, name)
-            until(lambda: faint(page) == [], 30, "all words to be readable")
+            until(lambda: find_violations(page) == [], 60, "no rule broken in a drawer")
         open_drawer(page, "Run")
         page.keyboard.press("m")
 

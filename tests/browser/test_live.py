@@ -13,8 +13,8 @@ from playwright.sync_api import TimeoutError as PlaywrightTimeout
 from app.live.laboratory.lab_file import EXAMPLE_FILE, lab_from_toml
 from app.live.operating.lab_choices import Choices
 from app.viewer.live.page import LivePage
+from tests.browser.accessibility import find_violations, find_violations_on_tabs
 from tests.browser.conftest import obeyed
-from tests.browser.contrast import faint, faint_on_tabs
 from tests.viewer.waiting import until
 
 EMULATED = "emulated cars"
@@ -164,7 +164,7 @@ def test_all_words_can_be_read_in_both_themes_and_the_stop_is_never_hidden(opera
     until(lambda: "red" in operator.table(), SOON)
     for theme in ("light", "dark"):
         assert page.locator("html").get_attribute("data-theme") == theme
-        assert faint_on_tabs(page) == []
+        assert find_violations_on_tabs(page) == []
         page.keyboard.press("m")
     for _ in ("the plots alone", "nothing"):
         page.keyboard.press("p")
@@ -173,7 +173,7 @@ def test_all_words_can_be_read_in_both_themes_and_the_stop_is_never_hidden(opera
     page.locator(".fs-stop").click()
     page.keyboard.press("p")
     operator.sees("emergency")
-    assert faint(page) == []
+    assert find_violations(page) == []
 
 
 @pytest.mark.parametrize("key", ["Space", "Escape", "Shift+Space"])

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from tests.browser.accessibility import find_violations, find_violations_on_tabs
 from tests.browser.conftest import obeyed
-from tests.browser.contrast import faint, faint_on_tabs
 from tests.browser.window import Window
 from tests.viewer.waiting import until
 
@@ -26,15 +26,15 @@ def own_window(chromium, laboratory):
     page.close()
 
 
-def test_all_words_can_be_read_in_both_themes(own_window):
+def test_all_tabs_and_the_help_can_be_used_by_everybody_in_both_themes(own_window):
     page = own_window.page
     for theme in reversed(THEMES):
         assert said(page, "theme") == theme
         # a notice of a test before may still be fading
-        until(lambda: faint_on_tabs(page) == [], 60, "all words to be readable")
+        until(lambda: find_violations_on_tabs(page) == [], 60, "no rule broken on a tab")
         page.keyboard.press("h")
         page.locator(".fs-page").first.wait_for()
-        until(lambda: faint(page) == [], 30, "all words of the help to be readable")
+        until(lambda: find_violations(page) == [], 30, "no rule broken by the help")
         page.keyboard.press("Escape")
         page.locator(".fs-page").first.wait_for(state="detached")
         page.keyboard.press("m")
@@ -43,10 +43,14 @@ def test_all_words_can_be_read_in_both_themes(own_window):
 def test_a_faint_word_is_noticed(window):
     page = window.page
     style = page.add_style_tag(content=".fs-card span { color: #9aa5b4 !important; }")
-    assert faint(page)
+    assert find_violations(page)
     style.evaluate("one => one.remove()")
     page.mouse.move(0, 0)
-    until(lambda: faint(page) == [], 5, "all words to be read again, with nothing half faded")
+    until(
+        lambda: find_violations(page) == [],
+        5,
+        "all words to be read again, with nothing half faded",
+    )
 
 
 def test_the_theme_is_the_browsers_until_one_is_chosen_and_kept(own_window):

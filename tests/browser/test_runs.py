@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from tests.browser.contrast import faint
+from tests.browser.accessibility import find_violations
 from tests.browser.window import Window
 from tests.viewer.waiting import until
 
@@ -51,7 +51,7 @@ def test_a_run_is_ticked_named_opened_again_and_deleted(laboratory, window, rows
     page.keyboard.press("Enter")
     until(lambda: runs.find(first.number).name == "<b>first</b>")
     page.locator(".fs-kept").get_by_text("<b>first</b>").wait_for()
-    assert faint(page) == []
+    assert find_violations(page) == []
 
     page.reload()
     again = Window(page, laboratory)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from agents.spec import Spec
-from tests.browser.contrast import faint
+from tests.browser.accessibility import find_violations
 from tests.browser.window import Window
 from tests.viewer.waiting import until
 
@@ -40,7 +40,7 @@ def test_a_curve_fills_in_opens_a_run_and_is_there_after_a_reload(laboratory, wi
     assert page.locator(".fs-figure .fs-run").count() == 6
     page.mouse.move(640, 60)
     until(lambda: page.get_by_role("tooltip").count() == 0)  # one that fades away is faint
-    assert faint(page) == []
+    assert find_violations(page) == []
 
     spec = laboratory.simulation.state.spec
     points.nth(1).click()

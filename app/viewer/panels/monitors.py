@@ -144,7 +144,7 @@ class Monitors:
     def colours(self, look: DrawingStyle, frame: Frame) -> None:
         """Say what the colours mean."""
         entries = [(html.escape(words), css) for words, css in legend(look, frame)]
-        head = f'<div class="fs-head">Colour: {html.escape(look.measured or look.colour)}</div>'
+        head = f'<h2 class="fs-head">Colour: {html.escape(look.measured or look.colour)}</h2>'
         has_wheel = COLOURINGS[look.colour].has_wheel or shows_density(frame)
         headings = wheel(frame.dim) if has_wheel else ""
         self.show({KEY: head + headings + key(entries, drawn=True)})

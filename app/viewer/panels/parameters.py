@@ -163,7 +163,7 @@ class ParametersPanel:
             titles = "Rule", f"Body: {model.body.title}"
             for title, part in zip(titles, sides(model, own), strict=True):
                 if shared := [parameter for parameter in part if parameter.name in both]:
-                    self.gui.add_html(block(f'<div class="fs-head">{html.escape(title)}</div>'))
+                    self.gui.add_html(block(f'<h2 class="fs-head">{html.escape(title)}</h2>'))
                     self.controls |= self.controls_of(shared, values)
             if alone := [parameter for parameter in own if parameter.name not in both]:
                 with self.gui.add_folder(f"Only {model.title}"):
@@ -262,7 +262,7 @@ def describe_changes(
         )
         for parameter in changed
     }
-    title = f'<div class="fs-head">Changed: {len(rows)}</div>'
+    title = f'<h2 class="fs-head">Changed: {len(rows)}</h2>'
     return block(f'{title}<div class="fs-changed">{table(rows)}</div>') if rows else ""
 
 

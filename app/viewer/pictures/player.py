@@ -14,6 +14,7 @@ import viser
 from agents.snapshot import Snapshot
 from app.front.server import close_server, open_server
 from app.front.viser_internals import change_updates
+from app.package_files import STATIC
 from app.viewer.pictures import key
 from app.viewer.pictures.picture_camera import PRESETS, USUAL, CameraRequest
 from app.viewer.pictures.shot import Shot, frame_of, look_of, shot
@@ -44,8 +45,10 @@ STYLE = """
 .told { position: fixed; top: 12px; left: 16px; right: 16px; z-index: 5; pointer-events: none;
   font: 14px/1.4 -apple-system, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; color: #3a4553;
   text-shadow: 0 0 4px #fff, 0 0 8px #fff; }
-.told b { display: block; font-size: 18px; color: #1b2330; }
+.told h1 { margin: 0; font-size: 18px; line-height: inherit; color: #1b2330; }
 """
+ACCESSIBLE = (STATIC / "accessible.js").read_text("utf-8")
+"""The script that gives names to what viser's client leaves without."""
 
 
 LIGHT = 250_000
@@ -96,8 +99,8 @@ class Player:
         named = f"<title>{html.escape(title)}</title>"
         head = f'<meta http-equiv="Content-Security-Policy" content="{CLOSED}">{named}'
         told = (
-            f"<style>{STYLE}</style><div class='told'><b>{html.escape(title)}</b>"
-            f"{html.escape(caption)}</div>"
+            f"<style>{STYLE}</style><header class='told'><h1>{html.escape(title)}</h1>"
+            f"{html.escape(caption)}</header><script>{ACCESSIBLE}</script>"
         )
         before, found, after = text.partition("<head>")
         body, ends, rest = after.rpartition("</body>")

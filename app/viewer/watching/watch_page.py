@@ -70,7 +70,7 @@ def values(state: SimulationState) -> str:
 def listed(title: str, own: Iterable[DeclaredParameter], values: Mapping[str, Any]) -> str:
     """A table of parameters under a title."""
     rows = "".join(row(one, values[one.name]) for one in own if one.name in values)
-    head = f'<div class="fs-head">{html.escape(title)}</div>'
+    head = f'<h2 class="fs-head">{html.escape(title)}</h2>'
     return f'{head}<table class="fs-table fs-values">{rows}</table>'
 
 

@@ -45,8 +45,8 @@ def layer_bars(counts: list[int], unknown: int, model: str = "") -> str:
     )
     bars += bar("?", unknown, most, palette.css(palette.UNKNOWN)) if unknown else ""
     return (
-        '<div class="fs-head">Layers<span class="fs-quiet">'
-        f"{html.escape(model) or 'steps from the information agent'}</span></div>"
+        '<h2 class="fs-head">Layers<span class="fs-quiet">'
+        f"{html.escape(model) or 'steps from the information agent'}</span></h2>"
         f'<div class="fs-bars">{bars}</div>'
     )
 
@@ -72,8 +72,8 @@ def size_bars(sizes: np.ndarray, model: str = "") -> str:
         bar(str(rank), size, first_bars[0], BLUE) for rank, size in enumerate(first_bars, 1)
     )
     return (
-        f'<div class="fs-head">Groups<span class="fs-quiet">{html.escape(model)} {rest}</span>'
-        f'</div><div class="fs-bars">{bars}</div>'
+        f'<h2 class="fs-head">Groups<span class="fs-quiet">{html.escape(model)} {rest}</span>'
+        f'</h2><div class="fs-bars">{bars}</div>'
     )
 
 
@@ -195,8 +195,8 @@ def crash_table(crashes: Crashes, model: str = "") -> str:
         for at in latest_crashes(crashes)
     )
     return (
-        f'<div class="fs-head">Latest crashes<span class="fs-quiet">{html.escape(model)}</span>'
-        '</div><table class="fs-list"><tr><th>tick</th><th>agent</th><th>touched</th><th>at</th>'
+        f'<h2 class="fs-head">Latest crashes<span class="fs-quiet">{html.escape(model)}</span>'
+        '</h2><table class="fs-list"><tr><th>tick</th><th>agent</th><th>touched</th><th>at</th>'
         f"</tr>{rows}</table>"
     )
 
@@ -339,7 +339,7 @@ def crash_count(readings: FlockReadings, agents: int, model: str = "") -> str:
 
 def titled_cards(title: str, values: dict[str, str], across: int = 3) -> str:
     """Cards under a title; nothing if there are none."""
-    return f'<div class="fs-head">{title}</div>{grid(values, across)}' if values else ""
+    return f'<h2 class="fs-head">{title}</h2>{grid(values, across)}' if values else ""
 
 
 def leave_out(values: dict[str, str], names: tuple[str, ...]) -> dict[str, str]:

@@ -40,7 +40,7 @@ def head(frame: Frame, inspection: Inspection) -> str:
     rows = dict(list(facts(frame, inspection).items())[:FIRST])
     kind = " · information agent" if frame.informed[inspection.row] else ""
     flock = f'<div class="fs-quiet">{html.escape(frame.title)}</div>' if frame.title else ""
-    return f'<div class="fs-head">Agent {inspection.id}{kind}</div>{flock}{escaped_table(rows)}'
+    return f'<h2 class="fs-head">Agent {inspection.id}{kind}</h2>{flock}{escaped_table(rows)}'
 
 
 def folds(frame: Frame, inspection: Inspection) -> dict[Fold, tuple[str, str]]:

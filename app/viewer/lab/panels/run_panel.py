@@ -131,7 +131,7 @@ def describe_scene(scene: SavedScene) -> str:
     paragraphs = "".join(
         f"<p><b>{name}</b> {html.escape(text)}</p>" for name, text in lines if text
     )
-    title = f"<h3>{html.escape(scene.title)}</h3>"
+    title = f"<h2>{html.escape(scene.title)}</h2>"
     return block(f'<div class="fs-story">{title}{paragraphs}</div>') if paragraphs else ""
 
 

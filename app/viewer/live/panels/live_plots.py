@@ -128,7 +128,7 @@ class LivePlot:
             ChartCurve(curves[name].colour, value, f"{name} ({self.unit})", *curves[name].pen)
             for name, value in finite.items()
         )
-        title = f'<div class="fs-head">{html.escape(self.title)}, {self.unit}</div>'
+        title = f'<h2 class="fs-head">{html.escape(self.title)}, {self.unit}</h2>'
         y = uplot.Scale(range=self.ends)
         self.plot.show(
             ChartContents(title + key(entries), at, chart_curves, self.titles, y), key(entries)

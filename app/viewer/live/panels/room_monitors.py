@@ -88,7 +88,7 @@ def cars(status: Status, frame: Frame, readings: RoomReadings, chosen: int | Non
         for companion in status.companions
     ]
     return (
-        '<div class="fs-head">Cars</div><table class="fs-cars"><tr><th>car</th><th>age</th>'
+        '<h2 class="fs-head">Cars</h2><table class="fs-cars"><tr><th>car</th><th>age</th>'
         f"<th>m/s</th><th>steer</th><th>thr.</th>{'<th>lag</th>' if readings.lags else ''}</tr>"
         f"{''.join(html_rows)}</table>"
     )
@@ -97,7 +97,7 @@ def cars(status: Status, frame: Frame, readings: RoomReadings, chosen: int | Non
 def describe_outlines(frame: Frame) -> str:
     """What the outlines around the cars mean."""
     entries = outlines(frame)
-    return '<div class="fs-head">Outline: state</div>' + key(entries, drawn=True, hollow=True)
+    return '<h2 class="fs-head">Outline: state</h2>' + key(entries, drawn=True, hollow=True)
 
 
 def milliseconds(seconds: float) -> str:

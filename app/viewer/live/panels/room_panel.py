@@ -160,7 +160,7 @@ def facts(state: SessionState, status: Status | None, plan: Injection) -> str:
         rows["recorded in"] = state.recording or "nothing is recorded"
     escaped = {name: html.escape(words) for name, words in rows.items()}
     head = "In the recording, at this moment of it" if replay else "In the room"
-    return f'<div class="fs-head">{head}</div>{table(escaped)}'
+    return f'<h2 class="fs-head">{head}</h2>{table(escaped)}'
 
 
 def describe_injected(plan: Injection) -> str:
@@ -201,7 +201,7 @@ def describe_limits(lab: Lab) -> str:
         for name, car in lab.cars.items()
     )
     return (
-        f'<div class="fs-head">Limits of the laboratory</div>{table(rows)}'
+        f'<h2 class="fs-head">Limits of the laboratory</h2>{table(rows)}'
         f'<table class="fs-cars">{head}{cars}</table>'
         '<div class="fs-quiet">Of the file; nothing in a browser can change them.</div>'
     )

@@ -90,7 +90,7 @@ class RulePanel:
         with self.folder:
             for title, part in zip(titles, sides(model, own), strict=True):
                 if part:
-                    self.gui.add_html(block(f'<div class="fs-head">{html.escape(title)}</div>'))
+                    self.gui.add_html(block(f'<h2 class="fs-head">{html.escape(title)}</h2>'))
                 for parameter in part:
                     self.controls[parameter.name] = self.control(
                         parameter, state.values[parameter.name]
