@@ -83,7 +83,7 @@ NAME = r"[^/\\:\0]{1,100}"
 KINDS = {
     r"(class|scene)\.toml": TEXT,
     r"predictions\.csv": TABLE,
-    rf"(students|questions)/{NAME}\.toml": TEXT,
+    rf"(students|questions|scenes)/{NAME}\.toml": TEXT,
     rf"results/{NAME}\.csv": TABLE,
     rf"curves/{NAME}\.toml": TEXT,
     rf"results/{NAME}/[0-9]{{4}}\.toml": TEXT,
@@ -242,6 +242,8 @@ def entries(state: ClassState) -> Iterator[tuple[str, str | bytes]]:
         ]
         said["questions"].append({"file": key, "given": given})
         own += answers(key, collection)
+        if collection.scene not in (None, state.scene):
+            own.append((f"scenes/{key}.toml", collection.scene.to_toml()))
     yield "class.toml", tomlkit.dumps(said)
     yield "scene.toml", state.scene.to_toml()
     predictions = {name: one.predictions for name, one in state.students.items()}
@@ -372,7 +374,9 @@ def questions_of(
     for row in tables(said, "questions", MOST_QUESTIONS, OF_QUESTION):
         key = text_of(row.get("file"), r"[^/]+")
         entry = f"questions/{key}.toml"
-        question = question_from_toml(pack.text(entry), scene.spec, f"{entry} of {pack.name}")
+        asked = asked_scene(key, pack)
+        spec = (asked or scene).spec
+        question = question_from_toml(pack.text(entry), spec, f"{entry} of {pack.name}")
         given: dict[str, StudentAssignment] = {}
         for one in tables(row, "given", MOST_GIVEN, OF_GIVEN):
             name = checked_name(one.get("student"))
@@ -380,8 +384,16 @@ def questions_of(
                 raise InputError(f"given: {name!r} is there twice (class.toml)")
             given[name] = given_of(one, question)
         points, curve = points_of(key, question, pack), saved_curve(key, question, pack)
-        made.append(Collection(question, points, given, curve))
+        made.append(Collection(question, points, given, curve, asked))
     return made
+
+
+def asked_scene(key: str, pack: ClassArchive) -> SavedScene | None:
+    """What the class had when it was asked; None: what it has now. Raises InputError."""
+    entry = f"scenes/{key}.toml"
+    if entry not in pack.names:
+        return None
+    return read_scene(f"{entry} of {pack.name}", pack.text(entry).encode())
 
 
 def saved_curve(key: str, question: Question, pack: ClassArchive) -> ClassCurve | None:

@@ -89,6 +89,8 @@ class QuestionService:
     def take_over(self, questions: list[Collection], scene: SavedScene) -> None:
         """Go on with the questions of a class that is opened again; the latest stays shown."""
         self.all, self.scene = list(questions), scene
+        for collection in self.all:
+            collection.scene = self.scene = collection.scene or scene
 
     # What the teacher does.
 
@@ -114,7 +116,7 @@ class QuestionService:
         if len(self.all) >= MOST_QUESTIONS:
             raise InputError(f"{MOST_QUESTIONS} questions have been asked: begin another class")
         question = await asyncio.to_thread(question_of, values, scene.spec)
-        collection = Collection(question)
+        collection = Collection(question, scene=scene)
         self.all.append(collection)
         self.is_open, self.scene, self.told = True, scene, ""
         self.runs.begin(question, scene.spec)

@@ -135,6 +135,17 @@ def test_what_is_wrong_with_predictions_is_said_in_a_line(entry, before, after, 
     assert "\n" not in str(refused.value)
 
 
+def test_a_class_that_went_on_to_another_model_is_opened_again(state):
+    other = SavedScene("Layers", preset_spec("hwvem", agents=10))
+    order, free = state.questions
+    asked = replace(order, scene=state.scene)
+    made = open_class("class.zip", packed(replace(state, scene=other, questions=[asked])))
+    assert made.scene == other
+    assert made.questions == [asked]
+    before = open_class("class.zip", packed(replace(state, questions=[asked, free])))
+    assert before.questions[0].scene is None, "it has the scene of the class"
+
+
 def test_the_same_class_is_the_same_file(data):
     assert packed(open_class("class.zip", data)) == data
 

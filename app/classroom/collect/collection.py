@@ -25,6 +25,7 @@ from app.studies.charts.axis_limits import (
     parameter_limits,
     spans_decades,
 )
+from app.viewer.gallery.saved_scene import SavedScene
 from worlds.input_error import InputError
 from worlds.number_text import counted as count
 
@@ -130,6 +131,8 @@ class Collection:
     """By student."""
     curve: ClassCurve | None = None
     """What a sweep has of the question, once it is found or made."""
+    scene: SavedScene | None = None
+    """What the class had when it was asked; None: what the class has."""
 
     def give(self, student: str) -> StudentAssignment:
         """The value and the seed of a student, always the same ones. Raises InputError.
