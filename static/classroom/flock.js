@@ -20,6 +20,7 @@
   const plot = make("div", "card plot", make("h2", "", "The class"), told, chart);
   const more = make("details", "card more", make("summary", "", "More"), $("tries"), $("look"), $("charts"), $("saves"));
   for (const one of [word, answer]) one.setAttribute("role", "status");
+  number.setAttribute("aria-live", "off"); // it changes with every tick
   asked.hidden = plot.hidden = word.hidden = led.hidden = begun.hidden = back.hidden = true;
   document.querySelector("h1").after(make("p", "who", make("b", "", name), state));
   document.querySelector("header").append(word);

@@ -118,6 +118,8 @@ class Look {
 
   // The legend, anew only where it says something else.
   explain(colour, range, isCrashed, isLed) {
+    const { canvas, ids, tick } = this.view;
+    canvas.setAttribute("aria-label", `${ids.length} agents, coloured by ${colour}, tick ${tick}`);
     const ends = range.map(figures), said = [this.view.ids.length, colour, isCrashed, isLed, ...ends].join();
     if (said === this.said) return;
     this.said = said;
@@ -132,7 +134,6 @@ class Look {
     };
     const entry = (words, ink) => add("entry", words).prepend(add("dot", "", css(ink)));
     this.legend.replaceChildren();
-    this.view.canvas.setAttribute("aria-label", `${this.view.ids.length} agents, coloured by ${colour}`);
     if (colour === "heading") {
       const row = this.headings[this.headings.length >> 1], parts = [];
       for (let turn = 360; turn >= 0; turn -= 10) parts.push(css(row.slice(3 * turn, 3 * turn + 3)));

@@ -237,6 +237,7 @@ class Page {
     const digits = Math.max(0, Math.min(6, Math.ceil(-Math.log10(step || (high - low) / 200) - 1e-9)));
     const shown = this.shown[name] = (number) => {
       row.querySelector("output").textContent = text(number, digits);
+      input.setAttribute("aria-valuetext", `${text(number, digits)}${unit === "1" ? "" : ` ${unit}`}`);
       row.classList.toggle("changed", number !== value);
       input.value = logarithmic ? Math.log(number) : number;
     };
@@ -429,6 +430,7 @@ class Page {
     const isBehind = this.going && this.flight.rate < 0.8 * this.speed();
     const behind = isBehind ? `${Math.round(this.flight.rate)} of ` : "";
     $("pace").textContent = `${behind}${this.speed()} ticks a second`;
+    $("speed").setAttribute("aria-valuetext", `${this.speed()}`);
     for (const chart of this.charts) chart.draw(this.state.tick);
     const each = this.each();
     $("kept").textContent = each > 2

@@ -48,6 +48,15 @@ def run_axe(page: Any) -> list[str]:
     ]
 
 
+def find_violations_in_both_themes(page: Any) -> list[str]:
+    """The same of a page that is light or dark as the browser asks for it."""
+    found = []
+    for theme in ("light", "dark"):
+        page.emulate_media(color_scheme=theme)
+        found += find_violations(page)
+    return found
+
+
 def find_violations_on_tabs(page: Any) -> list[str]:
     """The same, with each tab open in turn; those that were open are again, then."""
     tabs = page.get_by_role("tab")

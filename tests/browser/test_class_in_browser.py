@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.browser.accessibility import find_violations
+from tests.browser.accessibility import find_violations, find_violations_in_both_themes
 from tests.browser.conftest import POLICY
 from tests.classroom.running import BUSY, roster, running
 from tests.viewer.waiting import until
@@ -129,6 +129,13 @@ def test_who_is_taken_out_of_a_class_is_told(teacher, enters):
     assert teacher.do("remove", students=[number]).status == 200
     ed.get_by_text("you are no longer in this class").wait_for()
     assert ed.locator("#go").is_disabled()
+
+
+def test_the_page_before_the_class_can_be_used_by_everybody(ours, chromium):
+    page = chromium.new_page(viewport={"width": PHONE[0], "height": PHONE[1]})
+    page.goto(ours.link)
+    assert find_violations_in_both_themes(page) == []
+    page.close()
 
 
 @pytest.mark.parametrize("size", [PHONE, ACROSS, DESK])

@@ -9,6 +9,7 @@ from app.viewer.gallery.lessons.lessons import lesson_names
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.gallery.scene_collection import find_lesson
 from app.viewer.lab.flock_page import PageWords, page_files
+from tests.browser.accessibility import find_violations_in_both_themes
 from tests.browser.exported_page import page_text
 from tests.classroom.test_lesson_steps import RUN, mean_measured, scene_text
 from tests.viewer.waiting import until
@@ -59,6 +60,7 @@ def control(page, place: str) -> list[str]:
 def test_a_reader_goes_from_the_first_step_to_the_last(lesson):
     scene = find_lesson("who-leads")
     with lesson(scene) as page:
+        assert find_violations_in_both_themes(page) == []
         # What its first step says of colours is so.
         assert page.locator("#colour").input_value() == scene.look["colour"] == "layer"
         names = sorted(control(page, "#sliders"))

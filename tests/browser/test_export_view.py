@@ -12,6 +12,7 @@ from agents.flock import Flock
 from agents.observables.neighbours import links, nearest_of, separation
 from app.viewer.lab.flock_page import PageWords, flock_page
 from app.viewer.scene.shown import palette
+from tests.browser.accessibility import find_violations_in_both_themes
 from tests.viewer.waiting import until
 
 FLY = "async (ticks) => { for (let k = 0; k < ticks; k++) await page.ask({ ticks: 1 }); }"
@@ -198,12 +199,14 @@ def test_colours_are_those_of_the_laboratory(opened, model):
             assert apart.max() < 16.0
             assert apart.mean() < 2.0
             label = page.locator("#picture").get_attribute("aria-label")
-            assert label == f"{len(order)} agents, coloured by {colour}"
+            tick = page.evaluate("page.state.tick")
+            assert label == f"{len(order)} agents, coloured by {colour}, tick {tick}"
 
 
 def test_the_legend_says_what_colours_mean(opened):
     with opened(Flock("hwvem-nav", rng=3)) as page:
         assert page.locator("#legend .wheel").count() == 1
+        assert find_violations_in_both_themes(page) == []
         page.select_option("#colour", "role")
         assert page.locator("#legend").inner_text().split("\n") == ["other", "information agent"]
         page.evaluate("page.ask({ ticks: 20 })")

@@ -7,6 +7,7 @@ import pytest
 from app.viewer.gallery.saved_scene import SavedScene, pack_scene
 from app.viewer.gallery.scene_collection import built_in_scene
 from app.viewer.run.run_preset import preset_spec
+from tests.browser.accessibility import find_violations
 from tests.browser.window import is_compiled
 from tests.viewer.waiting import COMPILED, until
 
@@ -59,6 +60,19 @@ def test_the_gallery_closes_by_escape_a_click_beside_it_and_its_button(window):
         page.locator(".fs-choice").first.wait_for()
         close()
         until(lambda: page.locator(".fs-sheet").count() == 0)
+
+
+def test_sheets_can_be_used_by_everybody_in_both_themes(window):
+    page = window.page
+    for _ in ("one theme", "the other"):
+        for name in ("Gallery", "Share", "Take"):
+            page.locator(".fs-open").get_by_role("button", name=name, exact=True).click()
+            page.locator(".fs-sheet :is(.fs-choice, .fs-share textarea, .fs-take)").first.wait_for()
+            assert page.evaluate("document.activeElement.closest('.fs-sheet') !== null")
+            assert find_violations(page) == []
+            page.keyboard.press("Escape")
+            page.locator(".fs-sheet").wait_for(state="detached")
+        page.keyboard.press("m")
 
 
 def test_an_address_opens_its_scene_and_asks_where_others_watch(window, anew, chromium):

@@ -13,6 +13,7 @@ from imageio_ffmpeg import count_frames_and_secs, read_frames
 from PIL import Image
 
 from agents.spec import Spec
+from tests.browser.accessibility import find_violations_in_both_themes
 from tests.browser.conftest import START, absent
 from tests.browser.window import is_compiled
 from tests.viewer.waiting import COMPILED, until
@@ -96,6 +97,8 @@ def test_a_page_plays_without_a_server_or_a_network(drawing, tmp_path):
     page.wait_for_timeout(600)
     assert clock.input_value() == stands
     assert "seed 2 · ticks 0 to 60, 10 a second" in page.inner_text(".told")
+    page.get_by_role("main").get_by_role("img", name="Picture: ").wait_for()
+    assert find_violations_in_both_themes(page) == []
     page.locator(".mantine-Notification-root").evaluate_all("all => all.map((one) => one.remove())")
     page.screenshot(path=tmp_path / "seen.png")
     with Image.open(tmp_path / "seen.png") as seen:
@@ -164,6 +167,7 @@ def test_the_page_gives_two_flocks_as_one_page_that_goes_on(window, laboratory, 
     alone = chromium.new_page()
     try:
         alone.goto((tmp_path / "both.html").as_uri())
+        assert find_violations_in_both_themes(alone) == []
         frames = [frame for frame in alone.frames if frame != alone.main_frame]
         for frame, place in zip(frames, places, strict=True):
             frame.wait_for_selector("#step:not([disabled])", timeout=60_000)
