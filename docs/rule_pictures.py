@@ -16,6 +16,7 @@ from rule_scenes import Scene, flock_of, scene_of
 from agents import Flock
 from agents.models.model import Model
 from agents.observables.catalogue import is_in_corridor
+from app.viewer.pictures.plane import swimming_outlines
 from app.worlds.world_picture import (
     FLOOR,
     GOAL,
@@ -62,19 +63,23 @@ def by_layer(flock: Flock) -> np.ndarray:
 
 
 def draw_agents(axes: Any, flock: Flock, colour: np.ndarray, length: float) -> None:
-    """Draw agents as darts of a length in the world's units; information agents larger and red."""
+    """Draw agents as darts or fish of a length in the world's units; information agents larger and
+    red."""
     for informed, bigger in ((False, 1.0), (True, 1.5)):
         rows = np.flatnonzero(flock.informed == informed)
         if not len(rows):
             continue
         ux, uy = flock.heading[rows, :2].T
         turn = np.array([[ux, -uy], [uy, ux]]).transpose(2, 0, 1)
-        darts = flock.position[rows, None, :2] + bigger * length * np.einsum(
-            "nij,kj->nki", turn, DART
+        shapes = DART[None].repeat(len(rows), axis=0)
+        if flock.model.rule.form == "fish" and flock.model.body.vehicle is None:
+            shapes = swimming_outlines(flock.ids[rows], flock.tick)
+        placed = flock.position[rows, None, :2] + bigger * length * np.einsum(
+            "nij,nkj->nki", turn, shapes
         )
         axes.add_collection(
             PolyCollection(
-                darts, facecolors=INFORMED if informed else colour[rows], edgecolors="white",
+                placed, facecolors=INFORMED if informed else colour[rows], edgecolors="white",
                 linewidths=0.35 * bigger, zorder=8 + informed, clip_on=True,
             )
         )  # fmt: skip

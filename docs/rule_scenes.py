@@ -63,9 +63,9 @@ def scene_of(model: Model) -> Scene:
     return SCENES.get(model.name, usual)
 
 
-def flock_of(model: Model) -> Flock:
-    """The flock of a model's scene, at tick 0."""
-    scene = scene_of(model)
+def flock_of(model: Model, scene: Scene | None = None) -> Flock:
+    """The flock of a scene, or of the model's own, at tick 0."""
+    scene = scene or scene_of(model)
     return Flock(
         model.name, agents=scene.agents, size=scene.size, rng=scene.seed, **scene.parameters
     )

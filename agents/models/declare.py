@@ -341,6 +341,9 @@ class Rule:
     it is known by elsewhere."""
     tries: tuple[LessonStep, ...] = ()
     """What there is to try with it: three things that a newcomer may do and see."""
+    form: Literal["birds", "fish"] = "birds"
+    """What its source is about, and so what its agents are drawn as: birds are darts in the
+    plane."""
 
     def __post_init__(self) -> None:
         demand_compiled(f"rule {self.name!r}", self, OF_RULES)

@@ -173,6 +173,7 @@ COUZIN = Rule(
         "collective memory",
         "swarm",
     ),
+    form="fish",
     parameters=CouzinAmong,
     **of_pairs(ZONE_SUMS, term, answer, by_lanes=True),
     sifts=True,

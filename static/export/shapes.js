@@ -1,15 +1,19 @@
-// Draws agents by the meshes that the manifest has: birds, which beat their wings and bank into their turns, or cars.
+// Draws agents by the meshes that the manifest has: birds, which beat their wings and bank into their turns, fish, which
+// beat their tails, or cars.
 const SHAPE_VERTEX = `#version 300 es
-in vec3 corner, trait, paint; // trait: the share of the agent's colour, how far over its middle, and whether it beats
-in vec3 place; in vec3 heading; in vec4 ink; in vec2 pose; // pose: tangent of the bank, angle of the wings
+in vec3 corner, hinge, paint; in vec2 trait; // trait: the share of the agent's colour, and how it beats
+in vec3 place; in vec3 heading; in vec4 ink; in vec2 pose; // pose: tangent of the bank, angle of the wings or the tail
 uniform mat4 camera; uniform vec3 size;
 out vec3 colour, at;
 void main() {
   vec3 ahead = normalize(heading); float level = length(ahead.xy);
   vec3 side = level > 1e-6 ? vec3(-ahead.y, ahead.x, 0) / level : vec3(0, 1, 0), above = cross(ahead, side);
   vec3 left = side - pose.x * above, over = above + pose.x * side;
-  vec2 wing = trait.z > 0. ? vec2(cos(pose.y), sin(pose.y)) : vec2(1);
-  vec3 point = size * (corner * vec3(1, wing) + vec3(0, 0, trait.y));
+  vec2 swing = vec2(cos(pose.y), sin(pose.y));
+  vec3 part = trait.y == 1. ? corner * vec3(1, swing) // wings
+    : trait.y == 2. ? vec3(swing.x * corner.x - swing.y * corner.y, swing.y * corner.x + swing.x * corner.y, corner.z)
+    : corner;
+  vec3 point = size * (part + hinge);
   at = (1. + ink.a) * (point.x * ahead + inversesqrt(1. + pose.x * pose.x) * (point.y * left + point.z * over));
   gl_Position = camera * vec4(place + at, 1);
   colour = trait.x * ink.rgb + paint;
@@ -35,26 +39,27 @@ class AgentShape {
 
   // The flock begins anew.
   forget() {
-    this.birds = [];
+    this.animals = [];
     this.fastest = 0;
-    this.beats = 0; // seconds for which wings have been beaten
+    this.beats = 0; // seconds for which they have been beating
     this.tick = Infinity;
   }
 
   prepare() {
-    const { view } = this, { gl } = view, data = { corner: [], trait: [], paint: [] }, faces = [];
+    const { view } = this, { gl } = view, data = { corner: [], hinge: [], trait: [], paint: [] }, faces = [];
     for (const part of this.words.parts) {
       const first = data.corner.length / 3, ink = part.paint ? unhex(part.paint)[0] : [0, 0, 0];
       data.corner.push(...part.corners.map((one) => one / 1000));
       for (let k = 0; k < part.corners.length; k += 3) {
-        data.trait.push(part.paint ? 0 : part.shade, part.lift, part.beats);
+        data.trait.push(part.paint ? 0 : part.shade, part.beats);
+        data.hinge.push(...part.hinge);
         data.paint.push(...ink.map((one) => one / 255));
       }
       faces.push(...part.faces.map((one) => first + one));
     }
     this.program = view.program(SHAPE_VERTEX, SHAPE_FRAGMENT);
     this.array = view.array();
-    for (const name in data) view.buffer(this.program, name, 3, new Float32Array(data[name]));
+    for (const name in data) view.buffer(this.program, name, name === "trait" ? 2 : 3, new Float32Array(data[name]));
     this.instances = [...view.instances(this.program), view.buffer(this.program, "pose", 2, null, 1)];
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, new Uint16Array(faces), gl.STATIC_DRAW);
@@ -87,16 +92,16 @@ class AgentShape {
     if (step) this.beats += Math.min(passed, motion.longest_beat);
     ids.forEach((id, row) => {
       const who = Number(id), heading = headings.subarray(3 * row, 3 * row + 3);
-      const bird = this.move(who, heading, speed[row], step);
-      poses[2 * row] = bird.lean;
-      poses[2 * row + 1] = this.beat(who, bird.effort);
+      const animal = this.move(who, heading, speed[row], step);
+      poses[2 * row] = animal.lean;
+      poses[2 * row + 1] = this.beat(who, animal.effort);
       if (crashed[row]) poses.set(this.layDown(who, heading, speed[row] > 0), 2 * row);
     });
     Object.assign(this, { seen: now, tick, time });
     return poses;
   }
 
-  // What a frame means for all birds: how steep a turn is, and how far they ease into it.
+  // What a frame means for all: how steep a turn is, and how far they ease into it.
   step(frame, passed) {
     const { motion } = this.words;
     const reach = Number.isFinite(frame.reach) ? frame.reach : Math.max(...this.view.manifest.size);
@@ -105,20 +110,20 @@ class AgentShape {
     return { steep: 1 / (Math.max(pull, 1e-12) * (frame.time - this.time)), leans, eases };
   }
 
-  // A bird as it holds itself now; without a step as it did.
+  // An animal as it holds itself now; without a step as it did.
   move(who, [x, y, z], speed, step) {
     const { glide, gliding, steepest } = this.words.motion, effort = z < glide ? gliding : 1;
-    const bird = this.birds[who] ??= { x, y, lean: 0, effort };
+    const animal = this.animals[who] ??= { x, y, lean: 0, effort };
     if (step) {
-      const lean = speed * leftTurn(bird, x, y) * step.steep;
-      bird.lean += step.leans * (Math.max(-steepest, Math.min(steepest, lean)) - bird.lean);
-      bird.effort += step.eases * (effort - bird.effort);
+      const lean = speed * leftTurn(animal, x, y) * step.steep;
+      animal.lean += step.leans * (Math.max(-steepest, Math.min(steepest, lean)) - animal.lean);
+      animal.effort += step.eases * (effort - animal.effort);
     }
-    Object.assign(bird, { x, y });
-    return bird;
+    Object.assign(animal, { x, y });
+    return animal;
   }
 
-  // The angle of a bird's wings; no two beat together.
+  // The angle of its wings or its tail; no two beat together.
   beat(who, effort) {
     const { beat, variety, dihedral, amplitude } = this.words.motion;
     const rate = beat * (1 + variety * (who * GOLDEN * GOLDEN % 1 - 0.5));

@@ -1,4 +1,4 @@
-"""Birds and cars in a flock's page: the laboratory's meshes, and how they hold themselves."""
+"""Birds, fish and cars in a flock's page: the laboratory's meshes, how they hold themselves."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import pytest
 
 from agents.flock import Flock
 from app.viewer.lab import flock_page
+from app.viewer.lab.flock_page import PageWords
 from app.viewer.run.frame_builder import FrameBuilder
-from app.viewer.scene.draw.agent_shapes import BIRD, CAR, MOTION
+from app.viewer.scene.draw.agent_shapes import BIRD, CAR, MOTION, SWIMMER, SWIMMING
 from app.viewer.scene.marks.agents import FlockMotion
 from tests.browser import exported_page
 from tests.viewer.sky import Clock, shown
@@ -42,7 +43,12 @@ def triangles(shape) -> int:
 
 def birds(count: int = 40) -> Flock:
     """A flock in space."""
-    return Flock("couzin", agents=count, dim=3, rng=2)
+    return Flock("vem", agents=count, dim=3, rng=2)
+
+
+def fish(dim: int = 3) -> Flock:
+    """A school."""
+    return Flock("couzin", agents=40, dim=dim, rng=2)
 
 
 def drawn(page) -> list:
@@ -53,16 +59,20 @@ def drawn(page) -> list:
     return call
 
 
-def test_birds_are_the_laboratorys_meshes(opened):
-    with opened(birds()) as page:
+@pytest.mark.parametrize(
+    ("flock", "shape"), [(birds(), BIRD), (fish(), SWIMMER), (fish(dim=2), SWIMMER)]
+)
+def test_animals_are_the_laboratorys_meshes(opened, flock, shape):
+    with opened(flock) as page:
         parts = page.evaluate("page.manifest.shape.parts")
-        for part, known in zip(parts, BIRD.parts, strict=True):
+        for part, known in zip(parts, shape.parts, strict=True):
+            assert part["hinge"] == list(known.hinge)
             vertices, faces = known.mesh
             corners = np.reshape(part["corners"], vertices.shape) / 1000.0
             assert corners == pytest.approx(vertices, abs=5e-4)
             assert np.reshape(part["faces"], faces.shape).tolist() == faces.tolist()
         name, _, corners, _, _, count = drawn(page)
-        assert (name, corners, count) == ("drawElementsInstanced", 3 * triangles(BIRD), 40)
+        assert (name, corners, count) == ("drawElementsInstanced", 3 * triangles(shape), 40)
 
 
 def test_more_than_the_laboratory_draws_as_birds_are_darts(opened):
@@ -107,6 +117,27 @@ def test_birds_beat_and_bank_as_in_the_laboratory(opened):
             page.click("#step")
     assert np.abs(lean).max() > 0.05
     assert np.ptp(beat) > MOTION.amplitude
+
+
+def test_fish_beat_their_tails_as_in_the_laboratory(opened):
+    flock, clock = fish(dim=2), Clock()
+    motion, camera = FlockMotion(clock), FrameBuilder(flock, 1)
+    with opened(fish(dim=2)) as page:
+        for tick in range(6):
+            poses = motion.follow(shown(camera.build()))
+            until(lambda tick=tick: page.evaluate("page.state.tick") == tick, 30, "a tick")
+            lean, beat = np.reshape(page.evaluate(FOLLOWED, clock.now), (-1, 2)).T
+            assert beat == pytest.approx(poses.beat, abs=1e-5)
+            assert lean == pytest.approx(0.0), "a fish is level"
+            clock.now += 0.04
+            flock.run(1)
+            page.click("#step")
+    assert np.ptp(beat) > SWIMMING.amplitude
+
+
+def test_a_scene_chooses_what_its_agents_are_drawn_as(opened):
+    with opened(fish(), words=PageWords(form="birds")) as page:
+        assert drawn(page)[2] == 3 * triangles(BIRD)
 
 
 def test_wings_are_still_where_less_motion_is_asked_for(opened):

@@ -11,17 +11,20 @@ from agents import Flock
 from app.viewer.run.frame_builder import FrameBuilder
 from app.viewer.scene.draw.agent_meshes import SHOULDER, TIP, body, wing_scales, wings
 from app.viewer.scene.draw.agent_shapes import BIRD, MOTION
-from app.viewer.scene.draw.attitude import OF_LENGTH, attitude, nose, roll_attitudes
-from app.viewer.scene.draw.drawn_frame import KEPT, POINTS_BEYOND
-from app.viewer.scene.drawing import AGENT_BYTES, BIRD_BYTES, POINT_BYTES, load
-from app.viewer.scene.marks.agents import (
-    FlockMotion,
+from app.viewer.scene.draw.attitude import (
+    OF_LENGTH,
+    attitude,
     left_directions,
+    nose,
+    roll_attitudes,
     up_directions,
 )
+from app.viewer.scene.draw.drawn_frame import KEPT, POINTS_BEYOND
+from app.viewer.scene.drawing import AGENT_BYTES, ANIMAL_BYTES, POINT_BYTES, load
+from app.viewer.scene.marks.agents import FlockMotion
 from app.viewer.scene.scene import Parts
 from app.viewer.scene.shown import palette
-from app.viewer.scene.shown.drawing_style import BIRDS_UP_TO, DrawingStyle
+from app.viewer.scene.shown.drawing_style import ANIMALS_UP_TO, AS_MODEL, DrawingStyle
 from tests.viewer.sky import STEP, Clock, frame, heading, shown
 from tests.viewer.test_scene_geometry import rotated
 from tests.viewer.test_scene_worlds import Stand
@@ -88,17 +91,22 @@ def test_the_crashed_fall_nose_down_and_lie_flat_in_a_colour_of_their_own():
 
 
 @pytest.mark.parametrize(
-    ("count", "dim", "birds", "kind"),
+    ("count", "dim", "form", "chosen", "kind"),
     [
-        (40, 3, True, "birds"),
-        (40, 3, False, "darts"),
-        (40, 2, True, "darts"),
-        (BIRDS_UP_TO + 1, 3, True, "darts"),
-        (POINTS_BEYOND + 1, 3, True, "points"),
-        (0, 3, True, "nobody"),
+        (40, 3, "birds", AS_MODEL, "birds"),
+        (40, 3, "birds", "darts", "darts"),
+        (40, 2, "birds", AS_MODEL, "darts"),
+        (40, 3, "fish", AS_MODEL, "fish"),
+        (40, 2, "fish", AS_MODEL, "fish"),
+        (40, 3, "fish", "birds", "birds"),
+        (40, 2, "birds", "fish", "fish"),
+        (ANIMALS_UP_TO + 1, 3, "birds", AS_MODEL, "darts"),
+        (ANIMALS_UP_TO + 1, 2, "fish", AS_MODEL, "darts"),
+        (POINTS_BEYOND + 1, 3, "birds", AS_MODEL, "points"),
+        (0, 3, "birds", AS_MODEL, "nobody"),
     ],
 )
-def test_a_flock_is_birds_or_darts_or_points(count, dim, birds, kind):
+def test_a_flock_is_what_its_model_is_about_or_what_is_chosen(count, dim, form, chosen, kind):
     scene = Stand()
     parts = Parts(scene)
     rng = np.random.default_rng(count)
@@ -111,8 +119,10 @@ def test_a_flock_is_birds_or_darts_or_points(count, dim, birds, kind):
         informed=np.zeros(count, bool),
         ids=np.arange(count),
         world=World("sky", (20.0,) * dim, ("wrap",) * dim),
+        form=form,
     )
-    made = shown(one, DrawingStyle(birds=birds))
+    look = DrawingStyle(form=chosen)
+    made = shown(one, look)
     for node, name, value in parts.draw_flock(made):
         setattr(node, name, value)
     seen = {
@@ -120,14 +130,17 @@ def test_a_flock_is_birds_or_darts_or_points(count, dim, birds, kind):
         for name, node in (
             ("birds", "/flock/birds/wings"),
             ("birds", "/flock/birds/bodies"),
+            ("fish", "/flock/fish/trunks"),
+            ("fish", "/flock/fish/tails"),
             ("darts", "/flock/darts"),
             ("points", "/flock/points"),
         )
         if scene.there(node).visible
     }
     assert seen == ({kind} if kind != "nobody" else set())
-    sent = {"birds": BIRD_BYTES, "points": POINT_BYTES}.get(kind, AGENT_BYTES)
-    assert load(one, DrawingStyle(birds=birds)) == pytest.approx(count * sent / AGENT_BYTES)
+    sent = {"birds": ANIMAL_BYTES, "fish": ANIMAL_BYTES, "points": POINT_BYTES}
+    sent = sent.get(kind, AGENT_BYTES)
+    assert load(one, look) == pytest.approx(count * sent / AGENT_BYTES)
 
 
 def test_wings_are_at_the_shoulders_of_their_bodies():
@@ -147,7 +160,7 @@ def test_wings_are_at_the_shoulders_of_their_bodies():
     assert np.hypot(*both.batched_scales.T[1:]) == pytest.approx(size)
     sent = [bodies.batched_positions, bodies.batched_wxyzs, bodies.batched_colors]
     sent += [both.batched_positions, both.batched_wxyzs, both.batched_colors]
-    assert sum(part.nbytes for part in [*sent, both.batched_scales]) == 2 * BIRD_BYTES
+    assert sum(part.nbytes for part in [*sent, both.batched_scales]) == 2 * ANIMAL_BYTES
 
 
 def test_birds_are_no_longer_than_the_distance_they_keep_nor_half_their_length():

@@ -22,7 +22,7 @@ from app.viewer.run.run_preset import drawing_defaults, preset_spec
 from app.viewer.scene.shown.control import controls_of
 from app.viewer.scene.shown.drawing_style import (
     AGENTS,
-    BIRDS_UP_TO,
+    ANIMALS_UP_TO,
     CAMERA,
     NUMBERED_UP_TO,
     TURNS,
@@ -74,8 +74,8 @@ def test_every_model_at_home_shows_what_its_scene_has(view, name):
     count, space = len(flock.ids), flock.world.dim == 3
     view.fit(FrameBuilder(flock, 1).build())
     expected = {
-        "wake": space and count <= BIRDS_UP_TO,
-        "birds": space and count <= BIRDS_UP_TO,
+        "wake": space and count <= ANIMALS_UP_TO and rule.form == "birds",
+        "form": count <= ANIMALS_UP_TO and flock.model.body.vehicle is None,
         "trail_length": False,
         "zones": bool(rule.zones),
         "labels": count <= NUMBERED_UP_TO,
@@ -120,13 +120,13 @@ def test_a_trail_s_length_is_there_with_a_trail_or_a_wake(view):
 
 
 def test_what_is_out_of_sight_keeps_its_value_and_is_saved(view):
-    view.take({"birds": False, "trail_length": 300})
+    view.take({"wake": True, "trail_length": 300})
     view.fit(plane())
-    assert not {"birds", "trail_length"} & shown(view)
-    assert view.changed_values() == {"birds": False, "trail_length": 300}
+    assert not {"wake", "trail_length"} & shown(view)
+    assert view.changed_values() == {"wake": True, "trail_length": 300}
     view.fit(frame([heading(0.0)] * 5))
-    assert "birds" in shown(view)
-    assert view.drawing_style() == DrawingStyle(birds=False, trail_length=300)
+    assert "wake" in shown(view)
+    assert view.drawing_style() == DrawingStyle(wake=True, trail_length=300)
 
 
 def test_numbers_of_many_are_there_once_one_of_them_is_clicked(view):

@@ -22,7 +22,7 @@ from app.viewer.editing.layout_file import demand_few, demand_small
 from app.viewer.gallery.scene_steps import SceneStep, read_steps
 from app.viewer.run.run_preset import MOST_AGENTS, preset_spec
 from app.viewer.scene.shown.control import Control, controls_of
-from app.viewer.scene.shown.drawing_style import CAMERAS, DrawingStyle
+from app.viewer.scene.shown.drawing_style import CAMERAS, DARTS, DrawingStyle
 from worlds.checks import demand_sound
 from worlds.input_error import InputError, shorten, unknown
 from worlds.layout import layout_names, world_from_layout
@@ -269,7 +269,13 @@ def read_plots(value: Any) -> tuple[str, ...]:
 
 
 def read_look(values: dict[str, Any], spec: Spec) -> dict[str, Any]:
-    """What of the look is not as usual. Raises InputError."""
+    """What of the look is not as usual. Raises InputError.
+
+    Files of before have `birds = false` for what is `form = "darts"` now.
+    """
+    values = dict(values)
+    if values.pop("birds", True) is False:
+        values.setdefault("form", DARTS)
     for name, value in values.items():
         if name not in LOOKS:
             raise unknown("look", name, LOOKS)

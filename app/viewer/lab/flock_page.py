@@ -32,8 +32,9 @@ from app.package_files import STATIC
 from app.viewer.gallery.saved_scene import SavedScene, command_line
 from app.viewer.gallery.scene_steps import SceneStep, demand_in_page
 from app.viewer.panels.dials import marked_symbol
-from app.viewer.scene.draw.agent_shapes import AgentShape, shape_of
+from app.viewer.scene.draw.agent_shapes import SWINGS, AgentShape, shape_of
 from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.drawing_style import AS_MODEL
 from worlds.file_writer import PAGES, demand_writable, write_text
 from worlds.world import World
 
@@ -68,6 +69,8 @@ class PageWords:
     """What a reader is led through; empty: the page has nothing of steps."""
     colour: str = ""
     """What colours stand for at first, where the page has that; empty: headings."""
+    form: str = AS_MODEL
+    """What agents are drawn as."""
 
     @classmethod
     def of_scene(cls, scene: SavedScene, command: str) -> PageWords:
@@ -81,6 +84,7 @@ class PageWords:
             command,
             scene.steps,
             scene.look.get("colour", ""),
+            scene.look.get("form", AS_MODEL),
         )
 
 
@@ -211,7 +215,8 @@ def page_parts(
     command = words.command or export_command(flock.spec)
     triangles, lines = drawn_obstacles(flock.world)
     obstacles = {"triangles": triangles, "lines": lines}
-    shape = shape_of(flock.world.dim, flock.model.body.vehicle is not None)
+    form = rule.form if words.form == AS_MODEL else words.form
+    shape = shape_of(flock.world.dim, flock.model.body.vehicle is not None, form)
     manifest = program.manifest | obstacles | {"palette": page_palette(flock.world.dim)}
     manifest["tries"] = steps_to_try(flock, words)
     if words.colour:
@@ -338,8 +343,8 @@ def page_shape(shape: AgentShape) -> dict[str, Any]:
             "faces": part.mesh[1].ravel().tolist(),
             "shade": part.shade,
             "paint": "" if part.paint is None else digits(part.paint[None]),
-            "lift": part.lift,
-            "beats": int(part.beats),
+            "hinge": part.hinge,
+            "beats": SWINGS.index(part.beats),
         }
         for part in shape.parts
     ]

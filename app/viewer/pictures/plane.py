@@ -13,6 +13,8 @@ from agents.observables.observable import Range
 from agents.snapshot import Snapshot
 from app.viewer.pictures import key
 from app.viewer.pictures.shot import Shot
+from app.viewer.scene.draw.agent_meshes import fish_outlines
+from app.viewer.scene.draw.agent_shapes import SWIMMER
 from app.viewer.scene.draw.density import (
     PlaneRegion,
     count_within,
@@ -22,6 +24,7 @@ from app.viewer.scene.draw.density import (
 from app.viewer.scene.draw.line_segments import nearest_image
 from app.viewer.scene.marks.agents import dart_rows
 from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.drawing_style import FISH
 from app.worlds.world_picture import FLOOR, GOAL, INK, PALE, START, draw_path, draw_solid, view
 from worlds.input_error import InputError, unknown
 from worlds.mission import Mission
@@ -34,6 +37,9 @@ HULL = np.array([[-0.5, -0.46], [-0.5, 0.46], [0.26, 0.46], [0.5, 0.32], [0.5, -
 """Of a car of length and width 1."""
 CABIN = np.array([[-0.30, -0.32], [-0.30, 0.32], [0.12, 0.32], [0.22, 0.24], [0.22, -0.24],
                   [0.12, -0.32]])  # fmt: skip
+BEAT, SWING, GOLDEN = 12.0, 0.42, 0.6180339887498949
+"""Of fish in pictures and films: ticks of a beat of the tail, and how far it swings, rad. No two
+beat together."""
 SEEN = 8.0
 """Points of an agent's length from which on it has an outline."""
 AROUND = 0.16
@@ -116,6 +122,8 @@ class Plane:
         colour = shot.made.colour[order]
         cars = shot.made.frame.cars
         shapes, stretch = [DART], np.ones(2)
+        if shot.made.form == FISH:
+            shapes = [SWIMMER.scale * swimming_outlines(shot.now.ids[order], shot.now.tick)]
         if cars is not None:
             shapes, stretch = [HULL, CABIN], np.array([1.0, cars.width / cars.length])
         placed = [
@@ -187,12 +195,24 @@ def ring(axes: Any) -> Any:
 
 
 def place_shapes(
-    shape: np.ndarray, position: np.ndarray, heading: np.ndarray, length: np.ndarray
+    shapes: np.ndarray, position: np.ndarray, heading: np.ndarray, length: np.ndarray
 ) -> np.ndarray:
-    """A shape (K, 2) at each place, turned along each heading, of each length: (N, K, 2)."""
+    """A shape (K, 2), or one each (N, K, 2), at each place, turned along each heading, of each
+    length: (N, K, 2)."""
     ux, uy = heading[:, 0], heading[:, 1]
     turn = np.stack([np.stack([ux, -uy], -1), np.stack([uy, ux], -1)], 1)
-    return position[:, None, :] + length[:, None, None] * np.einsum("nij,kj->nki", turn, shape)
+    each = np.broadcast_to(shapes, (len(position), *shapes.shape[-2:]))
+    return position[:, None, :] + length[:, None, None] * np.einsum("nij,nkj->nki", turn, each)
+
+
+def tail_angles(ids: np.ndarray, tick: int) -> np.ndarray:
+    """How far fish of these identities (N,) have their tails turned at a tick, (N,), rad."""
+    return SWING * np.sin(2.0 * np.pi * (tick / BEAT + ids * GOLDEN))
+
+
+def swimming_outlines(ids: np.ndarray, tick: int) -> np.ndarray:
+    """Outlines (N, K, 2) of fish of these identities (N,) at a tick, along +x."""
+    return fish_outlines(tail_angles(ids, tick))
 
 
 # Curves below a film: observables over its time, drawn as far as it has come.

@@ -20,7 +20,7 @@ from app.viewer.pictures.picture_camera import PRESETS, USUAL, CameraRequest
 from app.viewer.pictures.shot import Shot, frame_of, look_of, shot
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown import drawing_style
-from app.viewer.scene.shown.drawing_style import DrawingStyle, as_birds
+from app.viewer.scene.shown.drawing_style import DARTS, DrawingStyle
 from app.viewer.scene.shown.frame import Frame
 from worlds.input_error import InputError
 
@@ -31,7 +31,8 @@ packs well."""
 SHADES = 4
 """Steps between two values of a colour."""
 FEW = 60_000
-"""Agents times pictures up to which birds are birds: a bird takes three times what a dart takes."""
+"""Agents times pictures up to which birds and fish are such: each takes three times what a dart
+takes."""
 MOST = 2_000_000
 """Agents times pictures of a file at most: some 30 MB."""
 HOLDS = 1.0
@@ -81,8 +82,8 @@ class Player:
     def add(self, frame: Frame, look: DrawingStyle, seconds: float) -> None:
         """The next frame, so many seconds after the last; of very many agents in space some."""
         frame = thinned_frame(frame)
-        if as_birds(frame, look) and self.count > FEW:
-            look = replace(look, birds=False)
+        if self.count > FEW:
+            look = replace(look, form=DARTS)
         if self.recorded is None:
             self.scene.show(frame, look)
             self.recorded = self.server.get_scene_serializer()

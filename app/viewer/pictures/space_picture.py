@@ -8,15 +8,18 @@ import numpy as np
 
 from app.viewer.pictures import key
 from app.viewer.pictures.picture_camera import Camera
-from app.viewer.pictures.plane import ring
+from app.viewer.pictures.plane import ring, tail_angles
 from app.viewer.pictures.shot import Shot
 from app.viewer.scene.cameras.camera import UP, CameraView
+from app.viewer.scene.draw.agent_meshes import PLAIN_FISH, PLAIN_OUTLINE, turn_tails
+from app.viewer.scene.draw.agent_shapes import SWIMMER
 from app.viewer.scene.draw.projected_density import Lens, count_by_depth, projected_density
 from app.viewer.scene.draw.shapes import Mesh, ball, dart
 from app.viewer.scene.draw.solids import join_meshes, prism
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.agents import dart_rows
 from app.viewer.scene.shown import palette
+from app.viewer.scene.shown.drawing_style import FISH
 from app.worlds.world_picture import GOAL, INK, PALE, PATH
 from worlds.mission import Mission
 from worlds.world import World
@@ -30,6 +33,8 @@ LINES = 8
 """Lines of the floor along its longest side."""
 ZOOM = 0.93
 """Of what the page's camera shows, how much is shown: there is no panel beside it."""
+DART = (0, 1, 3, 2)
+"""The edge of a dart from above, by its corners."""
 PIECE = 0.12
 """Longest side of a face of what is solid, as a share of the world's."""
 
@@ -173,9 +178,10 @@ class SpacePicture:
         if made.shows_density:
             self.draw_density(shot)
             rows = dart_rows(made)
-        corners = dart_corners(at[rows], shot.now.heading[rows], made.length * made.size[rows])
-        triangles = corners[:, dart()[1]].reshape(-1, 3, 3)
-        colour = np.repeat(made.colour[rows], len(dart()[1]), axis=0)
+        faces, outline = (PLAIN_FISH[1], PLAIN_OUTLINE) if made.form == FISH else (dart()[1], DART)
+        corners = agent_corners(shot, rows)
+        triangles = corners[:, faces].reshape(-1, 3, 3)
+        colour = np.repeat(made.colour[rows], len(faces), axis=0)
         if len(self.solid[1]):
             vertices, faces = self.solid
             triangles = np.concatenate([triangles, vertices[faces]])
@@ -185,7 +191,7 @@ class SpacePicture:
         self.faces.set_facecolor(lit)
         self.faces.set_edgecolor(lit)
         self.faces.set_linewidth(0.25)
-        under = corners[:, [0, 1, 3, 2]].copy()
+        under = corners[:, outline].copy()
         under[..., 2] = -self.stage.half[2]
         under = under[(self.eye.ahead(under) > 0.0).all(axis=1)]
         self.shadows.set_verts(self.eye.seen(under)[0])
@@ -246,13 +252,28 @@ class SpacePicture:
         return float(away.min()), float(away.max()) + 1e-9
 
 
-def dart_corners(at: np.ndarray, heading: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """The corners (N, K, 3) of darts at places (N, 3), along headings (N, 3), wings level."""
+def agent_corners(shot: Shot, rows: Any) -> np.ndarray:
+    """The corners (N, K, 3) of the agents of some rows, as darts or as fish."""
+    made, now = shot.made, shot.now
+    at, heading = made.at[rows], now.heading[rows]
+    length = made.length * made.size[rows]
+    if made.form != FISH:
+        return placed_corners(dart()[0], at, heading, length)
+    fish = turn_tails(PLAIN_FISH[0], tail_angles(now.ids[rows], now.tick))
+    return placed_corners(fish, at, heading, SWIMMER.scale * length)
+
+
+def placed_corners(
+    corners: np.ndarray, at: np.ndarray, heading: np.ndarray, length: np.ndarray
+) -> np.ndarray:
+    """Corners (K, 3), or of each (N, K, 3), at places (N, 3), along headings (N, 3), level, of each
+    length: (N, K, 3)."""
     left = np.cross(UP, heading)
     size = np.linalg.norm(left, axis=1, keepdims=True)
     left = np.where(size > 1e-9, left / np.maximum(size, 1e-9), [0.0, 1.0, 0.0])
     axes = np.stack([heading, left, np.cross(heading, left)], axis=1)
-    return at[:, None] + length[:, None, None] * np.einsum("kj,njd->nkd", dart()[0], axes)
+    each = np.broadcast_to(corners, (len(at), *corners.shape[-2:]))
+    return at[:, None] + length[:, None, None] * np.einsum("nkj,njd->nkd", each, axes)
 
 
 def box_edges_by_depth(half: np.ndarray, eye: CameraAxes) -> tuple[np.ndarray, np.ndarray]:

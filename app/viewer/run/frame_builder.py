@@ -124,6 +124,7 @@ class FrameBuilder:
             active=active if now.can_crash else None,
             crashes=now.crashes if flock.can_crash else None,
             saved=now.signal(SAVED) if SAVED in flock.model.columns else None,
+            form=flock.model.rule.form,
             cars=cars(flock),
         )
 

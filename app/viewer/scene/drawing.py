@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from app.viewer.scene.draw.drawn_frame import POINTS_BEYOND
 from app.viewer.scene.scene import Scene
 from app.viewer.scene.shown.drawing_style import (
+    DARTS,
     DENSITY_PERIOD,
     DrawingStyle,
-    as_birds,
+    drawn_form,
     shows_density,
 )
 from app.viewer.scene.shown.frame import Frame
@@ -33,8 +34,8 @@ BANDWIDTH = 16e6
 """What all browsers together may be sent, bytes/s."""
 AGENT_BYTES = 28
 """What one agent takes in one frame, bytes."""
-BIRD_BYTES = 74
-"""What a bird takes: a body and wings of its own."""
+ANIMAL_BYTES = 74
+"""What a bird takes, a body and wings of its own, and a fish at most, a trunk and a tail."""
 POINT_BYTES = 9
 """What a point takes: three numbers of two bytes, and a colour."""
 DENSITY_BYTES = 200_000
@@ -63,7 +64,7 @@ def load(frame: Frame, look: DrawingStyle) -> float:
     count = len(frame.ids)
     if count > POINTS_BEYOND:
         return count * POINT_BYTES / AGENT_BYTES
-    return count * (BIRD_BYTES / AGENT_BYTES if as_birds(frame, look) else 1.0)
+    return count * (1.0 if drawn_form(frame, look) == DARTS else ANIMAL_BYTES / AGENT_BYTES)
 
 
 @dataclass(frozen=True)

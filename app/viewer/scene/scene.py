@@ -35,7 +35,7 @@ from app.viewer.scene.marks.trails import Trails, Wake
 from app.viewer.scene.marks.world_box import Fog, Walls, WorldBox, set_light
 from app.viewer.scene.marks.zone_marks import ZoneMarks
 from app.viewer.scene.shown.debounce import Debounce
-from app.viewer.scene.shown.drawing_style import DrawingStyle
+from app.viewer.scene.shown.drawing_style import DARTS, DrawingStyle
 from app.viewer.scene.shown.frame import Frame
 
 
@@ -81,7 +81,7 @@ class Parts:
 
     def draw_flock(self, picture: Picture) -> Changes:
         """What is to be changed for this frame."""
-        if picture.as_birds:
+        if picture.form != DARTS:
             self._flight.follow(picture)
         return [change for part in self._flock for change in part.draw(picture)]
 

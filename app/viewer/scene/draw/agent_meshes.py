@@ -1,10 +1,12 @@
-"""A car in three meshes of unit size: x forwards, y to the left, the road at z = 0.
+"""Birds, fish and cars in meshes of unit size: x forwards, y to the left.
 
-Hull and cabin are 1 long, 1 wide with the wheels, and stand 1 over the road. A wheel has the
-diameter 1 and the width 1 along y, its hub at the origin.
+Hull and cabin of a car are 1 long, 1 wide with the wheels, and stand 1 over the road, which is at
+z = 0. A wheel has the diameter 1 and the width 1 along y, its hub at the origin.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -50,23 +52,6 @@ PANELS = ((0, 5, 1), (0, 6, 5), (1, 4, 2), (1, 5, 4), (2, 4, 3))
 
 def body() -> Mesh:
     """Beak, trunk and a flat tail."""
-    turn = 2.0 * np.pi * (np.arange(SIDES) + 0.5) / SIDES
-    rings = [
-        np.column_stack(
-            [np.full(SIDES, x), wide * np.cos(turn), middle + high * np.sin(turn)],
-        )
-        for x, wide, high, middle in STATIONS
-    ]
-    index = np.arange(SIDES)
-    after = (index + 1) % SIDES
-    faces = [np.column_stack([np.zeros(SIDES, int), 2 + index, 2 + after])]
-    for ring in range(len(STATIONS) - 1):
-        front, back = 2 + SIDES * ring, 2 + SIDES * (ring + 1)
-        faces.append(np.column_stack([front + index, back + index, back + after]))
-        faces.append(np.column_stack([front + index, back + after, front + after]))
-    last = 2 + SIDES * (len(STATIONS) - 1)
-    faces.append(np.column_stack([np.ones(SIDES, int), last + after, last + index]))
-    trunk = np.concatenate([[BEAK, RUMP], *rings])
     (root, rw), (outer, ow), (middle, _) = TAIL
     tail = np.array(
         [
@@ -77,9 +62,32 @@ def body() -> Mesh:
             [root, -rw, 0.012],
         ]
     )
-    first = len(trunk)
-    faces.append(first + np.array([[0, 1, 2], [0, 2, 4], [4, 2, 3]]))
-    return np.concatenate([trunk, tail]), np.concatenate(faces)
+    trunk = _trunk(BEAK, STATIONS, RUMP)
+    return join_meshes([trunk, (tail, np.array([[0, 1, 2], [0, 2, 4], [4, 2, 3]]))])
+
+
+Point = tuple[float, float, float]
+
+
+def _trunk(front: Point, stations: Sequence[tuple[float, ...]], back: Point) -> Mesh:
+    """A round solid from a point in front through sections (as `STATIONS`) to one behind."""
+    turn = 2.0 * np.pi * (np.arange(SIDES) + 0.5) / SIDES
+    rings = [
+        np.column_stack(
+            [np.full(SIDES, x), wide * np.cos(turn), middle + high * np.sin(turn)],
+        )
+        for x, wide, high, middle in stations
+    ]
+    index = np.arange(SIDES)
+    after = (index + 1) % SIDES
+    faces = [np.column_stack([np.zeros(SIDES, int), 2 + index, 2 + after])]
+    for ring in range(len(stations) - 1):
+        begin, end = 2 + SIDES * ring, 2 + SIDES * (ring + 1)
+        faces.append(np.column_stack([begin + index, end + index, end + after]))
+        faces.append(np.column_stack([begin + index, end + after, begin + after]))
+    last = 2 + SIDES * (len(stations) - 1)
+    faces.append(np.column_stack([np.ones(SIDES, int), last + after, last + index]))
+    return np.concatenate([[front, back], *rings]), np.concatenate(faces)
 
 
 def wings() -> Mesh:
@@ -97,6 +105,106 @@ def wing_scales(angle: np.ndarray) -> np.ndarray:
     [[1.0, 1.0, 0.0]]
     """
     return np.column_stack([np.ones(len(angle)), np.cos(angle), np.sin(angle)])
+
+
+# A fish in two meshes: a trunk with fins, and a tail that turns about its hinge to either side. It
+# is a little wider than it would be, so that one sees from above where it is headed.
+
+GILLS = (
+    (0.45, 0.040, 0.045, -0.005),
+    (0.33, 0.085, 0.100, 0.000),
+    (0.14, 0.105, 0.135, 0.004),
+    (-0.06, 0.085, 0.110, 0.004),
+    (-0.20, 0.048, 0.064, 0.000),
+)
+"""Sections of the trunk, as those of a bird."""
+MOUTH, VENT = (0.50, 0.0, -0.012), (-0.24, 0.0, 0.0)
+FINS = (
+    ((0.16, 0.0, 0.12), (-0.10, 0.0, 0.23), (-0.13, 0.0, 0.08)),
+    ((0.22, 0.085, -0.03), (0.03, 0.20, -0.06), (0.08, 0.085, -0.04)),
+    ((0.22, -0.085, -0.03), (0.08, -0.085, -0.04), (0.03, -0.20, -0.06)),
+)
+"""Dorsal fin, left and right pectoral fin, a triangle each."""
+HINGE = (-0.18, 0.0, 0.0)
+"""Where the tail is hinged to the trunk, the origin of its mesh."""
+STALK = ((0.0, 0.052, 0.068, 0.0), (-0.10, 0.032, 0.044, 0.0), (-0.20, 0.022, 0.028, 0.0))
+"""Sections of the tail before its fin."""
+LOBE, NOTCH, SPREAD = -0.44, -0.33, 0.17
+"""Of the fin of the tail: where its tips and the notch between them are, x; half its height."""
+BLADE = 0.026
+"""Half the width of that fin where it begins: from above one sees it swing."""
+
+
+def fish_trunk() -> Mesh:
+    """Head, trunk and three fins."""
+    fins = np.array(FINS).reshape(-1, 3)
+    return join_meshes([_trunk(MOUTH, GILLS, VENT), (fins, np.arange(9).reshape(3, 3))])
+
+
+def fish_tail() -> Mesh:
+    """The tail, straight behind its hinge."""
+    begin = STALK[-1][0] + 0.05
+    fin = np.array(
+        [(begin, BLADE, 0.0), (NOTCH, 0.5 * BLADE, 0.0), (LOBE, 0.0, SPREAD),
+         (begin, -BLADE, 0.0), (NOTCH, -0.5 * BLADE, 0.0), (LOBE, 0.0, -SPREAD)]
+    )  # fmt: skip
+    faces = np.array([(0, 2, 1), (0, 1, 5), (3, 4, 2), (3, 5, 4)])
+    return join_meshes([_trunk((0.03, 0.0, 0.0), STALK, (-0.21, 0.0, 0.0)), (fin, faces)])
+
+
+FISH_LEFT = ((0.50, 0.0), (0.45, 0.045), (0.33, 0.090), (0.22, 0.100), (0.03, 0.20), (0.07, 0.105),
+             (-0.06, 0.090), (-0.18, 0.055), (-0.38, 0.025), (-0.60, 0.035))  # fmt: skip
+"""Outline of a fish from above: its left half from the mouth backwards, x and y."""
+
+
+PLAIN_FISH = (
+    np.array(
+        [
+            [0.50, 0.00, 0.00],  # 0 mouth
+            [0.14, 0.11, 0.00],  # 1 left side
+            [0.14, -0.11, 0.00],  # 2 right side
+            [0.10, 0.00, 0.16],  # 3 back
+            [0.10, 0.00, -0.14],  # 4 belly
+            [-0.32, 0.00, 0.00],  # 5 where the fin of the tail begins
+            [-0.62, 0.00, 0.17],  # 6 its tips
+            [-0.62, 0.00, -0.17],  # 7
+            [-0.51, 0.00, 0.00],  # 8 the notch between them
+        ]
+    ),
+    np.array(
+        [[0, 1, 3], [0, 3, 2], [0, 4, 1], [0, 2, 4], [5, 3, 1], [5, 2, 3], [5, 1, 4], [5, 4, 2],
+         [5, 6, 8], [5, 8, 6], [5, 8, 7], [5, 7, 8]]
+    ),
+)  # fmt: skip
+"""A fish of few faces, the fin of both sides, for pictures that sort them all."""
+PLAIN_OUTLINE = (0, 1, 5, 8, 5, 2)
+"""Its edge from above."""
+
+
+def turn_tails(points: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Points (K, 2 or 3) of a fish with what is behind its hinge turned by `angle` (N,), rad,
+    anticlockwise from above: (N, K, 2 or 3).
+
+    >>> turn_tails(np.array([[0.5, 0.0], [-0.68, 0.0]]), np.array([np.pi / 2])).round(2).tolist()
+    [[[0.5, 0.0], [-0.18, -0.5]]]
+    """
+    hinge = np.array(HINGE[: points.shape[1]])
+    turned = np.repeat((points - hinge)[None], len(angle), axis=0)
+    behind = points[:, 0] < hinge[0]
+    x, y = turned[0, behind, :2].T
+    cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    turned[:, behind, 0], turned[:, behind, 1] = cos * x - sin * y, sin * x + cos * y
+    return turned + hinge
+
+
+def fish_outlines(angle: np.ndarray) -> np.ndarray:
+    """Outlines (N, K, 2) of fish from above, their tails turned as by `turn_tails`.
+
+    >>> fish_outlines(np.zeros(2)).shape
+    (2, 19, 2)
+    """
+    left = np.array(FISH_LEFT)
+    return turn_tails(np.concatenate([left, left[:0:-1] * [1.0, -1.0]]), angle)
 
 
 HULL = ((-0.5, 0.40, 0.16), (-0.47, 0.56, 0.16), (0.28, 0.52, 0.16), (0.5, 0.36, 0.16))

@@ -48,6 +48,49 @@ def roll_attitudes(wxyz: np.ndarray, roll: np.ndarray) -> np.ndarray:
     return rotated.astype(np.float32)
 
 
+def yaw_attitudes(wxyz: np.ndarray, yaw: np.ndarray) -> np.ndarray:
+    """Quaternions (N, 4) after a turn (N,), rad, about what is up for each; above 0 to its left.
+
+    >>> yaw_attitudes(attitude(np.array([[1.0, 0.0]])), np.array([0.0])).tolist()
+    [[1.0, 0.0, 0.0, 0.0]]
+    """
+    w, x, y, z = np.asarray(wxyz, dtype=float).T
+    c, s = np.cos(0.5 * yaw), np.sin(0.5 * yaw)
+    rotated = np.column_stack([c * w - s * z, c * x + s * y, c * y - s * x, c * z + s * w])
+    return rotated.astype(np.float32)
+
+
+def ahead_directions(wxyz: np.ndarray) -> np.ndarray:
+    """The direction of the nose, (N, 3), of agents of attitudes (N, 4)."""
+    w, x, y, z = wxyz.T
+    return np.column_stack(
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)]
+    )
+
+
+def left_directions(wxyz: np.ndarray) -> np.ndarray:
+    """The direction of the left side, (N, 3), of agents of attitudes (N, 4)."""
+    w, x, y, z = wxyz.T
+    return np.column_stack(
+        [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)]
+    )
+
+
+def up_directions(wxyz: np.ndarray) -> np.ndarray:
+    """The direction over the back, (N, 3), of agents of attitudes (N, 4)."""
+    w, x, y, z = wxyz.T
+    return np.column_stack(
+        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)]
+    )
+
+
+def hinge_offsets(wxyz: np.ndarray, hinge: tuple[float, float, float]) -> np.ndarray:
+    """From the middles of agents of attitudes (N, 4) to a point ahead, left and up, (N, 3)."""
+    directions = (ahead_directions, left_directions, up_directions)
+    parts = [far * one(wxyz) for far, one in zip(hinge, directions, strict=True) if far]
+    return np.sum(parts, axis=0) if parts else np.zeros((len(wxyz), 3))
+
+
 def nose(wxyz: np.ndarray) -> np.ndarray:
     """The direction, (3,), in which a quaternion (4,) points the nose."""
     w, x, y, z = (float(part) for part in wxyz)

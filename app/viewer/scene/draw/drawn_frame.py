@@ -14,9 +14,10 @@ from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.shown import palette
 from app.viewer.scene.shown.colouring import COLOURINGS
 from app.viewer.scene.shown.drawing_style import (
+    DARTS,
     DrawingStyle,
     agent_colours,
-    as_birds,
+    drawn_form,
     shows_density,
 )
 from app.viewer.scene.shown.frame import LOST, Cars, Frame, Live
@@ -90,8 +91,8 @@ class Picture:
         return colour
 
     def of_rows(self, rows: np.ndarray) -> Picture:
-        """The picture of some agents alone; none is a bird, which would have to be followed."""
-        look = replace(self.look, birds=False)
+        """The picture of some agents alone; none is an animal, which would have to be followed."""
+        look = replace(self.look, form=DARTS)
         part = Picture(self.frame.of_rows(rows), look, self.stage, self.length, self.size[rows])
         if self.look.measured or COLOURINGS[self.look.colour].labels:
             vars(part)["colour"] = self.colour[rows]  # which depends on the others
@@ -103,9 +104,9 @@ class Picture:
         return len(self.frame.ids)
 
     @property
-    def as_birds(self) -> bool:
-        """Whether the agents are drawn as birds, which bank and beat their wings."""
-        return as_birds(self.frame, self.look)
+    def form(self) -> str:
+        """What the agents are drawn as, unless as cars: darts, birds or fish."""
+        return drawn_form(self.frame, self.look)
 
     @property
     def as_cars(self) -> bool:

@@ -1,4 +1,4 @@
-"""The agents: darts, in space birds, cars, or points when there are very many."""
+"""The agents: darts, birds, fish, cars, or points when there are very many."""
 
 from __future__ import annotations
 
@@ -10,47 +10,56 @@ import numpy as np
 from viser import BatchedMeshHandle, SceneApi
 
 from app.viewer.scene.draw.agent_meshes import wing_scales
-from app.viewer.scene.draw.agent_shapes import BIRD, MOTION
+from app.viewer.scene.draw.agent_shapes import (
+    ANIMALS,
+    MOTION,
+    MOTIONS,
+    AgentShape,
+    AnimalMotion,
+)
 from app.viewer.scene.draw.attitude import (
     attitude,
+    hinge_offsets,
     quantise_attitudes,
     roll_attitudes,
     rounded_places,
+    yaw_attitudes,
 )
 from app.viewer.scene.draw.drawn_frame import FEW_LEADERS, POINTS_BEYOND, Changes, Picture, rows_of
 from app.viewer.scene.draw.shapes import Mesh, dart
 from app.viewer.scene.marks.fleet import Fleet, Ghosts
 from app.viewer.scene.shown import palette
-from app.viewer.scene.shown.drawing_style import SHADOWS_UP_TO
+from app.viewer.scene.shown.drawing_style import DARTS, SHADOWS_UP_TO
 from app.viewer.scene.shown.frame import Frame
 
-# How each bird holds itself: it banks into its turns and beats its wings.
+# How each animal holds itself: a bird banks into its turns and beats its wings, a fish its tail.
 
 GOLDEN = 0.6180339887498949
 
 
 class Poses(NamedTuple):
-    """Of all birds of a frame."""
+    """Of all animals of a frame."""
 
     wxyz: np.ndarray
     """Attitudes, (N, 4)."""
     beat: np.ndarray
-    """Angle of the wings above level, (N,), rad."""
+    """Angle of the wings above level, or of the tail, anticlockwise from above, (N,), rad."""
 
 
 class FlockMotion:
-    """Follows one flock from frame to frame; birds keep what they had through changes of rows."""
+    """Follows one flock from frame to frame; animals keep what they had through changes of rows."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
         self._forget()
 
     def _forget(self) -> None:
-        self._run: tuple[int, int] | None = None
+        self._run: tuple[int, int, str] | None = None
+        self._motion = MOTION
         self._tick = 0
         self._seen = self._clock()
         self._beats = 0.0
-        """Time that the wings have been beaten for, s."""
+        """Time that they have been beating for, s."""
         self._ids = np.empty(0, dtype=int)
         self._heading = np.empty((0, 3))
         self._lean = np.empty(0)
@@ -61,38 +70,42 @@ class FlockMotion:
         """Of the frame that was followed last."""
 
     def follow(self, picture: Picture) -> Poses:
-        """The birds of the next frame of a flock in space."""
+        """The animals of the next frame of a flock."""
         frame = picture.frame
-        run = (frame.run, frame.dim)
+        motion = self._motion = MOTIONS[picture.form]
+        run = (frame.run, frame.dim, picture.form)
         if self._run != run or frame.tick < self._tick:
             self._forget()
             self._run, self._tick = run, frame.tick
-        heading = np.asarray(frame.heading, dtype=float)
+        heading = np.zeros((len(frame.ids), 3))
+        heading[:, : frame.dim] = frame.heading
         self._carry_over(frame.ids, heading)
         now = self._clock()
-        passed, ticks = min(now - self._seen, MOTION.longest), frame.tick - self._tick
+        passed, ticks = min(now - self._seen, motion.longest), frame.tick - self._tick
         self._seen, self._tick = now, frame.tick
         if ticks > 0:
-            self._beats += min(passed, MOTION.longest_beat)
-            lean = bank_tangents(frame, left_turns(self._heading, heading) / (ticks * frame.dt))
-            self._lean += (1.0 - np.exp(-passed / MOTION.lean)) * (lean - self._lean)
-            effort = efforts(heading)
-            self._effort += (1.0 - np.exp(-passed / MOTION.ease)) * (effort - self._effort)
+            self._beats += min(passed, motion.longest_beat)
+            turn = left_turns(self._heading, heading) / (ticks * frame.dt)
+            lean = bank_tangents(frame, turn, motion)
+            self._lean += (1.0 - np.exp(-passed / motion.lean)) * (lean - self._lean)
+            effort = efforts(heading, motion)
+            self._effort += (1.0 - np.exp(-passed / motion.ease)) * (effort - self._effort)
         self._heading = heading.copy()
         wxyz = roll_attitudes(picture.wxyz, -np.arctan(self._lean))
-        phase = 2.0 * np.pi * (self._beats * beat_frequencies(frame.ids) + frame.ids * GOLDEN)
-        beat = MOTION.dihedral + MOTION.amplitude * self._effort * np.sin(phase)
+        beats = self._beats * beat_frequencies(frame.ids, motion)
+        phase = 2.0 * np.pi * (beats + frame.ids * GOLDEN)
+        beat = motion.dihedral + motion.amplitude * self._effort * np.sin(phase)
         self.poses = self._lay_down(picture, Poses(wxyz, beat))
         return self.poses
 
     def _carry_over(self, ids: np.ndarray, heading: np.ndarray) -> None:
-        """Carry what is known over to the rows of these identities; newcomers fly level."""
+        """Carry what is known over to the rows of these identities; newcomers are level."""
         if np.array_equal(ids, self._ids):
             return
         rows, known_rows = rows_of(self._ids, ids)
         before, lean, effort = self._heading, self._lean, self._effort
         self._heading, self._lean = heading.copy(), np.zeros(len(ids))
-        self._effort = efforts(heading)
+        self._effort = efforts(heading, self._motion)
         self._heading[known_rows] = before[rows]
         self._lean[known_rows], self._effort[known_rows] = lean[rows], effort[rows]
         self._ids = ids.copy()
@@ -105,25 +118,26 @@ class FlockMotion:
             return poses
         falling = down & (frame.speed > 0.0)
         azimuth = np.arctan2(frame.heading[:, 1], frame.heading[:, 0])
-        azimuth = azimuth + np.where(falling, MOTION.spin * self._beats, 0.0) + frame.ids * GOLDEN
-        nose = np.where(falling, MOTION.dive, 0.0)
+        motion = self._motion
+        azimuth = azimuth + np.where(falling, motion.spin * self._beats, 0.0) + frame.ids * GOLDEN
+        nose = np.where(falling, motion.dive, 0.0)
         heading = np.column_stack(
             [np.cos(azimuth) * np.cos(nose), np.sin(azimuth) * np.cos(nose), np.sin(nose)]
         )
         wxyz, beat = poses.wxyz.copy(), poses.beat.copy()
         wxyz[down] = attitude(heading[down])
-        beat[down] = np.where(falling[down], MOTION.folded, MOTION.flat)
+        beat[down] = np.where(falling[down], motion.folded, motion.flat)
         return Poses(wxyz, beat)
 
 
-def bank_tangents(frame: Frame, rate: np.ndarray) -> np.ndarray:
+def bank_tangents(frame: Frame, rate: np.ndarray, motion: AnimalMotion) -> np.ndarray:
     """v omega / g', the tangents (N,) of the banks that suit turns to the left at a rate (N,).
 
     The rate is in rad per unit of the flock's time; g' is chosen for the flock's own scale.
     """
     reach = frame.reach if np.isfinite(frame.reach) else float(np.max(frame.size))
-    pull = frame.speed_scale**2 / (MOTION.nimble * max(reach, 1e-9))
-    most = MOTION.steepest
+    pull = frame.speed_scale**2 / (motion.nimble * max(reach, 1e-9))
+    most = motion.steepest
     return np.clip(frame.speed * rate / max(pull, 1e-12), -most, most)
 
 
@@ -135,46 +149,49 @@ def left_turns(before: np.ndarray, after: np.ndarray) -> np.ndarray:
     return np.arcsin(np.clip(left, -1.0, 1.0))
 
 
-def efforts(heading: np.ndarray) -> np.ndarray:
-    """The share of the full swing that birds with headings (N, 3) beat with, (N,)."""
-    return np.where(heading[:, 2] < MOTION.glide, MOTION.gliding, 1.0)
+def efforts(heading: np.ndarray, motion: AnimalMotion) -> np.ndarray:
+    """The share of the full swing that animals with headings (N, 3) beat with, (N,)."""
+    return np.where(heading[:, 2] < motion.glide, motion.gliding, 1.0)
 
 
-def beat_frequencies(ids: np.ndarray) -> np.ndarray:
-    """Beats per second of each bird, (N,); by its identity, so that no two beat together."""
-    return MOTION.beat * (1.0 + MOTION.variety * ((ids * GOLDEN * GOLDEN) % 1.0 - 0.5))
+def beat_frequencies(ids: np.ndarray, motion: AnimalMotion) -> np.ndarray:
+    """Beats per second of each, (N,); by its identity, so that no two beat together."""
+    return motion.beat * (1.0 + motion.variety * ((ids * GOLDEN * GOLDEN) % 1.0 - 0.5))
 
 
-# The agents as birds: a body and a pair of wings each, both meshes with an instance for a bird.
+# The agents as animals: a body and a pair of wings each, or a trunk and a tail; both are meshes
+# with an instance for each agent.
 
 
-class Birds:
-    """What flies in space."""
+class Animals:
+    """What flies or swims."""
 
-    def __init__(self, scene: SceneApi, root: str, flight: FlockMotion) -> None:
+    def __init__(self, scene: SceneApi, root: str, flight: FlockMotion, shape: AgentShape) -> None:
         self._flight = flight
+        self._scale = shape.scale
+        folder = f"{root}/flock/{shape.name}"
         self._nodes = [
-            (_add(scene, f"{root}/flock/birds/{part.name}", part.mesh), part) for part in BIRD.parts
+            (_add(scene, f"{folder}/{part.name}", part.mesh), part) for part in shape.parts
         ]
 
     def draw(self, picture: Picture, rows: np.ndarray | slice) -> Changes:
-        """Draw the agents of some rows as birds."""
+        """Draw the agents of some rows."""
         at = picture.at[rows]
         if not len(at):
             return self.hide()
         poses = self._flight.poses
-        wxyz = poses.wxyz[rows]
-        size = (BIRD.scale * picture.length * picture.size[rows]).astype(np.float32)
-        over = size[:, None] * up_directions(wxyz)
+        wxyz, beat = poses.wxyz[rows], poses.beat[rows]
+        size = (self._scale * picture.length * picture.size[rows]).astype(np.float32)
         shadows = picture.look.shadows and len(at) <= SHADOWS_UP_TO
         colour = picture.colour[rows]
         changes: Changes = []
         for node, part in self._nodes:
-            turned = wing_scales(poses.beat[rows]) if part.beats else np.ones((len(at), 3))
-            place, scale = at + part.lift * over, size[:, None] * turned
+            place = at + size[:, None] * hinge_offsets(wxyz, part.hinge)
+            scale = size[:, None] * (wing_scales(beat) if part.beats == "wings" else np.ones(3))
+            turned = yaw_attitudes(wxyz, beat) if part.beats == "tail" else wxyz
             changes += [
                 (node, "batched_positions", rounded_places(place, picture.length)),
-                (node, "batched_wxyzs", quantise_attitudes(wxyz)),
+                (node, "batched_wxyzs", quantise_attitudes(turned)),
                 (node, "batched_scales", scale.astype(np.float32)),
                 (node, "batched_colors", palette.lit_bytes(part.shade * colour)),
                 (node, "cast_shadow", shadows),
@@ -185,22 +202,6 @@ class Birds:
     def hide(self) -> Changes:
         """Draw nobody."""
         return [(node, "visible", False) for node, _ in self._nodes]
-
-
-def up_directions(wxyz: np.ndarray) -> np.ndarray:
-    """The direction over the back, (N, 3), of birds of attitudes (N, 4)."""
-    w, x, y, z = wxyz.T
-    return np.column_stack(
-        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)]
-    )
-
-
-def left_directions(wxyz: np.ndarray) -> np.ndarray:
-    """The direction of the left wing, (N, 3), of birds of attitudes (N, 4)."""
-    w, x, y, z = wxyz.T
-    return np.column_stack(
-        [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)]
-    )
 
 
 def _add(scene: SceneApi, name: str, mesh: Mesh) -> BatchedMeshHandle:
@@ -227,7 +228,9 @@ class Agents:
     """The flock's own nodes in the scene."""
 
     def __init__(self, scene: SceneApi, root: str, flight: FlockMotion) -> None:
-        self._birds = Birds(scene, root, flight)
+        self._animals = {
+            form: Animals(scene, root, flight, shape) for form, shape in ANIMALS.items()
+        }
         self._fleet = Fleet(scene, root)
         self._ghosts = Ghosts(scene, root)
         nowhere, level = np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])
@@ -257,9 +260,14 @@ class Agents:
             picture = picture.of_rows(np.asarray(dart_rows(picture)))
         as_points = picture.count > POINTS_BEYOND
         rows, nobody = dart_rows(picture), slice(0, 0)
+        form = "cars" if picture.as_cars else picture.form
         return [
-            *self._draw_darts(picture, nobody if picture.as_birds or picture.as_cars else rows),
-            *self._birds.draw(picture, rows if picture.as_birds else nobody),
+            *self._draw_darts(picture, rows if form == DARTS else nobody),
+            *(
+                change
+                for name, animals in self._animals.items()
+                for change in animals.draw(picture, rows if form == name else nobody)
+            ),
             *self._fleet.draw(picture, rows if picture.as_cars else nobody),
             *self._ghosts.draw(picture),
             *(self._draw_points(picture) if as_points else []),

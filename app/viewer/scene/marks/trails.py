@@ -12,11 +12,12 @@ from viser import SceneApi
 
 from app.viewer.scene.draw.agent_meshes import TIP
 from app.viewer.scene.draw.agent_shapes import BIRD
+from app.viewer.scene.draw.attitude import left_directions
 from app.viewer.scene.draw.drawn_frame import Changes, Picture, rows_of
 from app.viewer.scene.draw.line_segments import add_lines, jumps, segments
-from app.viewer.scene.marks.agents import FlockMotion, left_directions
+from app.viewer.scene.marks.agents import FlockMotion
 from app.viewer.scene.shown import palette
-from app.viewer.scene.shown.drawing_style import LINE
+from app.viewer.scene.shown.drawing_style import BIRDS, LINE
 from app.viewer.scene.shown.frame import Frame
 
 # Where moving points have been: their places at some ticks, the knots of the lines they leave.
@@ -193,7 +194,7 @@ class Wake(Streaks):
 
     def draw(self, picture: Picture) -> Changes:
         look = picture.look
-        if not (look.wake and picture.as_birds and look.trail_length >= 1):
+        if not (look.wake and picture.form == BIRDS and look.trail_length >= 1):
             return self.hide()
         rows = trailed_rows(picture.frame.informed, MOST_BIRDS)
         aside = span(picture, rows) * left_directions(self._flight.poses.wxyz[rows])

@@ -22,8 +22,10 @@ CAMERAS = ("top-down", "perspective", "side", "follow")
 RIDE, STEP_OFF = "ride along", "step off"
 """A camera on a bird, and back to where the camera was."""
 
-BIRDS_UP_TO = 3_000
-"""More agents than this are darts in space too."""
+AS_MODEL, DARTS, BIRDS, FISH = FORMS = ("as the model", "darts", "birds", "fish")
+"""What agents may be drawn as: what the source of their model is about, or one of these."""
+ANIMALS_UP_TO = 3_000
+"""More agents than this are darts, whatever they are."""
 SHADOWS_UP_TO = 2_000
 """More agents than this cast no shadows."""
 DENSITY_BEYOND = 150_000
@@ -47,14 +49,22 @@ def has_needed(colouring: str, frame: Frame, _look: object = None) -> bool:
     return COLOURINGS[colouring].needs(frame)
 
 
+def drawn_form(frame: Frame, look: DrawingStyle) -> str:
+    """What a flock is drawn as, unless as cars: birds in space alone, darts if they are many."""
+    form = frame.form if look.form == AS_MODEL else look.form
+    is_possible = may_be_animals(frame) and (form != BIRDS or frame.dim == 3)
+    return form if is_possible else DARTS
+
+
 def as_birds(frame: Frame, look: DrawingStyle) -> bool:
-    """Whether a flock is drawn as birds: in space, if they are not too many."""
-    return look.birds and may_be_birds(frame)
+    """Whether a flock is drawn as birds."""
+    return drawn_form(frame, look) == BIRDS
 
 
-def may_be_birds(frame: Frame, _look: object = None) -> bool:
-    """Whether a flock can be drawn as birds."""
-    return frame.dim == 3 and len(frame.ids) <= BIRDS_UP_TO
+def may_be_animals(frame: Frame, _look: object = None) -> bool:
+    """Whether a flock can be drawn as anything but darts or cars."""
+    is_of_cars = frame.cars is not None and frame.dim == 2
+    return len(frame.ids) <= ANIMALS_UP_TO and not is_of_cars
 
 
 def shows_density(frame: Frame) -> bool:
@@ -146,12 +156,13 @@ class DrawingStyle:
         False, "Numbers", "Each agent's number", group=AGENTS, applies=can_be_numbered
     )
     """In small flocks; where there are real cars their names are written always."""
-    birds: bool = chosen_field(
-        True,
-        "Birds",
-        "Birds that bank and beat their wings; off: darts",
+    form: str = chosen_field(
+        AS_MODEL,
+        "Drawn as",
+        "As the model: what its source is about. In the plane birds are darts",
+        FORMS,
         group=AGENTS,
-        applies=may_be_birds,
+        applies=may_be_animals,
     )
     agent_size: float = chosen_field(1.0, "Agent size", low=0.3, high=3.0, step=0.1, group=AGENTS)
     """As a multiple of the size that suits their density."""
@@ -196,6 +207,8 @@ class DrawingStyle:
             raise ValueError(f"colour = {self.colour!r} is not one of {', '.join(COLOURINGS)}")
         if self.trails not in TRAILS:
             raise ValueError(f"trails = {self.trails!r} is not one of {', '.join(TRAILS)}")
+        if self.form not in FORMS:
+            raise ValueError(f"form = {self.form!r} is not one of {', '.join(FORMS)}")
 
 
 def agent_colours(frame: Frame, look: DrawingStyle) -> np.ndarray:

@@ -162,6 +162,8 @@ class Frame:
     """Who has crashed, where they can."""
     saved: np.ndarray | None = None
     """(N,) share of its induced drag that each saves, NaN unknown; None: it is not measured."""
+    form: str = "birds"
+    """What its rule's source is about: birds or fish."""
     cars: Cars | None = None
     """Of agents that are cars; None for any others."""
     live: Live | None = None
