@@ -18,11 +18,12 @@ from typing import Any
 
 from rule_scenes import flock_of, scene_of
 
-from agents.catalogue import MODELS, Model
+from agents.catalogue import BUILT_IN, MODELS, Model
 from agents.engine.block import neighbour_of
 from agents.engine.cache import global_values
 from agents.flock import Flock
 from agents.models.declare import DeclaredParameter, declared
+from agents.models.related import related_models
 from agents.observables.catalogue import OBSERVABLES, default_charts
 from app.cli.choices import LISTED, list_declarations
 from worlds.layout import read_layout
@@ -128,6 +129,9 @@ def facts(model: Model) -> list[tuple[str, str]]:
     made.append(("Unit of time", clock(model)))
     if rule.checked:
         made.append(("Checked against", with_numbers(rule.checked)))
+    related = [f"[{other.title}]({other.name}.md)" for other in related_models(model, BUILT_IN)]
+    if related:
+        made.append(("See also", ", ".join(related)))
     return made
 
 

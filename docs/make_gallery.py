@@ -159,7 +159,7 @@ def as_loop(pictures: list[Image.Image]) -> bytes:
         data, (first, *rest) = io.BytesIO(), pictures[::every]
         first.save(
             data, "webp", save_all=True, append_images=rest, duration=LASTS * every, loop=0,
-            quality=quality, method=6,
+            quality=quality, method=4,
         )  # fmt: skip
         if data.tell() <= LARGEST:
             break

@@ -75,15 +75,33 @@
   window.flockscopeSheet = { make, button, sheet, close, complain, open, ask };  /* others have their own */
   const scene = (name) => `/open?scene=${encodeURIComponent(name)}`;
 
+  /* The picture of a card moves while a mouse is on the card, or it is in focus. */
+  const CALM = matchMedia("(prefers-reduced-motion: reduce)");
+  const pictureOf = (one, card) => {
+    const picture = make("img"), still = `${home}/gallery/${one.picture}`;
+    Object.assign(picture, { src: still, alt: "", loading: "lazy", width: 240, height: 160 });
+    const move = (event) => {
+      if (one.moves && !CALM.matches && event.pointerType !== "touch") picture.src = `${home}/gallery/${one.moves}`;
+    };
+    const stand = () => { if (!card.matches(":hover, :focus-within")) picture.src = still; };
+    card.addEventListener("pointerenter", move);
+    card.addEventListener("focusin", move);
+    card.addEventListener("pointerleave", stand);
+    card.addEventListener("focusout", () => setTimeout(stand));
+    return picture;
+  };
   const cardOf = (one) => {
-    const made = button("fs-choice", "", () => open(scene(one.name), ""));
-    if (one.picture) {
-      const picture = make("img");
-      Object.assign(picture, {
-        src: `${home}/gallery/${one.picture}`, alt: "", loading: "lazy", width: 240, height: 160 });
-      made.append(picture);
-    } else made.append(make("i"));
-    made.append(make("b", "", one.title), make("span", "", one.line));
+    const made = make("div", "fs-entry"), choice = button("fs-choice", "", () => open(scene(one.name), ""));
+    choice.append(one.picture ? pictureOf(one, made) : make("i"), make("b", "", one.title), make("span", "", one.line));
+    made.append(choice);
+    const near = one.related.map((name) => cards.find((other) => other.name === name)).filter(Boolean);
+    if (near.length) {
+      const line = make("p", "", "See also ");
+      near.forEach((other, k) => {
+        line.append(k ? " · " : "", button("", other.title, () => open(scene(other.name), "")));
+      });
+      made.append(line);
+    }
     made.dataset.words = 
       [one.title, one.line, one.name, one.group, ...one.tags].join(" ").toLowerCase();
     made.dataset.topics = one.tags.join(" ");

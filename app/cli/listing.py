@@ -126,8 +126,10 @@ def is_model(name: str) -> bool:
 
 def model(name: str) -> Thing:
     """A model with its parameters. Raises InputError."""
+    from agents.catalogue import MODELS
     from agents.catalogue import model as find_model
     from agents.models.declare import declared
+    from agents.models.related import related_models
 
     model = find_model(name)
     row = next(row for row in models() if row["name"] == name)
@@ -135,6 +137,7 @@ def model(name: str) -> Thing:
         {key: getattr(parameter, key) for key in OF_PARAMETERS}
         for parameter in declared(model.parameters)
     ]
+    row["related"] = [other.name for other in related_models(model, list(MODELS.values()))]
     row["tries"] = [
         {
             **asdict(step),
@@ -237,6 +240,7 @@ def describe_model(thing: Thing) -> list[str]:
     for row in thing["tries"]:
         lines += wrap_text(f"{row['words']} ({row['changes']})", 2)
         lines += wrap_text(row["see"], 6)
+    lines += wrap_text(f"see also: {cell(thing['related'])}") if thing["related"] else []
     return [
         *lines,
         f"Run it: flockscope run {thing['name']}; look at it: flockscope lab {thing['name']}",

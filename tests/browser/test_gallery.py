@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.viewer.gallery.saved_scene import SavedScene, pack_scene
-from app.viewer.gallery.scene_collection import built_in_scene
+from app.viewer.gallery.scene_collection import MOVES, built_in_scene, cards
 from app.viewer.run.run_preset import preset_spec
 from tests.browser.accessibility import find_violations
 from tests.browser.window import is_compiled
@@ -73,6 +73,52 @@ def test_sheets_can_be_used_by_everybody_in_both_themes(window):
             page.keyboard.press("Escape")
             page.locator(".fs-sheet").wait_for(state="detached")
         page.keyboard.press("m")
+
+
+def test_a_picture_moves_while_somebody_points_at_its_card_or_has_it_in_focus(window):
+    page = window.page
+    page.keyboard.press("g")
+    card = page.locator(".fs-entry").first
+    card.wait_for()
+    picture, choice = card.locator("img"), card.locator(".fs-choice")
+
+    def moves() -> bool:
+        return (picture.get_attribute("src") or "").endswith(f"{MOVES}.webp")
+
+    assert not moves()
+    choice.hover()
+    until(moves)
+    until(lambda: picture.evaluate("one => one.naturalWidth") == 240)
+    page.locator(".fs-sheet h2").first.hover()
+    until(lambda: not moves())
+    choice.focus()
+    until(moves)
+    page.locator(".fs-sheet input").focus()
+    until(lambda: not moves())
+    page.emulate_media(reduced_motion="reduce")
+    choice.focus()
+    card.locator("p button").first.wait_for()
+    assert not moves(), "less motion is asked for"
+    page.emulate_media(reduced_motion="no-preference")
+    page.keyboard.press("Escape")
+
+
+def test_what_a_card_is_related_to_is_reached_by_keys_and_opens(window, anew):
+    page = window.page
+    page.keyboard.press("g")
+    page.locator(".fs-sheet input").fill("order out of noise")
+    card = page.locator(".fs-entry:visible")
+    until(lambda: card.count() == 1)
+    assert not card.locator("p").is_visible()
+    page.locator(".fs-entry:visible .fs-choice").focus()
+    card.locator("p").wait_for()
+    titles = {one.name: one.title for one in cards()}
+    (own,) = [one for one in cards() if one.name == "order"]
+    assert card.locator("p button").all_inner_texts() == [titles[name] for name in own.related]
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    until(lambda: runs(anew, "vem"), 60)
+    until(lambda: page.locator(".fs-sheet").count() == 0)
 
 
 def test_an_address_opens_its_scene_and_asks_where_others_watch(window, anew, chromium):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import io
 import re
 import zlib
 
@@ -10,10 +11,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
 
-from agents.catalogue import MODELS
+from agents.catalogue import BUILT_IN, MODELS
 from agents.flock import Flock
 from agents.models.declare import TOPICS
+from agents.models.related import related_models
 from agents.spec import Spec
 from app.package_files import STATIC
 from app.viewer.gallery.lessons.lessons import lesson_names
@@ -30,10 +33,12 @@ from app.viewer.gallery.scene_collection import (
     GROUPS,
     LESSON,
     MODEL,
+    MOVES,
     WORLD,
     built_in_scene,
     cards,
     find_scene,
+    pictures,
     scene_names,
 )
 from app.viewer.run.run_preset import preset_spec
@@ -163,6 +168,45 @@ def test_a_dozen_scenes_and_the_first_is_the_first():
     assert len(scene_names()) >= 12
     assert scene_names()[0] == FIRST
     assert built_in_scene(FIRST).spec.count > 1000
+
+
+def test_cards_name_what_is_related_and_only_what_opens():
+    made = {card.name: card for card in cards()}
+    for card in made.values():
+        assert len(card.related) <= 3
+        assert card.name not in card.related
+        assert len(set(card.related)) == len(card.related)
+        for name in card.related:
+            assert name in made
+    assert made["school"].related[:2] == ("model:couzin", "lesson:field-of-view")
+    assert made["model:gregoire-chate"].related[:2] == ("bands", "model:vicsek1995")
+    assert made["world:drone-arena"].related == ("model:vasarhelyi",)
+    for name in (*scene_names(), *(MODEL + name for name in MODELS)):
+        assert made[name].related, name
+
+
+def test_models_are_related_by_their_papers_rules_and_tags():
+    def related(name: str, among=None) -> list[str]:
+        found = related_models(MODELS[name], among or BUILT_IN)
+        return [model.name for model in found]
+
+    assert related("hwvem-nav")[0] == "hwvem", "one rule"
+    assert related("vicsek1995")[0] == "vem", "one paper"
+    assert "boundary-points" in related("olfati-saber"), "papers of both"
+    assert related("dorsogna") == ["couzin"], "tags that few have"
+    assert related("vem", [MODELS["vem"], MODELS["pedestrian"]]) == [], "a topic is not enough"
+
+
+def test_loops_are_of_pictures_that_there_are_move_and_are_light():
+    loops = {name: data for name, data in pictures().items() if name.endswith(f"{MOVES}.webp")}
+    assert loops
+    for name, data in loops.items():
+        assert name.replace(MOVES, "") in pictures()
+        assert len(data) <= 60_000, name
+        loop = Image.open(io.BytesIO(data))
+        assert loop.is_animated
+        assert loop.size == (240, 160)
+    assert sum(map(len, loops.values())) < 3_000_000
 
 
 def test_everything_that_is_built_in_has_a_card_with_a_picture_and_opens():

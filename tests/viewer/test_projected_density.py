@@ -37,7 +37,7 @@ from app.viewer.scene.draw.projected_density import (
 from app.viewer.scene.draw.stage import Stage
 from app.viewer.scene.marks.world_box import sky_rows
 from app.viewer.scene.shown import drawing_style, palette
-from app.viewer.scene.shown.drawing_style import DrawingStyle, shows_density
+from app.viewer.scene.shown.drawing_style import DARTS, DrawingStyle, shows_density
 from tests.live.stand_in import CAMERA, StandIn
 from tests.viewer.test_ride import frame as frame_at
 from tests.viewer.waiting import COMPILED, until
@@ -266,7 +266,7 @@ def test_more_agents_than_the_limit_in_space_are_density(monkeypatch):
     assert not shows_density(shown(50).frame)
     assert shows_density(shown(51).frame)
     rows = np.array([3, 17])
-    assert not shown(51).of_rows(rows).as_birds, "nobody follows how single birds bank"
+    assert shown(51).of_rows(rows).form == DARTS, "nobody follows how single birds bank"
 
 
 class ViewBrowser(StandIn):

@@ -3,13 +3,14 @@ flock."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from pathlib import Path
 
 from agents.catalogue import MODELS
 from agents.catalogue import model as find_model
 from agents.models.model import Model
+from agents.models.related import MOST, related_models
 from agents.spec import DEFAULT
 from app.package_files import STATIC
 from app.viewer.gallery.lessons.lessons import built_in_lesson, lesson_names
@@ -55,6 +56,10 @@ class GalleryCard:
     """Name of its picture, if it has one."""
     tags: tuple[str, ...] = ()
     """Words by which it is found too; topics are offered to choose from."""
+    moves: str = ""
+    """Name of the loop that the picture begins, if it has one."""
+    related: tuple[str, ...] = ()
+    """Names of what else one may want to open, three at most."""
 
 
 @cache
@@ -130,6 +135,7 @@ def cards_with(model_set: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
             built_in_scene(name).watch,
             picture_name(name),
             tags_of(find_model(built_in_scene(name).spec.model), built_in_scene(name).spec.dim),
+            picture_name(name + MOVES),
         )
         for name in scene_names()
     ]
@@ -141,6 +147,7 @@ def cards_with(model_set: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
             built_in_lesson(name).watch,
             picture_name(f"lesson-{name}"),
             lesson_tags(built_in_lesson(name)),
+            picture_name(f"lesson-{name}{MOVES}"),
         )
         for name in lesson_names()
     ]
@@ -152,6 +159,7 @@ def cards_with(model_set: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
             model.summary,
             picture_name(f"model-{model.name}"),
             tags_of(model, *model.dimensions),
+            picture_name(f"model-{model.name}{MOVES}"),
         )
         for model in model_set
     ]
@@ -167,7 +175,33 @@ def cards_with(model_set: tuple[Model, ...]) -> tuple[GalleryCard, ...]:
         for name in layout_names()
     ]
     order = {title: place for place, title in enumerate((*GROUPS, WORLDS))}
-    return tuple(sorted([*scenes, *lessons, *models, *worlds], key=lambda card: order[card.group]))
+    every = [*scenes, *lessons, *models, *worlds]
+    linked = (replace(card, related=related_cards(card.name, model_set)) for card in every)
+    return tuple(sorted(linked, key=lambda card: order[card.group]))
+
+
+def related_cards(name: str, model_set: tuple[Model, ...]) -> tuple[str, ...]:
+    """Names of the cards that one is related to: of a world the models that are at home there, of
+    anything else its model, another run of that model, and the models related to it."""
+    if name.startswith(WORLD):
+        own = name.removeprefix(WORLD)
+        found = [MODEL + model.name for model in model_set if model.world == own]
+        return tuple(found[:MOST])
+    model = card_model(name)
+    runs = [*scene_names(), *(LESSON + lesson for lesson in lesson_names())]
+    shown = [run for run in runs if run != name and card_model(run) is model]
+    others = (MODEL + other.name for other in related_models(model, model_set))
+    own = [] if name.startswith(MODEL) else [MODEL + model.name]
+    return (*own, *shown[:1], *others)[:MOST]
+
+
+def card_model(name: str) -> Model:
+    """The model of a scene, a lesson or a model, by the name of its card."""
+    if name.startswith(MODEL):
+        return find_model(name.removeprefix(MODEL))
+    is_lesson = name.startswith(LESSON)
+    scene = built_in_lesson(name.removeprefix(LESSON)) if is_lesson else built_in_scene(name)
+    return find_model(scene.spec.model)
 
 
 def tags_of(model: Model, *dims: int) -> tuple[str, ...]:

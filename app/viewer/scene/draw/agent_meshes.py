@@ -127,12 +127,12 @@ FINS = (
 """Dorsal fin, left and right pectoral fin, a triangle each."""
 HINGE = (-0.18, 0.0, 0.0)
 """Where the tail is hinged to the trunk, the origin of its mesh."""
-STALK = ((0.0, 0.052, 0.068, 0.0), (-0.10, 0.032, 0.044, 0.0), (-0.20, 0.022, 0.028, 0.0))
+STALK = ((0.0, 0.052, 0.068, 0.0), (-0.20, 0.026, 0.030, 0.0))
 """Sections of the tail before its fin."""
 LOBE, NOTCH, SPREAD = -0.44, -0.33, 0.17
 """Of the fin of the tail: where its tips and the notch between them are, x; half its height."""
 BLADE = 0.026
-"""Half the width of that fin where it begins: from above one sees it swing."""
+"""Half the width of that fin, which is no sheet: from above one sees it swing."""
 
 
 def fish_trunk() -> Mesh:
@@ -144,12 +144,14 @@ def fish_trunk() -> Mesh:
 def fish_tail() -> Mesh:
     """The tail, straight behind its hinge."""
     begin = STALK[-1][0] + 0.05
-    fin = np.array(
-        [(begin, BLADE, 0.0), (NOTCH, 0.5 * BLADE, 0.0), (LOBE, 0.0, SPREAD),
-         (begin, -BLADE, 0.0), (NOTCH, -0.5 * BLADE, 0.0), (LOBE, 0.0, -SPREAD)]
-    )  # fmt: skip
-    faces = np.array([(0, 2, 1), (0, 1, 5), (3, 4, 2), (3, 5, 4)])
-    return join_meshes([_trunk((0.03, 0.0, 0.0), STALK, (-0.21, 0.0, 0.0)), (fin, faces)])
+    left = np.array(
+        [(begin, BLADE, 0.0), (NOTCH, BLADE, 0.0), (LOBE, BLADE, SPREAD), (LOBE, BLADE, -SPREAD)]
+    )
+    fin = np.concatenate([left, left * [1.0, -1.0, 1.0]])
+    sides = [(0, 2, 1), (0, 1, 3), (4, 5, 6), (4, 7, 5)]
+    edges = [(0, 4, 6), (0, 6, 2), (0, 7, 4), (0, 3, 7)]
+    stalk = _trunk((0.03, 0.0, 0.0), STALK, (-0.21, 0.0, 0.0))
+    return join_meshes([stalk, (fin, np.array([*sides, *edges]))])
 
 
 FISH_LEFT = ((0.50, 0.0), (0.45, 0.045), (0.33, 0.090), (0.22, 0.100), (0.03, 0.20), (0.07, 0.105),
