@@ -184,8 +184,8 @@ def related_cards(name: str, model_set: tuple[Model, ...]) -> tuple[str, ...]:
     """Names of the cards that one is related to: of a world the models that are at home there, of
     anything else its model, another run of that model, and the models related to it."""
     if name.startswith(WORLD):
-        own = name.removeprefix(WORLD)
-        found = [MODEL + model.name for model in model_set if model.world == own]
+        home = name.removeprefix(WORLD)
+        found = [MODEL + model.name for model in model_set if model.world == home]
         return tuple(found[:MOST])
     model = card_model(name)
     runs = [*scene_names(), *(LESSON + lesson for lesson in lesson_names())]
