@@ -17,6 +17,7 @@ from agents import Flock
 from agents.models.model import Model
 from agents.observables.catalogue import is_in_corridor
 from app.viewer.pictures.plane import swimming_outlines
+from app.viewer.scene.draw.agent_shapes import SWIMMER
 from app.worlds.world_picture import (
     FLOOR,
     GOAL,
@@ -73,7 +74,7 @@ def draw_agents(axes: Any, flock: Flock, colour: np.ndarray, length: float) -> N
         turn = np.array([[ux, -uy], [uy, ux]]).transpose(2, 0, 1)
         shapes = DART[None].repeat(len(rows), axis=0)
         if flock.model.rule.form == "fish" and flock.model.body.vehicle is None:
-            shapes = swimming_outlines(flock.ids[rows], flock.tick)
+            shapes = SWIMMER.scale * swimming_outlines(flock.ids[rows], flock.tick)
         placed = flock.position[rows, None, :2] + bigger * length * np.einsum(
             "nij,nkj->nki", turn, shapes
         )
