@@ -77,6 +77,11 @@ def test_a_model_is_shown_with_what_there_is_to_try(name):
         assert row["anew"] == one.anew
 
 
+def test_a_model_is_shown_with_the_models_it_is_related_to():
+    assert json.loads(shown("gregoire-chate", "--json"))["model"]["related"][0] == "vicsek1995"
+    assert "see also: vicsek1995, " in shown("gregoire-chate")
+
+
 def test_one_thing_of_every_kind_is_shown():
     for name, words, kind in (
         ("obstacles", "flockscope world show obstacles", "world"),
