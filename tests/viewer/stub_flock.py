@@ -72,7 +72,9 @@ class StubFlock:
         self.ids = np.arange(n)
         self.world = World("wrap", (self.side,) * start.dim, ("wrap",) * start.dim)
         self.model = SimpleNamespace(
-            rule=SimpleNamespace(converges=False, zones=(), view="", hunters="", sees_points=False),
+            rule=SimpleNamespace(
+                converges=False, zones=(), view="", hunters="", sees_points=False, form="birds"
+            ),
             body=SimpleNamespace(unit="ticks", touches=None, vehicle=None),
             nearest=lambda _: 0,
             columns=(),

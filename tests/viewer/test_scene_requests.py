@@ -60,7 +60,7 @@ def test_a_scene_opens_with_its_view_its_words_and_the_fields_of_setup(laborator
     assert simulation.state.speed == 2.0
     until(lambda: "Watch" in laboratory.run.story.content, 60)
     title = built_in_scene("beside").title
-    assert f"<h3>{title}</h3>" in laboratory.run.story.content
+    assert f"<h2>{title}</h2>" in laboratory.run.story.content
     assert f'data-scene="{title}"' in laboratory.run.status.content
     assert laboratory.setup.agents.value == 300
     assert laboratory.setup.beside.value != NOBODY

@@ -42,7 +42,8 @@ class BatchJob:
 
     def new_flock(self, words: Words, seed: Any) -> Flock:
         """A flock at tick 0. Raises InputError."""
-        return Flock(DEFAULT if self.model is None else self.model, **words, rng=seed)
+        own: dict[str, Any] = {} if self.model is None else {"model": self.model}
+        return Flock(**own, **words, rng=seed)
 
     def run(self, words: Words, seed: Any) -> Outcome:
         """Make a run; `rest` has an outcome for each step that is collected."""
