@@ -20,7 +20,7 @@
   const PARTS = { "[data-dock-region=left]": "Monitors", "[data-dock-region=right]": "Run and settings",
     '.mantine-Paper-root[style*="20em"]': "Panels" };
   const PLAYER = '.mantine-Paper-root:has(> .mantine-ActionIcon-root [class*="tabler-icon-player-"])';
-  const NAMES = { ".mantine-Notification-closeButton": "Close this notice", ".mantine-Modal-close": "Close",
+  const NAMES = { ".mantine-Notification-closeButton": "Dismiss this notice", ".mantine-Modal-close": "Close",
     "button:has(.tabler-icon-list-search)": "Commands",
     ".mantine-ActionIcon-root:has(.tabler-icon-player-pause-filled)": "Pause",
     ".mantine-ActionIcon-root:has(.tabler-icon-player-play-filled)": "Play",
@@ -41,7 +41,7 @@
     for (const label of all("label[for]")) {
       const row = label.closest(".mantine-Flex-root");
       if (!row || !label.textContent) continue;
-      for (const field of all("input, textarea, [role=slider]", row)) {
+      for (const field of all("input:not([type=hidden]), textarea, [role=slider]", row)) {
         if (!hasName(field) || field.dataset.named !== undefined) {
           write(field, "aria-label", label.textContent);
           field.dataset.named = "";

@@ -59,7 +59,7 @@ def test_a_slider_acts_on_the_running_flock_and_is_clamped(window, laboratory):
 
 def test_setup_takes_the_new_number_of_agents(window, laboratory):
     window.tab("Setup")
-    box = window.page.get_by_label("Agents")
+    box = window.page.get_by_label("Agents", exact=True)
     box.fill("150")
     window.page.get_by_text("Press Setup to use it").wait_for()
     assert laboratory.simulation.state.agents == 61

@@ -35,6 +35,9 @@ MESSAGES = (200.0, 400.0)
 """Messages, a second and at once: a page that drags sends some 60."""
 BYTES = (256.0 * 1024, 1.5 * LARGEST)
 """Bytes of messages, a second and at once: a file that is opened comes at once."""
+PREDICTIONS = (2.0, 2.0 * MOST_STEPS)
+"""Predictions of a student's pages, per second and at once: one as it is made and one as its run
+ends, in each step. They cost far less than a run that is handed in."""
 WORDS = (1.0, 5.0)
 """Things that a student hands in, a second and at once."""
 STRANGERS = (5.0, 60.0)
@@ -53,6 +56,7 @@ class StudentLimits:
         self.messages = RateLimit(*MESSAGES)
         self.bytes = RateLimit(*BYTES)
         self.words = RateLimit(*WORDS)
+        self.predictions = RateLimit(*PREDICTIONS)
         self.streams = self.going = 0
         """Lines that tell of the class, and requests that are being answered."""
 

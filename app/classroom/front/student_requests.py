@@ -98,9 +98,10 @@ class StudentRequests:
                 raise web.HTTPForbidden(text="this page is the teacher's\n")
             return None
         values = await values_of(request)
-        if not limits.words.take():
+        predicts = request.path == "/class/predict"
+        if not (limits.predictions if predicts else limits.words).take():
             raise web.HTTPTooManyRequests(text="too much at once: wait a moment\n")
-        if request.path == "/class/predict":
+        if predicts:
             return web.Response(text=await self.predict(student, values))
         if request.path != "/class/hand-in":
             raise web.HTTPForbidden(text="only the teacher may do that\n")
