@@ -8,12 +8,12 @@ from tests.viewer.waiting import COMPILED, until
 
 def chosen(window: Window, number: int) -> str:
     """What a plot shows."""
-    return window.page.get_by_label(f"Plot {number}", exact=True).input_value()
+    return window.page.get_by_role("combobox", name=f"Plot {number}").input_value()
 
 
 def choose(window: Window, label: str, option: str) -> None:
     """Choose from a list."""
-    window.page.get_by_label(label, exact=True).click()
+    window.page.get_by_role("combobox", name=label).click()
     window.page.get_by_role("option", name=option, exact=True).click()
 
 
@@ -50,7 +50,7 @@ def test_a_flock_that_can_crash_is_watched_and_another_is_not(window, laboratory
     until(lambda: "largest-group" in laboratory.plots.names)
 
     other = Window(chromium.new_page(viewport={"width": 1100, "height": 600}), laboratory)
-    assert other.page.get_by_label("Plot 3", exact=True).input_value() == "largest group"
+    assert other.page.get_by_role("combobox", name="Plot 3").input_value() == "largest group"
     choose(other, "Plot 3", "crashes")
     until(lambda: chosen(window, 3) == "crashes")
     other.page.close()
