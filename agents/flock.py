@@ -55,12 +55,6 @@ if TYPE_CHECKING:
 
     from agents.flock_words import FlockWords
 
-OTHER_NAMES = {
-    "schedule": "agents", "turtles": "agents", "grid": "space", "ticks": "tick",
-    "positions": "position", "headings": "heading", "params": "parameters",
-    "plot": "show", "draw": "show", "width": "world", "height": "world",
-}  # fmt: skip
-"""What Mesa, NetLogo and scripts call something -> what it is called here."""
 OTHER_WORDS = {word: name for name, one in OPTIONS.items() for word in one.also}
 """What other tools call an option -> its name."""
 MOST_DRAWN = 1_000
@@ -288,13 +282,12 @@ class Flock(TickClock, Motion):
         )
 
     def __getattr__(self, name: str) -> Any:
-        """A parameter by its name; of what is not there, what else it may be called."""
-        if self._has_parameter(name):
-            return getattr(self.parameters, name)
-        try:
-            return super().__getattr__(name)
-        except AttributeError as error:
-            raise AttributeError(f"{error}{other_name(name)}") from None
+        """A parameter by its name."""
+        return (
+            getattr(self.parameters, name)
+            if self._has_parameter(name)
+            else super().__getattr__(name)
+        )
 
     def __setattr__(self, name: str, value: Any) -> None:
         """A parameter that is assigned is set, as by `set`: InputError if it is not allowed."""
@@ -310,17 +303,17 @@ class Flock(TickClock, Motion):
         )
 
     def _repr_html_(self) -> str:
-        total, box = len(self.ids), np.asarray(self.world.size)
+        total, low, size = len(self.ids), np.asarray(self.world.low), np.asarray(self.world.size)
         apart = max(1, math.ceil(total / MOST_DRAWN))
         position, heading = self.position[::apart], self.heading[::apart]
         rows = {"agents": total, "world": self.world.name, "size": self.world.size}
         if apart > 1:
             rows["drawn"] = f"one agent of {apart}"
-        beyond = np.any((self.position < self.world.low) | (self.position > box), axis=1).sum()
+        beyond = np.any((self.position < low) | (self.position > low + size), axis=1).sum()
         if beyond:
             rows["outside the picture"] = int(beyond)
         rows |= {"tick": self.tick, "seed": self.seed, "polarisation": self.observe("polarisation")}
-        picture = self.world.picture(arrows(position, heading, float(max(box)) / 80))
+        picture = self.world.picture(arrows(position, heading, float(max(size)) / 80))
         return table(rows | self.parameters.model_dump(), self.model.title, picture)
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -616,18 +609,6 @@ def demand_own_words(model: Model, words: Mapping[str, Any]) -> None:
     for word in words:
         if word in OTHER_WORDS and word not in model.parameters.model_fields:
             raise InputError(f"unknown option {word!r}: it is called {OTHER_WORDS[word]!r} here")
-
-
-def other_name(attribute: str) -> str:
-    """What an attribute that other tools have is called here, with the colon before it.
-
-    >>> other_name("grid"), other_name("polarisation"), other_name("colour")
-    (": it is called 'space' here", ": use observe('polarisation')", '')
-    """
-    if attribute in OTHER_NAMES:
-        return f": it is called {OTHER_NAMES[attribute]!r} here"
-    observable = attribute.replace("_", "-")
-    return f": use observe({observable!r})" if observable in OBSERVABLES else ""
 
 
 def seed_from(rng: Any) -> Any:

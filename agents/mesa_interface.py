@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from agents.mesa_import import mesa
+from agents.observables.catalogue import OBSERVABLES
 from agents.observables.neighbours import separation
 from worlds.input_error import InputError, shorten
 from worlds.notebook_html import table
@@ -272,6 +273,28 @@ class FlockSpace(mesa.experimental.continuous_space.ContinuousSpace):
         return mesa.agent.AgentSet(self.flock.members, random=self.random)
 
 
+# What other tools call something.
+
+OTHER_NAMES = {
+    "schedule": "agents", "turtles": "agents", "grid": "space", "ticks": "tick",
+    "positions": "position", "headings": "heading", "params": "parameters",
+    "plot": "show", "draw": "show", "width": "world.size", "height": "world.size",
+}  # fmt: skip
+"""What Mesa, NetLogo and scripts call something -> what it is called here."""
+
+
+def other_name(attribute: str) -> str:
+    """What an attribute that other tools have is called here, with the colon before it.
+
+    >>> other_name("grid"), other_name("polarisation"), other_name("colour")
+    (": it is called 'space' here", ": use observe('polarisation')", '')
+    """
+    if attribute in OTHER_NAMES:
+        return f": it is called {OTHER_NAMES[attribute]!r} here"
+    observable = attribute.replace("_", "-")
+    return f": use observe({observable!r})" if observable in OBSERVABLES else ""
+
+
 # Its ticks as Mesa's time: `time`, `steps`, and events when they are due.
 
 
@@ -327,11 +350,12 @@ class TickClock(mesa.Model):
         self.step()
 
     def __getattr__(self, name: str) -> Any:
-        """What is there as soon as it is asked for."""
+        """What is there as soon as it is asked for; of what is not, what else it may be called."""
         if name in self._of_mesa and self._is_put_off:
             self._begin_put_off()
             return getattr(self, name)
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        what = f"{type(self).__name__!r} object has no attribute {name!r}"
+        raise AttributeError(f"{what}{other_name(name)}")
 
     @property
     def tick(self) -> int:

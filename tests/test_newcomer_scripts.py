@@ -184,6 +184,8 @@ def test_what_is_shown_of_things_is_short_and_has_a_picture():
     assert "<svg" in model.world._repr_html_()
     assert "Vicsek" in MODELS._repr_html_()
     assert "heading" in member._repr_html_()
+    room = World(size=10, edges="open", low=(20.0, 5.0))
+    assert "outside" not in Flock("vem", agents=10, world=room, rng=1)._repr_html_()
     member.remove()
     assert "gone" in member._repr_html_()
     assert flockscope.__version__.count(".") == 2

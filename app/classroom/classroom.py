@@ -371,9 +371,10 @@ class Classroom:
         else:
             page = await self.page_of(student)
             begun = page.step_at(step) if step else None
-            ran = moved_scene(student, page, values, begun)
+            plain = moved_scene(student, page, values)
+            ran = plain if begun is None else moved_scene(student, page, values, begun)
             # Without what the step sets: the next run may be of another step, or of none.
-            student.scene = moved_scene(student, page, values)
+            student.scene = plain
         try:
             point = await self.asking.hand_in(student.name, ran)
         finally:

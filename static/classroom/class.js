@@ -174,7 +174,16 @@
   document.addEventListener("DOMContentLoaded", () => {
     at("watch").addEventListener("click", () => say({ do: "role", role: "watching" }));
     at("own").addEventListener("click", () => say({ do: "role", role: "own" }));
-    at("start").addEventListener("click", () => say({ do: "start" }));
+    at("start").addEventListener("click", () => {
+      if (!known?.lesson?.steps.some(({ predicted }) => predicted.some(Boolean))) return say({ do: "start" });
+      const inner = make("div", "fs-asking"), link = make("a", "fs-button", "Predictions (CSV)");
+      Object.assign(link, { href: "class/predictions.csv", download: "" });
+      inner.append(make("h2", "", "All start from my scene"),
+        make("p", "", "If your scene has other steps, the class forgets what students have predicted: save it first."), link,
+        button("Start", async () => { if (await say({ do: "start" })) close(); }),
+        button("Go on", close));
+      sheet(inner);
+    });
     at("freeze").addEventListener("click", () => say({ do: "freeze", held: !known.frozen }));
     at("show-code").addEventListener("click", wall);
     at("say").addEventListener("submit", async (event) => {

@@ -210,6 +210,8 @@
     word.hidden = !now.word;
     ask(now.question);
     hold(now.frozen);
+    // What was refused because the class was not so far is told again as it goes on.
+    if (now.lesson?.step !== lesson?.step) for (const step of Object.keys(answered)) delete answered[step];
     lesson = now.lesson;
     follow();
     results.look(now.plot);
