@@ -317,7 +317,7 @@ class Flock(TickClock, Motion):
         return table(rows | self.parameters.model_dump(), self.model.title, picture)
 
     def to_dataframe(self) -> pd.DataFrame:
-        """The agents as they are now, a row each, as a `pandas.DataFrame` by `id`.
+        """The agents as they are now, in the order of `position`, as a `pandas.DataFrame` by `id`.
 
         Columns: `x`, `y` and in space `z`, length; `heading_x`, `heading_y` (and `heading_z`), a
         unit vector; `speed`, the distance of the last tick, length/tick; `informed`. Copies: what

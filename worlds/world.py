@@ -127,7 +127,8 @@ class World:
             "mission": self.mission_words,
             "source": self.source or "-",
         }
-        return table(rows, f"World {self.name}", self.picture())
+        title = "World" if self.name == "world" else f"World {self.name}"
+        return table(rows, title, self.picture())
 
     @property
     def mission_words(self) -> str:
