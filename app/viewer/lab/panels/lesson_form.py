@@ -74,7 +74,7 @@ class LessonForm:
                 "Bounds", "", hint="Between one answer and the next, as 0.25 / 0.75"
             )
             self.than = gui.add_number(
-                "Less step",
+                "Compare with step",
                 0,
                 min=0,
                 max=MOST_STEPS,
