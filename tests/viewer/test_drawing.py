@@ -15,7 +15,7 @@ from app.viewer.scene.draw.attitude import (
     quantise_attitudes,
     rounded_places,
 )
-from app.viewer.scene.drawing import REST, Drawing, Rates, period
+from app.viewer.scene.drawing import BURST, REST, Drawing, Rates, period
 from app.viewer.scene.shown.drawing_style import DrawingStyle
 from tests.viewer.sky import frame, heading
 from tests.viewer.waiting import HandTime, until
@@ -133,15 +133,35 @@ def test_panels_show_at_once_what_has_been_pressed():
 
 def test_a_thread_that_draws_what_is_dear_keeps_to_its_share():
     made = stand(share=0.1)
+    draw_at_cost(made, 0.05)
+    made.run(2.0 * BURST)
+    assert made.worked == pytest.approx(BURST, rel=0.3)
+    before = made.worked, made.time()
+    made.run(20.0)
+    share = (made.worked - before[0]) / (made.time() - before[1])
+    assert share == pytest.approx(0.1, abs=0.01)
+
+
+def test_what_is_drawn_once_and_is_dear_keeps_no_page_waiting():
+    made = stand(share=0.1)
+    draw_at_cost(made, 0.8 * BURST)
+    made.run(BURST)
+    draw_at_cost(made, 0.001)
+    before = len(made.shown)
+    made.run(0.5)
+    assert len(made.shown) - before > 5
+
+
+def draw_at_cost(made: Stand, seconds: float) -> None:
+    """Have every frame take so much work from now on; there is always a new one."""
 
     def work(_frame, _look) -> None:
-        made.worked += 0.05
-        made.time.now += 0.05
+        made.worked += seconds
+        made.time.now += seconds
+        made.shown.append(made.time())
 
     made.show = work
-    made.time.at(0.005, made.another, every=0.005)
-    made.run(20.0)
-    assert made.worked / made.time() == pytest.approx(0.1, abs=0.01)
+    made.time.at(made.time() + 0.005, made.another, every=0.005)
 
 
 def test_a_class_has_a_bandwidth_of_its_own():

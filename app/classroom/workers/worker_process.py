@@ -11,7 +11,12 @@ from app.classroom.workers import laboratory_worker
 from app.process_worker import ProcessLimits
 from app.processes import ChildProcess
 
-PRELOAD = laboratory_worker.__name__, f"{__package__}.measuring", f"{__package__}.page_worker"
+PRELOAD = (
+    laboratory_worker.__name__,
+    f"{__package__}.measuring",
+    f"{__package__}.page_worker",
+    "matplotlib.backends.backend_svg",  # draws the equations of a model's guide
+)
 """What all of them import, once for all where the system can fork."""
 TIMEOUT = 20.0
 """Seconds that a laboratory may take for one request."""

@@ -30,6 +30,8 @@ REST = 0.1
 """Longest time between two looks with somebody there, s: what nobody tells is seen then."""
 UNSEEN = 1.0
 """The same with nobody there, s."""
+BURST = 1.0
+"""What the thread may have worked beyond its share, s: at first it imports and draws much once."""
 BANDWIDTH = 16e6
 """What all browsers together may be sent, bytes/s."""
 AGENT_BYTES = 28
@@ -123,6 +125,8 @@ class Drawing:
         self.worked = worked
         self.due = self.panels_due = 0.0
         """When the next frame may be drawn, and the panels are refreshed at the latest, s."""
+        self.rested = -math.inf
+        """When its work so far is within its share, s."""
         self.shown: object = None
         """What `changes` was when the panels were refreshed."""
         self.drawn: tuple[Frame, DrawingStyle] | None = None
@@ -172,8 +176,8 @@ class Drawing:
         except Exception as error:
             traceback.print_exception(error)
             self.closing.wait(1.0)
-        worked = self.worked() - worked
-        self.wait_until_due(max(self.due, began + worked / self.rates.share))
+        self.rested = max(self.rested, began) + (self.worked() - worked) / self.rates.share
+        self.wait_until_due(max(self.due, self.rested - BURST / self.rates.share))
 
     def wait_until_due(self, due: float) -> None:
         """Wait until a frame may be drawn at `due` (s), and then for something to draw."""
