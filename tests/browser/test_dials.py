@@ -41,7 +41,8 @@ class Slider:
         return (thumb["x"] + thumb["width"] / 2 - rail["x"]) / rail["width"]
 
     def drag(self, share: float) -> None:
-        """Drag the thumb to so much of the rail."""
+        """Drag the thumb to so much of the rail; what is changed is listed above and moves it."""
+        self.root.scroll_into_view_if_needed()
         self.page.mouse.move(*self.at(self.thumb_at()))
         self.page.mouse.down()
         self.page.mouse.move(*self.at(share), steps=6)
@@ -110,6 +111,7 @@ def test_a_number_outside_of_what_is_proposed_is_taken_and_shown(slider, window)
     until(lambda: weight.flock() == 60.0)
     until(lambda: weight.ends() == [low, 100.0])
     assert 0.5 < weight.thumb_at() < 0.7
+    until(weight.is_marked)
     weight.drag(0.1)
     until(lambda: weight.flock() < high)
     assert weight.ends() == [low, 100.0], "what it spans stays while it is looked at"

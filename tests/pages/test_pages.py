@@ -15,11 +15,15 @@ import ezdxf
 import pytest
 import tomlkit
 
+from agents.flock import Flock
 from app.cli.main import COMMANDS
 from app.live.laboratory.lab_file import lab_from_toml
 from app.studies.optimisation.study import OptimisationFile
 from app.studies.sweeps.sweep_file import SweepFile
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.lab.runs_file import RunsFile
+from app.viewer.measuring.flock_readings import FlockReadings
+from app.viewer.measuring.kept_runs import KeptRuns
 from pages.blocks import BLOCKS, PAGES, ROOT, Block, blocks_of, inline_commands, text_of
 from pages.not_run import ELSEWHERE, PRINTED
 from pages.plan import (
@@ -128,7 +132,20 @@ def draw_station(path):
     path.write_text(json.dumps({"name": "station", "scenario": {"topography": topography}}))
 
 
+def keep_a_run(path):
+    """The file in which a laboratory keeps its runs."""
+    readings = FlockReadings(Flock("vem", agents=8, seed=1))
+    for _ in range(2):
+        readings.flock.advance(5)
+        readings.read(at_once=True)
+    path.parent.mkdir(exist_ok=True)
+    rows = KeptRuns(storage=RunsFile(path))
+    rows.follow([readings])
+    rows.close()
+
+
 READERS_OWN = {
+    ("docs/laboratory.md", "results/runs.jsonl"): keep_a_run,
     ("docs/first-examples.md", "lab.toml"): lambda path: path.write_text(
         file_from("docs/live.md", "lab.toml")
     ),

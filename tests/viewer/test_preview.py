@@ -74,9 +74,10 @@ def test_the_time_line_stands_at_the_tick_of_a_preview_and_not_of_the_run_before
     try:
         panel = TimeLinePanel(server.gui, SimpleNamespace(time_line=None))
         panel.refresh(SimpleNamespace(line=TimeLineState(0, 174, 174)), SimpleNamespace(tick=174))
-        assert (panel.slider.value, panel.slider.max) == (174, 174)
+        until(lambda: (panel.slider.value, panel.slider.max) == (174, 174))
         panel.refresh(SimpleNamespace(line=None), SimpleNamespace(tick=3))
-        assert (panel.slider.value, panel.slider.max, panel.slider.disabled) == (3, 3, True)
+        until(lambda: panel.slider.value == 3)
+        assert (panel.slider.max, panel.slider.disabled) == (3, True)
     finally:
         server.stop()
 
