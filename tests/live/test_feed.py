@@ -117,6 +117,7 @@ def test_what_never_brought_a_frame_fails_for_good_in_one_line(how, says):
         ("broken", "the camera is gone"),
         ("killed", "its process was killed (SIGKILL)"),
         ("leaving", "its process ended by itself (exit code 3)"),
+        ("greedy", "it asked for more memory than it gets (4 GiB)"),
     ],
 )
 def test_what_goes_wrong_later_is_told_in_one_line_and_it_is_opened_again(how, says, monkeypatch):

@@ -25,6 +25,7 @@ from typing import Literal
 
 from app.live.control.pose import MocapFrame, Pose
 from app.live.sources.pose_source import Source
+from app.process_worker import ProcessLimits
 from worlds.input_error import InputError
 from worlds.number_text import signal_name
 
@@ -46,10 +47,16 @@ type Message = (
 )
 
 
+MEMORY = 4 * 2**30
+"""Bytes that a source gets: a forged count in one datagram makes a library ask for as much as it
+says, and the machine that drives the cars would stall."""
+
+
 def serve(source: Source, line: Connection, timeout: float) -> None:
     """Send through `line` that the source is connected, its frames, its trouble and its end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which ends us
     silence_output()
+    ProcessLimits(memory=MEMORY).apply()
     stop = threading.Event()
     threading.Thread(target=_heed, args=(line, stop), daemon=True).start()
     to_parent = _ToParent(line)
@@ -132,6 +139,8 @@ def _heed(line: Connection, stop: threading.Event) -> None:
 
 def _one_line(trouble: Exception) -> str:
     """What went wrong; errors that only a mistake in a source can raise are named by their kind."""
+    if isinstance(trouble, MemoryError):
+        return f"it asked for more memory than it gets ({MEMORY / 2**30:g} GiB)"
     text = " ".join(str(trouble).split()) or type(trouble).__name__
     expected = isinstance(trouble, (ValueError, OSError, RuntimeError))
     return text if expected else f"{type(trouble).__name__}: {text}"
