@@ -165,6 +165,11 @@ def test_everybody_can_use_the_page_in_both_themes_and_the_stop_is_never_hidden(
     for theme in ("light", "dark"):
         assert page.locator("html").get_attribute("data-theme") == theme
         assert find_violations_on_tabs(page) == []
+        operator.press("Arm …")
+        page.locator(".mantine-Modal-body input").first.wait_for()
+        assert find_violations(page) == []
+        page.get_by_role("button", name="Cancel", exact=True).click()
+        page.locator(".mantine-Modal-body input").first.wait_for(state="detached")
         page.keyboard.press("m")
     for _ in ("the plots alone", "nothing"):
         page.keyboard.press("p")
@@ -173,6 +178,7 @@ def test_everybody_can_use_the_page_in_both_themes_and_the_stop_is_never_hidden(
     page.locator(".fs-stop").click()
     page.keyboard.press("p")
     operator.sees("emergency")
+    page.get_by_role("alert").get_by_text("EMERGENCY STOP ·").wait_for()
     assert find_violations(page) == []
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -106,3 +107,5 @@ def test_every_equation_can_be_drawn(model):
     lines = equation_svg(model.rule.equation)
     assert lines
     assert all(line and line.startswith("<svg") for line in lines)
+    drawn = " ".join(map(str, lines))
+    assert set(re.findall(r"(?:fill|stroke)[:=] ?\"?([^\";]+)", drawn)) == {"currentColor", "none"}

@@ -97,7 +97,7 @@ def page_svg(
     root.attrib |= {
         "class": "fs-figure",
         "viewBox": box,
-        "role": "img",
+        "role": "group" if links else "img",  # what is in an image cannot be pressed
         "aria-label": without_control_characters(label),
     }
     return ElementTree.tostring(root, encoding="unicode")

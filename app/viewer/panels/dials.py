@@ -109,7 +109,8 @@ def cases_in_a_row(match: re.Match[str]) -> str:
 
 
 def line_svg(latex: str, size: float) -> str | None:
-    """One line of mathematics as an SVG element; None where matplotlib cannot set it."""
+    """One line of mathematics as an SVG element in the colour of the text around it, named by its
+    LaTeX; None where matplotlib cannot set it."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
@@ -123,8 +124,9 @@ def line_svg(latex: str, size: float) -> str | None:
             figure.savefig(buffer, format="svg", bbox_inches="tight", transparent=True)
     except ValueError:
         return None
-    text = buffer.getvalue()
-    return text[text.index("<svg") :]
+    text = buffer.getvalue().replace("#000000", "currentColor")
+    name = html.escape(latex, quote=True)
+    return f'<svg fill="currentColor" role="img" aria-label="{name}"{text.partition("<svg")[2]}'
 
 
 FEWEST, MOST = 20, 200
