@@ -58,6 +58,12 @@ def test_it_keeps_why_the_cars_were_disarmed_until_they_are_armed_again(enter, o
     operators.last.happens("disarm", "disarmed: nothing changed", "browser 1")
     operators.last.happens("arm", "armed", "browser 1")
     until(lambda: not session.state.disarmed)
+    operators.last.happens("emergency", "EMERGENCY STOP", "browser 1")
+    until(lambda: session.state.disarmed == "EMERGENCY STOP (browser 1)")
+    count = len(session.events)
+    operators.last.happens("emergency", "EMERGENCY STOP: nothing changed", "browser 2")
+    until(lambda: len(session.events) > count)
+    assert session.state.disarmed == "EMERGENCY STOP (browser 1)"
 
 
 @pytest.mark.parametrize("action", ["tune", "hold", "fly", None, 7, ["arm"]])

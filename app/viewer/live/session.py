@@ -311,7 +311,9 @@ class Session(SessionRequests):
         if event.kind == "arm":
             self.is_armed = True
             self.change(disarmed="")
-        elif event.kind == "emergency" or (self.is_armed and event.kind in ("hold", "disarm")):
+        elif (event.kind == "emergency" and not (self.latch and self.state.disarmed)) or (
+            self.is_armed and event.kind in ("hold", "disarm")
+        ):
             self.is_armed = False
             by = f" ({event.cause})" if event.cause else ""
             self.change(disarmed=f"{event.words}{by}")
