@@ -276,9 +276,13 @@ class FlockSpace(mesa.experimental.continuous_space.ContinuousSpace):
 # What other tools call something.
 
 OTHER_NAMES = {
-    "schedule": "agents", "turtles": "agents", "grid": "space", "ticks": "tick",
-    "positions": "position", "headings": "heading", "params": "parameters",
-    "plot": "show", "draw": "show", "width": "world.size", "height": "world.size",
+    "schedule": "agents", "turtles": "agents", "ask": "agents",
+    "grid": "space", "patches": "world", "ticks": "tick", "random_seed": "seed",
+    "positions": "position", "xcor": "position", "ycor": "position", "headings": "heading",
+    "params": "parameters", "globals": "parameters", "width": "world.size", "height": "world.size",
+    "plot": "show", "draw": "show", "monitor": "observe", "reporter": "observe",
+    "report": "observe", "go": "run", "simulate": "run", "setup": "restart",
+    "reset_ticks": "restart", "clear_all": "restart", "set_seed": "restart", "export_world": "save",
 }  # fmt: skip
 """What Mesa, NetLogo and scripts call something -> what it is called here."""
 

@@ -131,10 +131,11 @@ class Spec(Options):
             "population",
             "population_size",
             "num_boids",
+            "turtles",
         ),
     )
     seed: Annotated[int, from_(0, LARGEST_SEED)] | None = option(
-        "Seed", "Same seed, same run", kind=int
+        "Seed", "Same seed, same run", kind=int, also=("random_seed",)
     )
     size: Annotated[float | tuple[float, ...], BeforeValidator(sides)] | None = option(
         "Side",
@@ -142,7 +143,17 @@ class Spec(Options):
         "own; any other has the density of the paper",
         kind=float,
         step=0.5,
-        also=("width", "height", "side", "L", "box_size", "world_size", "x_max", "max_pxcor"),
+        also=(
+            "width",
+            "height",
+            "side",
+            "L",
+            "box_size",
+            "world_size",
+            "x_max",
+            "max_pxcor",
+            "world_width",
+        ),
     )
     dim: Annotated[int, BeforeValidator(dimensions)] | None = option(
         "Dimension",
@@ -155,7 +166,7 @@ class Spec(Options):
         "World",
         "A built-in world or a TOML file: what stands in it, what happens at its edges, and where "
         "the flock is to go. A model is at home in one of its own",
-        also=("torus", "edges", "boundary", "periodic", "environment"),
+        also=("torus", "edges", "boundary", "periodic", "environment", "topology", "wrap"),
     )
     start: Literal["random", "given"] = "random"
     parameters: dict[str, Any] = Field(default_factory=dict)

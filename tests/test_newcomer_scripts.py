@@ -4,6 +4,7 @@ does."""
 from __future__ import annotations
 
 import copy
+import operator
 import pickle
 
 import matplotlib.pyplot as plt
@@ -13,6 +14,7 @@ import pandas as pd
 import pytest
 
 import flockscope
+from agents.mesa_interface import OTHER_NAMES
 from flockscope import MODELS, Flock, InputError, Member, World
 
 # Scripts of somebody who knows Mesa. Each is one to three minutes of typing.
@@ -202,6 +204,10 @@ def test_what_is_shown_of_things_is_short_and_has_a_picture():
         (lambda: Flock("vem", n=50), "unknown option 'n': it is called 'agents' here"),
         (lambda: Flock("vem", width=50, height=50), "'width': it is called 'size' here"),
         (lambda: Flock("boids"), "unknown model 'boids': did you mean reynolds"),
+        (lambda: Flock("Flocking"), "unknown model 'Flocking': did you mean reynolds"),
+        (lambda: Flock("vem", turtles=50), "'turtles': it is called 'agents' here"),
+        (lambda: Flock("vem", random_seed=5), "'random_seed': it is called 'seed' here"),
+        (lambda: Flock("vem", world_width=50), "'world_width': it is called 'size' here"),
         (lambda: Flock("vem", agents="fifty"), "agents = 'fifty' is not allowed: a whole number"),
         (lambda: Flock("vem", radius=2.0), "unknown parameter 'radius'"),
         (lambda: World((20, 10)), r"give the sides as World\(size=\(20, 10\)\)"),
@@ -220,6 +226,11 @@ def test_other_tools_words_are_told_ours(begin, words):
         ("grid", "it is called 'space' here"),
         ("turtles", "it is called 'agents' here"),
         ("ticks", "it is called 'tick' here"),
+        ("ask", "it is called 'agents' here"),
+        ("patches", "it is called 'world' here"),
+        ("go", "it is called 'run' here"),
+        ("setup", "it is called 'restart' here"),
+        ("xcor", "it is called 'position' here"),
         ("polarisation", r"use observe\('polarisation'\)"),
     ],
 )
@@ -227,3 +238,10 @@ def test_other_tools_attributes_are_told_ours(asked, words):
     model = Flock("vem", agents=10, size=5.0, rng=1)
     with pytest.raises(AttributeError, match=words):
         getattr(model, asked)
+
+
+@pytest.mark.parametrize(("asked", "ours"), OTHER_NAMES.items())
+def test_what_other_tools_attributes_are_called_here_is_there(asked, ours):
+    model = Flock("vem", agents=10, size=5.0, rng=1)
+    assert not hasattr(model, asked)
+    operator.attrgetter(ours)(model)
