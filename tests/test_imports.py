@@ -36,7 +36,7 @@ LAZY = {
     ("worlds/readers/join.py", "scipy"),  # 0.3 s, for drawings whose lines are joined
     ("worlds/readers/degrees.py", "pyproj"),  # an extra, for plans in degrees
     ("worlds/readers/formats/svg.py", "svgelements"),  # 0.1 s, for those who read an SVG file
-    ("worlds/readers/formats/dxf.py", "ezdxf"),  # 0.5 s, for those who read a drawing
+    ("worlds/readers/formats/dxf.py", "ezdxf"),  # an extra, for those who read a drawing
 }
 """Libraries that a file of agents or worlds imports within a function, because they are slow."""
 

@@ -8,6 +8,7 @@ import pytest
 import shapely
 from ezdxf import units
 
+from worlds import plug_ins
 from worlds.input_error import InputError
 from worlds.obstacles import Disc, Polygon, Wall
 from worlds.readers import read_geometry
@@ -226,4 +227,11 @@ def test_a_damaged_entity_is_named(drawing):
     drawing.document.saveas(drawing.path)
     drawing.path.write_text(drawing.path.read_text().replace("3.25", "0.0"))
     with pytest.raises(InputError, match=r"ELLIPSE handle \w+: it is damaged: .*null vector"):
+        read_geometry(drawing.path, SOLID)
+
+
+def test_without_the_extra_one_line_says_which_it_needs(drawing, monkeypatch):
+    drawing.document.saveas(drawing.path)
+    monkeypatch.setattr(plug_ins, "find_spec", lambda _: None)
+    with pytest.raises(InputError, match=r"needs the package ezdxf.*install the extra maps"):
         read_geometry(drawing.path, SOLID)

@@ -19,6 +19,7 @@ from typing import Any
 import shapely
 
 from worlds.input_error import InputError
+from worlds.plug_ins import demand
 from worlds.readers.drawing_contents import DEEPEST, MOST_ITEMS, DrawingContents, Item, demand_file
 from worlds.readers.drawn_shapes import (
     ROUNDING,
@@ -129,6 +130,7 @@ BLOCKS_LAYER = "0"
 
 def read_dxf(path: Path) -> DrawingContents:
     """The entities of a DXF file. Raises InputError."""
+    demand("ezdxf", "reading a drawing (DXF)", "maps")
     import ezdxf
 
     demand_file(path)
