@@ -8,7 +8,7 @@
 # reach this machine, since a container does not know it.
 FROM python:3.12-slim AS built
 
-RUN pip install --no-cache-dir uv
+RUN pip install --no-cache-dir uv==0.13.9
 WORKDIR /project
 COPY pyproject.toml uv.lock README.md LICENSE ./
 COPY packing packing
