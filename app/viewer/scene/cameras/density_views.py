@@ -15,7 +15,7 @@ import numpy as np
 from PIL import Image
 from viser import CameraHandle, ClientHandle, ImageHandle, ViserServer
 
-from app.front.viser_internals import add_jpeg, camera_report, is_connected, show_jpeg
+from app.front.viser_internals import add_jpeg, is_connected, show_jpeg
 from app.viewer.scene.cameras.flock_in_sight import MARGIN, FlockInSight
 from app.viewer.scene.cameras.space_density import DensityBackdrop, Files, SpaceFlockInSight
 from app.viewer.scene.cameras.viewpoints import Sight
@@ -60,6 +60,13 @@ def region_in_sight(camera: CameraHandle, picture: Picture, aside: np.ndarray) -
         away = np.where((away > 0.0) & (away < farthest), away, farthest)
         corners = picture.stage.world(eye + away[:, None] * ways)
     return PlaneRegion(tuple(corners.min(axis=0).tolist()), tuple(corners.max(axis=0).tolist()))
+
+
+def camera_state(camera: CameraHandle) -> bytes:
+    """All that says what a camera has in sight; bytes, as a browser may say that it is nan."""
+    vectors = camera.position, camera.look_at, camera.up_direction
+    numbers = camera.fov, camera.image_width, camera.image_height
+    return np.concatenate([*vectors, numbers], dtype=float).tobytes()
 
 
 class JpegFile(NamedTuple):
@@ -208,8 +215,8 @@ class BrowserSights:
         self.space: dict[int, SpaceFlockInSight] = {}
         """By side."""
         self.backdrop = DensityBackdrop(client)
-        self.report: object = None
-        """What the browser had told of its camera when this was drawn."""
+        self.camera = b""
+        """The `camera_state` that this was drawn for."""
         self.due = 0.0
         """When it is drawn again at the soonest because its camera moves, s."""
 
@@ -290,9 +297,10 @@ class DensityViews:
         for view in self._browsers():
             if not is_connected(view.client):
                 continue
-            report = camera_report(view.client.camera)
-            if is_new or (report is not view.report and now >= view.due):
-                view.report, view.due = report, now + drawing_style.DENSITY_PERIOD
+            # Before it is drawn: a script on another thread may be moving the camera meanwhile.
+            camera = camera_state(view.client.camera)
+            if is_new or (camera != view.camera and now >= view.due):
+                view.camera, view.due = camera, now + drawing_style.DENSITY_PERIOD
                 view.draw(self._dense, is_new)
 
     def _browsers(self) -> list[BrowserSights]:
