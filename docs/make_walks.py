@@ -179,7 +179,7 @@ def researcher(walk: Walk) -> None:
         walk.running()
         page.wait_for_timeout(8000)
         walk.look("beside")
-        walk.taking().last.get_by_label("Pixels").select_option("640x360")
+        walk.taking().nth(1).get_by_label("Pixels").select_option("640x360")
         walk.press("Record")
         page.wait_for_timeout(10_000)
         walk.look("films")
