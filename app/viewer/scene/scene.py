@@ -124,7 +124,8 @@ class ComparisonNodes:
         date."""
         if second is None:
             if self.frame is not None:
-                self.frame.remove()  # With all that is below it.
+                for node in (self.frame, *self.titles):  # With all that is below it.
+                    node.remove()
                 self.parts, self.frame, self.titles = None, None, ()
             return []
         if self.parts is None or self.frame is None:
@@ -136,9 +137,9 @@ class ComparisonNodes:
         changes: Changes = [
             (self.frame, "position", aside),
             (title, "text", first.frame.title),
-            (title, "position", title_place(first) - aside),
+            (title, "position", title_place(first)),
             (other, "text", second.frame.title),
-            (other, "position", title_place(second)),
+            (other, "position", title_place(second) + aside),
         ]
         changes = [
             change
@@ -152,8 +153,9 @@ class ComparisonNodes:
         return [] if second is None or self.parts is None else self.parts.draw_flock(second)
 
     def _title(self, name: str) -> LabelHandle:
+        """Not below the room: a browser leaves a label where it is when only its parent moves."""
         return self.scene.add_label(
-            f"{ROOT}/titles/{name}", "", anchor="bottom-center", font_screen_scale=1.25
+            f"/titles/{name}", "", anchor="bottom-center", font_screen_scale=1.25
         )
 
 
