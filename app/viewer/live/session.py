@@ -308,12 +308,12 @@ class Session(SessionRequests):
     def note(self, event: Event) -> None:
         """Keep an event; an emergency stop lasts beyond this opening until it is reset."""
         self.events.add(event)
+        is_repeated = event.kind == "emergency" and self.latch and self.state.disarmed
+        stops = event.kind == "emergency" or (self.is_armed and event.kind in ("hold", "disarm"))
         if event.kind == "arm":
             self.is_armed = True
             self.change(disarmed="")
-        elif (event.kind == "emergency" and not (self.latch and self.state.disarmed)) or (
-            self.is_armed and event.kind in ("hold", "disarm")
-        ):
+        elif stops and not is_repeated:
             self.is_armed = False
             by = f" ({event.cause})" if event.cause else ""
             self.change(disarmed=f"{event.words}{by}")
