@@ -130,10 +130,10 @@ BLOCKS_LAYER = "0"
 
 def read_dxf(path: Path) -> DrawingContents:
     """The entities of a DXF file. Raises InputError."""
+    demand_file(path)
     demand("ezdxf", "reading a drawing (DXF)", "maps")
     import ezdxf
 
-    demand_file(path)
     items: list[Item] = []
     left_out = Counter[tuple[str, str]]()
     with report_damage(f"{path} is not DXF, or damaged"):
