@@ -26,10 +26,7 @@ def page_of(name: str) -> str:
     rows = "\n".join(row_of(number, step) for number, step in enumerate(scene.steps, 1))
     assert question is not None, f"{name} has no question for a class"
     low, *_, high = map(question.value_text, question.values)
-    aim = (
-        f"**Aim.** {scene.watch} Commands are printed for [the folder of the checkout]"
-        "(../../README.md#start); [a class](../class.md) says what the buttons do."
-    )
+    aim = f"**Aim.** {scene.watch} [A class](../class.md) says what the buttons do."
     asked = (
         f"4. **Ask a question**, *{question.title}*: each student has one of "
         f"{len(question.values)} values from {low} to {high}. A result is {question.result_words}."
@@ -43,7 +40,7 @@ def page_of(name: str) -> str:
 
 {lines(aim)}
 
-    uv run flockscope class {name} --host 0.0.0.0
+    flockscope class {name} --host 0.0.0.0
 
 ![{scene.title}](../../static/gallery/lesson-{name}.webp)
 

@@ -288,11 +288,9 @@ $$
 
 {to_try(model)}## Try it
 
-In [the folder of the checkout](../../README.md#start):
-
 ```
-uv run flockscope lab {model.name}
-uv run flockscope run {model.name}{many}{options} --ticks {ticks} --seed {scene.seed}
+flockscope lab {model.name}
+flockscope run {model.name}{many}{options} --ticks {ticks} --seed {scene.seed}
 ```
 
 ```python

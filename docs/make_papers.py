@@ -1,6 +1,6 @@
 """Writes docs/papers.md from stored results of full runs.
 
-    uv run flockscope paper --all --json > results/all.json
+    flockscope paper --all --json > results/all.json
     uv run python docs/make_papers.py [results/all.json ...]
 
 With files, of all papers or of one, their results are stored beside the text first, as

@@ -135,9 +135,9 @@ RULE = Rule(
     explain=explain,
     led=False,
     checked="the closed form of the mean square displacement of free particles, over which D is "
-    "measured: {bechinger2016-msd#10} (`uv run flockscope paper bechinger2016-msd`); crowded ones "
+    "measured: {bechinger2016-msd#10} (`flockscope paper bechinger2016-msd`); crowded ones "
     "lose speed in proportion to the packing, by the slope times it; at packing "
-    "{fily2012-speed#5} (`uv run flockscope paper fily2012-speed`)",
+    "{fily2012-speed#5} (`flockscope paper fily2012-speed`)",
     tries=(
         LessonStep(
             "Let particles forget their heading 500 times as fast.",

@@ -316,7 +316,7 @@ RULE = Rule(
     r" \eta(d_{ik}) \phi_\alpha n_{ik} + c_2^\beta b_{ik} \big(\tfrac{\hat q_i - q_i}{\Delta t} - "
     r"p_i\big)\big] - c_1^\gamma (q_i - q_\gamma) - c_2^\gamma (p_i - p_\gamma)",
     source="Wu et al. 2023, (12) to (19), table 2",
-    checked="{wu2023-fig5#2}; {wu2023-fig5#3} (`uv run flockscope paper wu2023-fig5`)",
+    checked="{wu2023-fig5#2}; {wu2023-fig5#3} (`flockscope paper wu2023-fig5`)",
     tags=("robotics", "obstacles", "maze", "control", "swarm"),
     parameters=BoundaryPoints,
     **of_pairs(4, term, answer, sees_points=True),

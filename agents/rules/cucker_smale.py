@@ -134,7 +134,7 @@ RULE = Rule(
     checked="what two agents that fly apart lose of their speed is the integral of the weight: "
     "beta = {cucker-smale2007#5}; beyond beta = 1/2 it depends on the start, beta = "
     "{cucker-smale2007#4}; up to 1/2 and below the critical speed flocks of 20 agree as fast as "
-    "the bound says, beta = {cucker-smale2007#6} (`uv run flockscope paper cucker-smale2007`)",
+    "the bound says, beta = {cucker-smale2007#6} (`flockscope paper cucker-smale2007`)",
     tries=(
         LessonStep(
             "Let agents listen less to those far away: beta = 2.",

@@ -189,8 +189,8 @@ RULE = Rule(
     explain=explain,
     led=False,
     checked="a catastrophic swarm keeps its radius R, an H-stable one its spacing d: "
-    "{dorsogna2006-size#1}; {dorsogna2006-size#4} (`uv run flockscope paper dorsogna2006-size`); "
-    "mills where C l^2 < 1: {dorsogna2006#1} (`uv run flockscope paper dorsogna2006`)",
+    "{dorsogna2006-size#1}; {dorsogna2006-size#4} (`flockscope paper dorsogna2006-size`); "
+    "mills where C l^2 < 1: {dorsogna2006#1} (`flockscope paper dorsogna2006`)",
     tries=(
         LessonStep(
             "Give the particles three times the drive.",

@@ -57,7 +57,7 @@ RULE = Rule(
     parameters=GregoireChateAmong,
     noise="vectorial",
     checked="the transition is discontinuous, and with angular noise it is not: "
-    "{gregoire-chate2004#3}; {gregoire-chate2004#4} (G: Binder's cumulant; `uv run flockscope "
+    "{gregoire-chate2004#3}; {gregoire-chate2004#4} (G: Binder's cumulant; `flockscope "
     "paper gregoire-chate2004`)",
     **OF_PAIRS,
     tries=(

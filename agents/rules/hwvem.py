@@ -166,8 +166,8 @@ HWVEM = Rule(
     r"h_{ij} = \Big(\frac{1}{l_j} + p_1\Big)\, p_2^{-l_j}\, \max(1, \ln d_{ij})",
     source="Liu et al. 2021, (5), (9) to (17)",
     checked="time to align at N = 100 {liu2021-table1/hwvem/100/k_con}, at 200 "
-    "{liu2021-table1/hwvem/200/k_con}: `uv run flockscope paper liu2021-table1`; success on a "
-    "mission of 50 UAVs {liu2021-table2/HWVEM-II/50/success}: `uv run flockscope paper "
+    "{liu2021-table1/hwvem/200/k_con}: `flockscope paper liu2021-table1`; success on a "
+    "mission of 50 UAVs {liu2021-table2/HWVEM-II/50/success}: `flockscope paper "
     "liu2021-table2`",
     tags=("robotics", "classroom", "UAV", "leader", "hierarchy", "information", "swarm"),
     parameters=HierarchicalWeighting,

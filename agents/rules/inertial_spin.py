@@ -226,7 +226,7 @@ RULE = Rule(
     words={"spin": "spin", "mean_spin": "mean spin of a tick"},
     checked="a turn runs through the flock as a wave, the faster the stronger it is ordered "
     "(Attanasi et al. 2014, figures 2 and 4; a: exponent of distance over delay, c: speed of the "
-    "wave): {attanasi2014#1}; {attanasi2014#3}; {attanasi2014#7} (`uv run flockscope paper "
+    "wave): {attanasi2014#1}; {attanasi2014#3}; {attanasi2014#7} (`flockscope paper "
     "attanasi2014`)",
     tries=(
         LessonStep(

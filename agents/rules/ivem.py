@@ -126,7 +126,7 @@ IVEM = Rule(
     equation=EQUATION,
     source="Liu et al. 2021, (30), (31)",
     checked="time to align at N = 100 {liu2021-table1/ivem/100/k_con}, at 200 "
-    "{liu2021-table1/ivem/200/k_con}: `uv run flockscope paper liu2021-table1`",
+    "{liu2021-table1/ivem/200/k_con}: `flockscope paper liu2021-table1`",
     tags=("robotics", "UAV", "consensus", "swarm"),
     parameters=VicsekAmong,
     decide=decide,
@@ -172,8 +172,8 @@ IVEM_A = Rule(
     equation=EQUATION,
     source="Liu et al. 2021, section 3.1.2",
     checked="time to align at N = 100 {liu2021-table1/ivem-a/100/k_con}, at 200 "
-    "{liu2021-table1/ivem-a/200/k_con}: `uv run flockscope paper liu2021-table1`; success on a "
-    "mission of 50 UAVs {liu2021-table2/IVEM-A/50/success}: `uv run flockscope paper "
+    "{liu2021-table1/ivem-a/200/k_con}: `flockscope paper liu2021-table1`; success on a "
+    "mission of 50 UAVs {liu2021-table2/IVEM-A/50/success}: `flockscope paper "
     "liu2021-table2`",
     tags=("robotics", "UAV", "leader", "consensus", "swarm"),
     parameters=ImprovedVicsekInformed,

@@ -158,7 +158,7 @@ RULE = Rule(
     r"c_1^\beta \phi_\beta(\|\hat q_{ik} - q_i\|_\sigma)\, \hat n_{ik} + c_2^\beta b_{ik} "
     r"(\hat p_{ik} - p_i)\big] - c_1^\gamma \sigma_1(q_i - q_\gamma) - c_2^\gamma (p_i - p_\gamma)",
     source="Olfati-Saber 2006; Wu et al. 2023, (7) to (11)",
-    checked="among two discs and a wall: {wu2023-fig5#1} (`uv run flockscope paper wu2023-fig5`)",
+    checked="among two discs and a wall: {wu2023-fig5#1} (`flockscope paper wu2023-fig5`)",
     tags=("robotics", "lattice", "formation", "obstacles", "control", "swarm"),
     parameters=OlfatiSaber,
     **of_pairs(6, flockmate, answer),

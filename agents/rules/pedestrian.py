@@ -367,7 +367,7 @@ RULE = Rule(
     symmetries=("shift", "mirror"),
     checked="people who walk both ways along a walkway form lanes (Helbing and Molnar 1995, "
     "figure 2); lane order after 100 s, beside people who do not mind each other: "
-    "{helbing1995-lanes#2} (`uv run flockscope paper helbing1995-lanes`)",
+    "{helbing1995-lanes#2} (`flockscope paper helbing1995-lanes`)",
     tries=(
         LessonStep(
             "Let nobody mind the others.",

@@ -353,7 +353,7 @@ REYNOLDS = Rule(
     r"a_i = \Big[\frac{\bar v - v_i}{v_{max}}\Big]_1,\quad "
     r"c_i = \Big[\frac{\bar x - x_i}{r_c}\Big]_1",
     source="Reynolds 1987; Reynolds 1999",
-    checked="{reynolds1987#1}; {reynolds1987#3} (`uv run flockscope paper reynolds1987`)",
+    checked="{reynolds1987#1}; {reynolds1987#3} (`flockscope paper reynolds1987`)",
     tags=(
         "biology",
         "classroom",

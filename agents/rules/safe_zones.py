@@ -149,7 +149,7 @@ SAFE = Rule(
     r"\sum_{\text{soon}} \min\Big(10, \frac{1}{t_c}\Big) \hat r_{ij} + g \, "
     r"\frac{\sum_{zoo} \hat v_j + \sum_{zoa} \hat r_{ij}}{|\cdot|}",
     source="thesis, (3.6) to (3.12), (4.1), (4.2); repulsion is ours",
-    checked="table 5.1, no crash later on, {thesis-table5.1#4} (`uv run flockscope paper "
+    checked="table 5.1, no crash later on, {thesis-table5.1#4} (`flockscope paper "
     "thesis-table5.1`)",
     tags=("robotics", "birds", "flapping wings", "field of view", "collisions", "swarm"),
     parameters=SafeZones,

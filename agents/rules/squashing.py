@@ -361,7 +361,7 @@ SQUASHING = Rule(
     equation=r"D_i = \sum_{j \neq i} \sigma(d_{ij}), \quad "
     r"\sigma(v) = \beta \frac{v}{|v|} \Big(-C + \frac{|v|}{|v| + \gamma}\Big)",
     source="Jacobs and Koessler, (2) and (3)",
-    checked="figure 3, {jacobs-fig3#1}; figure 11, {jacobs-fig11#1} (`uv run flockscope paper "
+    checked="figure 3, {jacobs-fig3#1}; figure 11, {jacobs-fig11#1} (`flockscope paper "
     "jacobs-fig3`, `jacobs-fig11`)",
     tags=("robotics", "cars", "vehicles", "traffic", "motion capture", "predator"),
     parameters=Squashing,

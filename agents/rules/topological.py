@@ -22,7 +22,7 @@ RULE = Rule(
     tags=("biology", "starling", "birds", "swarm"),
     parameters=VicsekAmong,
     checked="density makes no difference to those who heed the nearest, and much to others: "
-    "{ballerini2008#1}; {ballerini2008#2} (eta = 2, densities 0.25 and 16; `uv run flockscope "
+    "{ballerini2008#1}; {ballerini2008#2} (eta = 2, densities 0.25 and 16; `flockscope "
     "paper ballerini2008`)",
     **OF_PAIRS,
     tries=(

@@ -291,7 +291,7 @@ VASARHELYI = Rule(
     r"\big(v_{is} - D(r_{is} - r_0^{shill}, a^{shill}, p^{shill})\big)_+ "
     r"\frac{v_s - v_i}{v_{is}}",
     source="Vasarhelyi et al. 2018, as in robotsim and SwarmLab",
-    checked="{vasarhelyi2018#1}; {vasarhelyi2018#2} (`uv run flockscope paper vasarhelyi2018`)",
+    checked="{vasarhelyi2018#1}; {vasarhelyi2018#2} (`flockscope paper vasarhelyi2018`)",
     tags=("robotics", "drones", "quadcopters", "traffic", "collisions"),
     parameters=Drones,
     decide=decide,

@@ -83,7 +83,7 @@ VEM = Rule(
     equation=EQUATION,
     source="Vicsek et al. 1995; Liu et al. 2021, (6)",
     checked="time to align at N = 100 {liu2021-table1/vem/100/k_con}, at 200 "
-    "{liu2021-table1/vem/200/k_con}: `uv run flockscope paper liu2021-table1`",
+    "{liu2021-table1/vem/200/k_con}: `flockscope paper liu2021-table1`",
     tags=("physics", "classroom", "phase transition", "consensus", "swarm", "emergence"),
     parameters=VicsekAmong,
     **OF_PAIRS,
@@ -122,8 +122,8 @@ VEM_A = Rule(
     equation=EQUATION,
     source="Liu et al. 2021, (6) and section 3.1.2",
     checked="time to align at N = 100 {liu2021-table1/vem-a/100/k_con}, at 200 "
-    "{liu2021-table1/vem-a/200/k_con}: `uv run flockscope paper liu2021-table1`; success on a "
-    "mission of 50 UAVs {liu2021-table2/VEM-A/50/success}: `uv run flockscope paper "
+    "{liu2021-table1/vem-a/200/k_con}: `flockscope paper liu2021-table1`; success on a "
+    "mission of 50 UAVs {liu2021-table2/VEM-A/50/success}: `flockscope paper "
     "liu2021-table2`",
     tags=("robotics", "UAV", "leader", "consensus", "swarm"),
     parameters=VicsekAmong,

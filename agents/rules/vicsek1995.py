@@ -61,9 +61,9 @@ RULE = Rule(
     tags=("physics", "phase transition", "self-propelled particles", "swarm"),
     parameters=Vicsek1995Among,
     checked="figure 2: order falls with noise and with size, and rises with density: "
-    "{vicsek1995-fig2#5}; {vicsek1995-fig2#6} (`uv run flockscope paper vicsek1995-fig2`); "
+    "{vicsek1995-fig2#5}; {vicsek1995-fig2#6} (`flockscope paper vicsek1995-fig2`); "
     "`vem`, which moves along the new heading, is less ordered near the transition, at eta = 4 "
-    "and density 4: {vicsek1995-headings#1} (`uv run flockscope paper vicsek1995-headings`)",
+    "and density 4: {vicsek1995-headings#1} (`flockscope paper vicsek1995-headings`)",
     **OF_PAIRS,
     tries=(
         LessonStep(

@@ -95,8 +95,8 @@ WVEM = Rule(
     r"k_j \in \{k_\alpha, k_\beta, k_\gamma\}",
     source="Liu et al. 2021, section 3.1.2 and reference 16",
     checked="time to align at N = 100 {liu2021-table1/wvem/100/k_con}, at 200 "
-    "{liu2021-table1/wvem/200/k_con}: `uv run flockscope paper liu2021-table1`; success on a "
-    "mission of 50 UAVs {liu2021-table2/WVEM/50/success}: `uv run flockscope paper "
+    "{liu2021-table1/wvem/200/k_con}: `flockscope paper liu2021-table1`; success on a "
+    "mission of 50 UAVs {liu2021-table2/WVEM/50/success}: `flockscope paper "
     "liu2021-table2`",
     tags=("robotics", "UAV", "leader", "consensus", "swarm"),
     parameters=WeightedVicsek,

@@ -286,9 +286,7 @@ def test_a_signal_leaves_with_the_summary():
 
 
 PAGE = Path(__file__).parents[2] / "docs" / "live.md"
-SHOWN = re.findall(
-    r"^uv run flockscope live (\w+)(.*)$", PAGE.read_text(encoding="utf-8"), re.MULTILINE
-)
+SHOWN = re.findall(r"^flockscope live (\w+)(.*)$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
 
 
 def test_the_page_shows_every_command():

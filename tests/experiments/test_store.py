@@ -77,8 +77,9 @@ def test_a_parameter_out_of_range_names_the_experiment(tmp_path):
 def test_a_paper_stops_when_it_is_asked_to_and_goes_on_later(tmp_path):
     experiment = small(tmp_path)
 
-    def ask(*_):
-        (tmp_path / STOP).touch()
+    def ask(share, *_):
+        if share:  # on a busy machine nothing may be made yet
+            (tmp_path / STOP).touch()
 
     with pytest.raises(KeyboardInterrupt):
         run_experiment(experiment, tmp_path, runs=4000, seed=1, workers=1, tell=None, at=ask)

@@ -84,7 +84,7 @@ def blocks_of(page: str, text: str | None = None) -> list[Block]:
 
 
 BLOCKS = [block for page in PAGES for block in blocks_of(page)]
-INLINE = re.compile(r"(?<!`)`((?:uv run )?flockscope [^`]+)`(?!`)")
+INLINE = re.compile(r"(?<!`)`(flockscope [^`]+)`(?!`)")
 """A command within a sentence."""
 
 

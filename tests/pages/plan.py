@@ -165,14 +165,10 @@ def arguments(command: str) -> list[str]:
 
     Without any command flockscope opens the laboratory.
     """
-    words = [word for word in shlex.split(command) if word != "--no-dev"]
-    if words[:1] == ["flockscope"]:
-        raise NotAsPrintedError(
-            f"{command!r}: command not found in a checkout; print `uv run {command}`"
-        )
-    if words[:3] != ["uv", "run", "flockscope"]:
+    words = shlex.split(command.removeprefix("uv run --no-dev "))
+    if words[:1] != ["flockscope"]:
         raise NotAsPrintedError(f"{command!r} is neither run nor named in {__file__} with a reason")
-    return words[3:] or ["lab"]
+    return words[1:] or ["lab"]
 
 
 def altered(words: list[str], more: str) -> list[str]:

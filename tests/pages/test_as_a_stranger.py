@@ -86,7 +86,9 @@ def test_the_first_command_opens_the_laboratory(shell, checkout):
 
 
 def test_the_first_worlds_are_drawn_and_made_and_flown_in(shell, checkout):
-    done = shell(block_with("docs/first-examples.md", "world make maze"))
+    """README says to put `uv run` before each command."""
+    printed = block_with("docs/first-examples.md", "world make maze")
+    done = shell("".join(f"uv run {line}\n" for line in printed.splitlines()))
     assert done.returncode == 0, done.stderr
     assert (checkout / "obstacles.png").read_bytes()[:4] == b"\x89PNG"
     assert "[mission]" in (checkout / "maze.toml").read_text()

@@ -41,7 +41,8 @@ from worlds.readers import read_geometry
 
 GROUPS = ("world", "flight", "formation", "live", "sweep", "new")
 """Commands that have commands of their own."""
-PLACE = re.compile(r"\[the\s+folder\s+of\s+the\s+checkout\]\((?:\.\./)+README\.md#start\)")
+CHECKOUT = ("README.md", "docs/installing.md")
+"""Pages that say how flockscope is called in a checkout."""
 ENDINGS = {"python": (".py",), "json": (".json", ".geojson"), "": ()}
 """Endings of the files that blocks are saved as, where they are not the language's name."""
 
@@ -299,7 +300,7 @@ def run_blocks(page, monkeypatch, capsys):
 def test_every_reason_applies_to_something():
     found = [command for page in PAGES for command in commands_of(page)]
     assert set(NOT_RUN) <= set(found)
-    called = [shlex.split(command)[3:] or ["lab"] for command in found]
+    called = [shlex.split(command)[1:] or ["lab"] for command in found]
     assert {one for one in map(otherwise, called) if one} == set(OTHERWISE)
     for table in (ELSEWHERE, PRINTED):
         assert {key for block in BLOCKS if (key := entry(table, block))} == set(table)
@@ -315,34 +316,28 @@ def test_the_tests_that_reasons_name_are_there():
     assert [name for name in sorted(named) if not (ROOT / name).exists()] == []
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if page != "README.md"])
-def test_a_page_with_commands_says_from_where(page):
-    if any(command.startswith("uv run") for command in commands_of(page)):
-        assert PLACE.search(text_of(page)), (
-            "say: for [the folder of the checkout](../README.md#start)"
-        )
+@pytest.mark.parametrize("page", [page for page in PAGES if page not in CHECKOUT])
+def test_a_page_prints_the_commands_of_an_installed_flockscope(page):
+    assert not re.search(r"uv\s+run\s+flockscope", text_of(page)), "print `flockscope ...`"
 
 
 @pytest.mark.parametrize("page", PAGES)
 def test_a_command_in_a_sentence_is_a_name_or_can_be_called(page):
     for command in inline_commands(page):
-        words = shlex.split(command)
-        if words[0] == "flockscope":
-            assert words[1] in COMMANDS, command
-            rest = words[3:] if words[1] in GROUPS else words[2:]
-            assert len(rest) <= 1, f"print `uv run {command}`"
-            assert all(one.startswith("--") for one in rest), f"print `uv run {command}`"
-        elif "--help" not in words and words[-1] != "...":
-            parse(arguments(command))
+        words = arguments(command)
+        assert words[0] in COMMANDS, command
+        rest = words[2:] if words[0] in GROUPS else words[1:]
+        if not all(word.startswith("--") for word in rest):  # else it is mentioned, not printed
+            parse(words)
 
 
 @pytest.mark.parametrize(
     "line",
     [
-        "flockscope lab",
-        "uv run flockscope paper liu2021-table1 [--runs 100]",
-        "uv run flockscope paper wu2023-fig5   # also wu2023-fig7",
-        "uv run flockscope run MODEL > out.txt",
+        "uv run flockscope lab",
+        "flockscope paper liu2021-table1 [--runs 100]",
+        "flockscope paper wu2023-fig5   # also wu2023-fig7",
+        "flockscope run MODEL > out.txt",
         "make everything",
     ],
 )
