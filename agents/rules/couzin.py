@@ -160,8 +160,7 @@ COUZIN = Rule(
     r"\sum_{j \in Z_o} u_j + \sum_{j \in Z_a} \hat{r}_{ij} & "
     r"\text{else} \end{cases}",
     source="Couzin et al. 2002, (1) to (3)",
-    checked="{couzin2002-phases#2}; {couzin2002-phases#5} (`flockscope paper "
-    "couzin2002-phases`)",
+    checked="{couzin2002-phases#2}; {couzin2002-phases#5} (`flockscope paper couzin2002-phases`)",
     tags=(
         "biology",
         "classroom",

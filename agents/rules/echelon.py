@@ -331,8 +331,7 @@ ECHELON = Rule(
     equation=r"v_i = (1 - w)\, v_0 \hat d_i + w \Big(v_j + \min\Big(\frac{1}{t_c}, "
     r"\frac{c}{|s_i|}\Big) s_i\Big), \qquad s_i = x_j - \ell\, u_j \pm (b + WTS)\, r_j - x_i",
     source="Couzin et al. 2002, (1) to (3); slots after the thesis, 2.3; their search is ours",
-    checked="formations save power: {formation-echelon#1} (`flockscope paper "
-    "formation-echelon`)",
+    checked="formations save power: {formation-echelon#1} (`flockscope paper formation-echelon`)",
     tags=("biology", "birds", "geese", "V formation", "energy", "migration"),
     parameters=Echelon,
     decide=decide,

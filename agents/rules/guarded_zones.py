@@ -432,8 +432,7 @@ GUARDED = Rule(
     r"\text{the step nearest to } v_0 \hat w_i \text{ with } (c_i' - c_i) \cdot e_{ij} + \rho_i' "
     r"\le \rho_i + \tfrac12 g_{ij}",
     source="thesis, (3.6) to (3.12), (4.1), (4.2); the guard and the calls are ours",
-    checked="the aim of the thesis, no crash: {guarded-alpha#1} (`flockscope paper "
-    "guarded-alpha`)",
+    checked="the aim of the thesis, no crash: {guarded-alpha#1} (`flockscope paper guarded-alpha`)",
     tags=("robotics", "birds", "flapping wings", "collisions", "swarm"),
     parameters=GuardedZones,
     decide=decide,

@@ -167,8 +167,7 @@ ZONES = Rule(
     r"\text{else} \end{cases} \quad v_i' = v_0 \frac{v_i}{|v_i|} + \frac{\tau}{m} \sum_k "
     r"-\nabla \tfrac{\eta}{2} \Big(\frac1{D_k} - \frac1{Q^*}\Big)^2",
     source="thesis, (3.6) to (3.12), (4.1), (4.2)",
-    checked="figure 5.4, {thesis-fig5.4#1}; {thesis-fig5.4#4} (`flockscope paper "
-    "thesis-fig5.4`)",
+    checked="figure 5.4, {thesis-fig5.4#1}; {thesis-fig5.4#4} (`flockscope paper thesis-fig5.4`)",
     tags=("robotics", "biology", "birds", "flapping wings", "field of view", "swarm"),
     parameters=ZonesAmong,
     decide=decide,
