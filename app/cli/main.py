@@ -59,6 +59,7 @@ COMMANDS = {
     "film": Entry(".take.film", "film", "Film a flock in its world: MP4, WebM or GIF."),
     "export": Entry(".take.export", "export", "Write a flock as one web page that runs by itself."),
     "recover": Entry(".take.recording", "recover", "Save the recording of a run that was killed."),
+    "docs": Entry(".docs", "docs", "Read all about flockscope in the browser, offline."),
 }
 
 

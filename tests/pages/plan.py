@@ -34,6 +34,7 @@ class Otherwise:
 
 
 OTHERWISE = (
+    Otherwise("docs", None, "needs the built site: tests/cli/test_docs_command.py opens one"),
     Otherwise(
         "export --all", None, "takes many minutes: tests/cli/test_export.py writes two of it"
     ),
