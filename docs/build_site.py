@@ -67,7 +67,7 @@ class Links(HTMLParser):
             self.wordless.append(values.get("src") or "?")
 
 
-def faults(folder: Path, has_flocks: bool) -> Iterator[str]:
+def faults(folder: Path) -> Iterator[str]:
     """What is wrong with a site, a line each."""
     pages = {
         page: Links(page) for page in sorted(folder.rglob("*.html"))
@@ -81,8 +81,6 @@ def faults(folder: Path, has_flocks: bool) -> Iterator[str]:
             if parts.scheme or parts.netloc:
                 continue
             path = (page.parent / unquote(parts.path)).resolve() if parts.path else page
-            if folder / "run" in path.parents and not has_flocks:
-                continue
             if not path.exists():
                 yield f"{here}: {target} leads nowhere"
             elif parts.fragment and path in pages and parts.fragment not in pages[path].anchors:
@@ -110,6 +108,15 @@ def shrink(folder: Path) -> None:
         )
 
 
+def write_flocks(folder: Path) -> None:
+    """Write the pages that run flocks: of every scene, lesson and model that a page can run."""
+    from app.cli.take.page_gallery import write_gallery
+
+    shutil.rmtree(folder, ignore_errors=True)
+    for name, why in write_gallery(folder, overwrite=True, quiet=False)["refused"].items():
+        print(f"no page of {name}: {why}", file=sys.stderr)
+
+
 def write_wheel(site: Path, folder: Path, version: str) -> Path:
     """The wheel `flockscope-docs` with a site in it."""
     with TemporaryDirectory() as made:
@@ -132,22 +139,21 @@ def main() -> int:
     out = given.out.resolve()
     if out.exists() and any(out.iterdir()) and not (out / "searchindex.js").exists():
         parser.error(f"--out {given.out} has files that are no site; choose an empty folder")
-    built = HERE / "_build" / "site"  # notebooks leave files beside it
+    built, flocks = HERE / "_build" / "site", HERE / "_build" / "run"
     shutil.rmtree(built, ignore_errors=True)
-    tags = [] if given.no_flocks else ["-t", "flocks"]
+    tags = []
+    if not given.no_flocks:
+        tags = ["-t", "flocks"]
+        write_flocks(flocks)
     doctrees = built.with_name("doctrees")
     if run_sphinx(["-W", "--keep-going", "-q", "-d", str(doctrees), *tags, str(HERE), str(built)]):
         return 1
+    shrink(built)
+    if not given.no_flocks:
+        shutil.copytree(flocks, built / "run")
     shutil.rmtree(out, ignore_errors=True)
     shutil.copytree(built, out)
-    shrink(out)
-    if not given.no_flocks:
-        from app.cli.take.page_gallery import write_gallery
-
-        refused = write_gallery(out / "run", overwrite=True, quiet=False)["refused"]
-        for name, why in refused.items():
-            print(f"no page of {name}: {why}", file=sys.stderr)
-    found = list(faults(out, not given.no_flocks))
+    found = list(faults(out))
     size = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
     if size > MOST_BYTES:
         found.append(

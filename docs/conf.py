@@ -17,6 +17,8 @@ HERE = Path(__file__).parent
 ROOT = HERE.parent
 sys.path[:0] = [str(HERE), str(ROOT)]
 
+FLOCKS = HERE / "_build" / "run"
+"""Pages that run flocks, which `build_site.py` has written."""
 SIZE = 13.5
 """Of letters in an equation, pt."""
 
@@ -126,7 +128,7 @@ def as_svg(latex: str) -> str:
 
 def setup(app: Any) -> dict[str, bool]:
     """Called by Sphinx."""
-    made_pages.write_all(HERE / "_made")
+    made_pages.write_all(HERE / "_made", FLOCKS if app.tags.has("flocks") else None)
     app.add_html_math_renderer("svg", (write_inline, None), (write_block, None))
     app.connect("source-read", rewrite_links)
     app.connect("autodoc-process-signature", short_signature)

@@ -55,15 +55,18 @@ FILES: dict[str, tuple[type[BaseModel], str]] = {
 """Files that people write: the class that reads them, and the page that explains them."""
 
 
-def write_all(folder: Path) -> None:
-    """Write every page; one that is as it was is left alone, so that Sphinx reads it once."""
+def write_all(folder: Path, flocks: Path | None) -> None:
+    """Write every page; one that is as it was is left alone, so that Sphinx reads it once.
+
+    `flocks` is the folder of the pages that run flocks, if the site has them.
+    """
     folder.mkdir(exist_ok=True)
     pages = {
         "command-line.md": command_line(),
         "python-api.rst": python_api(),
         "file-formats.md": file_formats(),
         "parameters.md": parameters(),
-        "gallery.md": gallery(),
+        "gallery.md": gallery(flocks),
     } | {f"{name}.md": root_page(file) for file, name in ROOT_PAGES.items()}
     for path in folder.iterdir():
         if path.name not in pages:
@@ -328,32 +331,35 @@ def parameters() -> str:
     )
 
 
-def gallery() -> str:
+def gallery(flocks: Path | None) -> str:
     """Every scene, lesson and model, with its picture; a press runs it in the page."""
-    parts = [
-        "# Gallery",
-        "Each flock runs here, in your browser. Press *Run*: nothing is installed, nothing leaves "
-        "your machine. `flockscope lab` opens the same with all controls.",
-    ]
+    runs = (
+        "Press *Run*: the flock runs in your browser. Nothing is installed, nothing leaves your "
+        "machine. `flockscope lab` opens the same with all controls."
+    )
+    alone = "This copy of the site has no flocks that run: `flockscope lab` opens each of them."
+    parts = ["# Gallery", runs if flocks else alone]
     for group in GROUPS:
         shown = [card for card in cards() if card.group == group]
         if shown:
-            grid = "\n".join(map(card_html, shown))
+            grid = "\n".join(card_html(card, flocks) for card in shown)
             parts += [f"## {group}", f'<div class="flock-cards">\n{grid}\n</div>']
     return "\n\n".join(parts) + "\n"
 
 
-def card_html(card: GalleryCard) -> str:
-    """A card: picture, title, what it is, and where to read on."""
-    page = card.name.replace(":", "-")
-    more = ""
+def card_html(card: GalleryCard, flocks: Path | None) -> str:
+    """A card: picture, title, what it is, a button if it runs, and where to read on."""
+    page = f"{card.name.replace(':', '-')}.html"
+    links = []
+    if flocks is not None and (flocks / page).is_file():
+        label = f"Run {escape(card.title, quote=True)}"
+        links.append(f'<button data-run="../run/{page}" aria-label="{label}">Run</button>')
     if card.name.startswith(MODEL):
-        more = f'<a href="../rules/{card.name.removeprefix(MODEL)}.html">Read more</a>'
+        links.append(f'<a href="../rules/{card.name.removeprefix(MODEL)}.html">Read more</a>')
     elif card.name.startswith(LESSON):
-        more = f'<a href="../lessons/{card.name.removeprefix(LESSON)}.html">Read more</a>'
+        links.append(f'<a href="../lessons/{card.name.removeprefix(LESSON)}.html">Read more</a>')
     return (
         f'<div class="flock-card"><img src="../_static/{card.picture}" alt="" loading="lazy" '
         f'width="360" height="240"><h3>{escape(card.title)}</h3><p>{escape(card.line)}</p>'
-        f'<p class="flock-links"><button data-run="../run/{page}.html" '
-        f'aria-label="Run {escape(card.title, quote=True)}">Run</button>{more}</p></div>'
+        f'<p class="flock-links">{" ".join(links)}</p></div>'
     )

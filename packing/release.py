@@ -1,18 +1,29 @@
-"""Make the wheels of a release: one for each Python, with the kernels of all models.
+"""Make a release, into a folder: wheels, the source, the site of the pages, and their checksums.
 
-    uv run python packing/release.py [--python 3.12 3.13] [--models MODEL ...] [--out dist]
+    uv run python packing/release.py [--parts check kernels plain site] [--python 3.12 3.13 3.14]
+                                     [--models MODEL ...] [--out dist]
 
-A wheel without kernels is built and installed for each Python; that compiles all models for the
-levels of x86-64 that this machine can run, which takes some minutes each; and a wheel is built with
-what came of it. Where numba, Python or the CPU do not fit, the wheel compiles as one without does.
-For each wheel a line says how many kernels it has, for which CPUs, and how large it is.
+Parts, in this order, by default all:
+
+- `check`: the version is the same in pyproject.toml, CITATION.cff and at the top of CHANGELOG.md.
+- `kernels`: one wheel for each Python, with the kernels of all models. A wheel without kernels is
+  built and installed for it; that compiles all models for the levels of x86-64 that this machine
+  can run, which takes some minutes; and a wheel is built with what came of it. Where numba, Python
+  or the CPU do not fit, the wheel compiles as one without does. A line says how many kernels it
+  has, for which CPUs, and how large it is.
+- `plain`: the source distribution, and a wheel without kernels for every other machine.
+- `site`: the pages as a folder and as the wheel flockscope-docs.
+
+SHA256SUMS names every file that is then in the folder, but for those of the site.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import os
 import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -25,7 +36,9 @@ sys.path.insert(0, str(ROOT))
 from agents.engine.cache import FOLDER, count_kernels  # noqa: E402
 from worlds.compilation import levels_here  # noqa: E402
 
-PYTHONS = ("3.12", "3.13")
+PYTHONS = ("3.12", "3.13", "3.14")
+PARTS = ("check", "kernels", "plain", "site")
+SUMS = "SHA256SUMS"
 PLATFORM = "manylinux_2_28_x86_64"
 """The systems that a wheel is for: kernels call nothing of the C library but its mathematics."""
 
@@ -72,7 +85,6 @@ def release(python: str, models: list[str], out: Path) -> str:
         tag = f"cp{python.replace('.', '')}-none-{PLATFORM}"
         kernels = {"FLOCKSCOPE_KERNELS": folder / FOLDER, "FLOCKSCOPE_WHEEL_TAG": tag}
         wheel = build(folder / "whole", **kernels)
-        out.mkdir(parents=True, exist_ok=True)
         wheel = Path(shutil.copy(wheel, out))
     parts = [
         f"{number} kernels for {target}, {size / 1e6:.1f} MB"
@@ -81,17 +93,65 @@ def release(python: str, models: list[str], out: Path) -> str:
     return f"{wheel}: {wheel.stat().st_size / 1e6:.1f} MB; {'; '.join(parts)}"
 
 
+VERSIONS = {
+    "pyproject.toml": r'^version = "([^"]+)"',
+    "CITATION.cff": r"^version: (\S+)",
+    "CHANGELOG.md": r"^## ([\d.]+)",
+}
+"""Files that name the version, and how."""
+
+
+def check_version() -> str:
+    """The version, if all that name it agree. Raises SystemExit."""
+    text = {name: (ROOT / name).read_text(encoding="utf-8") for name in VERSIONS}
+    found = {name: re.search(pattern, text[name], re.M) for name, pattern in VERSIONS.items()}
+    versions = {name: match[1] if match else "none" for name, match in found.items()}
+    if len(set(versions.values())) != 1:
+        raise SystemExit(f"the versions differ: {versions}")
+    if "not yet released" in text["CHANGELOG.md"].partition("\n## ")[2].partition("\n")[0]:
+        print("CHANGELOG.md says that this version is not yet released", file=sys.stderr)
+    return f"version {versions['pyproject.toml']}"
+
+
+def write_sums(out: Path) -> Path:
+    """The checksums of all files of a folder, as `sha256sum --check` reads them."""
+    files = sorted(path for path in out.rglob("*") if path.is_file() and path.name != SUMS)
+    lines = [
+        f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(out).as_posix()}\n"
+        for path in files
+        if "site" not in path.relative_to(out).parts[:-1]
+    ]
+    (out / SUMS).write_text("".join(lines), encoding="utf-8")
+    return out / SUMS
+
+
 def main() -> None:
-    """Make the wheels."""
+    """Make the release."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=PARTS, metavar="PART")
     parser.add_argument("--python", nargs="+", default=PYTHONS, metavar="VERSION")
     parser.add_argument("--models", nargs="+", default=[], help="by default all")
+    parser.add_argument("--no-flocks", action="store_true", help="a site without flocks that run")
     parser.add_argument("--out", type=Path, default=ROOT / "dist", metavar="FOLDER")
     arguments = parser.parse_args()
-    if platform.system() != "Linux" or not levels_here():
-        raise SystemExit("wheels with kernels are made on Linux, on a CPU of x86-64-v3 or later")
-    for python in arguments.python:
-        print(release(python, arguments.models, arguments.out.resolve()), flush=True)
+    out = arguments.out.resolve()
+    out.mkdir(parents=True, exist_ok=True)
+    if "check" in arguments.parts:
+        print(check_version())
+    if "kernels" in arguments.parts:
+        if platform.system() != "Linux" or not levels_here():
+            raise SystemExit(
+                "wheels with kernels are made on Linux, on a CPU of x86-64-v3 or later"
+            )
+        for python in arguments.python:
+            print(release(python, arguments.models, out), flush=True)
+    if "plain" in arguments.parts:
+        run("uv", "build", "--quiet", "--out-dir", out)
+    if "site" in arguments.parts:
+        more = ["--no-flocks"] if arguments.no_flocks else []
+        build_site = ROOT / "docs" / "build_site.py"
+        print(run("uv", "run", "python", build_site, "--out", out / "site", "--wheel", out, *more))
+    print(write_sums(out))
 
 
 if __name__ == "__main__":

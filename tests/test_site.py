@@ -75,7 +75,7 @@ def test_faults_of_a_site_are_found(tmp_path):
         '<a href="#top">up</a><a href="https://example.org/">out</a>'
     )
     (tmp_path / "b.html").write_text('<p id="here">B</p>')
-    assert list(faults(tmp_path, False)) == [
+    assert list(faults(tmp_path)) == [
         "a.html: the picture a.html has no words",
         "a.html: b.html#gone: there is no such heading",
         "a.html: c.html leads nowhere",

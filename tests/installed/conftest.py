@@ -108,7 +108,17 @@ def installed(request, wheel, tmp_path_factory):
 def released(tmp_path_factory):
     """The wheel of a release, which brings the kernels of vem, in an environment of its own."""
     out = tmp_path_factory.mktemp("release")
-    script = "packing/release.py", "--python", NEEDED, "--models", "vem", "--out", out
+    script = (
+        "packing/release.py",
+        "--python",
+        NEEDED,
+        "--parts",
+        "kernels",
+        "--models",
+        "vem",
+        "--out",
+        out,
+    )
     line = uv("run", "python", *script)
     [wheel] = out.glob("*.whl")
     assert line.startswith(str(wheel))

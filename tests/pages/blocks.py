@@ -9,7 +9,11 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 PAGES = [
     "README.md",
-    *(str(page.relative_to(ROOT)) for page in sorted((ROOT / "docs").rglob("*.md"))),
+    *(
+        str(page.relative_to(ROOT))
+        for page in sorted((ROOT / "docs").rglob("*.md"))
+        if not {"_build", "_made"} & set(page.parts)  # which the site is made with
+    ),
 ]
 SHELL = ("", "sh", "bash", "console", "shell")
 """What a fence may say of commands; a block by indentation says nothing."""

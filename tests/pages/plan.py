@@ -12,6 +12,7 @@ NOT_RUN = {
     'uv tool install ".[live]"': "asks a package index for what builds the package",
     'pip install ".[live]"': "asks a package index for what builds the package",
     "uv build --wheel": "asks a package index for what builds the package",
+    "uv run python packing/release.py --out dist": "takes an hour: tests/packing/test_release.py",
     "git clone --depth 1 https://github.com/PedestrianDynamics/jupedsim": "asks the network",
     "curl -X POST -H 'X-Flockscope: stop' http://localhost:8080/emergency": (
         "needs a room that is open: tests/attacks/test_stop_way.py presses it so"
