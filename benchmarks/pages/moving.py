@@ -5,8 +5,9 @@ that has compiled. A program stands for the browser: it asks for the page until 
 then reads what a browser is sent, until the places of agents have come twice and differ, and until
 the page no longer says that it waits for the compiler. Without names: every scene and every model.
 "CPU": what the laboratory's own process has worked until the flock moved, which a busy machine does
-not change as much. The last lines name the slowest, and those beyond what a page and a flock may
-take.
+not change as much. "Libraries": the import of mesa, viser and numba in a process of its own, in turns
+with the starts, as a measure of the machine. The last lines name the slowest, those beyond what a
+page and a flock may take, and how many times as long as the libraries they take.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from dataclasses import dataclass
+from statistics import median
 from typing import Any
 
 import msgspec
@@ -37,6 +39,8 @@ PAGE, MOVING = 1.5, 3.0
 """Longest time that a page, and a flock of which nothing is compiled, may take, s."""
 TIMEOUT = 300.0
 """Longest time until a run is compiled, s."""
+LIBRARIES = "import mesa, numba, viser"
+"""What the laboratory stands on, and cannot be there before."""
 STATUS, WAITS = "fs-status", "fs-compiling"
 """What the page says of the run, and has within it while that is not compiled."""
 
@@ -70,6 +74,13 @@ def start(name: str, cache: str) -> Start:
     finally:
         server.terminate()
         server.wait()
+
+
+def import_libraries() -> float:
+    """How long the import of LIBRARIES takes, s."""
+    started = time.monotonic()
+    subprocess.run([sys.executable, "-c", LIBRARIES], check=True)
+    return time.monotonic() - started
 
 
 def wait_for_page(port: int, end: float) -> None:
@@ -130,24 +141,27 @@ def decode_changes(packet: Any) -> Iterator[tuple[str, dict[str, Any]]]:
 def main() -> None:
     """Print a line for each scene and model."""
     print(f"{'s after the command':20}{'nothing compiled':^34}{'everything compiled':^34}")
-    print(f"{'':20}" + 2 * f"{'page':>8}{'moving':>8}{'CPU':>8}{'compiled':>10}", flush=True)
+    columns = f"{'page':>8}{'moving':>8}{'CPU':>8}{'compiled':>10}"
+    print(f"{'':20}{columns}{columns}{'libraries':>11}", flush=True)
     first: dict[str, Start] = {}
+    libraries: dict[str, float] = {}
     for name in sys.argv[1:] or (*scene_names(), *MODELS):
         with tempfile.TemporaryDirectory() as cache:
             both = start(name, cache), start(name, cache)
-        first[name] = both[0]
+        first[name], libraries[name] = both[0], import_libraries()
         row = "".join(
             f"{sample.page:8.1f}{sample.moving:8.1f}{sample.cpu:8.1f}{sample.compiled:10.1f}"
             for sample in both
         )
-        print(f"{name:20}{row}", flush=True)
+        print(f"{name:20}{row}{libraries[name]:11.1f}", flush=True)
     for what, most in (("page", PAGE), ("moving", MOVING)):
         seconds = {name: getattr(sample, what) for name, sample in first.items()}
         slowest = max(seconds, key=seconds.__getitem__)
         late = [name for name, taken in seconds.items() if taken > most]
+        ratio = median(seconds[name] / libraries[name] for name in seconds)
         print(
             f"{what}: at most {seconds[slowest]:.1f} s ({slowest}); beyond {most} s: "
-            f"{len(late)} of {len(first)} {' '.join(late)}"
+            f"{len(late)} of {len(first)} {' '.join(late)}; {ratio:.2f} times the libraries"
         )
 
 
