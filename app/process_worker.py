@@ -34,8 +34,8 @@ class ProcessLimits:
     """What a child process may take."""
 
     memory: int | None = None
-    """Bytes of address space, where the system can limit it (not on Windows); no reply is longer
-    either."""
+    """Bytes of address space, where the system can limit it (not on Windows and macOS); no reply is
+    longer either."""
     processor_time: int | None = None
     """Seconds of processor time of its whole life: then the system kills it, even if its parent is
     gone and a library in C keeps its interpreter from noticing (not on Windows)."""
@@ -61,7 +61,8 @@ class ProcessLimits:
             if limit is not None:
                 _, most = resource.getrlimit(kind)  # only root may raise it
                 limit = limit if most == resource.RLIM_INFINITY else min(limit, most)
-                resource.setrlimit(kind, (limit, most))
+                with suppress(ValueError):  # macOS has the limit of memory, and lets nobody set it
+                    resource.setrlimit(kind, (limit, most))
 
 
 class MessageKind(IntEnum):

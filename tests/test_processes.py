@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -328,3 +329,16 @@ def is_gone(process: int) -> bool:
         return True
     listed = Path(f"/proc/{process}/stat")
     return listed.exists() and ") Z " in listed.read_text()
+
+
+def test_a_system_that_lets_nobody_set_a_limit_has_none(monkeypatch):
+    """As macOS for memory: what cannot be limited runs all the same."""
+    asked = []
+
+    def refuse(kind, limits):
+        asked.append((kind, limits))
+        raise ValueError("current limit exceeds maximum limit")
+
+    monkeypatch.setattr(resource, "setrlimit", refuse)
+    ProcessLimits(memory=1 << 40, processor_time=10_000).apply()
+    assert [kind for kind, _ in asked] == [resource.RLIMIT_AS, resource.RLIMIT_CPU]

@@ -6,8 +6,8 @@ then reads what a browser is sent, until the places of agents have come twice an
 the page no longer says that it waits for the compiler. Without names: every scene and every model.
 "CPU": what the laboratory's own process has worked until the flock moved, which a busy machine does
 not change as much. "Libraries": the import of mesa, viser and numba in a process of its own, in
-turns with the starts, as a measure of the machine. The last lines name the slowest, those beyond what a
-page and a flock may take, and how many times as long as the libraries they take.
+turns with the starts, as a measure of the machine. The last lines name the slowest, those beyond
+what a page and a flock may take, and how many times as long as the libraries they take.
 """
 
 from __future__ import annotations
