@@ -27,25 +27,57 @@ from worlds.layout import layout_names
 ROOT = Path(__file__).parents[1]
 sys.path.append(str(ROOT / "docs"))
 lesson_pages = importlib.import_module("lesson_pages")
+make_papers = importlib.import_module("make_papers")
 MAKE = runpy.run_path(str(ROOT / "docs" / "make.py"))
 MODELS = collect()
 """As they are declared: what other tests asked for by NAME-cars is not among them."""
 PAGES = {f"{name}.md" for name in MODELS} | {"README.md"}
 pages = functools.cache(MAKE["pages"])
+paper_pages = functools.cache(make_papers.pages)
 GROUPS = ("world", "flight", "formation", "live", "sweep", "new")
 """Commands that have commands of their own."""
-WRITTEN = ["README.md", *(f"docs/{page.name}" for page in sorted((ROOT / "docs").glob("*.md")))]
+WRITTEN = [
+    "README.md",
+    *(f"docs/{page.name}" for page in sorted((ROOT / "docs").glob("*.md"))),
+    *(f"docs/papers/{page.name}" for page in sorted((ROOT / "docs" / "papers").glob("*.md"))),
+]
 
 
 def text(name):
     return (ROOT / name).read_text(encoding="utf-8")
 
 
-def test_the_page_of_the_papers_is_its_text_and_the_stored_results():
-    papers = runpy.run_path(str(ROOT / "docs" / "make_papers.py"))
-    made = papers["page"]()
-    assert text("docs/papers.md") == made, "run `uv run python docs/make_papers.py`"
+@pytest.mark.parametrize(
+    "page", sorted((ROOT / "docs").rglob("*.md.in")), ids=lambda page: page.stem
+)
+def test_a_page_of_the_papers_is_its_template_and_the_stored_results(page):
+    made = paper_pages()[page.with_suffix("")]
+    written = page.with_suffix("").read_text(encoding="utf-8")
+    assert written == made, "run `uv run python docs/make_papers.py`"
     assert "{" not in re.sub(r"`[^`]*`", "", made), "a name that stands for no result"
+
+
+def test_every_page_of_a_paper_has_a_template():
+    papers = set((ROOT / "docs" / "papers").glob("*.md"))
+    assert papers == {page for page in paper_pages() if page.parent.name == "papers"}
+
+
+def test_the_results_of_every_experiment_stand_on_one_page():
+    shown = [
+        name
+        for template in make_papers.paper_templates()
+        for name in make_papers.experiments_of(template)
+    ]
+    assert sorted(shown) == sorted(experiment_names())
+
+
+def test_the_index_of_the_papers_counts_every_verdict():
+    (total,) = re.findall(r"^\| \*\*all\*\* \|(.*)\|$", text("docs/papers.md"), re.MULTILINE)
+    stored = [json.loads(text(f"docs/papers/{name}.json")) for name in experiment_names()]
+    verdicts = [row for result in stored for row in result["rows"] + result["claims"]]
+    assert sum(map(int, re.findall(r"\d+", total))) == sum(
+        bool(row.get("verdict")) for row in verdicts
+    )
 
 
 @pytest.mark.parametrize("name", experiment_names())
