@@ -16,6 +16,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from make_papers import paper_pages
 from rule_scenes import flock_of, scene_of
 
 from agents.catalogue import BUILT_IN, MODELS, Model
@@ -128,7 +129,7 @@ def facts(model: Model) -> list[tuple[str, str]]:
     made.append(("At home in", home(model)))
     made.append(("Unit of time", clock(model)))
     if rule.checked:
-        made.append(("Checked against", with_numbers(rule.checked)))
+        made.append(("Checked against", with_links(with_numbers(rule.checked))))
     related = [f"[{other.title}]({other.name}.md)" for other in related_models(model, BUILT_IN)]
     if related:
         made.append(("See also", ", ".join(related)))
@@ -143,6 +144,16 @@ def with_numbers(text: str) -> str:
     text = re.sub(r"\{([\w.-]+)#(\d+)\}", lambda found: claim_of(found[1], int(found[2])), text)
     return re.sub(
         r"\{([\w.-]+)/([^/}]+)/(\d+)/(\w+)\}", lambda found: row_of(*found.groups()), text
+    )
+
+
+def with_links(text: str) -> str:
+    """The text, its commands that repeat a paper as links to the page with their results."""
+    page_of = paper_pages()
+    return re.sub(
+        r"`flockscope paper ([\w.-]+)`",
+        lambda command: f"[{command[0]}](../papers/{page_of[command[1]]})",
+        text,
     )
 
 
