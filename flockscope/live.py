@@ -1,6 +1,6 @@
 """Real cars: what a source of poses and a link to cars are, and cars in software to try them on.
 
-docs/tracking.md has a source of one's own, docs/car-link.md a link.
+docs/tracking-source.md has a source of one's own, docs/car-link.md a link.
 
 >>> from flockscope.live import Pose, seen
 >>> seen("red", Pose(1.0, 2.0, 0.0)).name

@@ -1,4 +1,4 @@
-"""What docs/car-link.md shows works as printed: the link, the node, the C, the figures."""
+"""What the pages of car links show works as printed: the link, the node, the C, the figures."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ from app.live.links.link import EMERGENCY, RUN, STOP
 from app.live.links.link_catalogue import open_link
 from worlds.input_error import InputError
 
-TEXT = (Path(__file__).parents[2] / "docs" / "car-link.md").read_text(encoding="utf-8")
+TEXT = "\n".join(
+    (Path(__file__).parents[2] / "docs" / f"{name}.md").read_text(encoding="utf-8")
+    for name in ("car-link", "car-firmware")
+)
 
 
 def block(language, words):

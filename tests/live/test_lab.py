@@ -344,9 +344,9 @@ def test_what_is_clamped_is_within_the_fence_and_moved_no_further_than_needed(x,
 
 
 def test_the_file_on_the_page_says_what_holds_without_it():
-    page = (Path(__file__).parents[2] / "docs" / "live-safety.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "live-file.md").read_text(encoding="utf-8")
     (text,) = re.findall(r"^```toml\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
-    shown = lab_from_toml(text, "docs/live-safety.md")
+    shown = lab_from_toml(text, "docs/live-file.md")
     assert shown.limits == lab().limits
     assert shown.area.fence == lab().area.fence
     assert shown.injected == lab().injected

@@ -1,4 +1,4 @@
-"""docs/tracking.md: its Python runs, its source works as printed, its table can be read."""
+"""Pages of tracking: their Python runs, the source works as printed, the table can be read."""
 
 from __future__ import annotations
 
@@ -22,7 +22,11 @@ from app.live.sources.source_catalogue import OPENERS, open_source
 from tests.live.natnet_emulator import free_port
 from worlds.input_error import InputError
 
-PAGE = (Path(__file__).parents[2] / "docs" / "tracking.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = "\n".join(
+    (DOCS / f"{name}.md").read_text(encoding="utf-8")
+    for name in ("tracking", "tracking-recordings", "tracking-source")
+)
 
 
 def blocks(language):

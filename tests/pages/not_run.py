@@ -4,10 +4,10 @@ ELSEWHERE = {
     ("docs/car-link.md", "class TextRadio"): (
         "a file beside the laboratory's: tests/live/test_car_link_page.py sends with it"
     ),
-    ("docs/car-link.md", "import rclpy"): (
+    ("docs/car-firmware.md", "import rclpy"): (
         "needs ROS 2: tests/live/test_car_link_page.py runs it with a stub for ROS"
     ),
-    ("docs/car-link.md", "car_take"): (
+    ("docs/car-firmware.md", "car_take"): (
         "C for a microcontroller: tests/live/test_car_link_page.py compiles and drives it"
     ),
     ("docs/behind-a-proxy.md", "proxy_pass"): (
@@ -17,10 +17,10 @@ ELSEWHERE = {
         "a proxy's configuration: tests/browser/test_real_proxies.py has Caddy take it"
     ),
     ("docs/laboratory.md", "proxy_pass"): "a proxy's configuration: needs nginx",
-    ("docs/tracking.md", "Feed(open_source"): (
+    ("docs/tracking-source.md", "Feed(open_source"): (
         "a file that its child process imports: tests/live/test_tracking_page.py starts it"
     ),
-    ("docs/tracking.md", "class Datagrams"): (
+    ("docs/tracking-source.md", "class Datagrams"): (
         "a file for app/live/sources/: tests/live/test_tracking_page.py streams from it"
     ),
 }
@@ -37,7 +37,7 @@ PRINTED = {
     ("docs/worlds.md", "flockscope: house.dxf, layer 'A-WALL'"): (
         "a question about a drawing that is not there: tests/worlds/test_plan_walls.py asks it"
     ),
-    ("docs/live.md", "sent last at"): (
+    ("docs/live-recordings.md", "sent last at"): (
         "printed of a killed loop: tests/live/test_while_driving.py kills one"
     ),
     ("docs/tracking.md", "unknown option 'port'"): (

@@ -186,7 +186,7 @@ class SimulatedCars(StrictTable):
 
 
 class Lab(StrictTable):
-    """A laboratory. See `docs/live-safety.md` for an example of the file."""
+    """A laboratory. See `docs/live-file.md` for an example of the file."""
 
     title: str = ""
     source: str = Field(min_length=1)

@@ -1,6 +1,6 @@
 """The firmware of a car, for tests and for trying a laboratory out without cars.
 
-`Car` is what the microcontroller of docs/car-link.md does with a frame. `Firmware` is several cars
+`Car` is what the microcontroller of docs/car-firmware.md does with a frame. `Firmware` is several cars
 that hear the same stream of bytes.
 """
 
