@@ -1,4 +1,4 @@
-"""Car frames from the table in docs/car-firmware.md, read the slow way: every substring is tried."""
+"""Car frames from the table in docs/car-firmware.md, read the slow way: each substring is tried."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The firmware of a car, for tests and for trying a laboratory out without cars.
 
-`Car` is what the microcontroller of docs/car-firmware.md does with a frame. `Firmware` is several cars
-that hear the same stream of bytes.
+`Car` is what the microcontroller of docs/car-firmware.md does with a frame. `Firmware` is several
+cars that hear the same stream of bytes.
 """
 
 from __future__ import annotations
