@@ -212,7 +212,7 @@ def at_obstacles(model: Model) -> str:
 def home(model: Model) -> str:
     """The world that a model is at home in, with its page."""
     title = str(read_layout(model.world)["title"])
-    where = f"[`{model.world}`](../worlds.md#{model.world})"
+    where = f"[`{model.world}`](../worlds-built-in.md#{model.world})"
     return f"{where} with {model.agents} agents. {title}"
 
 

@@ -1,14 +1,15 @@
-"""Draws the worlds of docs/worlds.md and writes its tables.
+"""Draws the worlds of the pages docs/worlds*.md and writes their tables.
 
     uv run python docs/make_worlds.py
 
-A test holds the tables against the declarations.
+A test checks the tables against the declarations.
 """
 
 from __future__ import annotations
 
 import re
 import tempfile
+import textwrap
 import tomllib
 from pathlib import Path
 
@@ -20,11 +21,12 @@ from worlds.layout import layout_names, read_layout, world, world_from_layout
 from worlds.readers import read_geometry, world_around
 
 HERE = Path(__file__).parent
-PAGE = HERE / "worlds.md"
 PICTURES = HERE / "pictures" / "worlds"
 SIDE = 10.0
 """Side of the box of a layout that leaves it open, m."""
 SEED = 5
+WIDTH = 118
+"""Letters of a line of a page."""
 
 
 def code(text: str, kind: str) -> str:
@@ -52,23 +54,35 @@ def layouts() -> str:
     for name in layout_names():
         layout = read_layout(name)
         source = f" Source: {layout['source']}." if layout.get("source") else ""
-        parts.append(
-            f"### `{name}`\n\n{layout['title']}.{source}\n\n![{name}](pictures/worlds/{name}.png)"
+        about = textwrap.fill(
+            f"{layout['title']}.{source}", WIDTH, break_long_words=False, break_on_hyphens=False
         )
+        parts.append(f"## `{name}`\n\n{about}\n\n![{name}](pictures/worlds/{name}.png)")
     return "\n\n".join(parts)
 
 
-def page(text: str) -> str:
-    """The page with its tables as they are declared now."""
-    for mark, made in (("parameters", parameters()), ("layouts", layouts())):
-        begin, end = f"<!-- {mark} -->", f"<!-- end of {mark} -->"
-        before, _, rest = text.partition(begin)
-        text = f"{before}{begin}\n\n{made}\n\n{end}{rest.partition(end)[2]}"
-    return text
+GENERATED = {
+    "worlds-by-chance.md": ("parameters", parameters),
+    "worlds-built-in.md": ("layouts", layouts),
+}
+"""Page -> the name of its generated part, and what makes it."""
 
 
-def draw(text: str) -> None:
-    """Every layout under its name, every generator as make-KIND, and the page's own examples."""
+def read_page(name: str) -> str:
+    """The text of a page of docs/."""
+    return (HERE / name).read_text(encoding="utf-8")
+
+
+def page(name: str) -> str:
+    """A page of GENERATED with its generated part as it is declared now."""
+    mark, make = GENERATED[name]
+    begin, end = f"<!-- {mark} -->", f"<!-- end of {mark} -->"
+    before, _, rest = read_page(name).partition(begin)
+    return f"{before}{begin}\n\n{make()}\n\n{end}{rest.partition(end)[2]}"
+
+
+def draw() -> None:
+    """Every layout under its name, every generator as make-KIND, and the pages' own examples."""
     PICTURES.mkdir(parents=True, exist_ok=True)
     for name in layout_names():
         draw_world(
@@ -76,19 +90,19 @@ def draw(text: str) -> None:
         )
     for kind in GENERATORS:
         draw_world(generate(kind, SEED, (60.0, 40.0)), PICTURES / f"make-{kind}.png")
-    yard = world_from_layout(tomllib.loads(code(text, "toml")), "yard")
+    yard = world_from_layout(tomllib.loads(code(read_page("worlds.md"), "toml")), "yard")
     draw_world(yard, PICTURES / "boundary-points.png", points(yard))
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "hall.geojson"
-        file.write_text(code(text, "json"), encoding="utf-8")
+        file.write_text(code(read_page("worlds-from-drawings.md"), "json"), encoding="utf-8")
         draw_world(world_around(read_geometry(file)), PICTURES / "hall.png")
 
 
 def main() -> None:
     """Write everything."""
-    text = page(PAGE.read_text(encoding="utf-8"))
-    PAGE.write_text(text, encoding="utf-8")
-    draw(text)
+    for name in GENERATED:
+        (HERE / name).write_text(page(name), encoding="utf-8")
+    draw()
 
 
 if __name__ == "__main__":

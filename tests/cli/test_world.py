@@ -264,24 +264,28 @@ def test_no_file_is_replaced_unless_asked(hall, tmp_path):
         assert path.stat().st_size > 100
 
 
-def test_the_page_of_worlds_has_the_tables_and_pictures_that_are_declared():
+def test_the_pages_of_worlds_have_the_tables_and_pictures_that_are_declared():
     script = runpy.run_path(str(DOCS / "make_worlds.py"))
-    text = (DOCS / "worlds.md").read_text(encoding="utf-8")
-    assert script["page"](text) == text, "run `uv run python docs/make_worlds.py`"
-    for line in text.splitlines():
+    pages = {page.name: page.read_text(encoding="utf-8") for page in DOCS.glob("worlds*.md")}
+    assert set(script["GENERATED"]) < set(pages)
+    for name in script["GENERATED"]:
+        assert script["page"](name) == pages[name], "run `uv run python docs/make_worlds.py`"
+    for line in "".join(pages.values()).splitlines():
         for piece in line.split("](pictures/")[1:]:
             assert (DOCS / "pictures" / piece.partition(")")[0]).is_file()
 
 
-def test_the_examples_of_the_page_do_what_it_says(tmp_path, monkeypatch):
+def test_the_examples_of_the_pages_do_what_they_say(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    code = runpy.run_path(str(DOCS / "make_worlds.py"))["code"]
-    text = (DOCS / "worlds.md").read_text(encoding="utf-8")
-    Path("yard.toml").write_text(code(text, "toml"))
-    assert f"    {made('check', 'yard.toml').stdout}" in text
-    Path("hall.geojson").write_text(code(text, "json"))
-    Path("hall.wkt").write_text(code(text, "wkt"))
-    exec(code(text, "python"))
+    script = runpy.run_path(str(DOCS / "make_worlds.py"))
+    code, read_page = script["code"], script["read_page"]
+    worlds, drawings = read_page("worlds.md"), read_page("worlds-from-drawings.md")
+    Path("yard.toml").write_text(code(worlds, "toml"))
+    assert f"    {made('check', 'yard.toml').stdout}" in worlds
+    Path("hall.geojson").write_text(code(drawings, "json"))
+    Path("hall.wkt").write_text(code(read_page("worlds-drawing-formats.md"), "wkt"))
+    exec(code(worlds, "python"))
+    exec(code(drawings, "python"))
     assert len(world("hall.toml").obstacles) == 3
     made("import", "hall.wkt", "--out", "again.toml")
     names = [one.name for one in world("again.toml").obstacles]

@@ -16,7 +16,7 @@ ELSEWHERE = {
     ("docs/behind-a-proxy.md", "reverse_proxy"): (
         "a proxy's configuration: tests/browser/test_real_proxies.py has Caddy take it"
     ),
-    ("docs/laboratory.md", "proxy_pass"): "a proxy's configuration: needs nginx",
+    ("docs/laboratory-serving.md", "proxy_pass"): "a proxy's configuration: needs nginx",
     ("docs/tracking-source.md", "Feed(open_source"): (
         "a file that its child process imports: tests/live/test_tracking_page.py starts it"
     ),
@@ -31,10 +31,10 @@ PRINTED = {
         "printed of a typing error: tests/test_new_rule.py makes it"
     ),
     ("docs/worlds.md", "yard.toml is sound"): "",
-    ("docs/worlds.md", "flockscope: plan.dxf, layer 'WALLS'"): (
+    ("docs/worlds-from-drawings.md", "flockscope: plan.dxf, layer 'WALLS'"): (
         "a refusal of a drawing that is not there: tests/worlds tests refusals"
     ),
-    ("docs/worlds.md", "flockscope: house.dxf, layer 'A-WALL'"): (
+    ("docs/worlds-from-drawings.md", "flockscope: house.dxf, layer 'A-WALL'"): (
         "a question about a drawing that is not there: tests/worlds/test_plan_walls.py asks it"
     ),
     ("docs/live-recordings.md", "sent last at"): (

@@ -146,20 +146,23 @@ def keep_a_run(path):
 
 
 READERS_OWN = {
-    ("docs/laboratory.md", "results/runs.jsonl"): keep_a_run,
+    ("docs/laboratory-plots.md", "results/runs.jsonl"): keep_a_run,
     ("docs/first-examples.md", "lab.toml"): lambda path: path.write_text(
         file_from("docs/live.md", "lab.toml")
     ),
-    ("docs/worlds.md", "plan.dxf"): draw_plan,
-    ("docs/worlds.md", "office.wkt"): draw_box,
-    ("docs/worlds.md", "campus.geojson"): draw_campus,
-    ("docs/worlds.md", "room.svg"): draw_room,
-    ("docs/worlds.md", "floor.yaml"): draw_ros_map,
-    ("docs/worlds.md", "floor.zip"): draw_ros_map,
-    ("docs/worlds.md", "arena.map"): draw_arena,
-    ("docs/worlds.md", "station.scenario"): draw_station,
-    ("docs/worlds.md", "jupedsim/examples/geometry/BUW.wkt"): draw_box,
-    ("docs/worlds.md", "jupedsim/examples/geometry/dxf/ISO-Bottleneck.dxf"): draw_bottleneck,
+    ("docs/worlds-from-drawings.md", "plan.dxf"): draw_plan,
+    ("docs/worlds-from-drawings.md", "office.wkt"): draw_box,
+    ("docs/worlds-from-drawings.md", "campus.geojson"): draw_campus,
+    ("docs/worlds-drawing-formats.md", "room.svg"): draw_room,
+    ("docs/worlds-drawing-formats.md", "floor.yaml"): draw_ros_map,
+    ("docs/worlds-drawing-formats.md", "floor.zip"): draw_ros_map,
+    ("docs/worlds-drawing-formats.md", "arena.map"): draw_arena,
+    ("docs/worlds-drawing-formats.md", "station.scenario"): draw_station,
+    ("docs/worlds-drawing-formats.md", "jupedsim/examples/geometry/BUW.wkt"): draw_box,
+    (
+        "docs/worlds-drawing-formats.md",
+        "jupedsim/examples/geometry/dxf/ISO-Bottleneck.dxf",
+    ): draw_bottleneck,
 }
 """Page, file -> makes what the page takes for the reader's own, or from elsewhere."""
 
@@ -361,7 +364,7 @@ def test_enough_is_found_to_be_worth_it():
     languages = {block.language for block in BLOCKS}
     assert languages >= {"", "sh", "python", "toml", "json", "wkt", "csv", "c"}
     assert sum(len(list(commands_of(page))) for page in PAGES) > 120
-    assert isinstance(json.loads(file_from("docs/worlds.md", "hall.geojson")), dict)
+    assert isinstance(json.loads(file_from("docs/worlds-from-drawings.md", "hall.geojson")), dict)
     assert all(isinstance(block, Block) for block in BLOCKS)
 
 
