@@ -71,6 +71,7 @@ html_theme_options = {
     "footer_end": [],
     "secondary_sidebar_items": ["page-toc"],
 }
+html_use_index = False
 html_sidebars = {"index": [], "_made/gallery": []}
 html_context = {"default_mode": "auto"}
 

@@ -22,6 +22,7 @@ from typer.cli import get_docs_for_click
 
 from agents.catalogue import MODELS
 from agents.models.declare import declared
+from agents.option import Option
 from agents.spec import Spec
 from app.cli.main import COMMANDS, load
 from app.live.laboratory.lab_file import Lab
@@ -260,9 +261,18 @@ def key_table(table: type[BaseModel]) -> str:
     rows = ["| key | kind | default | what it is |", "|---|---|---|---|"]
     for name, field in table.model_fields.items():
         default = "needed" if field.is_required() else default_words(field.get_default())
-        about = (field.description or attribute_doc(table, name)).replace("|", "\\|")
+        about = about_key(table, name).replace("|", "\\|")
         rows.append(f"| `{name}` | {kind_words(field.annotation)} | {default} | {about} |")
     return "\n".join(rows)
+
+
+def about_key(table: type[BaseModel], name: str) -> str:
+    """What a key is: as the option that it is on the command line too, or from the table."""
+    extra = table.model_fields[name].json_schema_extra
+    option = extra.get("option") if isinstance(extra, dict) else None
+    if isinstance(option, Option):
+        return option.help + "."
+    return table.model_fields[name].description or attribute_doc(table, name)
 
 
 def attribute_doc(table: type[BaseModel], name: str) -> str:
