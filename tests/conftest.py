@@ -64,6 +64,7 @@ NOT_QUICK = (
     "test_processes.py",
     "test_payload.py",
     "test_scheduling.py",
+    "test_site.py",
     "test_trim.py",
 )
 """Files that are not quick all the same: commands, processes, what takes all models, sources or
@@ -105,7 +106,7 @@ EXHAUSTIVE = (
     "tests/test_observables_of_few.py",
     "tests/test_restart.py",
     "tests/test_solid_walls.py",
-    "tests/test_tutorials.py",
+    "tests/test_site.py",
     "tests/test_wind.py",
     "tests/viewer/test_preview.py",
     "tests/viewer/test_reconnects.py",
@@ -141,7 +142,7 @@ DEAR = (
     "tests/test_rules.py",
     "tests/flight/test_commands.py",
     "tests/papers",
-    "tests/test_tutorials.py",
+    "tests/test_site.py",
     "tests/cli/test_missions.py",
     "tests/experiments/test_missions.py",
     "tests/cli/test_live.py",

@@ -1,4 +1,4 @@
-"""The notebooks run from the first cell to the last, and what they say at their end is so."""
+"""The notebooks say at their end what is so, and are kept without outputs."""
 
 from __future__ import annotations
 
@@ -15,23 +15,13 @@ def test_there_are_four():
 
 
 @pytest.mark.parametrize("name", NOTEBOOKS)
-def test_a_notebook_runs(name, tmp_path):
-    """Its last cell asserts what its text says; a cell that raises fails the test."""
+def test_the_last_cell_of_a_notebook_asserts_what_its_text_says(name):
+    """tests/test_site.py runs them: a cell that raises fails there."""
     import nbformat  # takes two seconds, which collecting need not take
-    from nbclient import NotebookClient
 
-    made = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
-    assert made.cells[-1].source.startswith(("assert", "for", "means"))
-    assert "assert" in made.cells[-1].source
-    resources = {"metadata": {"path": str(tmp_path)}}
-    NotebookClient(made, timeout=300, resources=resources).execute()
-    pictures = [
-        output
-        for cell in made.cells
-        for output in cell.get("outputs", ())
-        if "image/png" in output.get("data", {})
-    ]
-    assert pictures, "each shows a picture"
+    last = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4).cells[-1].source
+    assert last.startswith(("assert", "for", "means"))
+    assert "assert" in last
 
 
 @pytest.mark.parametrize("name", NOTEBOOKS)
