@@ -114,12 +114,13 @@ def check_version() -> str:
 
 
 def write_sums(out: Path) -> Path:
-    """The checksums of all files of a folder, as `sha256sum --check` reads them."""
-    files = sorted(path for path in out.rglob("*") if path.is_file() and path.name != SUMS)
+    """The checksums of the files of a folder, not of those below it, as `sha256sum --check` reads
+    them."""
+    files = sorted(path for path in out.iterdir() if path.is_file() and path.name != SUMS)
     lines = [
-        f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(out).as_posix()}\n"
+        f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n"
         for path in files
-        if "site" not in path.relative_to(out).parts[:-1]
+        if not path.name.startswith(".")
     ]
     (out / SUMS).write_text("".join(lines), encoding="utf-8")
     return out / SUMS
