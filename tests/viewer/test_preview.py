@@ -146,7 +146,7 @@ def test_of_a_large_flock_so_many_move_as_plain_python_can_and_the_page_says_how
     some = len(simulation.frame.position)
     assert 100 < some < 1001
     assert simulation.state.preview
-    assert f"Preview</b> of {some} of 1,001 agents until compiled" in status(simulation.state)
+    assert f"Preview</b> of {some} of 1\u202f001 agents until compiled" in status(simulation.state)
     shown = simulation.state.run
     simulation.compiling.ready.set_result(None)
     until(lambda: len(simulation.frame.position) == 1001)

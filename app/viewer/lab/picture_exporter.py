@@ -32,6 +32,7 @@ from app.front.renders import MOST, RenderCamera
 from app.front.server import front_of, renders_of
 from app.processes import ChildProcess
 from app.viewer.lab.flock_page import PageWriter
+from app.viewer.measuring.observable_format import format_thousands
 from app.viewer.panels.sending import ExportPermit
 from app.viewer.pictures import key
 from app.viewer.pictures.browser import SeenSheet, as_png
@@ -162,7 +163,8 @@ class FilmRecorder(threading.Thread):
             due = begun
             while self.goes_on(due):
                 if taken * len(shot.now.ids) >= LIGHT:
-                    self.note_cut(f"as HTML {taken} pictures of {len(shot.now.ids):,} agents fit")
+                    agents = format_thousands(len(shot.now.ids))
+                    self.note_cut(f"as HTML {taken} pictures of {agents} agents fit")
                     break
                 due = time.monotonic() + 1.0 / FPS
                 shot = self.eyes.shot()
@@ -483,7 +485,7 @@ def pixels(text: str, most: int) -> tuple[int, int]:
     if min(size) < LEAST or max(size) > MOST or size[0] * size[1] > most:
         raise InputError(
             f"size = {text[:20]!r} is not allowed: WIDTHxHEIGHT of {LEAST} to {MOST} pixels, "
-            f"{most:,} in all"
+            f"{format_thousands(most)} in all"
         )
     return size
 

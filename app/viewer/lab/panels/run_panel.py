@@ -13,6 +13,7 @@ from app.front.controls import set_value
 from app.front.viser_internals import control_loop
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.panels.setup import SetupPanel
+from app.viewer.measuring.observable_format import format_thousands
 from app.viewer.panels.shell import GREEN, GREY, ORANGE, VIOLET, block
 from app.viewer.run.run_preset import lively_speed
 from app.viewer.run.simulation import Simulation
@@ -141,7 +142,8 @@ def compile_bar(state: SimulationState) -> str:
     if compiling is None:
         return ""
     kind = "Preview" if state.preview else "Waiting"
-    part = f" of {state.moving:,} of {state.agents:,} agents" if state.moving < state.agents else ""
+    moving, agents = format_thousands(state.moving), format_thousands(state.agents)
+    part = f" of {moving} of {agents} agents" if state.moving < state.agents else ""
     return (
         f'<div class="fs-compiling"><b>{kind}</b>{part} until compiled: {compiling.describe(now)}'
         f'<i><i style="width:{100.0 * compiling.share(now):.0f}%"></i></i></div>'

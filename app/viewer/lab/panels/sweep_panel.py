@@ -34,7 +34,7 @@ from app.viewer.lab.sweeps.sweep_request import (
     is_whole,
     numbers,
 )
-from app.viewer.measuring.observable_format import observable_words
+from app.viewer.measuring.observable_format import format_thousands, observable_words
 from app.viewer.panels.dials import decimals, set_visible, step_of
 from app.viewer.panels.parameters import parameter_label
 from app.viewer.panels.shell import GREEN, GREY, ORANGE, block
@@ -372,7 +372,8 @@ def status(sweep: ListedSweep | None, panel_state: SweepPanelState) -> str:
         "begins": (ORANGE, "begins"),
         "stopped": (GREY, "stopped"),
     }.get(sweep.state, (GREY, "done"))
-    text = f"{sweep.done:,} of {sweep.of:,} runs" if sweep.of else ""
+    done, of = format_thousands(sweep.done), format_thousands(sweep.of)
+    text = f"{done} of {of} runs" if sweep.of else ""
     if sweep.runs and panel_state.said and sweep.done == 0:
         text = html.escape(panel_state.said[:200])
     pace = ""
