@@ -95,3 +95,25 @@ def test_the_size_of_the_text_goes_round(window):
         page.keyboard.press("x")
     assert sizes["S"] < sizes["M"] < sizes["L"]
     assert said(page, "text") == "M"
+
+
+SLOWEST = """() => Math.max(...[...document.querySelectorAll("*")].flatMap((one) => {
+  const { transitionDuration, animationDuration } = getComputedStyle(one);
+  return [transitionDuration, animationDuration].flatMap((text) => text.split(",").map(parseFloat));
+}))"""
+"""The longest time that anything on the page takes to slide or fade, s."""
+
+
+def test_nothing_slides_or_fades_where_less_motion_is_asked_for(window):
+    page = window.page
+    assert page.evaluate(SLOWEST) >= 0.1, "else there is nothing to ask for less of"
+    page.emulate_media(reduced_motion="reduce")
+    try:
+        assert page.evaluate(SLOWEST) < 0.001
+        page.keyboard.press("g")
+        page.locator(".fs-entry").first.wait_for()
+        assert page.evaluate(SLOWEST) < 0.001
+        page.keyboard.press("Escape")
+        page.locator(".fs-sheet").wait_for(state="detached")
+    finally:
+        page.emulate_media(reduced_motion="no-preference")
