@@ -18,7 +18,7 @@ from app.classroom.collect.class_table import to_csv
 from app.classroom.flocks import Flocks, allowance
 from app.classroom.lesson_prediction import (
     LessonPrediction,
-    demand_prediction,
+    merge_prediction,
     prediction_columns,
     predictions_to_csv,
 )
@@ -26,8 +26,11 @@ from app.classroom.question_service import QuestionService
 from app.classroom.student import LaboratoryAddress, Role, Student, student_name, unique_name
 from app.classroom.workers.page_worker import StudentPage
 from app.classroom.workers.worker_process import WorkerProcess
+from app.processes import ChildError
 from app.results_folder import RESULTS
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.gallery.scene_steps import SceneStep, lesson_key
+from app.viewer.lab.panels.step_progress import LessonLead
 from worlds.input_error import InputError
 
 WAITS = 300.0
@@ -73,7 +76,9 @@ class Classroom:
         self.first_role = Role.OWN if in_browser else Role.WATCHING
         """What new students do."""
         self.asking = QuestionService(results)
-        self.flocks = Flocks(0 if in_browser else workers, allowance(scene, seats), self.moved)
+        self.flocks = Flocks(
+            0 if in_browser else workers, allowance(scene, seats), self.moved, self.lead_of
+        )
         self.workers = workers
         self.flocks_note = ""
         """Why students' flocks run on the server though they were to run in browsers."""
@@ -84,6 +89,10 @@ class Classroom:
         self.step = 0
         """The step of the lesson that the teacher shows to all, from 1; 0: each goes their own
         way."""
+        self.turn = 0
+        """Counts its lessons: what was predicted before the present one began is not of it."""
+        self.keyed: tuple[tuple[SceneStep, ...], str] = (), ""
+        """Steps, and by which key their lesson is known."""
         self.frozen = False
         self.has_ended = False
         """Whether the teacher has ended it."""
@@ -126,6 +135,7 @@ class Classroom:
         while True:
             await asyncio.sleep(LOOK)
             await self.flocks.look(self.students)
+            self.take_predictions()
             for student in self.students.values():
                 if not student.is_here and time.monotonic() - student.left > WAITS:
                     self.flocks.leave(student)
@@ -325,10 +335,13 @@ class Classroom:
         if self.pages is not None:
             await self.pages.compile(scene)
         if numbers is None:
-            if scene.steps != self.scene.steps:
+            is_other = scene.steps != self.scene.steps
+            if is_other:
                 self.leave_lesson()
             self.scene = scene
             self.asking.end()
+            if is_other:
+                await self.lead_all()
         await self.begin_anew(self.chosen(numbers), scene)
 
     async def ask(self, values: object) -> str:
@@ -394,10 +407,7 @@ class Classroom:
 
     async def predict(self, student: Student, step: int, prediction: LessonPrediction) -> str:
         """Take what a student predicts in a step of the lesson, and what their run showed. Raises
-        InputError.
-
-        The first choice stays; a run that is made again may show another one.
-        """
+        InputError."""
         if not self.is_in_browser(student):
             raise InputError("only who has a flock of their own predicts")
         if student.frozen:
@@ -405,16 +415,31 @@ class Classroom:
         page = await self.page_of(student)
         if not self.shares_lesson(student):
             raise InputError("your flock has not the steps of the class")
-        demand_prediction(page.step_at(step), step, prediction)
-        if self.step and step > self.step:
-            raise InputError(f"step = {step} is not allowed: the class is at step {self.step}")
-        known = student.predictions.get(step, prediction)
-        if known.choice != prediction.choice:
-            raise InputError(f"your prediction of step {step} is made: it stays")
-        shown = known.shown if prediction.shown is None else prediction.shown
-        student.predictions[step] = replace(prediction, shown=shown)
+        self.keep_prediction(student, page.step_at(step), step, prediction)
         self.tell()
         return "predicted"
+
+    def take_predictions(self) -> None:
+        """Take what students have predicted in flocks on the server, as these stood when they were
+        looked at last."""
+        for student in self.students.values():
+            status = self.flocks.seen.get(student.number)
+            if status is None or (status.lesson, status.turn) != (self.lesson, self.turn):
+                continue
+            for number, choice, shown in status.predictions:
+                # What is refused since the class is at an earlier step is there at the next look.
+                with suppress(InputError):
+                    step, made = self.scene.steps[number - 1], LessonPrediction(choice, shown)
+                    self.keep_prediction(student, step, number, made)
+
+    def keep_prediction(
+        self, student: Student, step: SceneStep, number: int, prediction: LessonPrediction
+    ) -> None:
+        """Keep what a student predicts in a step, if the rules of a class allow it. Raises
+        InputError."""
+        known = student.predictions.get(number)
+        kept = merge_prediction(step, number, prediction, known, self.step)
+        student.predictions[number] = kept
 
     def results_csv(self) -> str:
         """The results of the latest question, each with what its student has predicted in the
@@ -455,20 +480,44 @@ class Classroom:
                     await self.flocks.tell_own(student, "pause" if frozen else "go")
         self.tell()
 
-    def show_step(self, step: int) -> None:
+    async def show_step(self, step: int) -> None:
         """Show a step of the lesson, from 1, to all students; 0 lets them go their own way. Raises
         InputError."""
         most = len(self.scene.steps)
-        if self.pages is None or not most:
-            raise InputError("only a lesson whose flocks run in students' browsers has steps")
+        if not most:
+            raise InputError("this class has no lesson with steps")
         if not 0 <= step <= most:
             raise InputError(f"step = {step} is not allowed: 0 to {most}")
         self.step = step
         self.tell()
+        await self.lead_all()
+
+    async def lead_all(self) -> None:
+        """Have all flocks on the server show what the class shows."""
+        await asyncio.gather(*(self.lead_student(one) for one in self.chosen(None) if one.place))
+
+    async def lead_student(self, student: Student) -> None:
+        """Have a student's flock on the server show what the class shows."""
+        # Of one whose process ends now the next laboratory is led when it is opened.
+        with suppress(InputError, ChildError):
+            await self.flocks.tell_own(student, "lead", self.lead_of(student))
+
+    def lead_of(self, student: Student) -> LessonLead:
+        """How the class leads a student through its lesson now."""
+        choices = {number: one.choice for number, one in student.predictions.items()}
+        return LessonLead(self.lesson, self.step, self.turn, choices)
+
+    @property
+    def lesson(self) -> str:
+        """Which lesson the class has, by `lesson_key`; empty: none with steps."""
+        if self.keyed[0] is not self.scene.steps:  # asked for at every look: made once
+            self.keyed = self.scene.steps, lesson_key(self.scene.steps)
+        return self.keyed[1]
 
     def leave_lesson(self) -> None:
         """Forget the step that is shown, and predictions: another lesson has others."""
         self.step = 0
+        self.turn += 1
         for student in self.students.values():
             student.predictions = {}
 

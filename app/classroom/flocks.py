@@ -21,6 +21,7 @@ from app.classroom.workers.worker_process import WorkerProcess
 from app.processes import ChildError, ProcessLostError
 from app.studies.workers.process_executor import cores
 from app.viewer.gallery.saved_scene import SavedScene
+from app.viewer.lab.panels.step_progress import LessonLead
 from app.viewer.run.allowance import Allowance
 from worlds.input_error import InputError
 
@@ -50,13 +51,20 @@ class Flocks:
 
     `count`: processes for students' flocks, of which each may take what `allowance` says; none
     where flocks run in browsers. `ended` is called when a process has died, and when the teacher's
-    has been begun again.
+    has been begun again. `lead` says how the class leads a student through its lesson now.
     """
 
-    def __init__(self, count: int, allowance: Allowance, ended: Callable[[WorkerProcess], None]):
+    def __init__(
+        self,
+        count: int,
+        allowance: Allowance,
+        ended: Callable[[WorkerProcess], None],
+        lead: Callable[[Student], LessonLead],
+    ):
         self.count = count
         self.allowance = allowance
         self.ended = ended
+        self.lead = lead
         self.workers: list[WorkerProcess] = []
         self.own: WorkerProcess | None = None
         """The process of the teacher's laboratory."""
@@ -153,14 +161,28 @@ class Flocks:
         worker.held += 1
         try:
             address = await self.tell(worker, "open", student.number, scene)
-            if student.frozen:
-                await self.tell(worker, "pause", student.number)
+            await self.catch_up(worker, student)
             if student.worker is not worker:
                 raise InputError("this flock has been closed")
         except Exception:
             self.drop(worker, student)
             raise
         return LaboratoryAddress(worker, address)
+
+    async def catch_up(self, worker: WorkerProcess, student: Student) -> None:
+        """Hold a laboratory that has just been opened, and lead it, as the class is now.
+
+        The class may change while the process answers: nobody else tells a laboratory that has no
+        place yet.
+        """
+        is_held, lead = False, LessonLead()
+        while (is_held, lead) != (student.frozen, self.lead(student)):
+            if is_held != student.frozen:
+                is_held = student.frozen
+                await self.tell(worker, "pause" if is_held else "go", student.number)
+            else:
+                lead = self.lead(student)
+                await self.tell(worker, "lead", student.number, lead)
 
     async def tell(self, worker: WorkerProcess, what: str, *given: Any) -> Any:
         """What a process answers. Raises InputError if it is gone."""

@@ -40,6 +40,28 @@ def demand_prediction(step: SceneStep, number: int, prediction: LessonPrediction
             raise InputError(f"{name} = {place} is not allowed: 0 to {most} (step {number})")
 
 
+def merge_prediction(
+    step: SceneStep,
+    number: int,
+    prediction: LessonPrediction,
+    known: LessonPrediction | None,
+    shown_step: int,
+) -> LessonPrediction:
+    """A student's prediction of a step once another is made. Raises InputError.
+
+    The first choice stays; a run that is made again may show another one. `shown_step`: the step
+    that the teacher shows to all, beyond which nobody predicts; 0: none.
+    """
+    demand_prediction(step, number, prediction)
+    if shown_step and number > shown_step:
+        raise InputError(f"step = {number} is not allowed: the class is at step {shown_step}")
+    if known is None:
+        return prediction
+    if known.choice != prediction.choice:
+        raise InputError(f"your prediction of step {number} is made: it stays")
+    return known if prediction.shown is None else prediction
+
+
 def count_choices(
     steps: Sequence[SceneStep], students: Collection[Predictions]
 ) -> list[dict[str, Any]]:

@@ -5,14 +5,16 @@ from __future__ import annotations
 import asyncio
 import re
 import threading
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from app.front.controls import set_value
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.scene_steps import step_spec
+from app.viewer.gallery.scene_steps import lesson_key, step_spec
 from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.panels.step_progress import LessonLead
 from tests.classroom.test_lesson_steps import mean_measured, scene_text
 from tests.viewer.waiting import COMPILED, until
 
@@ -160,6 +162,112 @@ def test_a_scene_without_steps_has_no_lesson(laboratory):
     laboratory.open(plain)
     until(lambda: laboratory.lesson.scene is plain, 30, "the scene")
     assert not laboratory.lesson.folder.visible
+
+
+def open_scene(laboratory: Laboratory, scene: SavedScene) -> None:
+    """Open a scene, and wait until its lesson is shown."""
+    panel = laboratory.lesson
+    laboratory.open(scene)
+    until(lambda: panel.scene is scene, 30, "the scene")
+    with panel.lock:
+        pass  # its controls are made by now
+
+
+def lead(laboratory: Laboratory, step: int, **choices: int) -> None:
+    """Lead the laboratory to a step of its lesson, 0 for no more; `_2=1`: predicted before."""
+    made = {int(name[1:]): choice for name, choice in choices.items()}
+    laboratory.lead(LessonLead(lesson_key(laboratory.lesson.steps), step, choices=made))
+
+
+def has_moves(laboratory: Laboratory) -> bool:
+    """Whether the panel has Back and Next; else it says who leads."""
+    last = laboratory.lesson.made[-1]
+    return hasattr(last, "options")
+
+
+def says_who_leads(laboratory: Laboratory) -> bool:
+    """Whether the panel says that the teacher leads."""
+    contents = [getattr(control, "content", "") for control in laboratory.lesson.made]
+    return any("Your teacher leads: all see this step." in content for content in contents)
+
+
+def test_who_is_led_sees_the_step_of_the_class_and_goes_nowhere_else(laboratory):
+    panel = laboratory.lesson
+    assert (has_moves(laboratory), says_who_leads(laboratory)) == (True, False)
+    lead(laboratory, 2)
+    assert (panel.number, has_moves(laboratory), says_who_leads(laboratory)) == (1, False, True)
+    assert "Step 2 of 3" in panel.made[0].content
+    asyncio.run(panel.move(Press("Next")))
+    assert panel.number == 1
+    refreshed(laboratory)
+    again = replace(panel.scene, speed=100.0)
+    open_scene(laboratory, again)
+    assert (panel.number, says_who_leads(laboratory)) == (1, True)
+    lead(laboratory, 0)
+    assert (panel.number, has_moves(laboratory), says_who_leads(laboratory)) == (1, True, False)
+    asyncio.run(panel.move(Press("Next")))
+    assert panel.number == 2
+
+
+def test_another_lesson_than_that_of_the_class_is_not_led(laboratory):
+    panel = laboratory.lesson
+    lead(laboratory, 2)
+    other = SavedScene.from_toml(scene_text(RUN), "other.toml")
+    open_scene(laboratory, other)
+    assert (panel.number, panel.led, has_moves(laboratory)) == (0, 0, True)
+    plain = SavedScene.from_toml(RUN, "plain.toml")
+    open_scene(laboratory, plain)
+    laboratory.lead(LessonLead("", 1))
+    assert (panel.led, panel.made) == (0, [])
+
+
+def test_who_is_led_runs_the_step_that_it_is_compared_with_first(laboratory):
+    panel = laboratory.lesson
+    lead(laboratory, 3)
+    asyncio.run(panel.choose(0, Press()))
+    assert (panel.run.label, panel.run.disabled) == ("Run step 2 first", False)
+    asyncio.run(panel.begin(Press()))
+    until(lambda: panel.progress[1].trial.is_over, 60, "the run of step 2")
+    refreshed(laboratory)
+    assert panel.predictions()[2] == ()  # nothing was predicted of it
+    assert (panel.run.label, panel.now.is_fixed) == ("Run it", False)
+    lines = run_step(laboratory, 0)
+    shown = panel.predictions()[2][0][2]
+    assert panel.predictions()[2] == ((3, 0, shown),)
+    assert f"This run shows “{panel.step.choices[shown]}”." in lines[0]
+    lead(laboratory, 2)
+    assert panel.verdict.content.count("<p>") == 1  # what it showed, and of no prediction
+
+
+def test_predictions_are_told_with_what_runs_have_shown(laboratory):
+    panel = laboratory.lesson
+    go_to(laboratory, 1)
+    asyncio.run(panel.choose(1, Press()))
+    assert panel.predictions() == (lesson_key(panel.steps), 0, ())  # it may still be changed
+    run_step(laboratory, 1)
+    step, mean = panel.step, mean_measured(panel.scene.spec, panel.step)
+    assert panel.predictions()[2] == ((2, 1, step.choices.index(step.choice_of(mean))),)
+
+
+def test_what_was_predicted_in_a_class_stays_where_its_lesson_is_opened_anew(laboratory):
+    panel = laboratory.lesson
+    lead(laboratory, 3, _2=1)
+    lead(laboratory, 2)
+    assert (panel.now.choice, panel.now.is_fixed, panel.run.label) == (1, True, "Run it again")
+    asyncio.run(panel.choose(0, Press()))
+    assert panel.predictions()[2] == ((2, 1, None),)
+    again = replace(panel.scene, speed=100.0)
+    open_scene(laboratory, again)
+    assert panel.predictions()[2] == ((2, 1, None),)
+
+
+def test_another_lesson_of_the_class_begins_anew_though_it_was_opened_before(laboratory):
+    panel = laboratory.lesson
+    go_to(laboratory, 1)
+    run_step(laboratory, 1)
+    laboratory.lead(LessonLead(panel.lesson, 2, turn=1))
+    assert panel.predictions() == (panel.lesson, 1, ())
+    assert (panel.now.choice, panel.run.label) == (-1, "Run it")
 
 
 def write_step(laboratory: Laboratory, **values: Any) -> None:

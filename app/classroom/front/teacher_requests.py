@@ -137,10 +137,10 @@ class TeacherRequests:
         }
 
     def lesson(self) -> dict[str, Any] | None:
-        """The steps of the lesson, and how many have predicted what; None where pages have none."""
+        """The steps of the lesson, and how many have predicted what; None where there are none."""
         classroom = self.classroom
         steps = classroom.scene.steps
-        if classroom.pages is None or not steps:
+        if not steps:
             return None
         made = [one.predictions for one in classroom.students.values()]
         return {"step": classroom.step, "steps": count_choices(steps, made)}
@@ -187,7 +187,7 @@ class TeacherRequests:
     async def show_step(self, values: Values) -> str:
         """Show a step of the lesson to all, or let them go their own way."""
         step = step_number_in(values, "step")
-        self.classroom.show_step(step)
+        await self.classroom.show_step(step)
         return f"all students see step {step}" if step else "students go through the steps"
 
     async def say(self, values: Values) -> str:

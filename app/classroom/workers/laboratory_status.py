@@ -38,6 +38,13 @@ class LaboratoryStatus:
     """Of each agent three bytes in base 64: how far to the right, how far up, of `STEPS`, and its
     heading, of 256 from the x axis to the left."""
     error: str = ""
+    lesson: str = ""
+    """Which lesson its scene is, by `lesson_key`; empty: none."""
+    turn: int = 0
+    """In which turn of the class's lessons, as it was told."""
+    predictions: tuple[tuple[int, int, int | None], ...] = ()
+    """Of each step in which a prediction stays: its number, and the places of the choice and of
+    that which the run showed."""
 
 
 def laboratory_status(laboratory: Laboratory) -> LaboratoryStatus:
@@ -45,6 +52,7 @@ def laboratory_status(laboratory: Laboratory) -> LaboratoryStatus:
     simulation = laboratory.simulation
     state, frame, readings = simulation.state, simulation.frame, simulation.readings
     model = MODELS[state.spec.model]
+    lesson, turn, predictions = laboratory.lesson.predictions()
     shape, dots = (1.0, "") if frame is None else small_picture(frame)
     return LaboratoryStatus(
         model.title,
@@ -57,6 +65,9 @@ def laboratory_status(laboratory: Laboratory) -> LaboratoryStatus:
         shape,
         dots,
         state.error,
+        lesson,
+        turn,
+        predictions,
     )
 
 

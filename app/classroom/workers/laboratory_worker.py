@@ -16,6 +16,7 @@ from app.front.page_front import Front
 from app.front.server import open_server
 from app.viewer.gallery.saved_scene import SavedScene
 from app.viewer.lab.laboratory import Laboratory
+from app.viewer.lab.panels.step_progress import LessonLead
 from app.viewer.lab.scene_requests import SCRIPTS
 from app.viewer.run.allowance import Allowance
 from app.viewer.watching.watch_page import WatchPage
@@ -100,6 +101,10 @@ class Laboratories:
     def pause(self, whose: int) -> None:
         """Let one stand."""
         self.all[whose].simulation.pause()
+
+    def lead(self, whose: int, lead: LessonLead) -> None:
+        """Show one the step of the class's lesson, or let it go its own way."""
+        self.all[whose].lead(lead)
 
     def go(self, whose: int) -> None:
         """Let one run."""

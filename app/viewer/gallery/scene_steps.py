@@ -7,6 +7,8 @@ the choices the run shows.
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 from typing import Annotated, Any
@@ -178,6 +180,14 @@ def read_steps(value: Any, spec: CompleteSpec, origin: str) -> tuple[SceneStep, 
         demand_earlier(step, steps, place)
         steps.append(step)
     return tuple(steps)
+
+
+def lesson_key(steps: Sequence[SceneStep]) -> str:
+    """A short text that is the same for the same steps, wherever they were read; empty for none."""
+    if not steps:
+        return ""
+    text = json.dumps([step.values() for step in steps], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def demand_controls(step: SceneStep, model_name: str, place: str) -> None:

@@ -37,6 +37,7 @@ from app.viewer.lab.panels.rule_source import RuleSource
 from app.viewer.lab.panels.run_panel import RunPanel, TimeLinePanel
 from app.viewer.lab.panels.runs_panel import RunsPanel
 from app.viewer.lab.panels.setup import SetupPanel
+from app.viewer.lab.panels.step_progress import LessonLead
 from app.viewer.lab.panels.sweep_panel import SweepPanel
 from app.viewer.lab.panels.world_panel import WorldPanel
 from app.viewer.lab.picture_exporter import PictureExporter
@@ -376,6 +377,10 @@ class Laboratory:
         """Show the lesson of a scene that is what runs, with other steps."""
         self.shown_scene = scene
         self.simulation.news.set()
+
+    def lead(self, lead: LessonLead) -> None:
+        """Show the step of a class's lesson in all browsers, or let them go their own way."""
+        self.lesson.follow_lead(lead)
 
     def plot_first(self, observable: str) -> None:
         """Have the first chart show an observable, once the flock has it."""

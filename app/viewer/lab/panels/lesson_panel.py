@@ -8,7 +8,7 @@ import math
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -17,13 +17,16 @@ import viser
 from agents.models.declare import NumberParameter
 from agents.spec import CompleteSpec, Spec
 from app.viewer.gallery.saved_scene import SavedScene
-from app.viewer.gallery.scene_steps import SceneStep, number_parameters, step_spec
-from app.viewer.measuring.observable_format import (
-    format_observable,
-    format_thousands,
-    observable_words,
+from app.viewer.gallery.scene_steps import SceneStep, lesson_key, number_parameters, step_spec
+from app.viewer.lab.panels.step_progress import (
+    LessonLead,
+    StepProgress,
+    describe_run,
+    place_shown,
+    sentence,
+    verdict,
 )
-from app.viewer.panels.dials import plain_symbol
+from app.viewer.measuring.observable_format import format_thousands
 from app.viewer.panels.followed_value import FollowedValue
 from app.viewer.panels.parameters import ParametersPanel, add_control
 from app.viewer.panels.shell import block
@@ -33,27 +36,15 @@ from app.viewer.run.step_trial import StepTrial
 
 BACK, NEXT = "Back", "Next"
 RUN, AGAIN = "Run it", "Run it again"
-
-
-@dataclass
-class StepProgress:
-    """What a reader has done at one step."""
-
-    choice: int = -1
-    """Which answer was chosen; -1: none yet."""
-    is_fixed: bool = False
-    """Whether the step's run was begun: from then on the prediction stays."""
-    trial: StepTrial | None = None
-    """The last run of the step."""
-    mean: float = math.nan
-    """What the last run that was judged has shown."""
+LED = "Your teacher leads: all see this step."
 
 
 @dataclass
 class LessonPanel:
     """Leads through the steps of a scene; hidden where the scene has none.
 
-    All browsers see one flock, and so one lesson. `set_up` is told which run is built for a step,
+    All browsers see one flock, and so one lesson. A class may lead through it: then it shows the
+    step of the class, and nobody goes on or back. `set_up` is told which run is built for a step,
     `watch` which observable is to be plotted first.
     """
 
@@ -65,6 +56,10 @@ class LessonPanel:
     scene: SavedScene | None = None
     number: int = 0
     """Of the step that is shown, from 0."""
+    lesson: str = ""
+    """Which lesson the scene is, by `lesson_key`."""
+    lead: LessonLead = field(default_factory=LessonLead)
+    """How the class leads, which may be through another lesson."""
     progress: list[StepProgress] = field(default_factory=list)
     sliders: dict[str, Any] = field(default_factory=dict)
     """Controls of the step that is shown, by parameter."""
@@ -97,16 +92,66 @@ class LessonPanel:
         """How far the reader is with it."""
         return self.progress[self.number]
 
+    @property
+    def led(self) -> int:
+        """The number of the step that the class shows, from 1; 0: nobody leads."""
+        return self.lead.step if self.lead.lesson == self.lesson and self.steps else 0
+
     def follow(self, scene: SavedScene | None, state: SimulationState) -> None:
         """Show the lesson of a scene from its first step, if it is another; else what goes on."""
         with self.lock:
             if scene is not self.scene:
+                self.keep_choices()
                 self.scene, self.number = scene, 0
+                self.lesson = lesson_key(self.steps)
                 self.progress = [StepProgress() for _ in self.steps]
+                self.restore_choices()
+                self.number = max(self.led - 1, 0)
                 self.folder.visible = bool(self.steps)
                 self.show()
             if self.steps:
                 self.refresh(state)
+
+    def follow_lead(self, lead: LessonLead) -> None:
+        """Show the step of a class from now on, or let the reader go on and back again."""
+        with self.lock:
+            before, is_other = self.led, lead.turn != self.lead.turn
+            self.lead = lead
+            if is_other:
+                self.progress = [StepProgress() for _ in self.steps]
+            self.restore_choices()
+            if is_other or self.led != before:
+                self.number = self.led - 1 if self.led else self.number
+                self.show()
+            self.show_state()
+
+    def keep_choices(self) -> None:
+        """Keep what is predicted in a class's lesson: it stays if that is opened anew."""
+        if self.lead.lesson == self.lesson:
+            made = {k: one.choice for k, one in enumerate(self.progress, 1) if one.has_prediction}
+            self.lead = replace(self.lead, choices={**self.lead.choices, **made})
+
+    def restore_choices(self) -> None:
+        """Fix what was predicted in the lesson of a class before it was opened here."""
+        if self.lead.lesson != self.lesson:
+            return
+        for number, progress in enumerate(self.progress, 1):
+            if number in self.lead.choices and not progress.is_fixed:
+                progress.choice, progress.is_fixed = self.lead.choices[number], True
+
+    def predictions(self) -> tuple[str, int, tuple[tuple[int, int, int | None], ...]]:
+        """Which lesson it is, in which turn of the class, and what stays predicted in it: by step
+        its number, from 1, and the places of the choice and of that which its run showed."""
+        with self.lock:
+            self.judge()
+            made = tuple(
+                (number, progress.choice, place_shown(step, progress.mean, self.than_of(step)))
+                for number, (step, progress) in enumerate(
+                    zip(self.steps, self.progress, strict=True), 1
+                )
+                if progress.has_prediction
+            )
+            return self.lesson, self.lead.turn, made
 
     def show(self) -> None:
         """Make the controls of the step."""
@@ -125,11 +170,17 @@ class LessonPanel:
                 self.sliders[name] = self.add_slider(sliders[name])
             if step.ask:
                 self.add_prediction(step)
-            buttons = self.gui.add_button_group("Steps", (BACK, NEXT))
-            buttons.on_click(self.move)
-            self.made += [*self.sliders.values(), buttons]
+            self.made += [*self.sliders.values(), self.add_move()]
         if step.shown_observable:
             self.watch(step.shown_observable)
+
+    def add_move(self) -> Any:
+        """Buttons that go back and on; who is led is told so instead."""
+        if self.led:
+            return self.gui.add_html(block(f'<div class="fs-quiet">{LED}</div>'))
+        buttons = self.gui.add_button_group("Steps", (BACK, NEXT))
+        buttons.on_click(self.move)
+        return buttons
 
     def add_slider(self, parameter: NumberParameter) -> Any:
         """A slider that moves that of the Rule tab."""
@@ -148,13 +199,17 @@ class LessonPanel:
 
     def add_prediction(self, step: SceneStep) -> None:
         """The question, a button for each answer, and what runs the step."""
+        assert self.scene is not None
         asked = block(f'<div class="fs-try"><b>{html.escape(step.ask)}</b></div>')
         self.made.append(self.gui.add_html(asked))
         for number, words in enumerate(step.choices):
             button = self.gui.add_button(words, color="gray")
             button.on_click(partial(self.choose, number))
             self.answers.append(button)
-        self.made += [*self.answers, self.gui.add_html(block(self.describe_run(step)))]
+        self.made += [
+            *self.answers,
+            self.gui.add_html(block(describe_run(step, self.scene.spec.model))),
+        ]
         # Not the icon of Go: by that the page finds the button that it keeps in reach.
         self.run = self.gui.add_button(RUN, icon=viser.Icon.FLASK, color="green")
         self.run.disabled = True
@@ -162,23 +217,12 @@ class LessonPanel:
         self.verdict = self.gui.add_html("")
         self.made += [self.run, self.verdict]
 
-    def describe_run(self, step: SceneStep) -> str:
-        """What the button runs, HTML."""
-        assert self.scene is not None
-        sliders = number_parameters(self.scene.spec.model)
-        values = [
-            f"{plain_symbol(sliders[name].symbol) if name in sliders else name} = {value:g}"
-            for name, value in step.set.items()
-        ]
-        start = f", with {', '.join(values)}" if values else ""
-        words = f"{format_thousands(step.ticks)} ticks from the start{start}."
-        return f'<div class="fs-quiet">{html.escape(words)}</div>'
-
     async def move(self, event: viser.GuiEvent) -> None:
         """Go to the step before or after, if there is one."""
         to = self.number + (1 if event.target.value == NEXT else -1)
         with self.lock:
-            if 0 <= to < len(self.steps):
+            # A press may have been on its way when the class began to lead.
+            if not self.led and 0 <= to < len(self.steps):
                 self.number = to
                 self.show()
 
@@ -190,11 +234,16 @@ class LessonPanel:
                 self.show_state()
 
     async def begin(self, _event: viser.GuiEvent) -> None:
-        """Run the step from its start: from here on the prediction stays as it is."""
+        """Run the step from its start: from here on the prediction stays as it is.
+
+        Who is led cannot go back to a step that it is compared with: that one is run first, without
+        a prediction if there is none.
+        """
         with self.lock:
-            step, now = self.step, self.now
-            if now.choice < 0 or self.lacks(step) or self.scene is None:
+            if self.scene is None or not self.steps or self.lacks(self.step):
                 return
+            number = self.runs_first(self.step) or self.number + 1
+            step, now = self.steps[number - 1], self.progress[number - 1]
             now.is_fixed = True
             now.trial = StepTrial(step.measure, step.first_measured_tick, step.ticks)
             spec = step_spec(self.scene.spec, step)
@@ -205,21 +254,32 @@ class LessonPanel:
 
     def lacks(self, step: SceneStep) -> str:
         """What has to be done before a step can be run; empty: nothing."""
-        if self.progress[self.steps.index(step)].choice < 0:
+        progress = self.progress[self.steps.index(step)]
+        if progress.choice < 0 and not progress.is_fixed:
             return "Choose an answer first."
-        if step.than and math.isnan(self.progress[step.than - 1].mean):
-            return f"Run step {step.than} first."
-        return ""
+        first = self.runs_first(step)
+        return f"Run step {first} first." if first and not self.led else ""
+
+    def runs_first(self, step: SceneStep) -> int:
+        """The number of the step that it is compared with, while no run of it is judged, else 0."""
+        return step.than if math.isnan(self.than_of(step)) else 0
+
+    def than_of(self, step: SceneStep) -> float:
+        """The mean of the step that it is compared with: NaN before a run of it is judged; 0 where
+        it is compared with none."""
+        return self.progress[step.than - 1].mean if step.than else 0.0
+
+    def judge(self) -> None:
+        """Take over what runs have shown."""
+        for progress in self.progress:
+            progress.judge()
 
     def refresh(self, state: SimulationState) -> None:
         """Follow the flock: sliders, and the run of the step."""
         for name, followed in self.followed.items():
             if name in state.values:
                 followed.follow(state.values[name])
-        for progress in self.progress:
-            trial = progress.trial
-            if trial is not None and trial.is_over and not trial.fault:
-                progress.mean = trial.mean
+        self.judge()
         self.show_state()
 
     def show_state(self) -> None:
@@ -235,23 +295,25 @@ class LessonPanel:
                 icon=viser.Icon.CHECK if is_chosen else None,
                 disabled=now.is_fixed,
             )
-        goes_on = now.trial is not None and not now.trial.is_over
-        update(self.run, label=AGAIN if now.is_fixed else RUN, disabled=bool(self.lacks(step)))
-        content = block(self.describe_trial(step, now, goes_on))
+        first = self.runs_first(step) if self.led else 0
+        label = f"Run step {first} first" if first else AGAIN if now.is_fixed else RUN
+        update(self.run, label=label, disabled=bool(self.lacks(step)))
+        content = block(self.describe_trial(step, now))
         if self.verdict.content != content:
             self.verdict.content = content
 
-    def describe_trial(self, step: SceneStep, now: StepProgress, goes_on: bool) -> str:
+    def describe_trial(self, step: SceneStep, now: StepProgress) -> str:
         """How the run of a step stands, and what it shows, HTML."""
+        compared = [(self.steps[step.than - 1], self.progress[step.than - 1])] if step.than else []
+        for running, progress in ((step, now), *compared):
+            if progress.is_running:
+                frame = self.simulation.frame
+                tick = min(0 if frame is None else frame.tick, running.ticks)
+                words = f"Tick {format_thousands(tick)} of {format_thousands(running.ticks)}."
+                return f'<div class="fs-quiet">{words}</div>'
         if now.trial is None:
             return f'<div class="fs-quiet">{self.lacks(step)}</div>'
-        if goes_on:
-            frame = self.simulation.frame
-            tick = min(0 if frame is None else frame.tick, step.ticks)
-            words = f"Tick {format_thousands(tick)} of {format_thousands(step.ticks)}."
-            return f'<div class="fs-quiet">{words}</div>'
-        than = self.progress[step.than - 1].mean if step.than else 0.0
-        lines = verdict(step, now, than)
+        lines = verdict(step, now, self.than_of(step))
         return (
             f'<div class="fs-note">{"".join(f"<p>{html.escape(one)}</p>" for one in lines)}</div>'
         )
@@ -262,41 +324,3 @@ def update(control: Any, **values: Any) -> None:
     for name, value in values.items():
         if getattr(control, name) != value:
             setattr(control, name, value)
-
-
-def sentence(number: int, steps: int, step: SceneStep) -> str:
-    """Which step it is, and what it says, HTML."""
-    return (
-        f'<div class="fs-story"><h3>Step {number + 1} of {steps}</h3>'
-        f"<p>{html.escape(step.say)}</p></div>"
-    )
-
-
-def verdict(step: SceneStep, progress: StepProgress, than: float) -> list[str]:
-    """What the run of a step shows, and whether that was predicted, in sentences.
-
-    `than`: the mean of the step that it is compared with, else 0.
-    """
-    trial = progress.trial
-    assert trial is not None
-    if trial.fault:
-        return [f"{trial.fault}, so this is not the run of this step. It is not judged."]
-    name = observable_words(step.measure).capitalize()
-    if not math.isfinite(trial.mean):
-        return [f"{name} has no value in this run: it is not judged."]
-    value = format_observable(step.measure, trial.mean)
-    ticks = f"ticks {format_thousands(trial.first)} to {format_thousands(trial.last)}"
-    less = ""
-    if step.than:
-        difference = trial.mean - than
-        side = "more" if difference >= 0.0 else "less"
-        size = format_observable(step.measure, abs(difference))
-        less = f", {size} {side} than in step {step.than}"
-    shown = step.choice_of(trial.mean - than)
-    predicted = step.choices[progress.choice]
-    holds = "holds" if shown == predicted else "does not hold"
-    lines = [
-        f"{name}: {value}, the mean of {ticks}{less}. This run shows “{shown}”.",
-        f"Your prediction “{predicted}” {holds}.",
-    ]
-    return [*lines, step.why] if step.why and shown == step.shows else lines
