@@ -27,6 +27,8 @@ class StepCard {
     };
     this.place = make("h2", "step-place");
     this.words = make("p", "step-words");
+    // The sentence says what is to be known: to who does not see the picture it would say it twice.
+    this.picture = Object.assign(make("img", "step-picture"), { alt: "" });
     const sentence = make("div", "step-sentence", this.place, this.words);
     sentence.setAttribute("aria-live", "polite");
     sentence.setAttribute("aria-atomic", "true");
@@ -68,6 +70,11 @@ class StepCard {
     const { step, number, steps } = this;
     this.place.textContent = `Step ${number + 1} of ${steps.length}`;
     this.words.textContent = step.say;
+    this.picture.remove();
+    if (step.picture) {
+      this.picture.src = step.picture;
+      this.place.after(this.picture);
+    }
     this.back.disabled = !number;
     this.next.disabled = number === steps.length - 1;
     // There is one slider of each parameter: it stands with the step, else among the others.

@@ -38,6 +38,18 @@ def small_scene(**changes: str) -> SavedScene:
     return SavedScene.from_toml(scene_text(**changes), "mine.toml")
 
 
+def test_a_step_shows_its_picture(lesson):
+    text = scene_text().replace('say = "Begin."', 'say = "Begin."\npicture = "lesson-who-leads"')
+    with lesson(SavedScene.from_toml(text, "mine.toml")) as page:
+        picture = page.locator("#step-picture")
+        until(lambda: picture.evaluate("shown => shown.naturalWidth") == 360, 30, "the picture")
+        assert picture.is_visible()
+        page.click("#step-next")
+        assert picture.count() == 0
+        page.click("#step-back")
+        assert picture.is_visible()
+
+
 def judged(page) -> list[str]:
     """What the page says of a run, once it says so."""
     lines = page.locator("#step-verdict p")

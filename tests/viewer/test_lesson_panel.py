@@ -284,7 +284,8 @@ def test_a_teacher_writes_a_lesson_that_is_saved_and_opened_again(laboratory):
     laboratory.simulation.set("eta", 2.0).result(60)
     refreshed(laboratory)
     set_value(laboratory.lesson_form.controls[0], "Noise")
-    write_step(laboratory, say="Press Go.")
+    write_step(laboratory, say="Press Go.", picture="order")
+    assert laboratory.lesson_form.picture.value == "none"
     write_step(laboratory, say="Look.", ask="How much?", choices="little / much", bounds="0.5")
     compared = {"than": 2, "agents": 10, "shows": "more", "why": "Fewer are as many."}
     write_step(
@@ -295,7 +296,7 @@ def test_a_teacher_writes_a_lesson_that_is_saved_and_opened_again(laboratory):
     assert laboratory.lesson.folder.visible
     saved = SavedScene.from_toml(laboratory.now("mine").to_toml(), "mine.toml")
     first, second, third = saved.steps
-    assert first.values() == {"say": "Press Go.", "controls": ["eta"]}
+    assert first.values() == {"say": "Press Go.", "picture": "order", "controls": ["eta"]}
     assert second.choices == ["little", "much"]
     assert second.set == {"eta": 2.0}
     assert {name: getattr(third, name) for name in ("than", "shows", "why")} == {

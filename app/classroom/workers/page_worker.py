@@ -142,7 +142,7 @@ class PageWorker:
             "measure": None if asked is None or observable not in measured else measure_of(asked),
         }
         script, style = "\n".join((script, class_script())), style + class_style()
-        policy = page_policy([script], [style], "connect-src 'self'; ")
+        policy = page_policy([script], [style], f"connect-src 'self'; {page.picture_policy}")
         text = page.filled(
             policy=policy,
             style=f"<style>{style}</style>",

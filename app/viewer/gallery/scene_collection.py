@@ -12,9 +12,9 @@ from agents.catalogue import model as find_model
 from agents.models.model import Model
 from agents.models.related import MOST, related_models
 from agents.spec import DEFAULT
-from app.package_files import STATIC
 from app.viewer.gallery.lessons.lessons import built_in_lesson, lesson_names
 from app.viewer.gallery.saved_scene import PACKED, SavedScene, unpack_scene
+from app.viewer.gallery.step_pictures import MOVES, PICTURES
 from app.viewer.run.run_preset import preset_spec, world_defaults, world_title
 from worlds.input_error import InputError, unknown
 from worlds.layout import layout_names, shared_layout
@@ -23,9 +23,6 @@ FOLDER = Path(__file__).parent / "scenes"
 """A scene a file; its name is that by which it is opened."""
 FIRST, NEXT = "spread", "order"
 """The scene that the page opens on, and the one that comes next."""
-PICTURES = STATIC / "gallery"
-MOVES = "-moves"
-"""Behind the name of a picture: a loop of what comes after it."""
 MODEL, WORLD, LESSON = "model:", "world:", "lesson:"
 """Stand before the name of a model, of a world or of a lesson, that is opened as a scene."""
 LESSONS = "Lessons"

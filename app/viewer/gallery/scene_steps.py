@@ -20,6 +20,7 @@ from agents.models.declare import NumberParameter, checked, declared
 from agents.observables.catalogue import OBSERVABLES
 from agents.spec import CompleteSpec
 from app.strict_table import StrictTable
+from app.viewer.gallery.step_pictures import demand_picture, picture_address
 from worlds.input_error import InputError, demand_line, first_input_error, shorten, unknown
 
 MOST_STEPS = 12
@@ -48,6 +49,9 @@ class SceneStep(StrictTable):
 
     say: Annotated[str, Field(min_length=1, max_length=240), ONE_LINE]
     """What to know, or what to do: one sentence."""
+    picture: str = ""
+    """Stands with the sentence: the name of a picture of the gallery, or one in itself, as an
+    address `data:image/webp;base64,` (or png, jpeg); empty: none."""
     controls: Annotated[list[str], Field(max_length=MOST_CONTROLS)] = Field(default=[])
     """The parameters whose sliders stand with the step."""
     watch: str = ""
@@ -157,6 +161,11 @@ class SceneStep(StrictTable):
         """The step as its file and a page have it, without what it does not say."""
         return {key: value for key, value in self.model_dump().items() if value}
 
+    def page_values(self) -> dict[str, Any]:
+        """The same for a page, which has no other file: the picture is in it."""
+        values = self.values()
+        return values | {"picture": picture_address(self.picture)} if self.picture else values
+
 
 def read_steps(value: Any, spec: CompleteSpec, origin: str) -> tuple[SceneStep, ...]:
     """The steps of a scene with this run.
@@ -174,6 +183,7 @@ def read_steps(value: Any, spec: CompleteSpec, origin: str) -> tuple[SceneStep, 
             step = SceneStep.model_validate(fields)
         except ValidationError as error:
             raise first_input_error(error, f"step {number}", origin) from None
+        demand_picture(step.picture, place)
         demand_controls(step, spec.model, place)
         demand_values(step, spec, place)
         demand_measure(step, page_observables(), place)

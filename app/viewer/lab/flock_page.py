@@ -110,7 +110,7 @@ def one_file(page: PageText, script: str, style: str) -> str:
     if page.has_steps:
         script, style = with_steps(script, style)
     return page.filled(
-        policy=page_policy([script], [style]),
+        policy=page_policy([script], [style], page.picture_policy),
         style=f"<style>{style}</style>",
         module=f'<script type="text/plain" id="module">{packed(page.program.module)}</script>',
         memory=f'<script type="text/plain" id="memory">{packed(page.program.memory)}</script>',
@@ -173,7 +173,8 @@ def page_files(
     script, style = with_steps(script, style)  # one file for all pages, those without steps too
     text = page.filled(
         policy="default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src blob:; "
-        "style-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'",
+        f"style-src 'self'; connect-src 'self'; {page.picture_policy}"
+        "base-uri 'none'; form-action 'none'",
         style=f'<link rel="stylesheet" href="{style_file}">',
         module=f'<script type="text/plain" id="module" data-file="{module}"></script>',
         memory=f'<script type="text/plain" id="memory" data-file="{memory}"></script>',
@@ -196,6 +197,13 @@ class PageText:
     texts: dict[str, str]
     manifest: str
     has_steps: bool
+    has_pictures: bool = False
+    """Whether a step has a picture."""
+
+    @property
+    def picture_policy(self) -> str:
+        """What a Content-Security-Policy says of pictures: those that are in the page itself."""
+        return "img-src data:; " if self.has_pictures else ""
 
     def filled(self, policy: str, **parts: str) -> str:
         """The page with its policy, and with its parts as HTML."""
@@ -223,7 +231,7 @@ def page_parts(
         manifest["colour"] = words.colour
     if words.steps:
         demand_in_page(words.steps, manifest, command)
-        manifest["steps"] = [step.values() for step in words.steps]
+        manifest["steps"] = [step.page_values() for step in words.steps]
     first = {name: place for place, name in enumerate(dict.fromkeys(words.plots))}
     manifest["measures"].sort(key=lambda one: first.get(one["name"], len(first)))
     for parameter in manifest["parameters"]:
@@ -244,7 +252,8 @@ def page_parts(
         "speed": f"{math.log10(min(max(words.speed or LIVELY, 1.0), FASTEST)):.2f}",
     }
     as_json = json.dumps(manifest, separators=(",", ":")).replace("<", "\\u003c")
-    return PageText(program, texts, as_json, bool(words.steps)), script, style
+    has_pictures = any(step.picture for step in words.steps)
+    return PageText(program, texts, as_json, bool(words.steps), has_pictures), script, style
 
 
 def write_flock_page(flock: Flock, path: Path, title: str = "", overwrite: bool = False) -> None:

@@ -19,6 +19,7 @@ from app.viewer.gallery.scene_steps import (
     page_observables,
     read_steps,
 )
+from app.viewer.gallery.step_pictures import gallery_pictures
 from app.viewer.measuring.observable_format import observable_words
 from app.viewer.panels.shell import block
 from worlds.input_error import InputError
@@ -53,6 +54,9 @@ class LessonForm:
                 "as they are now. *Save scene* keeps it; *Open a file* opens it again."
             )
             self.say = gui.add_text("Text", "", hint="What to know or to do, one sentence")
+            self.picture = gui.add_dropdown(
+                "Picture", (NONE, *gallery_pictures()), hint="Of the gallery, with the text"
+            )
             self.observables = {observable_words(name): name for name in page_observables()}
             measures = tuple(self.observables)
             self.controls = [
@@ -120,12 +124,15 @@ class LessonForm:
             set_value(text, "")
         for count in (self.than, self.agents):
             set_value(count, 0)
+        set_value(self.picture, NONE)
 
     def fields(self, scene: SavedScene) -> dict[str, Any]:
         """The step as a file would have it. Raises InputError for bounds that are no numbers."""
         names = {each.words: each.name for each in number_parameters(scene.spec.model).values()}
         controls = [names[one.value] for one in self.controls if one.value in names]
         fields: dict[str, Any] = {"say": self.say.value.strip(), "controls": controls}
+        if self.picture.value != NONE:
+            fields["picture"] = self.picture.value
         if self.watch.value != NONE:
             fields["watch"] = self.observables[self.watch.value]
         if not self.ask.value.strip():

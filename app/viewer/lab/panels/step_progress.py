@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from app.viewer.gallery.scene_steps import SceneStep, number_parameters
+from app.viewer.gallery.step_pictures import picture_address
 from app.viewer.measuring.observable_format import (
     format_observable,
     format_thousands,
@@ -62,9 +63,12 @@ class StepProgress:
 
 
 def sentence(number: int, steps: int, step: SceneStep) -> str:
-    """Which step it is, and what it says, HTML."""
+    """Which step it is, its picture, and what it says, HTML."""
+    # The sentence says what is to be known: to who does not see the picture it would say it twice.
+    source = html.escape(picture_address(step.picture)) if step.picture else ""
+    picture = f'<img alt="" src="{source}">' if source else ""
     return (
-        f'<div class="fs-story"><h3>Step {number + 1} of {steps}</h3>'
+        f'<div class="fs-story"><h3>Step {number + 1} of {steps}</h3>{picture}'
         f"<p>{html.escape(step.say)}</p></div>"
     )
 
