@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import re
 import threading
 from dataclasses import replace
@@ -323,3 +324,10 @@ def test_a_step_that_is_not_sound_is_refused_in_a_line(laboratory):
     assert told[1].startswith("step 4: choices = ['a'] is not allowed")
     refreshed(laboratory)
     assert laboratory.lesson.steps == steps
+
+
+def test_a_scene_as_fast_as_it_goes_opens_in_a_laboratory_that_runs(laboratory):
+    laboratory.run.pace(10.0)
+    laboratory.open(replace(laboratory.lesson.scene, title="Again, and fast"))
+    until(lambda: laboratory.lesson.scene.title == "Again, and fast", 30)
+    until(lambda: math.isinf(laboratory.simulation.state.speed), 30)

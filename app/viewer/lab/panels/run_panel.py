@@ -73,9 +73,11 @@ class RunPanel:
         self.simulation.setup(spec, beside)
 
     def pace(self, speed: float) -> None:
-        """Go to the speed of the list that is nearest to one (ticks per second)."""
+        """Go to the speed of the list that is nearest to one (ticks per second, or inf)."""
         finite = [choice for choice in self.speeds.values() if math.isfinite(choice)]
-        nearest = min(finite, key=lambda choice: abs(math.log(choice / speed)))
+        nearest = speed
+        if math.isfinite(speed):
+            nearest = min(finite, key=lambda choice: abs(math.log(choice / speed)))
         set_value(self.speed, speed_text(nearest))
         self.simulation.run_at(nearest)
 
